@@ -1,0 +1,82 @@
+"""The paper's controller, Eq. (2), for one joint and one cycle: pure, without clock, input, output or plant.
+
+V = k_e (d - x) - k_p dp + N + F + FL
+
+| symbol | meaning | unit |
+|---|---|---|
+| x, d | actual and demanded angle | rad |
+| dp | differential pressure, hose A less hose B | Pa |
+| k_e, k_p | gains of the present phase | V/rad, V/Pa |
+| N | null value | V |
+| F | short-term integral: in phase 3 only | V |
+| FL | long-term integral: corrects a drifting null | V |
+
+Signs: a positive voltage above N fills hose A and turns the joint forward (see docs/conventions.md).
+"""
+
+from layflat.control.average import mean4, ripple4
+from layflat.control.gains import Memory, Status
+from layflat.jit import law
+
+
+@law
+def start(measurement):
+    """Memory of a controller that wakes up at this measurement."""
+    x, dp = measurement.angle, measurement.differential_pressure
+    return Memory(x, x, x, dp, dp, dp, x, 0.0, 0.0)
+
+
+@law
+def _phase(gains, error, speed):
+    """Phase of the move, and its gains."""
+    near = abs(error) < gains.near_error and abs(speed) < gains.near_speed
+    close = abs(error) < gains.close_error and abs(speed) < gains.close_speed
+    k_e = gains.near.error_gain if near else gains.far.error_gain
+    k_p = gains.near.pressure_gain if near else gains.far.pressure_gain
+    k_e = gains.close.error_gain if close else k_e
+    k_p = gains.close.pressure_gain if close else k_p
+    return (3.0 if close else (2.0 if near else 1.0)), k_e, k_p
+
+
+@law
+def _clamp(value, limit):
+    return min(max(value, -limit), limit)
+
+
+@law
+def _integrals(gains, memory, phase, k_e, error, may_learn, elapsed):
+    """F and FL after this cycle.
+
+    FL learns what F and the proportional term have to hold at rest, and F gives up what FL takes over: their sum, and
+    so the joint, is not disturbed by the hand-over.
+    """
+    share = elapsed / gains.drift_time if may_learn else 0.0
+    handed = share * memory.short_term
+    short = memory.short_term - handed + gains.integral_gain * error * elapsed
+    short = _clamp(short, gains.integral_limit) if phase == 3.0 else 0.0
+    long = _clamp(memory.long_term + handed + share * k_e * error, gains.drift_limit)
+    return short, long
+
+
+@law
+def step(gains, memory, measurement, demand):
+    """One cycle of one joint: (memory, voltage, status). Source: the paper's Eq. (2) and section 3."""
+    x, dp = measurement.angle, measurement.differential_pressure
+    x_mean = mean4(x, memory.angle_0, memory.angle_1, memory.angle_2)
+    dp_mean = mean4(dp, memory.pressure_0, memory.pressure_1, memory.pressure_2)
+    ripple = ripple4(dp, memory.pressure_0, memory.pressure_1, memory.pressure_2)
+    x_used = x + gains.averaged * (x_mean - x)
+    dp_used = dp + gains.averaged * (dp_mean - dp)
+    speed = (x_used - memory.last_angle) / measurement.elapsed
+    error = demand - x_used
+    phase, k_e, k_p = _phase(gains, error, speed)
+    may_learn = (
+        ripple > gains.air_ripple and abs(speed) < gains.rest_speed and abs(dp_used) < gains.load_pressure
+    ) and phase == 3.0
+    short, long = _integrals(gains, memory, phase, k_e, error, may_learn, measurement.elapsed)
+    voltage = k_e * error - k_p * dp_used + gains.null + short + long
+    voltage = min(max(voltage, gains.voltage_low), gains.voltage_high)
+    after = Memory(
+        x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long
+    )
+    return after, voltage, Status(x_used, speed, dp_used, ripple, phase, 1.0 if may_learn else 0.0)

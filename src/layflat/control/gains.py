@@ -1,0 +1,83 @@
+"""What the controller of one joint is set to, and what it remembers from cycle to cycle."""
+
+from typing import NamedTuple
+
+
+class Phase(NamedTuple):
+    """Gains of one phase of a move."""
+
+    error_gain: float
+    """k_e, V/rad."""
+    pressure_gain: float
+    """k_p, V/Pa."""
+
+
+class Gains(NamedTuple):
+    """Settings of the controller of one joint; phase 1 is far or fast, 2 near, 3 almost there."""
+
+    far: Phase
+    near: Phase
+    close: Phase
+    near_error: float
+    near_speed: float
+    close_error: float
+    close_speed: float
+    null: float
+    """N, the valve's nominal centre, V."""
+    integral_gain: float
+    """Of the short-term integral F, V/(rad s)."""
+    integral_limit: float
+    """Of F, V."""
+    drift_time: float
+    """Time constant of the long-term integral FL, s."""
+    drift_limit: float
+    """Of FL, V."""
+    air_ripple: float
+    """Rule 1: the pressure ripple that shows that air is there, Pa."""
+    rest_speed: float
+    """Rule 2: the speed under which the joint is at rest, rad/s."""
+    load_pressure: float
+    """Rule 3: the differential pressure under which there is no offset load, Pa."""
+    voltage_low: float
+    voltage_high: float
+    averaged: float
+    """1: signals are averaged over four cycles (a dither period); 0: the last sample alone is used."""
+
+
+class Measurement(NamedTuple):
+    """What the controller sees: angle (rad), differential pressure (Pa), time since the last cycle (s)."""
+
+    angle: float
+    differential_pressure: float
+    elapsed: float
+
+
+class Memory(NamedTuple):
+    """The last three samples of both signals (newest first), the last averaged angle, both integrals."""
+
+    angle_0: float
+    angle_1: float
+    angle_2: float
+    pressure_0: float
+    pressure_1: float
+    pressure_2: float
+    last_angle: float
+    short_term: float
+    long_term: float
+
+
+class Status(NamedTuple):
+    """What the controller found in this cycle, for people and records."""
+
+    angle: float
+    """Averaged, rad."""
+    velocity: float
+    """rad/s."""
+    differential_pressure: float
+    """Averaged, Pa."""
+    ripple: float
+    """Amplitude of the pressure at the dither's frequency, Pa."""
+    phase: float
+    """1, 2 or 3."""
+    drift_learnt: float
+    """1 while the long-term integral may build, else 0."""

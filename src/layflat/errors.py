@@ -1,0 +1,51 @@
+"""The one tree of exceptions: catch `LayflatError` to catch everything that layflat raises on purpose."""
+
+from __future__ import annotations
+
+
+class LayflatError(Exception):
+    """Base of all errors; its message is one line that a user can act on."""
+
+
+class InputError(LayflatError):
+    """Something that the user gave is wrong: a file, a key, a value, an option.
+
+    Args:
+        what: what is wrong, with the offending value.
+        where: the file or option it stands in, and the key inside it.
+        right: what would be right, with an example.
+    """
+
+    def __init__(self, what: str, *, where: str = "", right: str = "") -> None:
+        self.what, self.where, self.right = what, where, right
+        text = f"{where}: {what}" if where else what
+        super().__init__(f"{text}; {right}" if right else text)
+
+
+class MachineError(InputError):
+    """A machine's description is wrong or describes something that can't exist."""
+
+
+class DesignError(InputError):
+    """No joint, cam or strap can be made to what was asked."""
+
+
+class OutputError(InputError):
+    """A result can't be written where it was asked for."""
+
+
+class DivergedError(LayflatError):
+    """A run left the range in which the model means anything.
+
+    Args:
+        time: when, s.
+        joint: the joint's name.
+        run: the run's data up to then.
+    """
+
+    def __init__(self, time: float, joint: str, run: object) -> None:
+        self.time, self.joint, self.run = time, joint, run
+        super().__init__(
+            f"the run diverged at t = {time:.4f} s in joint {joint!r}; the data up to there are kept; "
+            "a shorter step (--step), a smaller valve or lower gains may help"
+        )

@@ -1,0 +1,89 @@
+"""Air in a hose: energy and mass balance of an ideal gas in an elastic wall.
+
+| symbol | meaning | unit |
+|---|---|---|
+| p, T | absolute pressure, temperature | Pa, K |
+| m | mass of air | kg |
+| V_g | volume that the joint's geometry gives | m3 |
+| k | compliance: volume gained per pressure by the stretching wall | m3/Pa |
+| p_a | pressure outside | Pa |
+| E | energy of the air and of the stretched wall, m cv T + k (p^2 - p_a^2)/2 | J |
+
+The air fills V = V_g + k (p - p_a), and p V = (gamma - 1) m cv T. Eliminating T gives a quadratic for p, solved in the
+form that stays exact for k = 0. Derived in docs/derivations.md.
+"""
+
+from math import sqrt
+from typing import NamedTuple
+
+from layflat.jit import law
+from layflat.physics.air import CV, GAMMA, GAS_CONSTANT
+
+
+class Chamber(NamedTuple):
+    """Parameters of the air space of one hose."""
+
+    dead_volume: float
+    compliance: float
+    wall_conductance: float
+    """Heat flow to the wall per kelvin, W/K."""
+
+
+@law
+def _solve(a, b, c):
+    # The positive root of a p^2 + b p = c, exact for a = 0.
+    return 2.0 * c / (b + sqrt(b * b + 4.0 * a * c))
+
+
+@law
+def pressure(chamber, E, V_g, p_a):
+    """Pressure of a chamber that holds energy E, Pa."""
+    k = chamber.compliance
+    return _solve(0.5 * (GAMMA + 1.0) * k, V_g - k * p_a, (GAMMA - 1.0) * (E + 0.5 * k * p_a * p_a))
+
+
+@law
+def pressure_after_swelling(chamber, E, V_g, dV, p_a):
+    """Pressure once the volume has grown by dV to V_g, the work being done at that pressure (implicit), Pa."""
+    k = chamber.compliance
+    return _solve(
+        0.5 * (GAMMA + 1.0) * k, V_g - k * p_a + (GAMMA - 1.0) * dV, (GAMMA - 1.0) * (E + 0.5 * k * p_a * p_a)
+    )
+
+
+@law
+def pressure_rise(chamber, p, dE, V_g, p_a):
+    """Rise of the pressure p when the energy grows by dE at constant volume, to first order in dE, Pa."""
+    k = chamber.compliance
+    return (GAMMA - 1.0) * dE / (V_g - k * p_a + (GAMMA + 1.0) * k * p)
+
+
+@law
+def energy(chamber, p, V_g, p_a):
+    """Energy of a chamber at pressure p, J: the inverse of `pressure`."""
+    k = chamber.compliance
+    return p * (V_g + k * (p - p_a)) / (GAMMA - 1.0) + 0.5 * k * (p * p - p_a * p_a)
+
+
+@law
+def temperature(chamber, p, m, V_g, p_a):
+    """Temperature of a mass m of air at pressure p, K."""
+    return p * (V_g + chamber.compliance * (p - p_a)) / (m * GAS_CONSTANT)
+
+
+@law
+def air_mass(chamber, p, T, V_g, p_a):
+    """Mass of air at pressure p and temperature T, kg."""
+    return p * (V_g + chamber.compliance * (p - p_a)) / (GAS_CONSTANT * T)
+
+
+@law
+def wall_heat(chamber, T, T_wall):
+    """Heat flow from the wall into the air, W."""
+    return chamber.wall_conductance * (T_wall - T)
+
+
+@law
+def internal_energy(m, T):
+    """Energy of a mass of air, J."""
+    return m * CV * T

@@ -1,0 +1,48 @@
+"""Air through an orifice: ISO 6358-1:2013, both ways.
+
+| symbol | meaning | unit |
+|---|---|---|
+| C | sonic conductance | m3/(s Pa) |
+| b | critical pressure ratio | 1 |
+| p_1, p_2 | absolute pressure upstream and downstream | Pa |
+| T_1 | temperature upstream | K |
+| r | pressure ratio p_2/p_1 | 1 |
+| phi | flow relative to choked flow | 1 |
+| s | slope of phi next to r = 1 | 1 |
+"""
+
+from math import sqrt
+
+from layflat.jit import law
+from layflat.physics.air import CP, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
+
+LAMINAR_RATIO = 0.999
+"""Above this pressure ratio the flow is linear in the pressure difference, so that its slope stays finite."""
+
+
+@law
+def laminar_slope(b):
+    """Slope of phi between `LAMINAR_RATIO` and 1, from the critical pressure ratio b."""
+    z = (LAMINAR_RATIO - b) / (1.0 - b)
+    return sqrt(1.0 - z * z) / (1.0 - LAMINAR_RATIO)
+
+
+@law
+def effective_pressure(p_1, p_2, b, s):
+    """p_1 phi(p_2/p_1) without a division, Pa.
+
+    phi is 1 when choked, an ellipse for smaller differences (ISO 6358-1), and a straight line next to r = 1. The
+    ellipse is concave: its chord next to r = 1 lies below it there and above it everywhere else.
+    """
+    z = max(p_2 - b * p_1, 0.0) * (1.0 / (1.0 - b))
+    return min(sqrt(max(p_1 * p_1 - z * z, 0.0)), s * (p_1 - p_2))
+
+
+@law
+def orifice(C, b, s, p_a, T_a, p_b, T_b):
+    """Mass flow from a to b (negative: from b to a) and the enthalpy it carries, in kg/s and W."""
+    forward = p_a >= p_b
+    thinning_a, thinning_b = sqrt(REFERENCE_TEMPERATURE / T_a), sqrt(REFERENCE_TEMPERATURE / T_b)
+    pressing = effective_pressure(max(p_a, p_b), min(p_a, p_b), b, s)
+    flow = C * REFERENCE_DENSITY * pressing * (thinning_a if forward else -thinning_b)
+    return flow, flow * CP * (T_a if forward else T_b)

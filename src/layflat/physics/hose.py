@@ -1,0 +1,74 @@
+"""The layflat hose around a cylinder: Eq. (1) of the paper, the volume it sweeps, and its polynomial form.
+
+| symbol | meaning | unit |
+|---|---|---|
+| P | gauge pressure | Pa |
+| R | outer radius of the cylinder | m |
+| r | radius of the round inner roller | m |
+| R_h | radius of the fully inflated hose (width / pi) | m |
+| gamma | wrap angle of the collapsed hose | rad |
+| alpha | contact angle from the clamp to the point of break-away | rad |
+| c | ratio of roller angle to contact angle, in units of R/r | 1 |
+| s | travel: output angle from the collapsed hose on | rad |
+| K | torque per pressure = swept volume per radian of output | m3/rad |
+
+Because the same K stands for torque and for volume, a joint built from it conserves energy.
+"""
+
+from math import cos, pi, sin
+from typing import NamedTuple
+
+from layflat.jit import law
+
+
+class Stroke(NamedTuple):
+    """K over the travel s as a polynomial, K = k0 + k1 s + ... + k4 s^4 (m3/rad^n)."""
+
+    k0: float
+    k1: float
+    k2: float
+    k3: float
+    k4: float
+
+
+@law
+def roller_torque(P, R, r, R_h, gamma, alpha):
+    """Torque on a round inner roller, N m. Source: the paper's Eq. (1)."""
+    return P * R * r / (2.0 * cos((pi - gamma) / 2.0)) * (pi * R_h - R * (gamma - alpha) / 2.0) * (1.0 - cos(alpha))
+
+
+@law
+def roller_travel(R, r, gamma, alpha, c):
+    """Output angle of a round roller when the hose has peeled from gamma to alpha, rad. Source: section 2.2."""
+    return (gamma - alpha) * c * R / r
+
+
+@law
+def _peeled(R, R_h, gamma, alpha):
+    offset = pi * R_h - R * gamma / 2.0
+    return offset * (alpha - sin(alpha)) + R / 2.0 * (alpha * alpha / 2.0 - alpha * sin(alpha) - cos(alpha))
+
+
+@law
+def peeled_volume(R, R_h, gamma, alpha, c):
+    """Volume swept while the hose peels from gamma to alpha, m3: the integral of Eq. (1) over roller travel.
+
+    Derived in docs/derivations.md; the roller's radius cancels.
+    """
+    lever = c * R * R / (2.0 * cos((pi - gamma) / 2.0))
+    return lever * (_peeled(R, R_h, gamma, gamma) - _peeled(R, R_h, gamma, alpha))
+
+
+@law
+def torque_per_pressure(stroke, s):
+    """K at travel s, m3/rad."""
+    return stroke.k0 + s * (stroke.k1 + s * (stroke.k2 + s * (stroke.k3 + s * stroke.k4)))
+
+
+@law
+def swept_volume(stroke, s):
+    """Volume swept from travel 0 to s, m3: the exact integral of K."""
+    return s * (
+        stroke.k0
+        + s * (stroke.k1 / 2.0 + s * (stroke.k2 / 3.0 + s * (stroke.k3 / 4.0 + s * stroke.k4 / 5.0)))
+    )

@@ -1,0 +1,55 @@
+"""A 5/3 proportional spool valve: which share of its full conductance joins each hose to supply and exhaust.
+
+| symbol | meaning | unit |
+|---|---|---|
+| x | spool opening, positive: hose A to supply, hose B to exhaust | 1 |
+| o | overlap: the share of the stroke in which a land covers its port | 1 |
+| C | sonic conductance of a fully open path | m3/(s Pa) |
+| C_0 | leakage conductance of a closed path | m3/(s Pa) |
+"""
+
+from typing import NamedTuple
+
+from layflat.jit import law
+from layflat.physics.flow import orifice
+from layflat.physics.spool import Spool
+
+
+class Valve(NamedTuple):
+    """Parameters of a valve with its driver."""
+
+    spool: Spool
+    conductance: float
+    leakage: float
+    critical_ratio: float
+    laminar_slope: float
+    overlap: float
+    centre_voltage: float
+    volts_to_full: float
+    dither_amplitude: float
+    dither_frequency: float
+
+
+@law
+def commanded_opening(valve, voltage):
+    """Opening that the driver asks for at a control voltage, -1..1, without dither."""
+    return min(max((voltage - valve.centre_voltage) / valve.volts_to_full, -1.0), 1.0)
+
+
+@law
+def path_conductance(valve, x):
+    """Conductance of the path that a positive x opens, m3/(s Pa)."""
+    share = max(x - valve.overlap, 0.0) * (1.0 / (1.0 - valve.overlap))
+    return valve.leakage + (valve.conductance - valve.leakage) * share
+
+
+@law
+def chamber_flow(valve, x, p, T, p_supply, T_supply, p_exhaust):
+    """Flows of a chamber joined to supply by x > 0 and to exhaust by x < 0.
+
+    Returns mass flow in (kg/s), enthalpy flow in (W), and the mass flow taken from the supply (kg/s).
+    """
+    b, s = valve.critical_ratio, valve.laminar_slope
+    inflow, heat_in = orifice(path_conductance(valve, x), b, s, p_supply, T_supply, p, T)
+    outflow, heat_out = orifice(path_conductance(valve, -x), b, s, p, T, p_exhaust, T_supply)
+    return inflow - outflow, heat_in - heat_out, inflow
