@@ -1,0 +1,136 @@
+"""From a description file, or the name of a built-in machine, to a validated `Machine`."""
+
+from __future__ import annotations
+
+import tomllib
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from layflat.errors import MachineError
+from layflat.machine.model import Machine
+from layflat.machine.provenance import Provenance, split
+
+Plain = dict[str, Any]
+Sources = dict[str, Provenance]
+
+BUILT_IN = files("layflat.machine") / "builtin"
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """Names of the built-in machines."""
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir() if entry.name.endswith(".toml")))
+
+
+def load(machine: str | Path | Machine) -> Machine:
+    """A machine from its built-in name or from a TOML file; a `Machine` is passed through.
+
+    Raises:
+        MachineError: in one line, which file, key and value is wrong and what would be right.
+    """
+    if isinstance(machine, Machine):
+        return machine
+    where = str(machine)
+    plain, sources = _read(where, ())
+    return build(plain, sources, where)
+
+
+def build(plain: Plain, sources: Sources, where: str) -> Machine:
+    """Validate plain tables into a machine.
+
+    Raises:
+        MachineError: naming `where`, the key and the value.
+    """
+    try:
+        machine = Machine.model_validate(plain)
+    except ValidationError as error:
+        raise _explained(error.errors()[0], where) from None
+    machine._provenance.update(sources)
+    return machine
+
+
+def _read(where: str, seen: tuple[str, ...]) -> tuple[Plain, Sources]:
+    """Tables of a file, laid over those of the file that it extends."""
+    if where in seen:
+        raise MachineError(f"extends itself through {' -> '.join(seen)}", where=where, right="break the circle")
+    try:
+        raw = tomllib.loads(_text(where))
+    except tomllib.TOMLDecodeError as error:
+        raise MachineError(f"is not TOML: {error}", where=where, right='values look like width = "160 mm"') from None
+    base = raw.pop("extends", None)
+    plain, sources = split(raw, where)
+    if base is None:
+        return plain, sources
+    if not isinstance(base, str):
+        raise MachineError(f"{base!r} is not a name", where=f"{where}: extends", right='give one such as "paper-arm"')
+    below = Path(where).parent / base
+    under, under_sources = _read(str(below) if below.suffix == ".toml" else base, (*seen, where))
+    return _laid_over(under, plain), under_sources | sources
+
+
+def _text(where: str) -> str:
+    if where in names():
+        return (BUILT_IN / f"{where}.toml").read_text(encoding="utf-8")
+    path = Path(where)
+    if not path.suffix and not path.exists():
+        near = get_close_matches(where, names(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "`layflat machines` lists them"
+        raise MachineError("no such machine", where=where, right=hint)
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        right = "give the path of a TOML file or a name that `layflat machines` lists"
+        raise MachineError(f"can't be read ({error.strerror})", where=where, right=right) from None
+    except UnicodeDecodeError:
+        raise MachineError("is not a text file in UTF-8", where=where, right="give a TOML file") from None
+
+
+def _laid_over(under: Plain, over: Plain) -> Plain:
+    merged = dict(under)
+    for key, value in over.items():
+        below = merged.get(key)
+        merged[key] = _laid_over(below, value) if isinstance(below, dict) and isinstance(value, dict) else value
+    return merged
+
+
+def _explained(error: ErrorDetails, where: str) -> MachineError:
+    """One line for the first thing that pydantic found wrong."""
+    key = ".".join(str(step) for step in error["loc"])
+    value = error["input"]
+    message = error["msg"].removeprefix("Value error, ")
+    place = f"{where}: {key}" if key else where
+    if error["type"] == "extra_forbidden":
+        return MachineError("unknown key", where=place, right=_known_keys(error["loc"]))
+    if error["type"] == "missing":
+        return MachineError("is missing", where=place, right="`layflat show paper-arm` shows a complete description")
+    if error["type"] == "quantity":
+        problem, _, right = message.partition("; ")
+        return MachineError(f"{value!r} {problem}", where=place, right=right)
+    if isinstance(value, dict):
+        return MachineError(message, where=place)
+    return MachineError(f"{value!r} is out of range", where=place, right=_plain_bound(error, message))
+
+
+def _plain_bound(error: ErrorDetails, message: str) -> str:
+    text = message[0].lower() + message[1:]
+    return text.replace("input ", "it ") + " (in SI units)" if "ctx" in error else text.replace("input ", "it ")
+
+
+def _known_keys(location: tuple[int | str, ...]) -> str:
+    """The keys that stand beside an unknown one, nearest first."""
+    schema: dict[str, Any] = Machine.model_json_schema()
+    definitions, here = schema["$defs"], schema
+    for step in location[:-1]:
+        here = here.get("properties", {}).get(step) or here.get("additionalProperties") or {}
+        options = [here, *here.get("anyOf", [])]
+        name = next((option["$ref"].rsplit("/", 1)[-1] for option in options if "$ref" in option), None)
+        here = definitions[name] if name else here
+    known = list(here.get("properties", {}))
+    near = get_close_matches(str(location[-1]), known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(known)}"

@@ -1,0 +1,125 @@
+"""The whole machine: joints in an arm, with valve, supply, sensors and controller."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, PrivateAttr, model_validator
+
+from layflat.machine import units as u
+from layflat.machine.parts import Joint, Part
+from layflat.machine.provenance import Provenance
+
+
+class Supply(Part):
+    """Air supply and surroundings."""
+
+    pressure_gauge: u.PositivePressure
+    temperature: u.Temperature
+    ambient_pressure: u.PositivePressure = Field(description="absolute")
+    ambient_temperature: u.Temperature
+
+    @property
+    def pressure(self) -> float:
+        """Absolute supply pressure, Pa."""
+        return self.pressure_gauge + self.ambient_pressure
+
+
+class Dither(Part):
+    """What the driver adds to keep the spool moving."""
+
+    amplitude: u.Share = Field(description="share of full opening")
+    frequency: u.Frequency
+
+
+class Valve(Part):
+    """A 5/3 proportional spool valve with its driver, one per joint."""
+
+    conductance: u.Conductance = Field(description="ISO 6358 sonic conductance of a fully open path")
+    critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
+    leakage: u.ConductanceOrZero = Field(description="sonic conductance of a closed path")
+    overlap: Annotated[u.Share, Field(lt=0.9)] = Field(description="share of the stroke in which a land covers its port")
+    natural_frequency: u.Frequency
+    damping_ratio: u.Ratio
+    friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
+    centre_voltage: u.Voltage
+    volts_to_full: u.PositiveVoltage = Field(description="from the centre to full opening")
+    dither: Dither
+
+    @model_validator(mode="after")
+    def _closes(self) -> Valve:
+        if self.leakage >= self.conductance:
+            raise ValueError("leakage must be smaller than conductance")
+        return self
+
+
+class AngleSensor(Part):
+    """Potentiometer and converter; its range is centred on the joint's mid-stroke."""
+
+    range: u.PositiveAngle
+    bits: Annotated[int, Field(ge=4, le=24)]
+    noise: Annotated[float, u.ANGLE, Field(ge=0)]
+    offset: u.Angle
+
+
+class PressureSensor(Part):
+    """Differential pressure transducer and converter, centred on zero."""
+
+    range: u.PositivePressure
+    bits: Annotated[int, Field(ge=4, le=24)]
+    noise: u.PressureOrZero
+    offset: u.AnyPressure
+
+
+class Controller(Part):
+    """What the controllers of all joints share."""
+
+    cycle: u.Time
+    averaged: bool = Field(description="average both signals over four cycles")
+    drift_time: u.Time = Field(description="time constant of the long-term integral")
+    drift_limit: u.VoltageOrZero = Field(description="greatest correction of the null")
+    air_ripple: u.PressureOrZero = Field(description="rule 1: ripple that shows that air is there")
+    rest_speed: u.PositiveSpeed = Field(description="rule 2: below it the joint is at rest")
+    load_pressure: u.PositivePressure = Field(description="rule 3: below it there is no offset load")
+
+
+class Arm(Part):
+    """How joints make an arm in a plane, from the base to the tip."""
+
+    joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)]
+    elbow: u.Angle = Field(description="angle between the links when the second joint is in mid-stroke")
+    payload: u.Mass
+    gravity: u.Acceleration = Field(description="in the arm's plane; zero for an arm that moves horizontally")
+    gravity_direction: u.Angle = Field(description="from link 1 at mid-stroke")
+
+
+class Machine(Part):
+    """A validated description. `provenance` gives the source of each value by its dotted path."""
+
+    name: str
+    title: str
+    supply: Supply
+    joint: dict[str, Joint]
+    arm: Arm
+    valve: Valve | None = None
+    angle_sensor: AngleSensor | None = None
+    pressure_sensor: PressureSensor | None = None
+    controller: Controller | None = None
+    _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _joined(self) -> Machine:
+        missing = [name for name in self.arm.joints if name not in self.joint]
+        if missing:
+            raise ValueError(f"arm.joints names {missing[0]!r}, which is no joint here; joints are {sorted(self.joint)}")
+        return self
+
+    @property
+    def provenance(self) -> dict[str, Provenance]:
+        """Source of each value by its dotted path; "given" where the file does not say."""
+        return self._provenance
+
+    @property
+    def joints(self) -> dict[str, Joint]:
+        """The joints that the arm uses, by name, from the base to the tip."""
+        return {name: self.joint[name] for name in self.arm.joints}

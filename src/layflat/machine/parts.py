@@ -1,0 +1,201 @@
+"""The parts of a joint as a person describes them: hose, cylinder, output, strap, cover, brake, stops, link.
+
+All numbers are SI floats once validated (see units.py); keys that end in `_gauge` are gauge pressures.
+"""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from layflat.machine import units as u
+
+
+class Part(BaseModel):
+    """Base of all parts: frozen, and an unknown key is an error."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Hose(Part):
+    """A layflat hose, wrapped around the cylinder."""
+
+    width: u.Length = Field(description="width of the flat hose, along the cylinder's axis")
+    wrap: Annotated[u.PositiveAngle, Field(le=radians(180.0001))] = Field(
+        description="wrap angle of the collapsed hose (gamma)"
+    )
+    contact_end: u.PositiveAngle = Field(description="contact angle at full travel (alpha)")
+    peel_ratio: u.Ratio = Field(description="roller angle per contact angle, in units of R/r")
+    dead_volume: u.Volume = Field(description="air in collapsed hose, fittings and tube")
+    compliance: u.Compliance = Field(description="volume gained per pressure by the stretching wall")
+    wall_conductance: u.HeatConductance = Field(description="heat flow from wall to air per kelvin")
+    areal_mass: u.AreaDensity = Field(description="mass of one layer of hose per area")
+    loss_share: u.Share = Field(description="loop height / torque, with a free outer surface, at reference pressure")
+    folded: bool = Field(default=True, description="folded back on itself, or of a single thickness with clamped ends")
+
+    @model_validator(mode="after")
+    def _peels(self) -> Hose:
+        if self.contact_end >= self.wrap:
+            raise ValueError("contact_end must be smaller than wrap, for example 84 deg with a wrap of 120 deg")
+        return self
+
+
+class Cylinder(Part):
+    """The outer cylinder that the hose is wrapped around."""
+
+    diameter: u.Length
+    wall: u.Length = Field(description="thickness of its wall")
+    density: u.Density
+
+
+class Output(Part):
+    """What the strap turns: a round roller, or a cam that keeps the torque constant."""
+
+    kind: Literal["roller", "cam"]
+    radius: u.Length = Field(description="radius of the round roller; a cam keeps this roller's stroke and mean torque")
+    shaft_offset: u.LengthOrZero = Field(default=0.0, description="distance of the output axis from the cylinder's axis")
+
+
+class Strap(Part):
+    """What joins hose or shell to the output."""
+
+    material: str
+    width: u.Length
+    thickness: u.Length
+    layers: Annotated[int, Field(ge=1)] = 1
+    modulus: u.Stress
+    yield_stress: u.Stress
+    density: u.Density
+    loss_share: u.Share = Field(description="loop height / torque that the strap adds at reference pressure")
+
+
+class Cover(Part):
+    """What lies on the hose's outer surface; it limits how far the hose distorts."""
+
+    kind: Literal["none", "plate", "polythene", "shell"]
+    loss_factor: u.Share = Field(description="share of the hose's loss that remains")
+    thickness: u.LengthOrZero
+    density: u.Density
+
+
+class DeflectingRoller(Part):
+    """Rollers that lead the strap from the hose to the output."""
+
+    diameter: u.Length
+    count: Annotated[int, Field(ge=1)]
+    friction_share: u.Share = Field(description="loop height / torque that the pin of each roller adds")
+    bending_share: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
+
+
+class Losses(Part):
+    """How the losses of hose and strap depend on pressure and on the size of the motion."""
+
+    reference_pressure_gauge: u.PositivePressure
+    pressure_free: u.Share = Field(description="part of the loss at reference pressure that does not grow with pressure")
+    deflections: tuple[u.PositiveAngle, u.PositiveAngle, u.PositiveAngle] = Field(
+        description="turn after which each of three elements slips, at reference pressure"
+    )
+    weights: tuple[u.Share, u.Share, u.Share] = Field(description="share of each element in the loss")
+
+    @model_validator(mode="after")
+    def _adds_up(self) -> Losses:
+        if abs(sum(self.weights) - 1.0) > 1e-9:
+            raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
+        return self
+
+
+class Brake(Part):
+    """Friction on the output shaft: the brake that is put there, and what the bearings drag."""
+
+    torque: u.Torque = Field(description="torque at which the brake slips, at full brake signal")
+    viscous: u.Damping
+
+
+class Stops(Part):
+    """Strokes and what limits them."""
+
+    working_stroke: u.PositiveAngle
+    mechanical_stroke: u.PositiveAngle
+    squeeze_stiffness: u.Stiffness = Field(description="of the collapsed hose when it is compressed near the stop")
+    stop_stiffness: u.Stiffness
+    stop_damping: u.Damping
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Stops:
+        if self.mechanical_stroke < self.working_stroke:
+            raise ValueError("mechanical_stroke must not be smaller than working_stroke, for example 140 deg and 120 deg")
+        return self
+
+
+class Link(Part):
+    """The rigid link that the joint turns, and the masses that turn with it."""
+
+    length: u.Length
+    mass: u.Mass
+    centre: u.LengthOrZero = Field(description="distance of the link's centre of mass from the joint")
+    inertia: u.InertiaOrZero = Field(description="about the link's centre of mass")
+    rotor_inertia: u.Inertia = Field(description="of cams, shaft and brake disk about the joint")
+
+
+class Body(Part):
+    """The joint as a thing to carry."""
+
+    mass: u.Mass
+    height: u.Length
+
+
+class Joint(Part):
+    """One joint; `acting` says whether one hose pulls, or two against each other."""
+
+    acting: Literal["single", "double"]
+    hose: Hose
+    cylinder: Cylinder
+    output: Output
+    strap: Strap
+    cover: Cover
+    losses: Losses
+    brake: Brake
+    stops: Stops
+    link: Link
+    body: Body
+    deflecting_roller: DeflectingRoller | None = None
+    gains: JointGains | None = None
+
+    @model_validator(mode="after")
+    def _fits(self) -> Joint:
+        if self.output.radius >= self.cylinder.diameter / 2:
+            raise ValueError("output.radius must be smaller than the cylinder's radius")
+        if self.hose.width * 4 <= self.cylinder.diameter * (self.hose.wrap - self.hose.contact_end):
+            raise ValueError("hose.width is too small for this cylinder and wrap: Eq. (1) would give no torque")
+        return self
+
+
+class PhaseGains(Part):
+    """Gains of one phase of a move."""
+
+    error: u.ErrorGain
+    pressure: u.PressureGain
+
+
+class Threshold(Part):
+    """A phase holds below this error and this speed."""
+
+    error: u.PositiveAngle
+    speed: u.PositiveSpeed
+
+
+class JointGains(Part):
+    """Eq. (2) for one joint: three phases, where they begin, and the short-term integral."""
+
+    far: PhaseGains
+    near: PhaseGains
+    close: PhaseGains
+    near_below: Threshold
+    close_below: Threshold
+    integral: u.IntegralGain
+    integral_limit: u.VoltageOrZero
+
+
+Joint.model_rebuild()

@@ -1,0 +1,89 @@
+"""What a run is worth: one definition for each metric.
+
+All take a run (see dataset.py) and look at the stretch between two times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, radians
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.physics.air import NORMAL_DENSITY
+
+if TYPE_CHECKING:
+    import xarray
+
+BAND = radians(0.3)
+"""Within this of its demand a joint has settled, rad."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """Metrics of one joint over one move; `settling` is infinite where it does not settle."""
+
+    joint: str
+    settling: float
+    """s"""
+    overshoot: float
+    """rad"""
+    steady_error: float
+    """rad, mean over the last fifth of the move"""
+    ripple: float
+    """rad, peak to peak over the last fifth of the move"""
+
+
+def settling_time(time: NDArray[np.float64], error: NDArray[np.float64], band: float) -> float:
+    """Time of the last exit from +-band, counted from the first instant; infinite if the end lies outside."""
+    outside = np.flatnonzero(np.abs(error) > band)
+    if len(outside) == 0:
+        return 0.0
+    if outside[-1] == len(error) - 1:
+        return inf
+    return float(time[outside[-1] + 1] - time[0])
+
+
+def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf, band: float = BAND) -> Move:
+    """Metrics of a joint between two times, against the demand that holds at the end of them."""
+    part = run.sel(joint=joint, time=slice(since, until))
+    time, angle = part["time"].to_numpy(), part["angle"].to_numpy()
+    demand = float(part["demand"][-1])
+    error = angle - demand
+    way = np.sign(demand - angle[0])
+    last = error[int(0.8 * len(error)) :]
+    return Move(
+        joint,
+        settling_time(time, error, band),
+        float(max(0.0, np.max(way * error))),
+        float(np.mean(last)),
+        float(np.ptp(last)),
+    )
+
+
+def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:
+    """Time after which the tip stays within `band` (m) of where the demands put it; infinite if it does not."""
+    from layflat.machine import Machine  # noqa: PLC0415
+    from layflat.sim.kinematics import tip_position  # noqa: PLC0415
+
+    part = run.sel(time=slice(since, until))
+    machine = Machine.model_validate_json(run.attrs["machine"])
+    goal = tip_position(machine, part["demand"].to_numpy()[-1])
+    distance = np.linalg.norm(part["tip"].to_numpy() - goal, axis=-1)
+    return settling_time(part["time"].to_numpy(), distance, band)
+
+
+def air_used(run: xarray.Dataset) -> float:
+    """Air taken from the supply by all joints, normal litres."""
+    return float(run["air_taken"][-1].sum() - run["air_taken"][0].sum()) / NORMAL_DENSITY * 1000.0
+
+
+def peak_tip_acceleration(run: xarray.Dataset) -> float:
+    """Greatest acceleration of the payload, m/s2, from second differences of its position at the records."""
+    tip, time = run["tip"].to_numpy(), run["time"].to_numpy()
+    if len(time) < 3:
+        return 0.0
+    second = np.diff(tip, 2, axis=0) / np.square(time[1] - time[0])
+    return float(np.linalg.norm(second, axis=1).max())

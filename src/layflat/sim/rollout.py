@@ -1,0 +1,122 @@
+"""One machine through one scenario."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import DivergedError, InputError
+from layflat.machine import Machine, load, parameters
+from layflat.machine import units as u
+from layflat.sim.kernel import Signals, Timing, run_cycles
+from layflat.sim.scenario import Scenario, Signal, Value, signals, spread
+
+if TYPE_CHECKING:
+    import xarray
+
+STEP = 0.25e-3
+"""Default step of the plant, s."""
+
+
+def rollout(
+    machine: str | Path | Machine,
+    demand: Signal = 0.0,
+    *,
+    step: Value = STEP,
+    records: int = 1,
+    scenario: Scenario | None = None,
+    **changes: Any,
+) -> xarray.Dataset:
+    """Simulate a machine with its controller.
+
+    Args:
+        machine: a description, its file, or the name of a built-in machine.
+        demand: angles asked for: "40 deg", {"large": "40 deg"}, or steps [("0 s", ...), ("2 s", ...)].
+        step: of the plant; rounded so that a control cycle is a whole number of steps.
+        records: instants recorded per control cycle.
+        scenario: what happens; `demand` and `changes` (fields of `Scenario`) are laid over it.
+        **changes: fields of `Scenario`, for instance `duration="4 s"`, `payload="2 kg"`, `seed=1`.
+
+    Returns:
+        A run: dims `time` and `joint`, units in the attributes (see dataset.py for the names).
+
+    Raises:
+        InputError: a machine, scenario or option is wrong.
+        DivergedError: the run left all meaning; it carries the data up to there.
+    """
+    from layflat.sim.dataset import dataset  # noqa: PLC0415  # xarray takes long to import
+
+    described = load(machine)
+    unknown = sorted(set(changes) - set(Scenario.__dataclass_fields__))
+    if unknown:
+        raise InputError(
+            f"unknown option {unknown[0]!r}", where="rollout", right=f"use {', '.join(Scenario.__dataclass_fields__)}"
+        )
+    case = replace(scenario, **changes) if scenario is not None else Scenario(demand=demand, **changes)
+    rows, acting, diverged, timing = simulate(described, case, step=step, records=records)
+    run = dataset(described, case, acting, rows, timing)
+    if diverged >= 0:
+        names = list(described.joints)
+        raise DivergedError(float(run.time[-1]), names[diverged], run)
+    return run
+
+
+def simulate(
+    machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1
+) -> tuple[NDArray[np.float64], Signals, int, Timing]:
+    """Run the compiled loop: (instants, joints, columns of `Sample`), signals, joint that diverged or -1, timing."""
+    cycle = machine.controller.cycle if machine.controller is not None else 0.005
+    timing = _timing(cycle, u.quantity(step, u.TIME, "step"), records, scenario.opening is None)
+    joints = tuple(parameters.joint(machine, name) for name in machine.joints)
+    gains = tuple(_gains(machine, name, closed_loop=timing.closed_loop) for name in machine.joints)
+    acting = signals(scenario, machine, cycle)
+    around = parameters.surroundings(machine)
+    rows, valid, diverged = run_cycles(
+        parameters.arm(machine),
+        joints,
+        gains,
+        around,
+        _start(scenario, machine, acting),
+        _pressures(scenario, machine, len(joints)),
+        acting,
+        timing,
+    )
+    return rows[:valid], acting, diverged, timing
+
+
+def _timing(cycle: float, step: float, records: int, closed_loop: bool) -> Timing:
+    if not 1e-8 <= step <= cycle:
+        raise InputError(f"{step:g} s is out of range", where="step", right=f"give 10 ns to {cycle:g} s")
+    if records < 1:
+        raise InputError(f"{records} is out of range", where="records", right="give 1 or more per cycle")
+    per_record = max(1, round(cycle / step / records))
+    return Timing(cycle, per_record * records, records, closed_loop)
+
+
+def _gains(machine: Machine, name: str, *, closed_loop: bool) -> Any:
+    if closed_loop or machine.joint[name].gains is not None:
+        return parameters.gains(machine, name)
+    return parameters.idle_gains(machine)
+
+
+def _start(scenario: Scenario, machine: Machine, acting: Signals) -> NDArray[np.float64]:
+    if scenario.start is None:
+        return acting.demand[0].copy()
+    angles = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
+    for name, angle in zip(machine.joints, angles, strict=True):
+        parameters.check_inside_stroke(machine, name, float(angle), "start")
+    return angles
+
+
+def _pressures(scenario: Scenario, machine: Machine, n: int) -> NDArray[np.float64]:
+    """Start pressures, (joints, 2): by default where equal leaks to supply and exhaust balance when choked, 3/4."""
+    if scenario.pressures is None:
+        return np.full((n, 2), 0.75 * machine.supply.pressure)
+    pair = [u.quantity(value, u.PRESSURE, "pressures") for value in scenario.pressures]
+    if min(pair) <= 0.0:
+        raise InputError(f"{min(pair):g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
+    return np.tile(np.array(pair), (n, 1))

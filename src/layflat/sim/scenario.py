@@ -1,0 +1,181 @@
+"""What happens to a machine during a run: demands and disturbances, as signals over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import InputError
+from layflat.machine import Machine, parameters
+from layflat.machine import units as u
+from layflat.sim.kernel import Signals
+
+Value = str | float
+Angles = Value | Mapping[str, Value] | Sequence[Value]
+"""Of all joints: one value, a table by joint, or one value a joint from base to tip."""
+Signal = Angles | Sequence[tuple[Value, Angles]] | Callable[[float], Angles] | NDArray[np.float64]
+"""A constant, steps of (time, values), a function of time, or one row of numbers per control cycle."""
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """All that acts on a machine during a run. Text carries units; numbers are SI.
+
+    Args:
+        demand: angles asked for (rad); must lie inside the working stroke.
+        duration: s.
+        start: angles at which the arm rests at first; the first demand where not given.
+        opening: valve openings, -1..1, in place of the controller: an open-loop run.
+        brake: share of the brake's torque.
+        load: external torque on each joint, N m.
+        drift: shift of each valve's centre, V.
+        supply: gauge pressure of the supply, Pa; the machine's where not given.
+        payload: kg; the machine's where not given.
+        pressures: absolute pressures of the hoses A and B at the start, Pa; at equal leakage where not given.
+        noise: whether the sensors are noisy.
+        seed: of the noise.
+    """
+
+    demand: Signal = 0.0
+    duration: Value = 2.0
+    start: Angles | None = None
+    opening: Signal | None = None
+    brake: Signal = 1.0
+    load: Signal = 0.0
+    drift: Signal = 0.0
+    supply: Signal | None = None
+    payload: Signal | None = None
+    pressures: tuple[Value, Value] | None = None
+    noise: bool = True
+    seed: int = 0
+
+    def cycles(self, cycle: float) -> int:
+        """Number of control cycles."""
+        duration = u.quantity(self.duration, u.TIME, "duration")
+        if not cycle <= duration <= 1e5:
+            raise InputError(f"{duration:g} s is out of range", where="duration", right="give 5 ms to 100000 s")
+        return round(duration / cycle)
+
+
+def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
+    """The scenario as arrays over control cycles.
+
+    Raises:
+        InputError: a value without unit, of a wrong kind, not finite, or a demand outside the stroke.
+    """
+    n, names = scenario.cycles(cycle), list(machine.joints)
+    times = cycle * np.arange(n)
+
+    def expand(signal: Signal, kind: u.Quantity | None, where: str) -> NDArray[np.float64]:
+        return spread(signal, times, names, kind, where)
+
+    demand = expand(scenario.demand, u.ANGLE, "demand")
+    for j, name in enumerate(names):
+        worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
+        parameters.check_inside_stroke(machine, name, worst, "demand")
+    ambient = machine.supply.ambient_pressure
+    supply = machine.supply.pressure_gauge if scenario.supply is None else scenario.supply
+    payload = machine.arm.payload if scenario.payload is None else scenario.payload
+    brakes = np.array([machine.joint[name].brake.torque for name in names])
+    noise = np.random.default_rng(scenario.seed).standard_normal((n, len(names), 2))
+    gauge = spread(supply, times, ["supply"], u.PRESSURE, "supply")[:, 0]
+    _check(gauge > -ambient, gauge, "supply", 'a gauge pressure above vacuum, such as "4 bar"')
+    mass = spread(payload, times, ["payload"], u.MASS, "payload")[:, 0]
+    _check(mass >= 0.0, mass, "payload", 'a mass of zero or more, such as "1.5 kg"')
+    brake = expand(scenario.brake, None, "brake")
+    _check(brake >= 0.0, brake, "brake", "a share of zero or more, such as 1.0")
+    return Signals(
+        demand,
+        expand(0.0 if scenario.opening is None else scenario.opening, None, "opening"),
+        brake * brakes,
+        expand(scenario.load, u.TORQUE, "load"),
+        expand(scenario.drift, u.VOLTAGE, "drift"),
+        np.ascontiguousarray(gauge + ambient),
+        np.ascontiguousarray(mass),
+        noise if scenario.noise else np.zeros_like(noise),
+    )
+
+
+def _check(good: NDArray[np.bool_], values: NDArray[np.float64], where: str, right: str) -> None:
+    if not good.all():
+        raise InputError(f"{values[~good][0]:g} is out of range", where=where, right=f"give {right}")
+
+
+def spread(
+    signal: Signal, times: NDArray[np.float64], names: Sequence[str], kind: u.Quantity | None, where: str
+) -> NDArray[np.float64]:
+    """Values of a signal at the given times, shape (times, names).
+
+    Raises:
+        InputError: naming `where` it was given.
+    """
+    if isinstance(signal, np.ndarray):
+        return _rows(signal, times, names, where)
+    if callable(signal):
+        return np.array([_row(signal(float(t)), names, kind, where) for t in times])
+    if _is_steps(signal):
+        return _steps(signal, times, names, kind, where)
+    return np.tile(_row(signal, names, kind, where), (len(times), 1))
+
+
+def _is_steps(signal: object) -> bool:
+    return isinstance(signal, Sequence) and not isinstance(signal, str) and len(signal) > 0 and all(
+        isinstance(item, tuple) and len(item) == 2 for item in signal
+    )  # fmt: skip
+
+
+def _steps(
+    steps: Sequence[tuple[Value, Angles]],
+    times: NDArray[np.float64],
+    names: Sequence[str],
+    kind: u.Quantity | None,
+    where: str,
+) -> NDArray[np.float64]:
+    since = [u.quantity(time, u.TIME, where) for time, _ in steps]
+    if any(b <= a for a, b in pairwise(since)):
+        raise InputError("the times of its steps do not grow", where=where, right='give ("0 s", ...), ("1 s", ...)')
+    rows = np.array([_row(values, names, kind, where) for _, values in steps])
+    # A step holds from its time on; before the first step, its value holds too.
+    which = np.clip(np.searchsorted(np.array(since) - 1e-9, times, side="right") - 1, 0, None)
+    return rows[which]
+
+
+def _rows(rows: NDArray[np.float64], times: NDArray[np.float64], names: Sequence[str], where: str) -> NDArray[np.float64]:
+    wide = rows if rows.ndim == 2 else np.repeat(rows.reshape(-1, 1), len(names), axis=1)
+    if wide.shape != (len(times), len(names)):
+        raise InputError(
+            f"an array of shape {rows.shape} does not fit", where=where, right=f"give shape {(len(times), len(names))}"
+        )
+    if not np.isfinite(wide).all():
+        raise InputError("holds a value that is not finite", where=where, right="give numbers only")
+    return np.ascontiguousarray(wide, dtype=np.float64)
+
+
+def _row(values: object, names: Sequence[str], kind: u.Quantity | None, where: str) -> NDArray[np.float64]:
+    """One value a joint, in SI."""
+    if isinstance(values, Mapping):
+        unknown = sorted(set(values) - set(names))
+        if unknown:
+            raise InputError(f"{unknown[0]!r} is no joint here", where=where, right=f"joints are {', '.join(names)}")
+        each = [values.get(name, 0.0) for name in names]
+    elif isinstance(values, Sequence) and not isinstance(values, str):
+        each = list(values)
+    elif isinstance(values, np.ndarray):
+        each = [float(value) for value in values.ravel()]
+    else:
+        each = [values] * len(names)
+    if len(each) != len(names):
+        raise InputError(f"has {len(each)} values", where=where, right=f"give {len(names)}: {', '.join(names)}")
+    return np.array([_number(value, kind, where) for value in each])
+
+
+def _number(value: object, kind: u.Quantity | None, where: str) -> float:
+    if kind is not None and isinstance(value, (str, int, float)):
+        return u.quantity(value, kind, where)
+    if isinstance(value, (int, float, np.number)) and np.isfinite(value):
+        return float(value)
+    raise InputError(f"{value!r} is not a number", where=where, right="give a number such as 0.5")

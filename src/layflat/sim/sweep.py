@@ -1,0 +1,89 @@
+"""Slow sweeps at constant pressure: the torque-angle loops of the open-loop rigs.
+
+The joint is turned slowly while its torque is read, so mass and air flow do not matter: torque = K p - losses - brake.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.jit import kernel
+from layflat.machine import Machine, parameters
+from layflat.physics.hose import torque_per_pressure
+from layflat.physics.loss import slip_all
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One closed torque-angle loop: angles (rad) and torques (N m), forward and back."""
+
+    angle: NDArray[np.float64]
+    torque: NDArray[np.float64]
+
+    @property
+    def height(self) -> float:
+        """Greatest difference of torque between the way forward and the way back, N m."""
+        half = len(self.angle) // 2
+        return float(np.max(np.abs(self.torque[:half] - self.torque[half:][::-1])))
+
+    @property
+    def mean_torque(self) -> NDArray[np.float64]:
+        """Torque half way between the way forward and the way back, N m: what is left without losses and brake."""
+        half = len(self.angle) // 2
+        return 0.5 * (self.torque[:half] + self.torque[half:][::-1])
+
+    @property
+    def hysteresis(self) -> float:
+        """Height over the greatest torque, the latter without losses and brake."""
+        return self.height / float(np.max(np.abs(self.mean_torque)))
+
+
+@kernel
+def _sweep(hose_a, hose_b, q, p_a, p_b, brake):
+    torque = np.empty_like(q)
+    a_1, a_2, a_3, b_1, b_2, b_3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    way = 1.0
+    for i in range(len(q)):
+        turn = q[i] - q[i - 1] if i > 0 else 0.0
+        way = 1.0 if turn > 0.0 else (-1.0 if turn < 0.0 else way)
+        a_1, a_2, a_3 = slip_all(hose_a.loss, a_1, a_2, a_3, turn, p_a)
+        b_1, b_2, b_3 = slip_all(hose_b.loss, b_1, b_2, b_3, turn, p_b)
+        pull = torque_per_pressure(hose_a.stroke, hose_a.neutral + q[i]) * p_a
+        push = torque_per_pressure(hose_b.stroke, hose_b.neutral - q[i]) * p_b
+        torque[i] = pull - push - (a_1 + a_2 + a_3 + b_1 + b_2 + b_3) - way * brake
+    return torque
+
+
+def sweep(
+    machine: Machine,
+    joint: str,
+    pressure: float,
+    *,
+    centre: float = 0.0,
+    stroke: float | None = None,
+    brake: float = 1.0,
+    points: int = 1001,
+) -> Loop:
+    """Turn a joint to and fro with hose A at a gauge pressure (Pa) and hose B vented, until the loop repeats.
+
+    Args:
+        machine: the machine.
+        joint: name of the joint.
+        pressure: gauge pressure in hose A, Pa.
+        centre: middle of the sweep, rad from mid-stroke.
+        stroke: from end to end, rad; the working stroke where not given.
+        brake: share of the brake's torque.
+        points: instants each way.
+    """
+    described = machine.joint[joint]
+    hose_a = parameters.hose(described)
+    hose_b = hose_a if described.acting == "double" else parameters.NO_HOSE
+    reach = described.stops.working_stroke if stroke is None else stroke
+    way = centre + reach * (np.linspace(0.0, 1.0, points) - 0.5)
+    lap = np.concatenate([way, way[::-1]])
+    angle = np.concatenate([lap, lap])
+    torque = _sweep(hose_a, hose_b, angle, pressure, 0.0, brake * described.brake.torque)
+    return Loop(lap, torque[len(lap) :])
