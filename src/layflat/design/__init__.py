@@ -1,0 +1,54 @@
+"""Which hose, cylinder, cam and strap: Eq. (1), exact cams, design rules, sizing and drawings.
+
+Everything starts from `design_joint` (what a described joint can do) or `size_joint` (a description of a joint that
+does what is asked).
+"""
+
+from layflat.design.cam import Cam, synthesise
+from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
+from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
+from layflat.design.mass import Air, Mass
+from layflat.design.measured import read_characteristic
+from layflat.design.outline import Outline, cam_outline
+from layflat.design.plates import Plate, of_plate
+from layflat.design.rules import Finding, refuse_errors
+from layflat.design.sizing import HOSE_WIDTHS, Sized, SizingRequest, size_joint
+from layflat.design.strap import StrapStress, strap_stress
+from layflat.design.straplines import Lines, RollerLine, ShellLine, StrapLine
+from layflat.design.summary import JointDesign, design_joint
+from layflat.design.table1 import Table1, Table1Constants, table1
+
+__all__ = [
+    "HOSE_WIDTHS",
+    "Air",
+    "Cam",
+    "Characteristic",
+    "Finding",
+    "JointDesign",
+    "Lines",
+    "Mass",
+    "Outline",
+    "Plate",
+    "RollerLine",
+    "ShellLine",
+    "Sized",
+    "SizingRequest",
+    "StrapLine",
+    "StrapStress",
+    "Table1",
+    "Table1Constants",
+    "cam_outline",
+    "cam_sheet",
+    "design_joint",
+    "layout_sheet",
+    "of_cylinder",
+    "of_plate",
+    "read_characteristic",
+    "refuse_errors",
+    "size_joint",
+    "strap_stress",
+    "synthesise",
+    "table1",
+    "wrapped_hose",
+    "write_drawings",
+]

@@ -1,0 +1,145 @@
+"""The cam that keeps the torque constant: the paper's Fig. 6, exact instead of graphical.
+
+| symbol | meaning | unit |
+|---|---|---|
+| s, f | travel of the strap point, force along it per pressure | m, m2 |
+| K | torque per pressure, the same at all travels | m3/rad |
+| phi | angle that the cam has turned | rad |
+| p, psi | lever arm of the strap's line, angle of its normal in the joint's frame | m, rad |
+| eta | angle of the normal in the cam's own frame, eta = psi - phi | rad |
+| h(eta) | support function of the profile, h = p | m |
+| rho | radius of curvature, rho = h + h'' | m |
+
+Power balance: K dphi = f ds. The profile is the envelope of the strap's lines in the cam's frame,
+x = h cos eta - h' sin eta, y = h sin eta + h' cos eta. A strap can only pull, so it must be convex: rho > 0.
+Derived in docs/derivations-cam.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import degrees, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from layflat.design.characteristic import SPLINE_ORDER, Characteristic
+from layflat.design.straplines import StrapLine
+from layflat.errors import DesignError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Cam:
+    """A cam and how it runs; arrays of shape (n,) over the travel, from the collapsed hose on.
+
+    Args:
+        torque_constant: K, m3/rad: torque per gauge pressure.
+        travel: s, m.
+        angle: phi, rad, from 0.
+        lever: p, m.
+        alignment: share of the strap's tension that acts along the shell's motion.
+        line_normal: psi, rad.
+        normal: eta, rad, falling.
+        curvature_radius: rho, m; not positive where the cam can't be made.
+        profile: points of the envelope in the cam's frame, which is the joint's at phi = 0 with its origin on the
+            output axis, m, shape (n, 2).
+        strap_point: A, m, in the joint's frame, shape (n, 2).
+        axis: O, m, in the joint's frame.
+    """
+
+    torque_constant: float
+    travel: Array
+    angle: Array
+    lever: Array
+    alignment: Array
+    line_normal: Array
+    normal: Array
+    curvature_radius: Array
+    profile: Array
+    strap_point: Array
+    axis: tuple[float, float]
+
+    @property
+    def stroke(self) -> float:
+        """Angle from the collapsed hose to the end of travel, rad."""
+        return float(self.angle[-1])
+
+    @property
+    def tension(self) -> Array:
+        """Strap tension per gauge pressure, m2, shape (n,)."""
+        return self.torque_constant / self.lever
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smallest radius of curvature, m."""
+        return float(self.curvature_radius.min())
+
+    @property
+    def convex(self) -> bool:
+        """Whether the cam can be made: the strap touches it everywhere."""
+        return bool((self.curvature_radius > 0).all())
+
+    @property
+    def turning(self) -> float:
+        """Angle through which the profile's tangent turns, rad."""
+        return float(self.normal[0] - self.normal[-1])
+
+    @property
+    def dip(self) -> float:
+        """How far the strap runs below the strap point's first place, m: that deep a slot the cylinder's edge needs."""
+        normals = np.stack((np.cos(self.line_normal), np.sin(self.line_normal)), axis=-1)
+        return float((normals @ (self.strap_point[0] - np.array(self.axis)) - self.lever).max())
+
+
+def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -> Cam:
+    """The cam that turns by `stroke` while the hose goes through its travel, at constant torque per pressure.
+
+    Energy settles the torque: K = swept volume / stroke.
+
+    Args:
+        characteristic: force over travel of one hose.
+        line: how the strap gets from hose to cam.
+        stroke: of the cam over the full travel, rad.
+
+    Raises:
+        DesignError: the stroke is not positive, no lever arm gives the torque, or the strap's lines turn back.
+    """
+    if not (isfinite(stroke) and stroke > 0):
+        raise DesignError(f"stroke of {degrees(stroke):.6g} deg", where="cam", right="give a positive stroke")
+    s, f = characteristic.travel, characteristic.force
+    K = characteristic.swept_volume / stroke
+    phi = characteristic.volume / K
+    lines = line.lines(s, f, K)
+    eta = lines.normal_angle - phi
+    back = np.diff(eta) >= 0
+    if back.any():
+        raise DesignError(
+            f"the strap's line turns faster than the cam at {s[int(np.argmax(back))] * 1e3:.4g} mm of travel",
+            where="cam",
+            right="a longer stroke, or an output axis further from the strap point",
+        )
+    slope, rho = _support_derivatives(eta, lines.lever)
+    normal = np.stack((np.cos(eta), np.sin(eta)), axis=-1)
+    tangent = np.stack((-np.sin(eta), np.cos(eta)), axis=-1)
+    return Cam(
+        torque_constant=K,
+        travel=s,
+        angle=phi,
+        lever=lines.lever,
+        alignment=lines.alignment,
+        line_normal=lines.normal_angle,
+        normal=eta,
+        curvature_radius=rho,
+        profile=lines.lever[:, None] * normal + slope[:, None] * tangent,
+        strap_point=lines.strap_point,
+        axis=line.axis,
+    )
+
+
+def _support_derivatives(eta: Array, h: Array) -> tuple[Array, Array]:
+    """Slope h' and radius of curvature h + h'' at each normal angle."""
+    curve = make_interp_spline(eta[::-1], h[::-1], k=SPLINE_ORDER)
+    return np.asarray(curve.derivative(1)(eta)), h + np.asarray(curve.derivative(2)(eta))

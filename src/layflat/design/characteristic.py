@@ -1,0 +1,142 @@
+"""What one hose gives over its travel: the force along the travel of its strap point, per pressure.
+
+| symbol | meaning | unit |
+|---|---|---|
+| s | travel of the strap point, from the collapsed hose on | m |
+| V | volume that the hose has swept | m3 |
+| f | force along the travel per gauge pressure, f = F/P = dV/ds | m2 |
+| c | roller angle per contact angle, in units of R/r | 1 |
+
+By virtual work F ds = P dV, so one curve is force and volume alike, and nothing built from it can make energy.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import BSpline, make_interp_spline
+
+from layflat.errors import DesignError
+from layflat.machine import Joint
+from layflat.physics.hose import roller_torque
+
+Array = NDArray[np.float64]
+
+POINTS = 601
+"""Nodes of a curve that a law gives; its quintic spline is then as exact as the law."""
+
+SPLINE_ORDER = 5
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """Force per pressure over travel.
+
+    Args:
+        travel: s, m, shape (n,), rising from 0.
+        force: f, N/Pa = m2, shape (n,), positive.
+        source: what the curve comes from, for reports.
+        fit_error: greatest distance of measured points from the curve, share of the greatest force.
+
+    Raises:
+        DesignError: the curve has too few points, does not rise in travel, or is not positive.
+    """
+
+    travel: Array
+    force: Array
+    source: str
+    fit_error: float = 0.0
+
+    def __post_init__(self) -> None:
+        where = f"characteristic from {self.source}"
+        if self.travel.shape != self.force.shape or self.travel.ndim != 1 or self.travel.size <= SPLINE_ORDER:
+            raise DesignError(
+                f"{self.travel.size} travels and {self.force.size} forces",
+                where=where,
+                right=f"give as many of one as of the other, at least {SPLINE_ORDER + 1}",
+            )
+        if not (np.isfinite(self.travel).all() and np.isfinite(self.force).all()):
+            raise DesignError("holds a number that is not finite", where=where, right="every value must be a number")
+        if self.travel[0] != 0.0 or not (np.diff(self.travel) > 0).all():
+            raise DesignError("travel does not rise from 0", where=where, right="order it from the collapsed hose on")
+        if not (self.force > 0).all():
+            at = self.travel[int(np.argmax(self.force <= 0))]
+            raise DesignError(
+                f"the hose gives no force at {at * 1e3:.4g} mm of travel",
+                where=where,
+                right="end the travel before that: a smaller stroke, or a wider hose",
+            )
+
+    @cached_property
+    def curve(self) -> BSpline[np.float64]:
+        """f(s) as a spline."""
+        return make_interp_spline(self.travel, self.force, k=SPLINE_ORDER)
+
+    @cached_property
+    def volume(self) -> Array:
+        """V at each travel, m3, shape (n,)."""
+        return np.asarray(self.curve.antiderivative()(self.travel), dtype=float)
+
+    @property
+    def full_travel(self) -> float:
+        """Travel at the end, m."""
+        return float(self.travel[-1])
+
+    @property
+    def swept_volume(self) -> float:
+        """V at the end of travel, m3: the work of one stroke per pressure."""
+        return float(self.volume[-1])
+
+    def force_at(self, travel: ArrayLike) -> Array:
+        """F at any travel within the curve, m2."""
+        return np.asarray(self.curve(np.asarray(travel, dtype=float)), dtype=float)
+
+    def on_roller(self, radius: float) -> tuple[Array, Array]:
+        """Angle (rad) and torque per pressure (m3/rad) of a round roller of this radius, each of shape (n,)."""
+        return self.travel / radius, self.force * radius
+
+
+def of_cylinder(joint: Joint, points: int = POINTS) -> Characteristic:
+    """The hose of a described joint by Eq. (1): F = T/r, and s = c R (gamma - alpha). The roller's radius cancels."""
+    hose, R = joint.hose, joint.cylinder.diameter / 2
+    return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, points=points)
+
+
+def wrapped_hose(
+    width: float, R: float, gamma: float, contact_end: float, c: float, *, points: int = POINTS
+) -> Characteristic:
+    """A hose wrapped around a cylinder by Eq. (1).
+
+    Args:
+        width: of the flat hose, m.
+        R: outer radius of the cylinder, m.
+        gamma: wrap angle of the collapsed hose, rad.
+        contact_end: contact angle at full travel, rad.
+        c: peel ratio.
+        points: nodes of the curve.
+
+    Raises:
+        DesignError: a size is not positive, the wrap is over 180 deg, or the hose gives no force.
+    """
+    for name, value in {
+        "width": width,
+        "radius": R,
+        "wrap": gamma,
+        "contact_end": contact_end,
+        "peel_ratio": c,
+    }.items():
+        if not (np.isfinite(value) and value > 0):
+            raise DesignError(f"{value:.6g}", where=f"hose on a cylinder: {name}", right="give a positive number")
+    if not contact_end < gamma <= pi + 2e-6:
+        raise DesignError(
+            f"wrap of {np.degrees(gamma):.6g} deg and contact_end of {np.degrees(contact_end):.6g} deg",
+            where="hose on a cylinder",
+            right="contact_end must be smaller than wrap, and wrap at most 180 deg",
+        )
+    alpha = np.linspace(gamma, contact_end, points)
+    force = np.array([roller_torque(1.0, R, 1.0, width / pi, gamma, float(a)) for a in alpha])
+    return Characteristic(c * R * (gamma - alpha), force, "Eq. (1)")

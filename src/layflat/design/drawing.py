@@ -1,0 +1,201 @@
+"""Drawings of a designed joint: the cam to be cut, and how it sits in the joint."""
+
+from __future__ import annotations
+
+import csv
+import io
+from contextlib import ExitStack
+from math import cos, degrees, pi, sin
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.design.cam import Cam
+from layflat.design.dxf import dxf_text
+from layflat.design.outline import Outline
+from layflat.design.sheet import Circle, Diameter, Distance, Note, Sheet
+from layflat.design.sheet import Path as Line
+from layflat.design.straplines import CLAMP_ANGLE, ShellLine, of_joint
+from layflat.design.summary import JointDesign
+from layflat.design.svg import svg_text
+from layflat.errors import DesignError
+from layflat.files import whole_file
+
+Array = NDArray[np.float64]
+
+MM = 1e3
+LARGEST_TEXT = 3.5
+TEXTS_ACROSS = 18.0
+"""Text height of a drawing: the part's size over this, at most LARGEST_TEXT mm."""
+
+BORE_DIRECTION = 215.0
+"""Where the bore's dimension is led out, deg: the side without profile."""
+
+
+def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
+    """Write a joint's cam as DXF, SVG and CSV, and its layout as SVG; all of them, or none.
+
+    Args:
+        design: a joint with a cam.
+        folder: where they go; it is made if it is not there.
+
+    Returns:
+        The files, named by machine and joint.
+
+    Raises:
+        DesignError: the joint has no cam that can be made.
+        OutputError: the folder can't be written, or ezdxf is not installed.
+    """
+    cam_drawing, stem = cam_sheet(design), f"{design.machine.name}-{design.name}"
+    contents = {
+        folder / f"{stem}-cam.dxf": dxf_text(cam_drawing),
+        folder / f"{stem}-cam.svg": svg_text(cam_drawing),
+        folder / f"{stem}-cam.csv": columns_text(design.columns()),
+        folder / f"{stem}-layout.svg": svg_text(layout_sheet(design)),
+    }
+    with ExitStack() as files:
+        for path, text in contents.items():
+            files.enter_context(whole_file(path)).write_text(text, encoding="utf-8", newline="\n")
+    return list(contents)
+
+
+def columns_text(columns: dict[str, Array]) -> str:
+    """CSV of columns of one length."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))
+    return text.getvalue()
+
+
+def cam_sheet(design: JointDesign) -> Sheet:
+    """The cam in its own frame: outline, bore, strap at both ends of the stroke, dimensions and notes.
+
+    Raises:
+        DesignError: the joint has no cam that can be made.
+    """
+    cam, outline = design.with_cam(), _outline(design)
+    points = outline.points * MM
+    low, high = points.min(axis=0), points.max(axis=0)
+    sheet = Sheet(f"Cam of joint {design.name}, {design.machine.name}", _text_height(float((high - low).max())))
+    t = sheet.text_height
+    sheet.paths.append(Line(points, "OUTLINE", closed=True))
+    sheet.circles.append(Circle((0.0, 0.0), outline.bore / 2 * MM, "OUTLINE"))
+    sheet.cross((0.0, 0.0), outline.hub / 2 * MM + t)
+    _levers(sheet, cam)
+    bases = np.array([distance.base for distance in sheet.distances])
+    _overall(sheet, low, high, np.vstack((points, bases)))
+    bore, lead = outline.bore * MM, _lead(outline, BORE_DIRECTION) * MM + 2 * t
+    sheet.diameters.append(Diameter((0.0, 0.0), bore / 2, BORE_DIRECTION, f"⌀{bore:.4g}", lead))
+    top = min(low[1], bases[:, 1].min()) - 11 * t
+    for row, text in enumerate(_notes(design, cam, outline)):
+        sheet.notes.append(Note((float(low[0]) - 6 * t, float(top) - 1.6 * t * row), text, 1.25 if row == 0 else 1.0))
+    return sheet
+
+
+def layout_sheet(design: JointDesign) -> Sheet:
+    """Cylinder, shell, strap and cam of the left hose in the joint's frame, at three angles of the output.
+
+    Raises:
+        DesignError: the joint has no cam that can be made.
+    """
+    cam, outline, joint = design.with_cam(), _outline(design), design.joint
+    R, gamma = joint.cylinder.diameter / 2 * MM, joint.hose.wrap
+    sheet = Sheet(f"Layout of joint {design.name}, {design.machine.name}", _text_height(2 * R))
+    t = sheet.text_height
+    sheet.circles.append(Circle((0.0, 0.0), R, "HOSE"))
+    sheet.cross((0.0, 0.0), 2 * t)
+    axis = np.array(cam.axis) * MM
+    sheet.circles.append(Circle(_point(axis), outline.bore / 2 * MM, "OUTLINE"))
+    line = of_joint(joint)
+    if not isinstance(line, ShellLine):
+        roller = joint.deflecting_roller
+        centre = _point(np.array(getattr(line, "centre", (0.0, 0.0))) * MM)
+        sheet.circles.append(Circle(centre, roller.diameter / 2 * MM if roller else 0.5, "OUTLINE"))
+    last = len(cam.angle) - 1
+    for k in (0, last // 2, last):
+        turned = _rotated(outline.points * MM, float(cam.angle[k])) + axis
+        sheet.paths.append(Line(turned, "OUTLINE" if k == 0 else "CENTRE", closed=True))
+        psi = float(cam.line_normal[k])
+        foot = _rotated(cam.profile[k : k + 1] * MM, float(cam.angle[k]))[0] + axis
+        start = cam.strap_point[k] * MM
+        sheet.line(_point(start), _point(foot), "STRAP")
+        if isinstance(line, ShellLine):
+            sheet.paths.append(Line(_shell(R, gamma, float(cam.travel[k] / line.chord)), "HOSE"))
+        beyond = start + 2.5 * t * np.array([-sin(psi), cos(psi)]) - np.array([t, 0.0])
+        sheet.notes.append(Note(_point(beyond), f"{degrees(cam.angle[k]):.0f}°", 0.8))
+    sheet.notes.append(Note((-1.3 * R, -R - 6 * t), sheet.title, 1.25))
+    text = "left hose; the right one is its mirror image; cam and strap at three angles of the output"
+    sheet.notes.append(Note((-1.3 * R, -R - 8 * t), text, 0.8))
+    return sheet
+
+
+def _outline(design: JointDesign) -> Outline:
+    if design.outline is None:
+        raise DesignError(
+            "the cam can't be made", where=f"{design.machine.name}: joint.{design.name}", right="see its findings"
+        )
+    return design.outline
+
+
+def _levers(sheet: Sheet, cam: Cam) -> None:
+    """The strap's line at both ends of the stroke, with its lever arm."""
+    t = sheet.text_height
+    for k, beyond in ((0, 1.0), (-1, -1.0)):
+        eta, lever = float(cam.normal[k]), float(cam.lever[k]) * MM
+        normal, tangent = np.array([cos(eta), sin(eta)]), np.array([-sin(eta), cos(eta)])
+        touch = cam.profile[k] * MM
+        end = touch + 8 * t * tangent
+        sheet.line(_point(touch), _point(end), "STRAP")
+        base = lever * normal + beyond * (abs(float((touch - lever * normal) @ tangent)) + 6 * t) * tangent
+        sheet.distances.append(Distance((0.0, 0.0), _point(lever * normal), _point(base), degrees(eta), f"{lever:.3f}"))
+
+
+def _overall(sheet: Sheet, low: Array, high: Array, taken: Array) -> None:
+    """Width and height of the part, clear of the points that are taken."""
+    t = sheet.text_height
+    (x0, y0), (x1, y1) = (float(v) for v in low), (float(v) for v in high)
+    below, beside = float(taken[:, 1].min()) - 4 * t, float(taken[:, 0].max()) + 5 * t
+    sheet.distances.append(Distance((x0, y0), (x1, y0), (x0, below), 0.0, f"{x1 - x0:.2f}"))
+    sheet.distances.append(Distance((x1, y0), (x1, y1), (beside, y0), 90.0, f"{y1 - y0:.2f}"))
+
+
+def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
+    strap, torque = design.joint.strap, cam.torque_constant * design.pressure
+    return [
+        f"Cam of joint {design.name}, {design.machine.name}",
+        f"{torque:.4g} N m at {design.pressure / 1e5:.4g} bar over {degrees(cam.stroke):.4g}°; mirrored for the other",
+        f"lever arm {cam.lever.min() * MM:.3f} to {cam.lever.max() * MM:.3f} mm, "
+        f"radius of curvature from {cam.smallest_radius * MM:.3f} mm",
+        f"strap {strap.material} {strap.width * MM:.4g} x {strap.thickness * MM:.4g} mm, {strap.layers} layers; "
+        "clamped on the flat",
+        f"profile: {outline.working} points; dimensions in mm",
+    ]
+
+
+def _shell(R: float, gamma: float, opened: float) -> Array:
+    """The left shell, turned about its hinge by the angle that it has opened."""
+    angle = CLAMP_ANGLE - np.linspace(0.0, gamma, 61)
+    arc = R * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+    return _rotated(arc - arc[0], opened) + arc[0]
+
+
+def _lead(outline: Outline, direction: float) -> float:
+    """How far the outline reaches from the axis in a direction (degrees), m."""
+    unit = np.array([cos(direction * pi / 180), sin(direction * pi / 180)])
+    return float((outline.points @ unit).max())
+
+
+def _text_height(size: float) -> float:
+    return min(LARGEST_TEXT, size / TEXTS_ACROSS)
+
+
+def _rotated(points: Array, angle: float) -> Array:
+    c, s = cos(angle), sin(angle)
+    turned: Array = points @ np.array([[c, s], [-s, c]])
+    return turned
+
+
+def _point(vector: Array) -> tuple[float, float]:
+    return float(vector[0]), float(vector[1])

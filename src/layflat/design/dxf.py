@@ -1,0 +1,85 @@
+"""A sheet as DXF (R2010, mm), with dimensions that CAD programs can edit. ezdxf is an extra: `layflat[drawing]`."""
+
+from __future__ import annotations
+
+import io
+from math import cos, radians, sin
+from typing import TYPE_CHECKING, Any
+
+from layflat.design.sheet import Sheet
+from layflat.errors import OutputError
+
+if TYPE_CHECKING:
+    from ezdxf.layouts.layout import Modelspace
+
+LAYERS: dict[str, tuple[int, str]] = {
+    "OUTLINE": (7, "CONTINUOUS"),
+    "CENTRE": (8, "CENTER"),
+    "STRAP": (1, "CONTINUOUS"),
+    "HOSE": (5, "CONTINUOUS"),
+    "DIMENSIONS": (8, "CONTINUOUS"),
+    "TEXT": (7, "CONTINUOUS"),
+}
+"""Colour index and line type of each layer; only OUTLINE is to be cut."""
+
+
+def dxf_text(sheet: Sheet) -> str:
+    """The DXF document of a sheet.
+
+    Raises:
+        OutputError: ezdxf is not installed.
+    """
+    try:
+        from ezdxf import units  # noqa: PLC0415  # an extra
+        from ezdxf.filemanagement import new  # noqa: PLC0415
+    except ImportError:
+        raise OutputError("needs ezdxf", where="DXF drawing", right="pip install 'layflat[drawing]'") from None
+    document = new("R2010", setup=True)
+    document.units = units.MM
+    for name, (colour, line) in LAYERS.items():
+        document.layers.add(name, color=colour, linetype=line)
+    space = document.modelspace()
+    for path in sheet.paths:
+        space.add_lwpolyline(path.points.tolist(), close=path.closed, dxfattribs={"layer": path.layer})
+    for circle in sheet.circles:
+        space.add_circle(circle.centre, circle.radius, dxfattribs={"layer": circle.layer})
+    for note in sheet.notes:
+        text = space.add_text(note.text, height=note.size * sheet.text_height, dxfattribs={"layer": "TEXT"})
+        text.set_placement(note.at)
+    _dimensions(space, sheet)
+    stream = io.StringIO()
+    document.write(stream)
+    return stream.getvalue()
+
+
+def _dimensions(space: Modelspace, sheet: Sheet) -> None:
+    t = sheet.text_height
+    style: dict[str, Any] = {
+        "dimtxt": t, "dimasz": 0.8 * t, "dimexo": 0.3 * t, "dimexe": 0.5 * t, "dimgap": 0.3 * t, "dimlfac": 1.0,
+        "dimscale": 1.0, "dimdec": 3, "dimzin": 0, "dimtad": 1, "dimtsz": 0.0, "dimblk": "", "dimtmove": 1,
+    }  # fmt: skip
+    attributes = {"layer": "DIMENSIONS"}
+    for distance in sheet.distances:
+        space.add_linear_dim(
+            base=distance.base,
+            p1=distance.first,
+            p2=distance.second,
+            angle=distance.direction,
+            text=distance.label,
+            override=style,
+            dxfattribs=attributes,
+        ).render()
+    for diameter in sheet.diameters:
+        space.add_diameter_dim(
+            center=diameter.centre,
+            radius=diameter.radius,
+            angle=diameter.direction,
+            text=diameter.label,
+            location=_led_out(diameter.centre, diameter.lead, diameter.direction),
+            override=style,
+            dxfattribs=attributes,
+        ).render()
+
+
+def _led_out(centre: tuple[float, float], lead: float, direction: float) -> tuple[float, float]:
+    return centre[0] + lead * cos(radians(direction)), centre[1] + lead * sin(radians(direction))

@@ -1,0 +1,85 @@
+"""What a drawing shows, apart from the format that it is written in. Everything in mm, y upwards."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Point = tuple[float, float]
+Layer = Literal["OUTLINE", "CENTRE", "STRAP", "HOSE", "DIMENSIONS", "TEXT"]
+
+
+@dataclass(frozen=True)
+class Path:
+    """A polyline through points of shape (n, 2)."""
+
+    points: Array
+    layer: Layer
+    closed: bool = False
+
+
+@dataclass(frozen=True)
+class Circle:
+    """A full circle."""
+
+    centre: Point
+    radius: float
+    layer: Layer
+
+
+@dataclass(frozen=True)
+class Distance:
+    """A dimension of the distance between two points along a direction (degrees), drawn through `base`."""
+
+    first: Point
+    second: Point
+    base: Point
+    direction: float
+    label: str
+
+
+@dataclass(frozen=True)
+class Diameter:
+    """A dimension of a circle, led out from the circle in a direction (degrees)."""
+
+    centre: Point
+    radius: float
+    direction: float
+    label: str
+    lead: float
+
+
+@dataclass(frozen=True)
+class Note:
+    """A line of text that starts at a point."""
+
+    at: Point
+    text: str
+    size: float = 1.0
+
+
+@dataclass
+class Sheet:
+    """A drawing: lines, dimensions and notes. `text_height` (mm) also sets arrows and gaps."""
+
+    title: str
+    text_height: float
+    paths: list[Path] = field(default_factory=list)
+    circles: list[Circle] = field(default_factory=list)
+    distances: list[Distance] = field(default_factory=list)
+    diameters: list[Diameter] = field(default_factory=list)
+    notes: list[Note] = field(default_factory=list)
+
+    def line(self, first: Point, second: Point, layer: Layer) -> None:
+        """Add a straight line."""
+        self.paths.append(Path(np.array([first, second]), layer))
+
+    def cross(self, centre: Point, half: float) -> None:
+        """Add the centre lines of a circle."""
+        x, y = centre
+        self.line((x - half, y), (x + half, y), "CENTRE")
+        self.line((x, y - half), (x, y + half), "CENTRE")

@@ -1,0 +1,189 @@
+"""The line along which the strap pulls the cam: its lever arm, its direction, and how well it follows the shell.
+
+The frame has its origin on the cylinder's axis; y points away from the clamps, along the line of symmetry between the
+two opposing hoses. Drawn is the hose on the left, which turns the output anticlockwise (positive); the other is its
+mirror image. Derived in docs/derivations-cam.md.
+
+| symbol | meaning | unit |
+|---|---|---|
+| O | output axis | m |
+| A(s) | strap point of the shell; it moves on a circle about its hinge, the clamp | m |
+| a | unit vector along A'(s) | 1 |
+| u | unit vector along the strap, from the cam to A | 1 |
+| n, psi | normal of the strap's line, pointing from O to it, and its angle; u is n turned by +90 deg | 1, rad |
+| p | lever arm of the strap about O | m |
+| f | force along the travel per pressure | m2 |
+| K | torque per pressure that is wanted, the same at all travels | m3/rad |
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from math import cos, hypot, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.design.plates import Plate
+from layflat.errors import DesignError
+from layflat.machine import Joint
+
+Array = NDArray[np.float64]
+Point = tuple[float, float]
+
+CLAMP_ANGLE = -pi / 2
+"""Where on the cylinder both hoses are clamped, back to back."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """The strap's line at each travel; all of shape (n,) but `strap_point`.
+
+    Args:
+        lever: p, m.
+        normal_angle: psi, rad, continuous.
+        alignment: A'.u, the share of the tension that acts along the shell's motion.
+        strap_point: A, m, shape (n, 2).
+    """
+
+    lever: Array
+    normal_angle: Array
+    alignment: Array
+    strap_point: Array
+
+
+@dataclass(frozen=True)
+class StrapLine(ABC):
+    """How the strap gets from the hose to the cam. `axis` is O."""
+
+    axis: Point
+
+    @abstractmethod
+    def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
+        """Lines that give the torque K at each travel.
+
+        Args:
+            travel: s, m, shape (n,).
+            force: f, m2, shape (n,).
+            torque_constant: K, m3/rad.
+
+        Raises:
+            DesignError: no lever arm gives this torque.
+        """
+
+
+@dataclass(frozen=True)
+class ShellLine(StrapLine):
+    """Straight from the outer shell to the cam, without deflecting rollers.
+
+    The shell turns about `hinge`; `start` is its strap point when the hose is collapsed. Eq. (1) gives the force at
+    right angles to the chord from clamp to strap point, which is the direction in which this point moves.
+    """
+
+    hinge: Point
+    start: Point
+
+    @property
+    def chord(self) -> float:
+        """Distance of the strap point from the hinge, m."""
+        return hypot(self.start[0] - self.hinge[0], self.start[1] - self.hinge[1])
+
+    def strap_points(self, travel: Array) -> Array:
+        """A(s), m, shape (n, 2)."""
+        first = np.arctan2(self.start[1] - self.hinge[1], self.start[0] - self.hinge[0])
+        turned = first + travel / self.chord
+        return np.array(self.hinge) + self.chord * np.stack((np.cos(turned), np.sin(turned)), axis=-1)
+
+    def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
+        """See `StrapLine.lines`. Virtual work: tension A'.u = F, so p = K (A'.u)/f, solved for the direction of u."""
+        A = self.strap_points(travel)
+        a = _turned(A - np.array(self.hinge)) / self.chord
+        out = A - np.array(self.axis)
+        D = np.hypot(out[:, 0], out[:, 1])
+        e = out / D[:, None]
+        across = _turned(e)
+        along, sideways = np.sum(a * e, axis=-1), np.sum(a * across, axis=-1)
+        left_over = D * force / torque_constant - sideways
+        bad = ~((along > 0) & (left_over > 0))
+        if bad.any():
+            at = int(np.argmax(bad))
+            raise DesignError(
+                f"the shell does not move away from the output axis at {travel[at] * 1e3:.4g} mm of travel"
+                if along[at] <= 0
+                else f"no lever arm is long enough at {travel[at] * 1e3:.4g} mm of travel",
+                where="cam",
+                right="a longer stroke lowers the lever arms; an output axis further from the clamps aligns the strap",
+            )
+        beta = np.arctan2(along, left_over)
+        u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * across
+        return Lines(D * np.sin(beta), _normal_angle(u), np.sum(a * u, axis=-1), A)
+
+
+@dataclass(frozen=True)
+class RollerLine(StrapLine):
+    """Along the drum, over a deflecting roller, to the cam: the strap's speed is the travel's, wherever it goes.
+
+    `centre` and `radius` are those of the roller; the strap passes roller and cam on the same side.
+    """
+
+    centre: Point
+    radius: float
+
+    def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
+        """See `StrapLine.lines`. The tension is F, so p = K/f."""
+        p = torque_constant / force
+        out = np.array(self.centre) - np.array(self.axis)
+        D = hypot(*out)
+        far = (p - self.radius) / D if D > 0 else np.full_like(p, np.inf)
+        bad = np.abs(far) >= 1
+        if bad.any():
+            at = int(np.argmax(bad))
+            raise DesignError(
+                f"a lever arm of {p[at] * 1e3:.4g} mm is needed at {travel[at] * 1e3:.4g} mm of travel, "
+                f"but the deflecting roller is only {D * 1e3:.4g} mm from the output axis",
+                where="cam",
+                right="a longer stroke lowers the lever arms; so does a smaller roller radius",
+            )
+        beta = np.arcsin(far)
+        e = out / D
+        u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * _turned(e)
+        psi = _normal_angle(u)
+        leaves = np.array(self.centre) + self.radius * np.stack((np.cos(psi), np.sin(psi)), axis=-1)
+        return Lines(p, psi, np.ones_like(p), leaves)
+
+
+def of_joint(joint: Joint) -> StrapLine:
+    """The strap's way in a described joint.
+
+    With a deflecting roller, or a shaft in the cylinder's middle, the strap runs along the drum and is deflected at the
+    rim; with an offset shaft and no roller it goes straight from the shell to the cam.
+    """
+    R, gamma = joint.cylinder.diameter / 2, joint.hose.wrap
+    roller = joint.deflecting_roller
+    axis = (0.0, joint.output.shaft_offset)
+    free = CLAMP_ANGLE - gamma
+    if roller is not None or joint.output.shaft_offset == 0:
+        radius = roller.diameter / 2 if roller else 0.0
+        return RollerLine(axis, ((R - radius) * cos(free), (R - radius) * sin(free)), radius)
+    return ShellLine(axis, (R * cos(CLAMP_ANGLE), R * sin(CLAMP_ANGLE)), (R * cos(free), R * sin(free)))
+
+
+def of_plate(plate: Plate, distance: float, height: float) -> ShellLine:
+    """The strap's way with plates on either side of the output shaft, straight from shell to cam.
+
+    Args:
+        plate: the plate on the left; its chord stands upright, hinged at its foot.
+        distance: of the chord from the output axis, m.
+        height: of the output axis above the hinge, m.
+    """
+    return ShellLine((0.0, height), (-distance, 0.0), (-distance, plate.chord))
+
+
+def _turned(vectors: Array) -> Array:
+    """Turned by +90 deg."""
+    return np.stack((-vectors[..., 1], vectors[..., 0]), axis=-1)
+
+
+def _normal_angle(u: Array) -> Array:
+    return np.unwrap(np.arctan2(u[:, 1], u[:, 0])) - pi / 2

@@ -1,0 +1,195 @@
+"""A joint's whole design from its description: curve, cam, strap, findings, mass and air."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.design import straplines
+from layflat.design.cam import Cam, synthesise
+from layflat.design.characteristic import Characteristic, of_cylinder
+from layflat.design.mass import Air, Mass, air_per_stroke, joint_mass
+from layflat.design.outline import Outline, cam_outline
+from layflat.design.rules import Checked, Finding, check, refuse_errors
+from layflat.design.strap import StrapStress, strap_stress
+from layflat.errors import DesignError, MachineError
+from layflat.machine import Joint, Machine, load
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointDesign:
+    """What the design room knows of one joint.
+
+    Args:
+        machine: the machine it belongs to.
+        name: the joint's name there.
+        pressure: gauge supply pressure, Pa; all torques, tensions and stresses hold at this pressure.
+        characteristic: force of one hose over its travel.
+        cam: the exact cam; None with a round roller.
+        outline: the cam as a part to be cut; None with a round roller.
+        stresses: of the strap, wherever it bends.
+        findings: worst first.
+        mass: part by part.
+        air: of one full stroke of one hose.
+    """
+
+    machine: Machine
+    name: str
+    pressure: float
+    characteristic: Characteristic
+    cam: Cam | None
+    outline: Outline | None
+    stresses: tuple[StrapStress, ...]
+    findings: tuple[Finding, ...]
+    mass: Mass
+    air: Air
+
+    @property
+    def joint(self) -> Joint:
+        """The described joint."""
+        return self.machine.joint[self.name]
+
+    @property
+    def roller_torque(self) -> tuple[Array, Array]:
+        """Angle (rad) and torque (N m) on a round roller of output.radius, each of shape (n,)."""
+        angle, per_pressure = self.characteristic.on_roller(self.joint.output.radius)
+        return angle, per_pressure * self.pressure
+
+    @property
+    def torque(self) -> tuple[Array, Array]:
+        """Angle (rad) and torque (N m) as built, with cam or roller, each of shape (n,)."""
+        if self.cam is None:
+            return self.roller_torque
+        return self.cam.angle, np.full_like(self.cam.angle, self.cam.torque_constant * self.pressure)
+
+    @property
+    def mean_torque(self) -> float:
+        """Work of one stroke over the stroke, N m; with a cam the torque at every angle."""
+        return self.pressure * self.characteristic.swept_volume / self.stroke
+
+    @property
+    def stroke(self) -> float:
+        """Output angle from the collapsed hose to the end of its travel, rad."""
+        return self.characteristic.full_travel / self.joint.output.radius
+
+    @property
+    def tension(self) -> Array:
+        """Tension of the strap at each travel, N, shape (n,)."""
+        per_pressure = self.characteristic.force if self.cam is None else self.cam.tension
+        return per_pressure * self.pressure
+
+    def columns(self) -> dict[str, Array]:
+        """What Table 1 gives for the cam, exact: columns of shape (n,), units in the names.
+
+        Raises:
+            DesignError: the joint has no cam.
+        """
+        cam = self.with_cam()
+        return {
+            "travel_mm": cam.travel * 1e3,
+            "force_N": self.characteristic.force * self.pressure,
+            "tension_N": self.tension,
+            "lever_mm": cam.lever * 1e3,
+            "cam_angle_deg": np.degrees(cam.angle),
+            "torque_Nm": cam.lever * self.tension,
+            "normal_deg": np.degrees(cam.normal),
+            "x_mm": cam.profile[:, 0] * 1e3,
+            "y_mm": cam.profile[:, 1] * 1e3,
+            "curvature_radius_mm": cam.curvature_radius * 1e3,
+        }
+
+    def with_cam(self) -> Cam:
+        """The cam.
+
+        Raises:
+            DesignError: the joint has none.
+        """
+        if self.cam is None:
+            raise DesignError(
+                '"roller"', where=f"{self.machine.name}: joint.{self.name}.output.kind", right='give "cam" to have one'
+            )
+        return self.cam
+
+
+def design_joint(
+    machine: str | Path | Machine,
+    joint: str | None = None,
+    *,
+    measured: Characteristic | None = None,
+    bore: float | None = None,
+    strict: bool = True,
+) -> JointDesign:
+    """Design one joint of a machine.
+
+    The cam keeps stroke and mean torque of the round roller of output.radius, as the machine's parameters do.
+
+    Args:
+        machine: a machine, its built-in name, or its file.
+        joint: the joint's name; not needed where there is one only.
+        measured: a measured curve in place of Eq. (1), from `read_characteristic`.
+        bore: diameter of the cam's bore, m.
+        strict: raise the first error that the rules find; otherwise it stands among the findings only.
+
+    Raises:
+        MachineError: there is no such machine or joint.
+        DesignError: it can't be made, in one line that says why.
+    """
+    machine = load(machine)
+    name = _joint_name(machine, joint)
+    described, pressure = machine.joint[name], machine.supply.pressure_gauge
+    where = f"{machine.name}: joint.{name}"
+    characteristic = measured or of_cylinder(described)
+    cam = outline = None
+    if described.output.kind == "cam":
+        try:
+            cam = synthesise(
+                characteristic, straplines.of_joint(described), characteristic.full_travel / described.output.radius
+            )
+            outline = cam_outline(cam, bore) if cam.convex else None
+        except DesignError as error:
+            raise DesignError(error.what, where=f"{where}.output", right=error.right) from None
+    stresses = _stresses(described, characteristic, cam, pressure)
+    findings = check(Checked(where, described, characteristic, cam, outline, stresses))
+    if strict:
+        refuse_errors(findings)
+    return JointDesign(
+        machine=machine,
+        name=name,
+        pressure=pressure,
+        characteristic=characteristic,
+        cam=cam,
+        outline=outline,
+        stresses=stresses,
+        findings=findings,
+        mass=joint_mass(described, characteristic.full_travel, outline),
+        air=air_per_stroke(described, characteristic.swept_volume, machine.supply),
+    )
+
+
+def _joint_name(machine: Machine, name: str | None) -> str:
+    names = list(machine.joints)
+    if name is None and len(names) == 1:
+        return names[0]
+    if name is None or name not in machine.joint:
+        what = "which joint is not said" if name is None else f"{name!r} is no joint here"
+        raise MachineError(what, where=machine.name, right=f"name one of {', '.join(names)}")
+    return name
+
+
+def _stresses(
+    joint: Joint, characteristic: Characteristic, cam: Cam | None, pressure: float
+) -> tuple[StrapStress, ...]:
+    if cam is None:
+        tension = float(characteristic.force.max()) * pressure
+        over = [("roller", joint.output.radius)]
+    else:
+        tension = float(cam.tension.max()) * pressure
+        over = [("cam", cam.smallest_radius)] if cam.convex else []
+    if joint.deflecting_roller is not None:
+        over.append(("deflecting roller", joint.deflecting_roller.diameter / 2))
+    return tuple(strap_stress(joint.strap, place, radius, tension) for place, radius in over)

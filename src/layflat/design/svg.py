@@ -1,0 +1,145 @@
+"""A sheet as SVG: true to scale in mm, dimensions drawn as lines, arrows and text."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin
+from xml.sax.saxutils import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.design.sheet import Diameter, Distance, Layer, Sheet
+
+Array = NDArray[np.float64]
+
+STYLES: dict[Layer, str] = {  # of lines; text has none
+    "OUTLINE": "stroke:#111;stroke-width:{wide}",
+    "CENTRE": "stroke:#888;stroke-width:{thin};stroke-dasharray:{long} {thin2} {short} {thin2}",
+    "STRAP": "stroke:#b5341c;stroke-width:{medium}",
+    "HOSE": "stroke:#2a6f97;stroke-width:{medium}",
+    "DIMENSIONS": "stroke:#444;stroke-width:{thin}",
+}
+
+ARROW, GAP, PAST = 0.8, 0.3, 0.5
+"""Length of an arrow, gap at a point and reach past the dimension line, in text heights."""
+
+LETTER = 0.58
+"""Width of a letter in text heights."""
+
+
+def svg_text(sheet: Sheet) -> str:
+    """The SVG document of a sheet."""
+    t = sheet.text_height
+    drawn = _Canvas(t)
+    for distance in sheet.distances:
+        _distance(drawn, distance)
+    for diameter in sheet.diameters:
+        _diameter(drawn, diameter)
+    for path in sheet.paths:
+        drawn.path(path.points, path.layer, closed=path.closed)
+    for circle in sheet.circles:
+        drawn.circle(circle.centre, circle.radius, circle.layer)
+    for note in sheet.notes:
+        drawn.text(np.array(note.at), note.text, note.size * t, 0.0, "start")
+    return drawn.document(sheet.title)
+
+
+class _Canvas:
+    """Collects elements, and how far they reach, in mm with y upwards."""
+
+    def __init__(self, text_height: float) -> None:
+        self.t = text_height
+        self.elements: list[str] = []
+        self.low = np.full(2, np.inf)
+        self.high = np.full(2, -np.inf)
+
+    def _reach(self, points: Array) -> None:
+        self.low = np.minimum(self.low, points.min(axis=0))
+        self.high = np.maximum(self.high, points.max(axis=0))
+
+    def path(self, points: Array, layer: Layer, *, closed: bool = False) -> None:
+        self._reach(points)
+        steps = " L".join(f"{x:.4f},{-y:.4f}" for x, y in points)
+        self.elements.append(f'<path class="{layer.lower()}" d="M{steps}{"Z" if closed else ""}"/>')
+
+    def circle(self, centre: tuple[float, float], radius: float, layer: Layer) -> None:
+        middle = np.array(centre)
+        self._reach(np.array([middle - radius, middle + radius]))
+        x, y = centre
+        self.elements.append(f'<circle class="{layer.lower()}" cx="{x:.4f}" cy="{-y:.4f}" r="{radius:.4f}"/>')
+
+    def arrow(self, tip: Array, direction: Array) -> None:
+        across = np.array([-direction[1], direction[0]])
+        back = tip - ARROW * self.t * direction
+        corners = (tip, back + 0.15 * self.t * across, back - 0.15 * self.t * across)
+        points = " ".join(f"{x:.4f},{-y:.4f}" for x, y in corners)
+        self.elements.append(f'<polygon class="arrow" points="{points}"/>')
+
+    def text(self, at: Array, text: str, height: float, turned: float, anchor: str) -> None:
+        long = LETTER * height * len(text)
+        along = np.array([cos(radians(turned)), sin(radians(turned))])
+        first = at - (0.5 * long * along if anchor == "middle" else 0.0)
+        self._reach(np.array([first, first + long * along, first + height * np.array([-along[1], along[0]])]))
+        x, y = at
+        self.elements.append(
+            f'<text x="{x:.4f}" y="{-y:.4f}" font-size="{height:.4f}" text-anchor="{anchor}" '
+            f'transform="rotate({-turned:.4f} {x:.4f} {-y:.4f})">{escape(text)}</text>'
+        )
+
+    def document(self, title: str) -> str:
+        margin = 2 * self.t
+        width, height = self.high - self.low + 2 * margin
+        left, top = self.low[0] - margin, -self.high[1] - margin
+        widths = {"wide": 0.13, "medium": 0.11, "thin": 0.06, "thin2": 0.25, "long": 1.2, "short": 0.25}
+        sizes = {name: f"{share * self.t:.4f}" for name, share in widths.items()}
+        rules = "".join(f".{layer.lower()}{{fill:none;{style.format(**sizes)}}}" for layer, style in STYLES.items())
+        return "\n".join(
+            (
+                f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.3f}mm" height="{height:.3f}mm" '
+                f'viewBox="{left:.4f} {top:.4f} {width:.4f} {height:.4f}">',
+                f"<title>{escape(title)}</title>",
+                f"<style>{rules}.arrow{{fill:#444}}text{{font-family:sans-serif;fill:#111}}</style>",
+                f'<rect x="{left:.4f}" y="{top:.4f}" width="{width:.4f}" height="{height:.4f}" fill="#fff"/>',
+                *self.elements,
+                "</svg>\n",
+            )
+        )
+
+
+def _distance(drawn: _Canvas, dimension: Distance) -> None:
+    t = drawn.t
+    angle = radians(dimension.direction)
+    along = np.array([cos(angle), sin(angle)])
+    base = np.array(dimension.base)
+    ends = []
+    for point in (np.array(dimension.first), np.array(dimension.second)):
+        end = base + ((point - base) @ along) * along
+        away = end - point
+        far = float(np.hypot(*away))
+        if far > GAP * t:
+            unit = away / far
+            drawn.path(np.array([point + GAP * t * unit, end + PAST * t * unit]), "DIMENSIONS")
+        ends.append(end)
+    drawn.path(np.array(ends), "DIMENSIONS")
+    drawn.arrow(ends[1], along)
+    drawn.arrow(ends[0], -along)
+    turned = (dimension.direction + 90.0) % 180.0 - 90.0
+    if turned == -90.0:
+        turned = 90.0
+    upright = np.array([-sin(radians(turned)), cos(radians(turned))])
+    drawn.text((ends[0] + ends[1]) / 2 + 0.35 * t * upright, dimension.label, t, turned, "middle")
+
+
+def _diameter(drawn: _Canvas, dimension: Diameter) -> None:
+    t = drawn.t
+    angle = radians(dimension.direction)
+    out = np.array([cos(angle), sin(angle)])
+    rim = np.array(dimension.centre) + dimension.radius * out
+    knee = np.array(dimension.centre) + dimension.lead * out
+    side = 1.0 if out[0] >= 0 else -1.0
+    long = LETTER * t * (len(dimension.label) + 1)
+    shelf = knee + np.array([side * long, 0.0])
+    drawn.path(np.array([rim, knee, shelf]), "DIMENSIONS")
+    drawn.arrow(rim, -out)
+    start = knee if side > 0 else shelf
+    drawn.text(start + np.array([0.3 * t, 0.3 * t]), dimension.label, t, 0.0, "start")
