@@ -1,7 +1,8 @@
 """How laws and kernels are compiled: every numba option of the project stands here.
 
 A *law* is a scalar function of scalars and named tuples that returns a scalar or a tuple. It is inlined into whatever
-calls it and is never cached by itself. A *kernel* is the function that Python calls; it loops over time and is cached.
+calls it and is never cached by itself. A *composition* is a law that puts laws together across lanes (see `lanes`). A
+*kernel* is the function that Python calls; it loops over time and is cached.
 
 Cached machine code goes stale when a law in another file changes, which numba does not see. So kernels are cached in
 a folder named by a digest of all sources that can end up in a kernel: a changed source means another folder.
@@ -12,21 +13,29 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, update_wrapper
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import platformdirs
+from numba.core import types
 from numba.extending import overload
+
+from layflat.lanes import lane_by_lane
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-ROOMS = ("physics", "control", "sim")
+config: Any = numba.config
+
+ROOMS = ("lanes", "physics", "control", "sim")
 """The folders whose sources can end up in a kernel."""
 
 STRICT: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 """No fast-math: a run is bit for bit the same wherever its laws are inlined."""
+
+INLINED: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, **STRICT}
+"""For laws inside kernels: an entry for Python would take a third of the time to compile."""
 
 
 @cache
@@ -53,20 +62,40 @@ def cache_folder() -> Path | None:
     return folder if os.access(folder, os.W_OK) else None
 
 
+class Law:
+    """A compiled law: kernels inline it, Python calls it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self._called = numba.njit(**STRICT)(function)
+        self._inlined = numba.njit(**INLINED)(function)
+        self._numba_type_ = types.Dispatcher(self._inlined)
+
+    def __call__(self, *args: Any) -> Any:
+        """Call it from Python; the first call with arguments of some types compiles it for them."""
+        return self._called(*args)
+
+
 def law(function: F) -> F:
     """Compile a scalar function so that it is inlined into every kernel that uses it."""
-    return numba.njit(forceinline=True, **STRICT)(function)
+    return cast(F, lane_by_lane(function) if config.DISABLE_JIT else Law(function))
+
+
+def composition(function: F) -> F:
+    """Compile like a law a function that joins and parts lanes; it is given them all at once in any case."""
+    return cast(F, function if config.DISABLE_JIT else Law(function))
 
 
 def kernel(function: F) -> F:
     """Compile a function that Python calls, and keep the machine code on disk."""
     folder = cache_folder()
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(folder or "")
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(folder or "")
     try:
-        return numba.njit(cache=folder is not None, **STRICT)(function)
+        return cast(F, numba.njit(cache=folder is not None, **STRICT)(function))
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:
@@ -79,9 +108,10 @@ def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:
     def choose(first: Any, *rest: Any) -> Any:
         return kinds[type(first)](first, *rest)
 
-    @overload(choose, jit_options={"forceinline": True, **STRICT})
-    def choose_compiled(first, *rest):  # type: ignore[no-untyped-def]  # numba compares bare signatures
+    # The compiler compares bare signatures: both functions take the same arguments, without types.
+    @overload(choose, jit_options=cast(Any, INLINED))
+    def choose_compiled(first, *rest):  # type: ignore[no-untyped-def]  # noqa: ARG001
         chosen = kinds[first.instance_class]
-        return lambda first, *rest: chosen(first, *rest)
+        return lambda first, *rest: chosen(first, *rest)  # noqa: PLW0108
 
     return choose

@@ -1,0 +1,15 @@
+"""Lanes: several numbers that a law handles as if they were one.
+
+The four hoses of an arm, or the arms of an ensemble, all obey the same laws. A law that is given lanes instead of
+numbers is compiled to vector instructions and works on all of them at once, each lane bit for bit what the scalar law
+gives. A law needs nothing for this but `select` where it would write `a if condition else b`, and `&` and `|` where
+it would write `and` and `or`.
+
+`join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them apart.
+`write_row` is the way out of named tuples into arrays.
+"""
+
+import layflat.lanes.lowering  # noqa: F401  (teaches the compiler what follows)
+from layflat.lanes.interpreted import Lanes, halves, join, lane_by_lane, select, write_row
+
+__all__ = ["Lanes", "halves", "join", "lane_by_lane", "select", "write_row"]

@@ -1,0 +1,100 @@
+"""Lanes without the compiler: what each operation means, in plain Python."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterator
+from functools import wraps
+from typing import Any
+
+
+class Lanes(tuple[Any, ...]):
+    """Numbers side by side; arithmetic is done lane by lane, with other lanes or with one number for all."""
+
+    __slots__ = ()
+
+    def __neg__(self) -> Lanes:
+        return Lanes(-a for a in self)
+
+
+def _elementwise(operation: Callable[[Any, Any], Any]) -> tuple[Callable[..., Lanes], Callable[..., Lanes]]:
+    def forward(self: Lanes, other: Any) -> Lanes:
+        others = other if isinstance(other, Lanes) else (other,) * len(self)
+        return Lanes(operation(a, b) for a, b in zip(self, others, strict=True))
+
+    def reverse(self: Lanes, other: Any) -> Lanes:
+        return Lanes(operation(other, a) for a in self)
+
+    return forward, reverse
+
+
+for _name in ("add", "sub", "mul", "truediv"):
+    _forward, _reverse = _elementwise(getattr(operator, _name))
+    setattr(Lanes, f"__{_name}__", _forward)
+    setattr(Lanes, f"__r{_name}__", _reverse)
+
+
+def select(condition: Any, yes: Any, no: Any) -> Any:
+    """`yes` where the condition holds, else `no`; both are computed."""
+    return yes if condition else no
+
+
+def join(first: Any, second: Any) -> Any:
+    """Lanes of `first`, then those of `second`, leaf by leaf."""
+    if isinstance(first, Lanes):
+        return Lanes((*first, *second))
+    if isinstance(first, tuple):
+        return _rebuild(first, [join(a, b) for a, b in zip(first, second, strict=True)])
+    return Lanes((first, second))
+
+
+def halves(joined: Any) -> tuple[Any, Any]:
+    """What was joined: the first and the second half of the lanes, leaf by leaf."""
+    if isinstance(joined, Lanes):
+        half = len(joined) // 2
+        return (Lanes(joined[:half]), Lanes(joined[half:])) if half > 1 else (joined[0], joined[1])
+    pairs = [halves(leaf) for leaf in joined]
+    return _rebuild(joined, [pair[0] for pair in pairs]), _rebuild(joined, [pair[1] for pair in pairs])
+
+
+def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
+    """Write a named tuple of floats into rows[i, j, :]."""
+    rows[i, j] = values
+
+
+def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A scalar law that can be given lanes: it is called once per lane."""
+
+    @wraps(function)
+    def called(*args: Any) -> Any:
+        counts = set(_counts(args))
+        if not counts:
+            return function(*args)
+        (count,) = counts
+        return _transpose([function(*_lane(args, i)) for i in range(count)])
+
+    return called
+
+
+def _rebuild(like: Any, items: list[Any]) -> Any:
+    return type(like)(*items) if hasattr(like, "_fields") else tuple(items)
+
+
+def _counts(value: Any) -> Iterator[int]:
+    if isinstance(value, Lanes):
+        yield len(value)
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _counts(item)
+
+
+def _lane(value: Any, i: int) -> Any:
+    if isinstance(value, Lanes):
+        return value[i]
+    return _rebuild(value, [_lane(item, i) for item in value]) if isinstance(value, tuple) else value
+
+
+def _transpose(results: list[Any]) -> Any:
+    if isinstance(results[0], tuple):
+        return _rebuild(results[0], [_transpose(list(items)) for items in zip(*results, strict=True)])
+    return Lanes(results)

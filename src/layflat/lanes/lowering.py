@@ -1,0 +1,121 @@
+"""Lanes for the compiler: the LLVM instructions of each operation."""
+
+# mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call,untyped-decorator"
+# The compiler's own modules are untyped.
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.extending import lower_cast
+from numba.core.imputils import lower_builtin
+from numba.np.arrayobj import make_array
+
+from layflat.lanes.interpreted import halves, join, select, write_row
+from layflat.lanes.typing import ARITHMETIC, COMPARISONS, EXTREMES, INTRINSICS, LOGIC, LanesType, half_type
+
+INDEX = ir.IntType(32)
+
+
+@lower_cast(types.Number, LanesType)
+def _spread(context: Any, builder: Any, number: Any, lanes: Any, value: Any) -> Any:
+    value = context.cast(builder, value, number, types.float64)
+    vector = ir.VectorType(value.type, lanes.count)
+    single = builder.insert_element(ir.Constant(vector, ir.Undefined), value, ir.Constant(INDEX, 0))
+    return builder.shuffle_vector(single, single, ir.Constant(ir.VectorType(INDEX, lanes.count), None))
+
+
+def _lowered(functions: Mapping[Any, str], count: int, emit: Callable[..., Any]) -> None:
+    # Let `emit` build the functions' instructions from the name of each and its `count` arguments.
+    for function, name in functions.items():
+
+        def lower(context: Any, builder: Any, sig: Any, args: Any, name: str = name) -> Any:  # noqa: ARG001
+            return emit(builder, name, *args)
+
+        lower_builtin(function, *[LanesType] * count)(lower)
+
+
+def _instruction(builder: Any, name: str, *args: Any) -> Any:
+    return getattr(builder, name)(*args)
+
+
+def _comparison(builder: Any, sign: str, first: Any, second: Any) -> Any:
+    return builder.fcmp_ordered(sign, first, second)
+
+
+def _extreme(builder: Any, sign: str, first: Any, second: Any) -> Any:
+    # As the compiler's own min and max of two numbers do it, so that both treat nan and -0 alike.
+    return builder.select(builder.fcmp_ordered(sign, second, first), second, first)
+
+
+def _intrinsic(builder: Any, name: str, value: Any) -> Any:
+    function = ir.FunctionType(value.type, [value.type])
+    full_name = f"llvm.{name}.v{value.type.count}f64"
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, full_name), [value])
+
+
+_lowered(ARITHMETIC, 2, _instruction)
+_lowered(LOGIC, 2, _instruction)
+_lowered({operator.neg: "fneg"}, 1, _instruction)
+_lowered(COMPARISONS, 2, _comparison)
+_lowered(EXTREMES, 2, _extreme)
+_lowered(INTRINSICS, 1, _intrinsic)
+
+
+@lower_builtin(select, types.Any, types.Any, types.Any)
+def _select(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    return builder.select(*args)
+
+
+def _shuffled(builder: Any, first: Any, second: Any, start: int, count: int) -> Any:
+    # `count` of the lanes of first and second together, from the one numbered `start`.
+    picked = ir.Constant(ir.VectorType(INDEX, count), list(range(start, start + count)))
+    return builder.shuffle_vector(first, second, picked)
+
+
+@lower_builtin(join, types.Any, types.Any)
+def _join(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _join_leaf(context, builder, sig.return_type, sig.args, args)
+
+
+def _join_leaf(context: Any, builder: Any, joined: Any, kinds: Any, values: Any) -> Any:
+    if isinstance(joined, types.BaseTuple):
+        items = zip(*[cgutils.unpack_tuple(builder, value) for value in values], strict=True)
+        leaves = [
+            _join_leaf(context, builder, leaf, [kind.types[i] for kind in kinds], pair)
+            for i, (leaf, pair) in enumerate(zip(joined.types, items, strict=True))
+        ]
+        return context.make_tuple(builder, joined, leaves)
+    half = LanesType(types.float64, joined.count // 2)
+    first, second = (context.cast(builder, value, kind, half) for kind, value in zip(kinds, values, strict=True))
+    return _shuffled(builder, first, second, 0, joined.count)
+
+
+@lower_builtin(halves, types.Any)
+def _halves(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    parts = [_half_leaf(context, builder, sig.args[0], args[0], which) for which in (0, 1)]
+    return context.make_tuple(builder, sig.return_type, parts)
+
+
+def _half_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int) -> Any:
+    if isinstance(joined, types.BaseTuple):
+        items = zip(joined.types, cgutils.unpack_tuple(builder, value), strict=True)
+        leaves = [_half_leaf(context, builder, kind, item, which) for kind, item in items]
+        return context.make_tuple(builder, half_type(joined), leaves)
+    if joined.count == 2:
+        return builder.extract_element(value, ir.Constant(INDEX, which))
+    return _shuffled(builder, value, value, which * joined.count // 2, joined.count // 2)
+
+
+@lower_builtin(write_row, types.Array, types.Integer, types.Integer, types.BaseTuple)
+def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    # Unrolled: to index a tuple with a variable would compile to a jump table.
+    rows = make_array(sig.args[0])(context, builder, args[0])
+    for column, value in enumerate(cgutils.unpack_tuple(builder, args[3])):
+        place = [args[1], args[2], context.get_constant(types.intp, column)]
+        builder.store(value, cgutils.get_item_pointer(context, builder, sig.args[0], rows, place))
+    return context.get_dummy_value()

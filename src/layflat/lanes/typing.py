@@ -1,0 +1,110 @@
+"""Lanes for the compiler: their type, held in an LLVM vector, and the types that operations on them give."""
+
+# mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call"
+# The compiler's own modules are untyped.
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from llvmlite import ir
+from numba.core import types
+from numba.core.datamodel import models
+from numba.core.extending import register_model
+from numba.core.typing import signature
+from numba.core.typing.templates import AbstractTemplate, infer_global
+
+from layflat.lanes.interpreted import halves, join, select, write_row
+
+ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
+COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "=="}
+LOGIC = {operator.and_: "and_", operator.or_: "or_"}
+EXTREMES = {min: "<", max: ">"}
+INTRINSICS = {abs: "fabs", math.sqrt: "sqrt"}
+
+
+class LanesType(types.Type):
+    """`count` floats, or as many booleans, side by side."""
+
+    def __init__(self, leaf: types.Type, count: int) -> None:
+        self.leaf, self.count = leaf, count
+        super().__init__(name=f"Lanes({leaf} x {count})")
+
+
+@register_model(LanesType)
+class _Vector(models.PrimitiveModel):
+    def __init__(self, manager: Any, lanes: LanesType) -> None:
+        leaf = manager.lookup(lanes.leaf).get_value_type()
+        super().__init__(manager, lanes, ir.VectorType(leaf, lanes.count))
+
+
+def joined_type(first: Any, second: Any) -> Any:
+    """Type of `join(first, second)`."""
+    if isinstance(first, types.BaseTuple):
+        return _tuple_like(first, [joined_type(a, b) for a, b in zip(first.types, second.types, strict=True)])
+    return LanesType(types.float64, 2 * getattr(first, "count", 1))
+
+
+def half_type(joined: Any) -> Any:
+    """Type of either of `halves(joined)`."""
+    if isinstance(joined, types.BaseTuple):
+        return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
+    return LanesType(types.float64, joined.count // 2) if joined.count > 2 else types.float64
+
+
+def _tuple_like(like: Any, items: list[Any]) -> Any:
+    return types.BaseTuple.from_types(items, getattr(like, "instance_class", None))
+
+
+def _numbers(args: Iterable[Any]) -> Any:
+    # The lanes of floats among the arguments, if there are any and the rest are numbers.
+    lanes = {arg for arg in args if isinstance(arg, LanesType) and arg.leaf == types.float64}
+    sound = len(lanes) == 1 and all(arg in lanes or isinstance(arg, types.Number) for arg in args)
+    return lanes.pop() if sound else None
+
+
+def _same(*args: Any) -> Any:
+    lanes = _numbers(args)
+    return lanes and signature(lanes, *[lanes] * len(args))
+
+
+def _compared(*args: Any) -> Any:
+    lanes = _numbers(args)
+    return lanes and signature(LanesType(types.boolean, lanes.count), lanes, lanes)
+
+
+def _combined(first: Any, second: Any) -> Any:
+    sound = isinstance(first, LanesType) and first == second and first.leaf == types.boolean
+    return signature(first, first, second) if sound else None
+
+
+def _selected(condition: Any, yes: Any, no: Any) -> Any:
+    lanes = _numbers((yes, no)) or types.float64
+    if isinstance(condition, LanesType):
+        lanes = LanesType(types.float64, condition.count)
+    return signature(lanes, condition, lanes, lanes)
+
+
+def _typed(functions: Iterable[Any], rule: Callable[..., Any]) -> None:
+    # Let the compiler ask `rule` for the signature of these functions; None: not for lanes.
+    for function in functions:
+
+        class Rule(AbstractTemplate):
+            key = function
+
+            def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002  (the compiler's own interface)
+                return rule(*args)
+
+        infer_global(function)(Rule)
+
+
+_typed((*ARITHMETIC, *EXTREMES, *INTRINSICS, operator.neg), _same)
+_typed(COMPARISONS, _compared)
+_typed(LOGIC, _combined)
+_typed([select], _selected)
+_typed([join], lambda first, second: signature(joined_type(first, second), first, second))
+_typed([halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
+_typed([write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
