@@ -1,0 +1,1 @@
+"""How air, hose, valve, brake and arm move: scalar laws, compiled."""

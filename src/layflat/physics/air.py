@@ -5,7 +5,8 @@
 | GAS_CONSTANT | specific gas constant R | J/(kg K) |
 | GAMMA | ratio of specific heats | 1 |
 | CV, CP | specific heats at constant volume and pressure | J/(kg K) |
-| REFERENCE_DENSITY, REFERENCE_TEMPERATURE | rho0 and T0 of ISO 6358 (ISO 8778: 20 degC, 1 bar, 65 % humidity) | kg/m3, K |
+| REFERENCE_DENSITY | rho0 of ISO 6358 (ISO 8778: 20 degC, 1 bar, 65 % humidity) | kg/m3 |
+| REFERENCE_TEMPERATURE | T0 of ISO 6358 | K |
 | NORMAL_DENSITY | density at 0 degC and 1.01325 bar, for air given in normal litres | kg/m3 |
 """
 

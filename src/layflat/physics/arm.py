@@ -73,9 +73,8 @@ def two_link_coriolis(h, v_1, v_2):
 
 
 @law
-def two_link_gravity(arm, m_p, q_1, sin_2, cos_2):
-    """Torques of gravity on both joints, N m."""
-    sin_1, cos_1 = sincos(q_1)
+def two_link_gravity(arm, m_p, sin_1, cos_1, sin_2, cos_2):
+    """Torques of gravity on both joints, N m, from sine and cosine of q_1 and of q_2 + e."""
     sin_t = sin_1 * cos_2 + cos_1 * sin_2
     cos_t = cos_1 * cos_2 - sin_1 * sin_2
     first = (arm.moment_1 + m_p * arm.length_1) * (arm.gravity_y * cos_1 - arm.gravity_x * sin_1)

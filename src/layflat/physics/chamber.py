@@ -55,7 +55,7 @@ def pressure_after_swelling(chamber, E, V_g, dV, p_a):
 def pressure_rise(chamber, p, dE, V_g, p_a):
     """Rise of the pressure p when the energy grows by dE at constant volume, to first order in dE, Pa."""
     k = chamber.compliance
-    return (GAMMA - 1.0) * dE / (V_g - k * p_a + (GAMMA + 1.0) * k * p)
+    return dE * ((GAMMA - 1.0) / (V_g - k * p_a + (GAMMA + 1.0) * k * p))
 
 
 @law

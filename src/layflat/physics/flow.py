@@ -9,11 +9,13 @@
 | r | pressure ratio p_2/p_1 | 1 |
 | phi | flow relative to choked flow | 1 |
 | s | slope of phi next to r = 1 | 1 |
+| root | sqrt(T/T0), T0 the reference temperature | 1 |
 """
 
 from math import sqrt
 
 from layflat.jit import law
+from layflat.lanes import select
 from layflat.physics.air import CP, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 
 LAMINAR_RATIO = 0.999
@@ -42,7 +44,7 @@ def effective_pressure(p_1, p_2, b, s):
 def orifice(C, b, s, p_a, T_a, p_b, T_b):
     """Mass flow from a to b (negative: from b to a) and the enthalpy it carries, in kg/s and W."""
     forward = p_a >= p_b
-    thinning_a, thinning_b = sqrt(REFERENCE_TEMPERATURE / T_a), sqrt(REFERENCE_TEMPERATURE / T_b)
-    pressing = effective_pressure(max(p_a, p_b), min(p_a, p_b), b, s)
-    flow = C * REFERENCE_DENSITY * pressing * (thinning_a if forward else -thinning_b)
-    return flow, flow * CP * (T_a if forward else T_b)
+    root_a, root_b = sqrt(T_a * (1.0 / REFERENCE_TEMPERATURE)), sqrt(T_b * (1.0 / REFERENCE_TEMPERATURE))
+    full = C * REFERENCE_DENSITY * effective_pressure(max(p_a, p_b), min(p_a, p_b), b, s)
+    flow = full * select(forward, 1.0 / root_a, -1.0 / root_b)
+    return flow, full * select(forward, root_a, -root_b) * (CP * REFERENCE_TEMPERATURE)

@@ -69,6 +69,5 @@ def torque_per_pressure(stroke, s):
 def swept_volume(stroke, s):
     """Volume swept from travel 0 to s, m3: the exact integral of K."""
     return s * (
-        stroke.k0
-        + s * (stroke.k1 / 2.0 + s * (stroke.k2 / 3.0 + s * (stroke.k3 / 4.0 + s * stroke.k4 / 5.0)))
+        stroke.k0 + s * (stroke.k1 / 2.0 + s * (stroke.k2 / 3.0 + s * (stroke.k3 / 4.0 + s * (stroke.k4 / 5.0))))
     )

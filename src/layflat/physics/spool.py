@@ -14,6 +14,7 @@ x'' = wn^2 (u - x) - 2 zeta wn x' - wn^2 f sign(x').
 from typing import NamedTuple
 
 from layflat.jit import law
+from layflat.lanes import select
 
 
 class Spool(NamedTuple):
@@ -31,11 +32,10 @@ def _slide(spool, u, x, v, h):
     pull = wn * wn * (u - x)
     grip = wn * wn * spool.friction
     a = h * wn * (spool.damping_ratio + 0.25 * h * wn)
-    after = ((1.0 - a) * v + h * (pull - (grip if v > 0.0 else -grip))) * (1.0 / (1.0 + a))
+    after = ((1.0 - a) * v + h * (pull - select(v > 0.0, grip, -grip))) * (1.0 / (1.0 + a))
     reverses = v * after <= 0.0
-    used = h * v / (v - after) if v != after and reverses else h
-    used = used if v != 0.0 else 0.0
-    after = 0.0 if reverses else after
+    used = select(reverses, h * v / select(v == after, 1.0, v - after), h)
+    after = select(reverses, 0.0, after)
     return x + 0.5 * used * (v + after), after, h - used
 
 
@@ -59,6 +59,6 @@ def advance_spool(spool, u, x, v, h):
     """
     x, v, left = _slide(spool, u, x, v, h)
     moved, rate = _release(spool, u, x, left)
-    x, v = (moved, rate) if left > 0.0 else (x, v)
-    stopped = (x >= 1.0 and v > 0.0) or (x <= -1.0 and v < 0.0)
-    return min(max(x, -1.0), 1.0), (0.0 if stopped else v)
+    x, v = select(left > 0.0, moved, x), select(left > 0.0, rate, v)
+    stopped = ((x >= 1.0) & (v > 0.0)) | ((x <= -1.0) & (v < 0.0))
+    return min(max(x, -1.0), 1.0), select(stopped, 0.0, v)

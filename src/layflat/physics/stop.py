@@ -11,6 +11,7 @@
 from typing import NamedTuple
 
 from layflat.jit import law
+from layflat.lanes import select
 
 
 class Stops(NamedTuple):
@@ -37,7 +38,7 @@ def stop_torque(stops, q):
 @law
 def stop_damping(stops, q):
     """Damping of the mechanical stop at q, N m s/rad."""
-    return stops.stop_damping if abs(q) > stops.stop_angle else 0.0
+    return select(abs(q) > stops.stop_angle, stops.stop_damping, 0.0)
 
 
 @law

@@ -2,20 +2,17 @@
 
 from layflat.jit import law
 
+S_3, S_5, S_7, S_9, S_11, S_13 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800
+C_4, C_6, C_8, C_10, C_12, C_14 = -1 / 24, 1 / 720, -1 / 40320, 1 / 3628800, -1 / 479001600, 1 / 87178291200
+
 
 @law
 def sincos(x):
     """sin(x) and cos(x) to 1e-12 for |x| <= pi (rad), by Taylor series at x/4 and two doublings."""
     y = 0.25 * x
     z = y * y
-    s = y * (
-        1.0 + z * (-1 / 6 + z * (1 / 120 + z * (-1 / 5040 + z * (1 / 362880 + z * (-1 / 39916800 + z / 6227020800)))))
-    )
+    s = y * (1.0 + z * (S_3 + z * (S_5 + z * (S_7 + z * (S_9 + z * (S_11 + z * S_13))))))
     # 1 - cos is kept instead of cos, which would lose its digits near zero.
-    v = z * (
-        0.5
-        + z
-        * (-1 / 24 + z * (1 / 720 + z * (-1 / 40320 + z * (1 / 3628800 + z * (-1 / 479001600 + z / 87178291200)))))
-    )
+    v = z * (0.5 + z * (C_4 + z * (C_6 + z * (C_8 + z * (C_10 + z * (C_12 + z * C_14))))))
     s, v = 2.0 * s * (1.0 - v), 2.0 * s * s
     return 2.0 * s * (1.0 - v), 1.0 - 2.0 * s * s

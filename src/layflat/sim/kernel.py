@@ -7,6 +7,7 @@ import numpy as np
 from layflat.control.controller import start, step
 from layflat.control.gains import Measurement, Status
 from layflat.jit import kernel, law
+from layflat.lanes import write_row
 from layflat.physics.chamber import temperature
 from layflat.physics.joint import Drive, Surroundings, joint_at_rest
 from layflat.physics.loss import stored_energy
@@ -76,19 +77,22 @@ class Sample(NamedTuple):
     air_taken: float
 
 
+COLUMNS = len(Sample._fields)
+
+
 @law
 def _sample(joint, state, around, measured, voltage, memory, status):
-    a, b = state.hose_a, state.hose_b
+    motion, a, b, ledger = state.motion, state.hose_a, state.hose_b, state.ledger
     loss_a, loss_b = joint.hose_a.loss, joint.hose_b.loss
     p_a = around.ambient_pressure
     return Sample(
-        state.angle,
-        state.velocity,
+        motion.angle,
+        motion.velocity,
         a.pressure,
         b.pressure,
         temperature(joint.hose_a.chamber, a.pressure, a.mass, a.volume, p_a),
         temperature(joint.hose_b.chamber, b.pressure, b.mass, b.volume, p_a),
-        state.spool,
+        motion.spool,
         voltage,
         measured.angle,
         measured.differential_pressure,
@@ -101,13 +105,13 @@ def _sample(joint, state, around, measured, voltage, memory, status):
         memory.long_term,
         status.drift_learnt,
         a.loss_1 + a.loss_2 + a.loss_3 + b.loss_1 + b.loss_2 + b.loss_3,
-        state.gas_work,
-        state.load_work,
-        state.hose_work,
+        ledger.gas_work,
+        ledger.load_work,
+        ledger.hose_work,
         stored_energy(loss_a, a.loss_1, a.loss_2, a.loss_3) + stored_energy(loss_b, b.loss_1, b.loss_2, b.loss_3),
-        state.brake_heat,
-        state.damping_heat,
-        state.air_taken,
+        ledger.brake_heat,
+        ledger.damping_heat,
+        ledger.air_taken,
     )
 
 
@@ -115,7 +119,7 @@ def _sample(joint, state, around, measured, voltage, memory, status):
 def sense(joint, state, noise_angle, noise_pressure, elapsed):
     """What the controller is given of a joint."""
     return Measurement(
-        read_sensor(joint.angle_sensor, state.angle, noise_angle),
+        read_sensor(joint.angle_sensor, state.motion.angle, noise_angle),
         read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise_pressure),
         elapsed,
     )
@@ -124,7 +128,8 @@ def sense(joint, state, noise_angle, noise_pressure, elapsed):
 @law
 def _is_sound(state):
     """False once the state is beyond any meaning (not a number included)."""
-    return abs(state.angle) < 10.0 and abs(state.velocity) < 1e4 and state.hose_a.mass > 0.0 and state.hose_b.mass > 0.0
+    sane = abs(state.motion.angle) < 10.0 and abs(state.motion.velocity) < 1e4
+    return sane and state.hose_a.mass > 0.0 and state.hose_b.mass > 0.0
 
 
 @kernel
@@ -137,12 +142,13 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
     """
     cycles, n = signals.demand.shape
     rows = cycles * timing.records + 1
-    out = np.empty((rows, n, 26))
+    out = np.empty((rows, n, COLUMNS))
     sub = timing.steps // timing.records
     h = timing.cycle / timing.steps
     around = Surroundings(
         signals.supply[0], around.supply_temperature, around.ambient_pressure, around.ambient_temperature, 0.0
     )
+    joints, gains = list(joints), list(gains)
     states = [joint_at_rest(joints[j], angles[j], pressures[j, 0], pressures[j, 1], around) for j in range(n)]
     measured = [sense(joints[j], states[j], 0.0, 0.0, timing.cycle) for j in range(n)]
     memories = [start(measured[j]) for j in range(n)]
@@ -169,8 +175,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
         for i in range(timing.records):
             for j in range(n):
                 sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
-                for c in range(26):
-                    out[row, j, c] = sample[c]
+                write_row(out, row, j, sample)
             row += 1
             t = timing.cycle * k + i * sub * h
             states = advance(arm, joints, states, drives, around, t, h, sub)
@@ -179,6 +184,5 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
                     return out, row, j
     for j in range(n):
         sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
-        for c in range(26):
-            out[row, j, c] = sample[c]
+        write_row(out, row, j, sample)
     return out, row + 1, -1

@@ -1,0 +1,149 @@
+"""A joint's half of a step: what its air, spool, losses and stops do, before and after the arm finds its velocities.
+
+A step of h seconds goes drift (h/2) - kick (h) - drift (h/2). In the middle the angle stands still: air flows, and all
+torques are gathered; then the arm (see plant.py) finds the new velocities, its brakes included, and the joint drifts
+on. The first drift does the air's work implicitly, the second explicitly: together they are symmetric in time, hence of
+second order. Air flow, damping and Coriolis terms are evaluated once, at pressures and velocities led by half of their
+last change.
+
+Here a joint may be lanes of several joints. Its hoses are lanes in any case: all hoses A, then all hoses B.
+
+| symbol | meaning | unit |
+|---|---|---|
+| q, v | joint angle and velocity | rad, rad/s |
+| h | step | s |
+"""
+
+from typing import NamedTuple
+
+from layflat.jit import composition, law
+from layflat.lanes import halves, join
+from layflat.physics.chamber import pressure_after_swelling, pressure_rise, temperature, wall_heat
+from layflat.physics.hose import swept_volume, torque_per_pressure
+from layflat.physics.joint import HoseState, JointState, Ledger, Motion
+from layflat.physics.loss import slip_all
+from layflat.physics.spool import advance_spool
+from layflat.physics.stop import stop_damping, stop_torque
+from layflat.physics.valve import chamber_flow
+
+
+class Running(NamedTuple):
+    """State of a joint between the steps of a run, its hoses joined."""
+
+    motion: Motion
+    hoses: HoseState
+    ledger: Ledger
+
+
+class Middle(NamedTuple):
+    """A joint in the middle of a step: angle held, air and spool already moved on, torques (N m) gathered."""
+
+    angle: float
+    velocity: float
+    spool: float
+    spool_rate: float
+    hoses: HoseState
+    gas_torque: float
+    loss_torque: float
+    torque: float
+    damping: float
+    air_taken: float
+
+
+@composition
+def set_running(state):
+    """Join the hoses of a state."""
+    return Running(state.motion, join(state.hose_a, state.hose_b), state.ledger)
+
+
+@composition
+def at_hand(running):
+    """Part the hoses of a state: undoes `set_running`."""
+    a, b = halves(running.hoses)
+    return JointState(running.motion, a, b, running.ledger)
+
+
+@law
+def _breathe(hose, state, travel, turn, valve, x, around, h):
+    # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, air taken.
+    p_a = around.ambient_pressure
+    volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
+    swell = volume - state.volume
+    p_0 = pressure_after_swelling(hose.chamber, state.energy, volume, swell, p_a)
+    p = p_0 + 0.5 * state.pressure_change
+    m = state.mass + 0.5 * state.mass_change
+    T = temperature(hose.chamber, p, m, volume, p_a)
+    flow, heat, taken = chamber_flow(valve, x, p, T, around.supply_pressure, around.supply_temperature, p_a)
+    heat = heat + wall_heat(hose.chamber, T, around.ambient_temperature)
+    stored = state.energy - p_0 * swell + h * heat
+    p_1 = p_0 + pressure_rise(hose.chamber, p_0, h * heat, volume, p_a)
+    p_g = 0.5 * (p_0 + p_1) - p_a
+    f_1, f_2, f_3 = slip_all(hose.loss, state.loss_1, state.loss_2, state.loss_3, turn, p_g)
+    change = h * flow
+    after = HoseState(stored, state.mass + change, volume, p_1, p_1 - p_0, change, f_1, f_2, f_3)
+    return after, torque_per_pressure(hose.stroke, travel) * p_g, f_1 + f_2 + f_3, h * taken
+
+
+@law
+def _swell(hose, state, travel):
+    # Second drift of a hose: its air works at the pressure of the middle.
+    volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
+    return HoseState(
+        state.energy - state.pressure * (volume - state.volume),
+        state.mass,
+        volume,
+        state.pressure,
+        state.pressure_change,
+        state.mass_change,
+        state.loss_1,
+        state.loss_2,
+        state.loss_3,
+    )
+
+
+@composition
+def middle(joint, running, opening, around, h):
+    """First half of a step: drift to the middle, move the spool, let the air flow, gather the torques."""
+    motion = running.motion
+    q = motion.angle + 0.5 * h * motion.velocity
+    v = motion.velocity + 0.5 * motion.velocity_change
+    x, rate = advance_spool(joint.valve.spool, opening, motion.spool, motion.spool_rate, h)
+    x_mean = 0.5 * (motion.spool + x)
+    # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
+    turn = h * motion.velocity
+    hoses, gas, loss, taken = _breathe(
+        join(joint.hose_a, joint.hose_b),
+        running.hoses,
+        join(joint.hose_a.neutral + q, joint.hose_b.neutral - q),
+        join(turn, turn),
+        join(joint.valve, joint.valve),
+        join(x_mean, -x_mean),
+        join(around, around),
+        h,
+    )
+    (gas_a, gas_b), (loss_a, loss_b), (taken_a, taken_b) = halves(gas), halves(loss), halves(taken)
+    damping = joint.viscous_friction + stop_damping(joint.stops, q)
+    torque = (gas_a - gas_b) - (loss_a + loss_b) + (stop_torque(joint.stops, q) - damping * v)
+    return Middle(q, v, x, rate, hoses, gas_a - gas_b, loss_a + loss_b, torque, damping, taken_a + taken_b)
+
+
+@composition
+def finish(joint, running, mid, v, impulse, load_torque, h):
+    """Second half of a step: drift on with the new velocity v, and book the works of this step."""
+    motion, ledger = running.motion, running.ledger
+    q = mid.angle + 0.5 * h * v
+    mean = 0.5 * (motion.velocity + v)
+    turn = h * mean
+    travels = join(joint.hose_a.neutral + q, joint.hose_b.neutral - q)
+    return Running(
+        Motion(q, v, v - motion.velocity, mid.spool, mid.spool_rate),
+        _swell(join(joint.hose_a, joint.hose_b), mid.hoses, travels),
+        Ledger(
+            ledger.gas_work + mid.gas_torque * turn,
+            ledger.load_work + load_torque * turn,
+            ledger.hose_work + mid.loss_torque * turn,
+            ledger.brake_heat - impulse * mean,
+            ledger.damping_heat + mid.damping * mid.velocity * turn,
+            ledger.air_taken + mid.air_taken,
+        ),
+    )
