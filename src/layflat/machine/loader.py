@@ -36,9 +36,16 @@ def load(machine: str | Path | Machine) -> Machine:
     """
     if isinstance(machine, Machine):
         return machine
-    where = str(machine)
-    plain, sources = _read(where, ())
-    return build(plain, sources, where)
+    return build(*tables(machine), str(machine))
+
+
+def tables(machine: str | Path) -> tuple[Plain, Sources]:
+    """The plain values of a description as they are written, what it extends included, and where they come from.
+
+    Raises:
+        MachineError: the file is missing or broken.
+    """
+    return _read(str(machine), ())
 
 
 def build(plain: Plain, sources: Sources, where: str) -> Machine:
@@ -63,7 +70,7 @@ def _read(where: str, seen: tuple[str, ...]) -> tuple[Plain, Sources]:
         raw = tomllib.loads(_text(where))
     except tomllib.TOMLDecodeError as error:
         raise MachineError(f"is not TOML: {error}", where=where, right='values look like width = "160 mm"') from None
-    base = raw.pop("extends", None)
+    base, omitted = raw.pop("extends", None), raw.pop("omits", [])
     plain, sources = split(raw, where)
     if base is None:
         return plain, sources
@@ -71,7 +78,22 @@ def _read(where: str, seen: tuple[str, ...]) -> tuple[Plain, Sources]:
         raise MachineError(f"{base!r} is not a name", where=f"{where}: extends", right='give one such as "paper-arm"')
     below = Path(where).parent / base
     under, under_sources = _read(str(below) if below.suffix == ".toml" else base, (*seen, where))
+    for path in omitted:
+        _omit(under, under_sources, path, where)
     return _laid_over(under, plain), under_sources | sources
+
+
+def _omit(plain: Plain, sources: Sources, path: str, where: str) -> None:
+    """Leave out a part, by its dotted path, of what a file extends."""
+    *above, last = str(path).split(".")
+    table: Any = plain
+    for key in above:
+        table = table.get(key, {}) if isinstance(table, dict) else {}
+    if not isinstance(table, dict) or last not in table:
+        raise MachineError(f"{path!r} is not there to omit", where=f"{where}: omits", right='name a part such as "valve"')
+    del table[last]
+    for key in [key for key in sources if key == path or key.startswith(f"{path}.")]:
+        del sources[key]
 
 
 def _text(where: str) -> str:

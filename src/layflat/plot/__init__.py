@@ -1,0 +1,1 @@
+"""Figures. Import it lazily: matplotlib takes long to import."""

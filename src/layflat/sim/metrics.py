@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 BAND = radians(0.3)
 """Within this of its demand a joint has settled, rad."""
 
+MOST_MOVES = 100
+"""A demand that changes more often is taken for one that moves all the time."""
+
 
 @dataclass(frozen=True)
 class Move:
@@ -61,6 +64,21 @@ def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf
         float(np.mean(last)),
         float(np.ptp(last)),
     )
+
+
+def moves_of(run: xarray.Dataset, band: float = BAND) -> list[tuple[float, Move]]:
+    """Metrics of every joint from each change of any demand to the next, with the time of the change."""
+    demand, time = run["demand"].to_numpy(), run["time"].to_numpy()
+    # The last record repeats the last cycle's demand; a continuously changing demand is one long move.
+    changes = np.flatnonzero(np.any(np.diff(demand, axis=0) != 0.0, axis=1)) + 1
+    starts = [0] if len(changes) == 0 or len(changes) > MOST_MOVES else [int(k) for k in changes]
+    ends = [*(float(time[k - 1]) for k in starts[1:]), inf]
+    joints = [str(name) for name in run["joint"].to_numpy()]
+    return [
+        (float(time[k]), move(run, joint, float(time[k]), end, band))
+        for k, end in zip(starts, ends, strict=True)
+        for joint in joints
+    ]
 
 
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:

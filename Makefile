@@ -1,0 +1,38 @@
+# make reproduce, make test: each does all its set-up on a fresh machine; a second call is fast.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.DEFAULT_GOAL := help
+.PHONY: help reproduce test test-nojit lint bench calibrate clean
+
+help:  ## show what can be made
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
+
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+reproduce: $(READY)  ## reproduce the paper: build/reproduce/report.html and claims.json
+	$(BIN)/layflat reproduce --out build/reproduce
+
+test: $(READY)  ## run the tests, with compiled laws and then the laws' own tests without
+	$(BIN)/python -m pytest -n 2
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 tests/physics tests/control
+
+lint: $(READY)  ## style, types, import contracts
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(READY)  ## measure speed: build/bench.json
+	$(BIN)/python -m benchmarks.run --out build/bench.json
+
+calibrate: $(READY)  ## find again what the machine files mark as calibrated
+	$(BIN)/python -m layflat.experiments.calibrate
+
+clean:  ## remove what was built, but not the virtual environment
+	rm -rf build .mypy_cache .ruff_cache .pytest_cache .import_linter_cache

@@ -1,0 +1,72 @@
+"""Results of a reproduction on disk: claims.json and one self-contained report.html."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+import layflat
+from layflat.experiments.claim import Claim
+from layflat.experiments.figures import figures
+from layflat.experiments.reproduction import Reproduction
+from layflat.files import whole_file
+from layflat.machine.listing import Line
+
+
+def number(value: float) -> str:
+    """A number as people read it."""
+    if not isfinite(value):
+        return "none"
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.3g}"
+
+
+def lines(claim: Claim) -> list[str]:
+    """What was simulated, a line each."""
+    if isinstance(claim.simulated, dict):
+        return [f"{name}: {number(value)}" for name, value in claim.simulated.items()]
+    return [f"{claim.simulated:.7g}"]
+
+
+def write_claims(found: Reproduction, path: Path) -> Path:
+    """Write the claims as a JSON list.
+
+    Raises:
+        OutputError: it can't be written there.
+    """
+    records = [claim.record() for claim in found.claims]
+    with whole_file(path) as temporary:
+        temporary.write_text(json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    return path
+
+
+def write_report(found: Reproduction, assumed: list[Line], path: Path) -> Path:
+    """Write the report as one HTML file that needs nothing else.
+
+    Args:
+        found: the experiments.
+        assumed: lines of the description that the paper does not give.
+        path: of the file.
+
+    Raises:
+        OutputError: it can't be written there.
+    """
+    template = (files("layflat.experiments") / "report.html.j2").read_text(encoding="utf-8")
+    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
+    drawn: list[dict[str, Any]] = [{**vars(figure), "svg": Markup(figure.svg)} for figure in figures(found)]
+    html = environment.from_string(template).render(
+        machine=found.bench.arm.title,
+        version=layflat.__version__,
+        agreed=sum(claim.agrees for claim in found.claims),
+        claims=[{**vars(claim), "lines": lines(claim)} for claim in found.claims],
+        figures=drawn,
+        assumed=assumed,
+    )
+    with whole_file(path) as temporary:
+        temporary.write_text(html, encoding="utf-8")
+    return path

@@ -1,0 +1,76 @@
+"""Runs through time: angles, pressures, voltages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from layflat.plot.style import LINES, QUIET, figure
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+
+def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0, band: float | None = None) -> Figure:
+    """The angle of one joint in several runs, with the demand and, if given, a band (rad) around it."""
+    with figure() as (made, (axes,)):
+        for order, (label, run) in enumerate(runs.items()):
+            part = run.sel(joint=joint)
+            time = part["time"].to_numpy() - since
+            if order == 0:
+                demand = np.degrees(part["demand"].to_numpy())
+                axes.plot(time, demand, label="demand", **QUIET)
+                if band is not None:
+                    wide = np.degrees(band)
+                    axes.fill_between(time, demand - wide, demand + wide, color="#eeeeee", lw=0)
+            axes.plot(time, np.degrees(part["angle"]), label=label, **LINES[order % len(LINES)])
+        axes.set_xlabel("Time (s)")
+        axes.set_ylabel("Angle (deg)")
+        axes.legend()
+    return made
+
+
+def run_figure(run: xarray.Dataset) -> Figure:
+    """A whole run: for each joint its angle with demand, its pressures, and its control voltage."""
+    joints = [str(name) for name in run["joint"].to_numpy()]
+    time = run["time"].to_numpy()
+    with figure(3, len(joints), width=4.6 * len(joints) + 1.0, height=6.6, share_x=True) as (made, all_axes):
+        for column, joint in enumerate(joints):
+            part = run.sel(joint=joint)
+            angle, pressure, voltage = (all_axes[row * len(joints) + column] for row in range(3))
+            angle.plot(time, np.degrees(part["demand"]), label="demand", **QUIET)
+            angle.plot(time, np.degrees(part["angle"]), label="angle", **LINES[0])
+            angle.set_title(f"{joint} joint")
+            angle.set_ylabel("Angle (deg)")
+            pressure.plot(time, part["pressure_a"] / 1e5, label="hose A", **LINES[0])
+            pressure.plot(time, part["pressure_b"] / 1e5, label="hose B", **LINES[1])
+            pressure.set_ylabel("Absolute pressure (bar)")
+            voltage.plot(time, part["voltage"], **LINES[0], lw=0.9)
+            voltage.set_ylabel("Control voltage (V)")
+            voltage.set_xlabel("Time (s)")
+            for axes in (angle, pressure):
+                axes.legend(loc="best")
+    return made
+
+
+def arm_steps(run: xarray.Dataset) -> Figure:
+    """Angles of all joints in one frame, with their demands, and their errors, enlarged, below."""
+    joints = [str(name) for name in run["joint"].to_numpy()]
+    time = run["time"].to_numpy()
+    with figure(2, 1, height=4.8, share_x=True) as (made, (angle, close)):
+        for order, joint in enumerate(joints):
+            part = run.sel(joint=joint)
+            angle.plot(time, np.degrees(part["demand"]), label="demand" if order == 0 else None, **QUIET)
+            angle.plot(time, np.degrees(part["angle"]), label=f"{joint} joint", **LINES[order])
+            error = np.degrees(part["angle"] - part["demand"])
+            close.plot(time, error, label=f"{joint} joint", **LINES[order])
+        angle.set_ylabel("Angle (deg)")
+        angle.legend(ncols=3)
+        close.set_ylim(-2.0, 2.0)
+        close.axhspan(-0.3, 0.3, color="#eeeeee", lw=0)
+        close.set_ylabel("Error (deg)")
+        close.set_xlabel("Time (s)")
+    return made

@@ -1,0 +1,84 @@
+"""One look for all figures: colours that can be told apart in black and white, units on every axis, no pyplot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO, StringIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from layflat.files import whole_file
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LINES = (
+    {"color": "#0b3c5d", "linestyle": "-"},
+    {"color": "#d1495b", "linestyle": "--"},
+    {"color": "#3c8d2f", "linestyle": "-."},
+    {"color": "#e09f3e", "linestyle": (0, (1, 1))},
+    {"color": "#6b4c9a", "linestyle": (0, (5, 1, 1, 1, 1, 1))},
+)
+"""Line styles in order of use: dark to light, and of different dashes."""
+
+QUIET = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
+"""For demands, bands and other things that only help to read."""
+
+RC = {
+    "font.size": 9.5,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "lines.linewidth": 1.5,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "layflat",
+}
+
+
+@contextmanager
+def figure(
+    rows: int = 1, columns: int = 1, *, width: float = 6.4, height: float = 3.6, share_x: bool = False
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """A figure in the house style, with its axes in reading order. Sizes in inches."""
+    import matplotlib as mpl  # noqa: PLC0415  # matplotlib takes long to import
+    from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415
+
+    with mpl.rc_context(RC):
+        made = NewFigure(figsize=(width, height), layout="constrained")
+        axes = made.subplots(rows, columns, sharex=share_x, squeeze=False)
+        yield made, list(axes.ravel())
+
+
+def to_svg(made: Figure) -> str:
+    """A figure as SVG text, the same for the same data."""
+    import matplotlib as mpl  # noqa: PLC0415
+
+    out = StringIO()
+    with mpl.rc_context(RC):
+        made.savefig(out, format="svg", metadata={"Date": None})
+    text = out.getvalue()
+    return text[text.index("<svg") :]
+
+
+def to_png(made: Figure, dpi: int = 150) -> bytes:
+    """A figure as PNG."""
+    out = BytesIO()
+    made.savefig(out, format="png", dpi=dpi)
+    return out.getvalue()
+
+
+def save(made: Figure, path: Path) -> Path:
+    """Write a figure; the suffix says how (.png, .svg, .pdf).
+
+    Raises:
+        OutputError: it can't be written there.
+    """
+    with whole_file(path) as temporary:
+        made.savefig(temporary, dpi=150)
+    return path

@@ -1,0 +1,94 @@
+from math import degrees, pi, radians
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+from layflat.errors import MachineError
+from layflat.experiments.bench import alone, changed
+from layflat.machine import load, parameters
+from layflat.physics.arm import OneLink, TwoLink
+from layflat.physics.hose import roller_torque
+
+ARM = load("paper-arm")
+
+
+def test_a_roller_follows_equation_1_to_a_millionth() -> None:
+    joint = load("rig-polyester").joint["small"]
+    curve = Polynomial(parameters.stroke(joint))
+    R, r, S = joint.cylinder.diameter / 2, joint.output.radius, parameters.full_travel(joint)
+    for s in np.linspace(0.0, S, 37):
+        alpha = joint.hose.wrap - s * r / (joint.hose.peel_ratio * R)
+        exact = roller_torque(1.0, R, r, joint.hose.width / pi, joint.hose.wrap, alpha)
+        assert curve(s) == pytest.approx(exact, rel=2e-6)
+
+
+@pytest.mark.parametrize("name", ["large", "small"])
+def test_a_cam_keeps_stroke_and_volume_of_its_roller(name: str) -> None:
+    cam = ARM.joint[name]
+    roller = changed(ARM, f"joint.{name}.output.kind", "roller").joint[name]
+    S = parameters.full_travel(cam)
+    swept = Polynomial(parameters.stroke(roller)).integ()(S)
+    assert parameters.stroke(cam).k0 * S == pytest.approx(swept, rel=1e-6)
+    assert parameters.travel_volume(cam) == pytest.approx(swept, rel=1e-6)
+
+
+def test_strokes_of_the_paper() -> None:
+    assert degrees(parameters.full_travel(ARM.joint["large"])) == pytest.approx(133.2, abs=0.5)
+    assert parameters.torque_constant(ARM.joint["large"]) * 4e5 == pytest.approx(82.1, rel=0.005)
+
+
+def test_a_single_acting_joint_has_no_second_hose() -> None:
+    rig = load("rig-polyester").model_copy(update={"valve": ARM.valve})
+    assert parameters.joint(rig, "small").hose_b == parameters.NO_HOSE
+
+
+def test_arms_by_number_of_joints() -> None:
+    assert isinstance(parameters.arm(ARM), TwoLink)
+    assert isinstance(parameters.arm(alone(ARM, "small", 2.0)), OneLink)
+
+
+def test_two_links_with_a_locked_elbow_weigh_as_one() -> None:
+    arm = parameters.arm(ARM)
+    assert isinstance(arm, TwoLink)
+    large, small = ARM.joint["large"], ARM.joint["small"]
+    far = np.hypot(large.link.length, small.link.centre)
+    expected = (
+        large.link.rotor_inertia
+        + large.link.inertia
+        + large.link.mass * large.link.centre**2
+        + small.body.mass * large.link.length**2
+        + small.link.rotor_inertia
+        + small.link.inertia
+        + small.link.mass * far**2
+    )
+    at_right_angle = arm.a + 2 * arm.b * np.cos(arm.elbow)
+    assert at_right_angle == pytest.approx(expected, rel=1e-12)
+
+
+def test_losses_add_up_to_the_described_share() -> None:
+    joint = load("rig-polyester").joint["small"]
+    loss = parameters.loss(joint)
+    at = joint.losses.reference_pressure_gauge
+    limits = np.array(loss[3:6]) + at * np.array(loss[6:9])
+    height = 2 * limits.sum() / (parameters.torque_constant(joint) * at)
+    assert height == pytest.approx(parameters.loss_share(joint), rel=1e-12)
+
+
+def test_rigs_without_valve_say_what_they_are_for() -> None:
+    with pytest.raises(MachineError, match="layflat loop"):
+        parameters.joint(load("rig-polyester"), "small")
+
+
+def test_missing_gains_are_named() -> None:
+    bare = changed(ARM, "joint.large.gains", None)
+    with pytest.raises(MachineError, match=r"joint\.large\.gains: has no controller gains"):
+        parameters.gains(bare, "large")
+
+
+def test_angles_outside_the_stroke() -> None:
+    assert parameters.check_inside_stroke(ARM, "large", radians(60), "x") == radians(60)
+    with pytest.raises(MachineError, match=r"61 deg is outside the working stroke of joint 'large'; stay within \+-60"):
+        parameters.check_inside_stroke(ARM, "large", radians(61), "x")
+    with pytest.raises(MachineError):
+        parameters.check_inside_stroke(ARM, "large", float("nan"), "x")

@@ -1,0 +1,105 @@
+from math import radians
+
+import numpy as np
+import pytest
+import xarray
+
+from layflat.errors import DivergedError, InputError
+from layflat.experiments.bench import changed
+from layflat.machine import load
+from layflat.sim import Scenario, rollout
+from layflat.sim.dataset import UNITS
+
+ARM = load("paper-arm")
+
+
+def test_a_run_names_its_columns_and_units() -> None:
+    run = rollout("paper-arm", duration="0.1 s")
+    assert run.sizes == {"time": 21, "joint": 2, "axis": 2}
+    for name in UNITS:
+        assert run[name].attrs["units"]
+        assert np.isfinite(run[name]).all()
+    assert list(run["joint"].to_numpy()) == ["large", "small"]
+    assert run.attrs["machine_name"] == "paper-arm"
+
+
+def test_same_seed_same_run() -> None:
+    one, same, other = (rollout(ARM, "10 deg", start=0.0, duration=0.3, seed=seed) for seed in (1, 1, 2))
+    xarray.testing.assert_identical(one, same)
+    assert not np.array_equal(one["measured_angle"], other["measured_angle"])
+
+
+def test_recording_more_often_changes_nothing() -> None:
+    coarse = rollout(ARM, "10 deg", start=0.0, duration=0.3)
+    fine = rollout(ARM, "10 deg", start=0.0, duration=0.3, records=4)
+    assert np.array_equal(coarse["angle"], fine["angle"][::4])
+
+
+def test_the_arm_goes_where_it_is_asked() -> None:
+    run = rollout(ARM, {"large": "20 deg", "small": "-15 deg"}, start=0.0, duration="2 s")
+    reached = np.degrees(run["angle"][-1].to_numpy())
+    assert reached == pytest.approx([20, -15], abs=0.3)
+
+
+def test_scenario_and_changes_are_laid_over_each_other() -> None:
+    scenario = Scenario(demand="10 deg", duration=0.2, seed=3)
+    run = rollout(ARM, scenario=scenario, seed=4)
+    assert run.attrs["seed"] == 4
+    assert np.all(run["demand"] == radians(10))
+
+
+def test_payload_change_and_supply_loss_are_recorded() -> None:
+    run = rollout(
+        ARM, payload=[("0 s", "1 kg"), ("0.1 s", "2 kg")], supply=[("0 s", "4 bar"), ("0.1 s", "0 bar")], duration=0.2
+    )
+    assert run["payload"][0] == 1.0
+    assert run["payload"][-1] == 2.0
+    assert run["supply"][-1] == pytest.approx(101325.0)
+
+
+def test_without_air_the_joint_can_not_move() -> None:
+    ambient = ARM.supply.ambient_pressure
+    run = rollout(ARM, "20 deg", start=0.0, supply="0 bar", pressures=(ambient, ambient), duration="0.5 s")
+    assert np.all(run["angle"] == 0.0)
+
+
+def test_mirrored_demands_give_mirrored_runs() -> None:
+    calm = changed(changed(ARM, "valve.dither.amplitude", 0.0), "arm.elbow", 0.0)
+    there, back = (
+        rollout(calm, [(0.0, (0.0, 0.0)), (0.1, (s * 0.3, s * 0.2))], duration=0.6, noise=False) for s in (1, -1)
+    )
+    # The converters round halves up on both sides, so that counts differ by one now and then.
+    assert np.degrees(there["angle"] + back["angle"]).to_numpy() == pytest.approx(0.0, abs=0.05)
+
+
+def test_gravity_pulls_the_way_it_is_said_to() -> None:
+    hanging = changed(changed(ARM, "arm.gravity", 9.81), "arm.gravity_direction", radians(-90.0))
+    ambient = ARM.supply.ambient_pressure
+    run = rollout(
+        hanging, opening=0.0, brake=0.0, supply=0.0, pressures=(ambient, ambient), duration=0.2, noise=False
+    )
+    assert run["angle"].sel(joint="large")[-1] < -0.01
+
+
+def test_divergence_says_when_and_where_and_keeps_the_data() -> None:
+    wild = changed(ARM, "joint.small.stops.stop_stiffness", 1e9)
+    with pytest.raises(DivergedError, match=r"diverged at t = .* in joint 'small'") as caught:
+        rollout(wild, opening=(0.0, 1.0), brake=0.0, duration=2.0)
+    kept = caught.value.run
+    assert isinstance(kept, xarray.Dataset)
+    assert 0.0 < float(kept["time"][-1]) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"step": "1 s"}, "step: 1 s is out of range"),
+        ({"records": 0}, "records: 0 is out of range"),
+        ({"sead": 1}, "unknown option 'sead'"),
+        ({"start": "70 deg"}, "start: 70 deg is outside the working stroke"),
+        ({"pressures": (0.0, 0.0)}, "pressures: 0 Pa is not above vacuum"),
+    ],
+)
+def test_wrong_options(options: dict[str, object], expected: str) -> None:
+    with pytest.raises(InputError, match=expected):
+        rollout(ARM, **options)  # type: ignore[arg-type]

@@ -1,0 +1,72 @@
+from math import radians
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.errors import InputError
+from layflat.machine import load
+from layflat.machine import units as u
+from layflat.sim import Scenario
+from layflat.sim.scenario import signals, spread
+
+ARM = load("paper-arm")
+NAMES = ["large", "small"]
+TIMES = 0.005 * np.arange(200)
+
+
+def test_a_constant_fills_all_joints() -> None:
+    assert np.all(spread("30 deg", TIMES, NAMES, u.ANGLE, "x") == radians(30))
+
+
+def test_a_table_by_joint_leaves_the_others_at_zero() -> None:
+    rows = spread({"small": "30 deg"}, TIMES, NAMES, u.ANGLE, "x")
+    assert np.all(rows[:, 0] == 0.0)
+    assert np.all(rows[:, 1] == radians(30))
+
+
+@given(st.floats(0.011, 0.9))
+def test_a_step_holds_from_its_time_on(at: float) -> None:
+    rows = spread([(0.0, 0.1), (at, 0.2)], TIMES, NAMES, u.ANGLE, "x")[:, 0]
+    assert np.all(rows[TIMES < at - 1e-6] == 0.1)
+    assert np.all(rows[TIMES >= at] == 0.2)
+
+
+def test_a_function_and_an_array_mean_the_same() -> None:
+    def wave(t: float) -> float:
+        return float(np.sin(t))
+
+    rows = spread(wave, TIMES, NAMES, u.ANGLE, "x")
+    assert np.array_equal(rows, spread(np.sin(TIMES), TIMES, NAMES, u.ANGLE, "x"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"demand": "40"}, "demand: '40' is a bare number"),
+        ({"demand": "40 bar"}, "demand: '40 bar' is not a angle"),
+        ({"demand": "61 deg"}, "demand: 61 deg is outside the working stroke of joint 'large'"),
+        ({"demand": {"wrist": "1 deg"}}, "demand: 'wrist' is no joint here; joints are large, small"),
+        ({"demand": ["1 deg"]}, "demand: has 1 values; give 2: large, small"),
+        ({"demand": [("1 s", 0.0), ("1 s", 0.1)]}, "demand: the times of its steps do not grow"),
+        ({"demand": np.full((3, 2), 0.0)}, r"demand: an array of shape (3, 2) does not fit"),
+        ({"demand": np.full(400, np.nan)}, "demand: holds a value that is not finite"),
+        ({"demand": float("nan")}, "demand: nan is not finite"),
+        ({"duration": "-1 s"}, "duration: -1 s is out of range"),
+        ({"supply": "-2 bar"}, "supply: -200000 is out of range; give a gauge pressure above vacuum"),
+        ({"payload": "-1 kg"}, "payload: -1 is out of range; give a mass of zero or more"),
+        ({"brake": -0.1}, "brake: -0.1 is out of range; give a share of zero or more"),
+        ({"opening": "wide"}, "opening: 'wide' is not a number"),
+    ],
+)
+def test_mistakes_are_named(changes: dict[str, object], expected: str) -> None:
+    with pytest.raises(InputError) as caught:
+        signals(Scenario(**changes), ARM, 0.005)  # type: ignore[arg-type]
+    assert expected.replace("a angle", "angle") in str(caught.value).replace("a angle", "angle")
+
+
+def test_noise_comes_from_the_seed_alone() -> None:
+    one, same, other = (signals(Scenario(seed=seed), ARM, 0.005).noise for seed in (1, 1, 2))
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, other)
