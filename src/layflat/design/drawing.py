@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from contextlib import ExitStack
 from math import cos, degrees, pi, sin
 from pathlib import Path
@@ -47,7 +48,7 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
         DesignError: the joint has no cam that can be made.
         OutputError: the folder can't be written, or ezdxf is not installed.
     """
-    cam_drawing, stem = cam_sheet(design), f"{design.machine.name}-{design.name}"
+    cam_drawing, stem = cam_sheet(design), re.sub(r"[^\w.-]+", "-", f"{design.machine.name}-{design.name}")
     contents = {
         folder / f"{stem}-cam.dxf": dxf_text(cam_drawing),
         folder / f"{stem}-cam.svg": svg_text(cam_drawing),
@@ -123,7 +124,8 @@ def layout_sheet(design: JointDesign) -> Sheet:
         sheet.line(_point(start), _point(foot), "STRAP")
         if isinstance(line, ShellLine):
             sheet.paths.append(Line(_shell(R, gamma, float(cam.travel[k] / line.chord)), "HOSE"))
-        beyond = start + 2.5 * t * np.array([-sin(psi), cos(psi)]) - np.array([t, 0.0])
+        along = 2.5 * t * np.array([-sin(psi), cos(psi)])
+        beyond = start + along - np.array([t, 0.0]) if isinstance(line, ShellLine) else foot - 0.5 * along
         sheet.notes.append(Note(_point(beyond), f"{degrees(cam.angle[k]):.0f}°", 0.8))
     sheet.notes.append(Note((-1.3 * R, -R - 6 * t), sheet.title, 1.25))
     text = "left hose; the right one is its mirror image; cam and strap at three angles of the output"
@@ -165,11 +167,10 @@ def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
     strap, torque = design.joint.strap, cam.torque_constant * design.pressure
     return [
         f"Cam of joint {design.name}, {design.machine.name}",
-        f"{torque:.4g} N m at {design.pressure / 1e5:.4g} bar over {degrees(cam.stroke):.4g}°; mirrored for the other",
+        f"{torque:.4g} N m at {design.pressure / 1e5:.4g} bar over {degrees(cam.stroke):.4g}°; mirrored for the other hose",
         f"lever arm {cam.lever.min() * MM:.3f} to {cam.lever.max() * MM:.3f} mm, "
         f"radius of curvature from {cam.smallest_radius * MM:.3f} mm",
-        f"strap {strap.material} {strap.width * MM:.4g} x {strap.thickness * MM:.4g} mm, {strap.layers} layers; "
-        "clamped on the flat",
+        f"strap {strap.material} {strap.width * MM:.4g} x {strap.thickness * MM:.4g} mm, {strap.layers} thick; clamped on the flat",
         f"profile: {outline.working} points; dimensions in mm",
     ]
 
@@ -178,7 +179,8 @@ def _shell(R: float, gamma: float, opened: float) -> Array:
     """The left shell, turned about its hinge by the angle that it has opened."""
     angle = CLAMP_ANGLE - np.linspace(0.0, gamma, 61)
     arc = R * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
-    return _rotated(arc - arc[0], opened) + arc[0]
+    hinge: Array = arc[0]
+    return _rotated(arc - hinge, opened) + hinge
 
 
 def _lead(outline: Outline, direction: float) -> float:

@@ -56,6 +56,10 @@ def read_characteristic(
         InputError: in one line, which file, line and column is wrong and what would be right.
     """
     where = str(path)
+    if degree < 1:
+        raise InputError(
+            f"{degree} is below 1", where="degree of the polynomial", right=f"give 1 or more, such as {DEGREE}"
+        )
     table = _read(path)
     travel_name, travel_unit = _one_of(table, TRAVELS, where)
     force_name, force_unit = _one_of(table, FORCES, where)

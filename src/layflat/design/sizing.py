@@ -237,7 +237,7 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     )
     tables = description(sized, model, MODEL, request.name)
     text = description_text(tables)
-    machine = _read_back(text, request.name)
+    machine = _read_back(text)
     design = design_joint(machine)
     if design.mean_torque < request.torque or design.stroke < request.stroke:
         raise DesignError(
@@ -350,8 +350,8 @@ def _counted_share(model: Machine) -> float:
     return mass.counted / mass.body
 
 
-def _read_back(text: str, name: str) -> Machine:
+def _read_back(text: str) -> Machine:
     with TemporaryDirectory() as folder:
-        path = Path(folder) / f"{name}.toml"
+        path = Path(folder) / "sized.toml"
         path.write_text(text, encoding="utf-8")
         return load(path)

@@ -1,0 +1,97 @@
+"""Force over travel: Eq. (1), energy, and what is refused."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from layflat.design import Characteristic, design_joint, of_cylinder, wrapped_hose
+from layflat.errors import DesignError
+from layflat.machine import load
+from layflat.machine.parameters import full_travel, travel_volume
+
+ARM = load("paper-arm")
+
+
+def eq1_force(width: float, R: float, gamma: float, alpha: float) -> float:
+    """F/P written out from the paper, apart from the package."""
+    return R / (2 * cos((pi - gamma) / 2)) * (width - R * (gamma - alpha) / 2) * (1 - cos(alpha))
+
+
+@given(
+    width=st.floats(0.05, 0.3),
+    share=st.floats(0.7, 1.2),
+    gamma=st.floats(radians(70), radians(150)),
+    c=st.floats(1, 1.4),
+)
+def test_force_is_eq1_and_volume_its_integral(width: float, share: float, gamma: float, c: float) -> None:
+    R, end = share * width / 2, 0.7 * gamma
+    curve = wrapped_hose(width, R, gamma, end, c, points=201)
+    for alpha in (gamma, 0.9 * gamma, 0.75 * gamma):
+        s = c * R * (gamma - alpha)
+        assert float(curve.force_at(s)) == pytest.approx(eq1_force(width, R, gamma, alpha), rel=1e-9)
+    swept, _ = quad(lambda a: eq1_force(width, R, gamma, a) * c * R, end, gamma)
+    assert curve.swept_volume == pytest.approx(swept, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["large", "small"])
+def test_agrees_with_the_parameters_of_the_dynamics(name: str) -> None:
+    joint = ARM.joint[name]
+    curve = of_cylinder(joint)
+    assert curve.swept_volume == pytest.approx(travel_volume(joint), rel=1e-12)
+    assert curve.full_travel / joint.output.radius == pytest.approx(full_travel(joint), rel=1e-12)
+
+
+def test_exact_mean_torque_is_within_half_a_percent_of_table_1() -> None:
+    assert design_joint(ARM, "large").mean_torque == pytest.approx(82.10202, rel=0.005)
+
+
+def test_on_a_round_roller_torque_falls_to_about_half() -> None:
+    angle, torque = design_joint(ARM, "large").roller_torque
+    assert torque[-1] / torque[0] == pytest.approx(0.51, abs=0.01)
+    assert np.degrees(angle[-1]) == pytest.approx(133.3, abs=0.1)
+
+
+@pytest.mark.parametrize("bad", [0.0, -0.1, float("nan"), float("inf")])
+@pytest.mark.parametrize("which", range(5))
+def test_sizes_must_be_positive(bad: float, which: int) -> None:
+    sizes = [0.16, 0.0762, radians(120), radians(84), 1.26]
+    sizes[which] = bad
+    with pytest.raises(DesignError, match="positive"):
+        wrapped_hose(*sizes)
+
+
+def test_wrap_over_half_a_turn_is_refused() -> None:
+    with pytest.raises(DesignError, match=r"wrap of 190 deg.*at most 180 deg"):
+        wrapped_hose(0.16, 0.0762, radians(190), radians(84), 1.26)
+
+
+def test_contact_end_beyond_wrap_is_refused() -> None:
+    with pytest.raises(DesignError, match="contact_end must be smaller"):
+        wrapped_hose(0.16, 0.0762, radians(84), radians(120), 1.26)
+
+
+def test_a_hose_too_narrow_for_its_wrap_is_refused() -> None:
+    with pytest.raises(DesignError, match="no force at"):
+        wrapped_hose(0.03, 0.0762, radians(120), radians(30), 1.26)
+
+
+@pytest.mark.parametrize(
+    ("travel", "force", "says"),
+    [
+        ([0, 1, 2], [1, 1, 1], "3 travels and 3 forces"),
+        ([0, 1, 2, 3, 4, 5], [1, 1, 1, 1, 1], "6 travels and 5 forces"),
+        ([0, 1, 2, 2, 4, 5, 6], [1] * 7, "does not rise"),
+        ([1, 2, 3, 4, 5, 6, 7], [1] * 7, "does not rise from 0"),
+        ([0, 1, 2, 3, 4, 5, 6], [1, 1, 1, np.nan, 1, 1, 1], "not finite"),
+        ([0, 1, 2, 3, 4, 5, 6], [1, 1, 1, 0, 1, 1, 1], "no force at 3000 mm"),
+    ],
+)
+def test_a_broken_curve_is_refused(travel: list[float], force: list[float], says: str) -> None:
+    with pytest.raises(DesignError, match=says):
+        Characteristic(np.array(travel, dtype=float), np.array(force, dtype=float), "test")

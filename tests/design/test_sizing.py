@@ -1,0 +1,204 @@
+"""Sizing: what comes out does what was asked, by its own K, and loads as any machine does."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from math import degrees, radians
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from layflat.design import HOSE_WIDTHS, SizingRequest, design_joint, size_joint
+from layflat.design.sized import SizedJoint, description
+from layflat.errors import DesignError, InputError, OutputError
+from layflat.machine import load
+from layflat.machine.parameters import arm, full_travel, joint, torque_constant, travel_volume
+from layflat.machine.parts import JointGains
+
+SMALL = SizingRequest(25.0, radians(120), 4e5)
+LARGE = SizingRequest(82.0, radians(120), 4e5)
+
+
+@settings(deadline=None, max_examples=25)
+@given(torque=st.floats(2, 200), stroke=st.floats(radians(70), radians(160)), supply=st.floats(2e5, 7e5))
+def test_a_sized_joint_reaches_torque_and_stroke_without_errors(torque: float, stroke: float, supply: float) -> None:
+    try:
+        sized = size_joint(SizingRequest(torque, stroke, supply))
+    except DesignError:
+        assume(False)
+    (described,) = sized.machine.joints.values()
+    assert torque_constant(described) * supply >= torque * (1 - 1e-5)
+    assert full_travel(described) >= stroke
+    assert described.hose.width in HOSE_WIDTHS
+    assert degrees(described.stops.mechanical_stroke - described.stops.working_stroke) == pytest.approx(20, abs=1e-3)
+    assert described.brake.torque == pytest.approx(0.08 * torque_constant(described) * supply, rel=1e-3)
+    assert min(stress.safety for stress in sized.design.stresses) >= 1.5 - 1e-3
+    assert {f.severity for f in sized.findings} <= {"note"}
+
+
+def test_sizing_finds_the_papers_joints_again() -> None:
+    small, large = size_joint(SMALL).design, size_joint(LARGE).design
+    assert small.joint.hose.width == pytest.approx(0.110, rel=0.05)
+    assert small.joint.cylinder.diameter == pytest.approx(0.102, rel=0.03)
+    assert small.joint.output.radius == pytest.approx(0.0172, rel=0.05)
+    assert small.joint.body.mass == pytest.approx(2.0, rel=0.25)
+    assert large.joint.hose.width == pytest.approx(0.160)
+    assert large.joint.cylinder.diameter == pytest.approx(0.1524, rel=0.02)
+    assert large.joint.output.radius == pytest.approx(0.026, rel=0.03)
+    assert large.joint.body.mass == pytest.approx(5.5, rel=0.25)
+
+
+def test_what_is_written_is_what_was_sized(tmp_path: Path) -> None:
+    sized = size_joint(SMALL)
+    path = sized.write(tmp_path / "new" / "mine.toml")
+    machine = load(path)
+    assert machine == sized.machine
+    assert design_joint(machine).mean_torque == sized.design.mean_torque
+    assert tomllib.loads(sized.toml) == sized.tables
+
+
+def test_the_simulator_gets_all_that_it_needs() -> None:
+    machine = size_joint(SMALL).machine
+    (name,) = machine.joints
+    assert joint(machine, name) is not None
+    assert arm(machine) is not None
+
+
+def test_every_written_value_says_where_it_comes_from() -> None:
+    sized = size_joint(SMALL)
+    for path, source in sized.machine.provenance.items():
+        if path.startswith("joint.small.") and source.source == "derived":
+            assert source.note, path
+    assert sized.machine.provenance["joint.small.hose.width"].source == "derived"
+    assert sized.machine.provenance["joint.small.stops.working_stroke"].source == "given"
+
+
+def test_the_models_joint_scales_to_itself() -> None:
+    """Asked for what the paper's small joint gives, the rest stays near the paper's."""
+    base = load("paper-small-joint")
+    sized = size_joint(SMALL).machine
+    old, new = base.joint["small"], sized.joint["small"]
+    assert new.hose.dead_volume == pytest.approx(old.hose.dead_volume, rel=0.05)
+    assert new.stops.stop_stiffness == pytest.approx(old.stops.stop_stiffness, rel=0.05)
+    assert base.valve is not None
+    assert sized.valve is not None
+    assert sized.valve.conductance == pytest.approx(base.valve.conductance, rel=0.05)
+
+
+def test_what_is_given_is_kept() -> None:
+    sized = size_joint(
+        SizingRequest(
+            20.0, radians(110), 4e5, hose_width=0.12, cylinder_diameter=0.11, strap_width=0.04, strap_thickness=1e-4,
+            payload_inertia=0.5, name="mine",
+        )
+    )  # fmt: skip
+    described = sized.design.joint
+    assert sized.machine.name == "mine"
+    assert described.hose.width == pytest.approx(0.12)
+    assert described.cylinder.diameter == pytest.approx(0.11)
+    assert described.strap.width == pytest.approx(0.04)
+    assert described.strap.thickness == pytest.approx(1e-4)
+    assert sized.machine.arm.payload * described.link.length**2 == pytest.approx(0.5, rel=1e-3)
+
+
+def test_gains_follow_the_root_of_torque_per_inertia() -> None:
+    phase, below = {"error": "0.4 V/deg", "pressure": "1.5 V/bar"}, {"error": "3 deg", "speed": "30 deg/s"}
+    gains = JointGains.model_validate(
+        {
+            **dict.fromkeys(("far", "near", "close"), phase),
+            **dict.fromkeys(("near_below", "close_below"), below),
+            "integral": "2 V/(deg s)",
+            "integral_limit": "1 V",
+        }
+    )
+    base = load("paper-small-joint")
+    with_gains = base.model_copy(update={"joint": {"small": base.joint["small"].model_copy(update={"gains": gains})}})
+    same = SizedJoint(
+        joint=base.joint["small"],
+        torque_constant=torque_constant(base.joint["small"]),
+        swept_volume=travel_volume(base.joint["small"]),
+        mass=2.0,
+        torque=25.0,
+        stroke=radians(120),
+        supply=4e5,
+        payload_inertia=0.32,
+    )
+    tables = description(same, with_gains, "paper-small-joint", "same")
+    heavy = description(replace(same, payload_inertia=4 * 0.32), with_gains, "paper-small-joint", "heavy")
+    own = JointGains.model_validate(plain(tables["joint"]["small"]["gains"]) | below_of(below))
+    assert own.far.error == pytest.approx(gains.far.error, rel=1e-3)
+    assert own.integral == pytest.approx(gains.integral, rel=1e-3)
+    slower = JointGains.model_validate(plain(heavy["joint"]["small"]["gains"]) | below_of(below))
+    assert slower.far.pressure / own.far.pressure == pytest.approx(0.52, abs=0.02)
+
+
+def below_of(below: dict[str, str]) -> dict[str, Any]:
+    return {"near_below": below, "close_below": below, "integral_limit": "1 V"}
+
+
+def plain(table: dict[str, Any]) -> dict[str, Any]:
+    return {k: v["value"] if "value" in v else plain(v) for k, v in table.items()}
+
+
+def test_a_cylinder_alone_finds_its_hose() -> None:
+    described = size_joint(SizingRequest(20.0, radians(110), 4e5, cylinder_diameter=0.11)).design.joint
+    assert described.cylinder.diameter == pytest.approx(0.11)
+    assert described.hose.width in HOSE_WIDTHS
+
+
+def test_a_wrap_over_120_deg_is_warned_of() -> None:
+    sized = size_joint(SizingRequest(25.0, radians(150), 4e5, wrap=radians(140)))
+    assert [f.rule for f in sized.findings if f.severity == "warning"] == ["wrap"]
+
+
+def test_texts_with_units_make_the_same_request() -> None:
+    assert SizingRequest.from_text(torque="25 N m", stroke="120 deg", supply="4 bar", hose_width=None) == SMALL
+
+
+@pytest.mark.parametrize(
+    ("given_as", "says"),
+    [
+        ({"torque": "25"}, r"size: torque: '25' is a bare number.*25 N m"),
+        ({"torque": "25 bar"}, r"size: torque: '25 bar' is not a torque"),
+        ({"stroke": "nan deg"}, r"size: stroke: "),
+        ({"supply": None}, r"size: supply: is missing"),
+        ({"torque": "0 N m"}, r"size: torque: 0 N m; give 0.5 to 1500 N m"),
+        ({"torque": "-5 N m"}, r"size: torque: -5 N m"),
+        ({"torque": float("nan")}, r"size: torque: "),
+        ({"stroke": "1 deg"}, r"size: stroke: 1 deg; give 30 to 200 deg"),
+        ({"supply": "40 bar"}, r"size: supply: 40 bar; give 0.5 to 10 bar"),
+        ({"wrap": "200 deg"}, r"size: wrap: 200 deg; give 60 to 180 deg"),
+        ({"hose_width": "2 m"}, r"size: hose_width: 2000 mm; give 30 to 400 mm"),
+        ({"stress_margin": 0.5}, r"size: stress_margin: 0.5; give 1 to 10"),
+    ],
+)
+def test_bad_requests_are_refused(given_as: dict[str, str | float | None], says: str) -> None:
+    with pytest.raises(InputError, match=says) as caught:
+        SizingRequest.from_text(**{"torque": "25 N m", "stroke": "120 deg", "supply": "4 bar", **given_as})
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("request_", "says"),
+    [
+        (SizingRequest(1500.0, radians(120), 1e5), "the widest hose sold, 310 mm, can't give 1500 N m over 120 deg"),
+        (SizingRequest(100.0, radians(120), 4e5, hose_width=0.08), "a hose of 80 mm can't give 100 N m.*wider hose"),
+        (SizingRequest(100.0, radians(120), 4e5, cylinder_diameter=0.08), "a cylinder of 80 mm can't.*larger cylinder"),
+        (SizingRequest(25.0, radians(40), 4e5), "40 deg is too short a stroke"),
+        (SizingRequest(25.0, radians(120), 4e5, strap_width=0.004), "no strap up to 4 mm wide bears"),
+        (SizingRequest(25.0, radians(120), 4e5, strap_thickness=0.5e-3), "no strap up to"),
+    ],
+)
+def test_what_no_joint_can_do_is_refused(request_: SizingRequest, says: str) -> None:
+    with pytest.raises(DesignError, match=says):
+        size_joint(request_)
+
+
+def test_a_file_in_the_way_is_an_output_error(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(OutputError):
+        size_joint(SMALL).write(tmp_path / "file" / "mine.toml")
