@@ -54,7 +54,7 @@ def test_dxf_polygon_agrees_with_the_envelope_to_a_micrometre(design: JointDesig
 def test_polygon_is_fine_enough_between_its_corners(design: JointDesign) -> None:
     cam = design.with_cam()
     sagitta = cam.curvature_radius[1:] * np.diff(-cam.normal) ** 2 / 8
-    assert sagitta.max() < 0.5e-6
+    assert sagitta.max() < 0.1e-6
 
 
 def test_dxf_is_valid_in_millimetres_with_real_dimensions(drawn: list[Path]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from dataclasses import replace
 from math import degrees, radians
@@ -16,14 +17,16 @@ from layflat.design import HOSE_WIDTHS, SizingRequest, design_joint, size_joint
 from layflat.design.sized import SizedJoint, description
 from layflat.errors import DesignError, InputError, OutputError
 from layflat.machine import load
-from layflat.machine.parameters import arm, full_travel, joint, torque_constant, travel_volume
+from layflat.machine.parameters import full_travel, torque_constant, travel_volume
 from layflat.machine.parts import JointGains
+from layflat.sim import rollout
+from layflat.sim.metrics import moves_of
 
 SMALL = SizingRequest(25.0, radians(120), 4e5)
 LARGE = SizingRequest(82.0, radians(120), 4e5)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=15)
 @given(torque=st.floats(2, 200), stroke=st.floats(radians(70), radians(160)), supply=st.floats(2e5, 7e5))
 def test_a_sized_joint_reaches_torque_and_stroke_without_errors(torque: float, stroke: float, supply: float) -> None:
     try:
@@ -61,11 +64,14 @@ def test_what_is_written_is_what_was_sized(tmp_path: Path) -> None:
     assert tomllib.loads(sized.toml) == sized.tables
 
 
-def test_the_simulator_gets_all_that_it_needs() -> None:
-    machine = size_joint(SMALL).machine
-    (name,) = machine.joints
-    assert joint(machine, name) is not None
-    assert arm(machine) is not None
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="a run takes minutes without the compiler")
+@pytest.mark.parametrize("request_", [SMALL, SizingRequest(100.0, radians(120), 5e5)], ids=["small", "large"])
+def test_a_sized_joint_moves_as_well_as_the_papers(request_: SizingRequest) -> None:
+    machine = size_joint(request_).machine
+    run = rollout(machine, demand=[(0.0, "0 deg"), (0.2, "40 deg")], start="0 deg", duration=2.2)
+    ((_, moved),) = moves_of(run)
+    assert moved.settling < 1.5
+    assert moved.overshoot < radians(10)
 
 
 def test_every_written_value_says_where_it_comes_from() -> None:
@@ -189,6 +195,7 @@ def test_bad_requests_are_refused(given_as: dict[str, str | float | None], says:
         (SizingRequest(100.0, radians(120), 4e5, hose_width=0.08), "a hose of 80 mm can't give 100 N m.*wider hose"),
         (SizingRequest(100.0, radians(120), 4e5, cylinder_diameter=0.08), "a cylinder of 80 mm can't.*larger cylinder"),
         (SizingRequest(25.0, radians(40), 4e5), "40 deg is too short a stroke"),
+        (SizingRequest(100.0, radians(120), 4e5, wrap=radians(178)), "size: wrap: with a wrap of 178 deg.*no place of"),
         (SizingRequest(25.0, radians(120), 4e5, strap_width=0.004), "no strap up to 4 mm wide bears"),
         (SizingRequest(25.0, radians(120), 4e5, strap_thickness=0.5e-3), "no strap up to"),
     ],

@@ -167,10 +167,12 @@ def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
     strap, torque = design.joint.strap, cam.torque_constant * design.pressure
     return [
         f"Cam of joint {design.name}, {design.machine.name}",
-        f"{torque:.4g} N m at {design.pressure / 1e5:.4g} bar over {degrees(cam.stroke):.4g}°; mirrored for the other hose",
+        f"{torque:.4g} N m at {design.pressure / 1e5:.4g} bar over {degrees(cam.stroke):.4g}°; "
+        "mirrored for the other hose",
         f"lever arm {cam.lever.min() * MM:.3f} to {cam.lever.max() * MM:.3f} mm, "
         f"radius of curvature from {cam.smallest_radius * MM:.3f} mm",
-        f"strap {strap.material} {strap.width * MM:.4g} x {strap.thickness * MM:.4g} mm, {strap.layers} thick; clamped on the flat",
+        f"strap {strap.material} {strap.width * MM:.4g} x {strap.thickness * MM:.4g} mm, layers: {strap.layers}; "
+        "clamped on the flat",
         f"profile: {outline.working} points; dimensions in mm",
     ]
 

@@ -12,8 +12,9 @@ Everything that is not sized is taken from the paper's small joint, by its built
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
 from math import ceil, degrees, isfinite, pi, radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -51,6 +52,12 @@ GIVEN_SLIMMEST, GIVEN_STOUTEST = 0.5, 1.8
 
 RESERVE = radians(40.0 / 3.0)
 """Full travel beyond the working stroke, as in the paper's large joint: two thirds of the way to the stop."""
+
+WIDER = 4
+"""How many hoses beyond the narrowest are tried before the strap is called too weak."""
+
+LARGEST_ROLLER = 0.8
+"""Roller radius over the cylinder's beyond which a cam doesn't fit."""
 
 CONTACT_SHARE = 0.7
 """Contact angle at full travel over wrap: 84 deg of 120 deg in Table 1."""
@@ -143,8 +150,7 @@ class SizingRequest:
         for key, value in given.items():
             if value is not None:
                 values[key] = u.quantity(value, KINDS[key], f"size: {key}") if key in KINDS else value
-        missing = [field.name for field in fields(cls) if field.name in ("torque", "stroke", "supply")]
-        for key in missing:
+        for key in ("torque", "stroke", "supply"):
             if key not in values:
                 raise DesignError("is missing", where=f"size: {key}", right=f'give one such as "{KINDS[key].example}"')
         return cls(**values)
@@ -187,40 +193,50 @@ class Sized:
 def size_joint(request: SizingRequest) -> Sized:
     """Size a joint: the narrowest hose on a cylinder of the paper's proportions that gives torque and stroke.
 
+    Where its strap would not bear the tension, the next wider hose is tried, up to `WIDER` times.
+
     Raises:
         DesignError: no joint can do what is asked, in one line that says why.
     """
     model = load(MODEL)
     base = next(iter(model.joints.values()))
-    c = base.hose.peel_ratio
-    full = request.stroke + RESERVE
-    needed = request.torque * full / request.supply
-    width, diameter = _hose_and_cylinder(request, needed, c)
+    refused: DesignError | None = None
+    for width, diameter in islice(_hoses_and_cylinders(request, base.hose.peel_ratio), 1 + WIDER):
+        try:
+            return _described(request, model, base, _sized(request, base, width, diameter))
+        except DesignError as error:
+            refused = refused or error
+    raise refused or _too_much(request)
+
+
+def _sized(request: SizingRequest, base: Joint, width: float, diameter: float) -> Joint:
+    """The model's joint with hose, cylinder and roller of the sizes that were found."""
     contact_end = CONTACT_SHARE * request.wrap
-    radius = ceil((request.wrap - contact_end) * c * diameter / 2 / full * 1e5) / 1e5
-    joint = base.model_copy(
-        update={
-            "hose": base.hose.model_copy(update={"width": width, "wrap": request.wrap, "contact_end": contact_end}),
-            "cylinder": base.cylinder.model_copy(update={"diameter": diameter, "wall": _wall(base, diameter)}),
-            "output": base.output.model_copy(update={"radius": radius, "kind": "cam"}),
-            "cover": base.cover.model_copy(
-                update={"thickness": _half_mm(base.cover.thickness * diameter / base.cylinder.diameter)}
-            ),
-        }
-    )
-    if radius >= 0.8 * diameter / 2:
+    peeled = (request.wrap - contact_end) * base.hose.peel_ratio * diameter / 2
+    radius = ceil(peeled / (request.stroke + RESERVE) * 1e5) / 1e5
+    if radius >= LARGEST_ROLLER * diameter / 2:
         raise DesignError(
             f"{degrees(request.stroke):.4g} deg is too short a stroke for the cam to fit into the cylinder",
             where="size: stroke",
             right="ask for a longer stroke, or a smaller wrap",
         )
-    return _described(request, model, base, joint)
+    scale = diameter / base.cylinder.diameter
+    return base.model_copy(
+        update={
+            "hose": base.hose.model_copy(update={"width": width, "wrap": request.wrap, "contact_end": contact_end}),
+            "cylinder": base.cylinder.model_copy(
+                update={"diameter": diameter, "wall": _half_mm(base.cylinder.wall * scale)}
+            ),
+            "output": base.output.model_copy(update={"radius": radius, "kind": "cam"}),
+            "cover": base.cover.model_copy(update={"thickness": _half_mm(base.cover.thickness * scale)}),
+        }
+    )
 
 
 def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint) -> Sized:
     """Cam and strap for a joint of settled size; then its description, read back as a user would."""
     characteristic = of_cylinder(joint)
-    joint, cam = _with_shaft(joint, characteristic)
+    joint, cam = _with_shaft(request, joint, characteristic)
     outline = cam_outline(cam)
     tension = float(cam.tension.max()) * request.supply
     joint = joint.model_copy(update={"strap": _strap(request, base.strap, joint, tension, cam.smallest_radius)})
@@ -248,40 +264,44 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     return Sized(request, tables, text, machine, design)
 
 
-def _with_shaft(joint: Joint, characteristic: Characteristic) -> tuple[Joint, Cam]:
-    """The joint with its shaft where the strap clears the cylinder, and the cam for it."""
+def _with_shaft(request: SizingRequest, joint: Joint, characteristic: Characteristic) -> tuple[Joint, Cam]:
+    """The joint with its shaft where the strap clears the cylinder, or dips least, and the cam for it."""
     stroke = characteristic.full_travel / joint.output.radius
+    best: tuple[Joint, Cam] | None = None
     for share in OFFSET_SHARES:
         offset = round(share * joint.cylinder.diameter / 2, 3)
         placed = joint.model_copy(update={"output": joint.output.model_copy(update={"shaft_offset": offset})})
-        cam = synthesise(characteristic, straplines.of_joint(placed), stroke)
-        if cam.dip <= LEAST_SLOT:
+        try:
+            cam = synthesise(characteristic, straplines.of_joint(placed), stroke)
+        except DesignError:
+            continue
+        if cam.convex and (best is None or cam.dip < best[1].dip):
+            best = placed, cam
+        if best is not None and best[1].dip <= LEAST_SLOT:
             break
-    return placed, cam
-
-
-def _hose_and_cylinder(request: SizingRequest, needed: float, c: float) -> tuple[float, float]:
-    """Width of the hose and diameter of the cylinder that sweep the volume that is needed, m."""
-    if request.cylinder_diameter is not None:
-        widths: Iterable[float] = HOSE_WIDTHS if request.hose_width is None else (request.hose_width,)
-        D = request.cylinder_diameter
-        width = next(
-            (w for w in widths if GIVEN_SLIMMEST * w <= D <= GIVEN_STOUTEST * w and _swept(request, w, D, c) >= needed),
-            None,
+    if best is None:
+        raise DesignError(
+            f"with a wrap of {degrees(request.wrap):.4g} deg and a stroke of {degrees(request.stroke):.4g} deg "
+            "no place of the shaft gives a cam",
+            where="size: wrap",
+            right="ask for a longer stroke, or a wrap nearer to 120 deg",
         )
-        if width is None:
-            raise _too_much(request, f"a cylinder of {D * 1e3:.4g} mm", "a larger cylinder")
-        return width, D
-    if request.hose_width is not None:
-        fit = _diameter(request, request.hose_width, needed, c, least=GIVEN_SLIMMEST, greatest=GIVEN_STOUTEST)
-        if fit is None:
-            raise _too_much(request, f"a hose of {request.hose_width * 1e3:.4g} mm", "a wider hose")
-        return request.hose_width, fit
-    for width in HOSE_WIDTHS:
-        fit = _diameter(request, width, needed, c, least=SLIMMEST, greatest=STOUTEST)
-        if fit is not None:
-            return width, fit
-    raise _too_much(request, f"the widest hose sold, {HOSE_WIDTHS[-1] * 1e3:.4g} mm,", "more supply pressure")
+    return best
+
+
+def _hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[float, float]]:
+    """Widths of hose and diameters of cylinder that sweep the volume that is needed, m, the smallest first."""
+    needed = request.torque * (request.stroke + RESERVE) / request.supply
+    chosen = request.hose_width is None and request.cylinder_diameter is None
+    least, greatest = (SLIMMEST, STOUTEST) if chosen else (GIVEN_SLIMMEST, GIVEN_STOUTEST)
+    for width in HOSE_WIDTHS if request.hose_width is None else (request.hose_width,):
+        D = request.cylinder_diameter
+        if D is None:
+            fit = _diameter(request, width, needed, c, least=least, greatest=greatest)
+            if fit is not None:
+                yield width, fit
+        elif least * width <= D <= greatest * width and _swept(request, width, D, c) >= needed:
+            yield width, D
 
 
 def _diameter(
@@ -303,7 +323,13 @@ def _swept(request: SizingRequest, width: float, D: float, c: float) -> float:
     return float(peeled_volume(D / 2, width / pi, request.wrap, CONTACT_SHARE * request.wrap, c))
 
 
-def _too_much(request: SizingRequest, what: str, better: str) -> DesignError:
+def _too_much(request: SizingRequest) -> DesignError:
+    if request.cylinder_diameter is not None:
+        what, better = f"a cylinder of {request.cylinder_diameter * 1e3:.4g} mm", "a larger cylinder"
+    elif request.hose_width is not None:
+        what, better = f"a hose of {request.hose_width * 1e3:.4g} mm", "a wider hose"
+    else:
+        what, better = f"the widest hose sold, {HOSE_WIDTHS[-1] * 1e3:.4g} mm,", "more supply pressure"
     return DesignError(
         f"{what} can't give {request.torque:.4g} N m over {degrees(request.stroke):.4g} deg "
         f"at {request.supply / 1e5:.4g} bar",
@@ -332,12 +358,8 @@ def _strap(request: SizingRequest, base: Strap, joint: Joint, tension: float, be
         f"no strap up to {widest * 1e3:.4g} mm wide bears {tension:.4g} N around {bend_radius * 1e3:.4g} mm "
         f"with a margin of {request.stress_margin:.3g}",
         where="size: strap",
-        right="a longer stroke or a wider hose lowers the tension; so does a smaller stress_margin",
+        right="a shorter stroke bends it less, a lower supply pressure pulls less; or ask for a smaller stress_margin",
     )
-
-
-def _wall(base: Joint, diameter: float) -> float:
-    return _half_mm(base.cylinder.wall * diameter / base.cylinder.diameter)
 
 
 def _half_mm(value: float) -> float:
