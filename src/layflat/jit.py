@@ -15,7 +15,7 @@ import os
 from collections.abc import Callable, Mapping
 from functools import cache, update_wrapper
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, cast
 
 import numba
 import platformdirs
@@ -23,8 +23,6 @@ from numba.core import types
 from numba.extending import overload
 
 from layflat.lanes import lane_by_lane
-
-F = TypeVar("F", bound=Callable[..., Any])
 
 config: Any = numba.config
 
@@ -77,23 +75,23 @@ class Law:
         return self._called(*args)
 
 
-def law(function: F) -> F:
+def law(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a scalar function so that it is inlined into every kernel that uses it."""
-    return cast(F, lane_by_lane(function) if config.DISABLE_JIT else Law(function))
+    return lane_by_lane(function) if config.DISABLE_JIT else Law(function)
 
 
-def composition(function: F) -> F:
+def composition(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile like a law a function that joins and parts lanes; it is given them all at once in any case."""
-    return cast(F, function if config.DISABLE_JIT else Law(function))
+    return function if config.DISABLE_JIT else Law(function)
 
 
-def kernel(function: F) -> F:
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function that Python calls, and keep the machine code on disk."""
     folder = cache_folder()
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
     try:
-        return cast(F, numba.njit(cache=folder is not None, **STRICT)(function))
+        return cast(Callable[..., Any], numba.njit(cache=folder is not None, **STRICT)(function))
     finally:
         config.CACHE_DIR = before
 

@@ -9,7 +9,8 @@ it would write `and` and `or`.
 `write_row` is the way out of named tuples into arrays.
 """
 
-import layflat.lanes.lowering  # noqa: F401  (teaches the compiler what follows)
+import layflat.lanes.boxing
+import layflat.lanes.lowering  # noqa: F401  (both teach the compiler what follows)
 from layflat.lanes.interpreted import Lanes, halves, join, lane_by_lane, select, write_row
 
 __all__ = ["Lanes", "halves", "join", "lane_by_lane", "select", "write_row"]

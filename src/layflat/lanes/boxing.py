@@ -1,0 +1,26 @@
+"""Lanes for the compiler: how they come out to Python."""
+
+# mypy: disable-error-code="no-untyped-call,import-untyped,untyped-decorator"
+# The compiler's own modules are untyped.
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core.extending import box
+
+from layflat.lanes.interpreted import Lanes
+from layflat.lanes.typing import LanesType
+
+
+@box(LanesType)
+def _lanes(kind: Any, value: Any, c: Any) -> Any:
+    places = [ir.Constant(ir.IntType(32), i) for i in range(kind.count)]
+    numbers = [c.box(kind.leaf, c.builder.extract_element(value, place)) for place in places]
+    together = c.pyapi.tuple_pack(numbers)
+    made_by = c.pyapi.unserialize(c.pyapi.serialize_object(Lanes))
+    lanes = c.pyapi.call_function_objargs(made_by, [together])
+    for used in (*numbers, together, made_by):
+        c.pyapi.decref(used)
+    return lanes
