@@ -1,0 +1,29 @@
+from pathlib import Path
+
+import numba
+import pytest
+from hypothesis import settings
+
+settings.register_profile("layflat", deadline=None, derandomize=True, max_examples=60)
+settings.load_profile("layflat")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "compiled: far too slow without the JIT")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return
+    for item in items:
+        if "compiled" in item.keywords:
+            item.add_marker(pytest.mark.skip(reason="far too slow without the JIT"))
+
+
+@pytest.fixture(scope="session")
+def measured_data() -> Path:
+    """Measurements that are not part of the package."""
+    folder = Path(__file__).parents[2] / "shared" / "data"
+    if not folder.is_dir():
+        pytest.skip(f"needs the measured data in {folder}")
+    return folder

@@ -1,0 +1,115 @@
+"""Plants for the tests: small machines put together by hand, and short ways to run them."""
+
+from math import pi, radians
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.control.gains import Gains, Phase
+from layflat.physics.arm import OneLink, TwoLink
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import laminar_slope
+from layflat.physics.hose import Stroke
+from layflat.physics.joint import Hose, Joint, Surroundings
+from layflat.physics.loss import Loss
+from layflat.physics.sensor import Sensor
+from layflat.physics.spool import Spool
+from layflat.physics.stop import Stops
+from layflat.physics.valve import Valve
+from layflat.sim.kernel import Sample, Signals, Timing, run_cycles
+
+Floats = NDArray[np.float64]
+
+CYCLE = 0.005
+DEFAULT = Timing(CYCLE, 20, 1, False)
+AROUND = Surroundings(5.01e5, 293.15, 1.013e5, 293.15, 0.0)
+FREE = Stops(radians(66.5), 50.0, radians(70.0), 2000.0, 5.0)
+NO_STOPS = Stops(1e3, 0.0, 1e3, 0.0, 0.0)
+NO_LOSS = Loss(*[0.0] * 9)
+RIGID = Chamber(1.2e-4, 0.0, 1.0)
+VALVE = Valve(Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0)
+ANGLE_SENSOR = Sensor(-radians(75.0), radians(75.0), radians(150.0) / 4096, 0.0, 0.0)
+PRESSURE_SENSOR = Sensor(-5e5, 5e5, 1e6 / 4096, 0.0, 0.0)
+FAR, NEAR, CLOSE = (Phase(5.0 / radians(angle), k_p) for angle, k_p in ((12.0, 1.5e-5), (9.0, 1e-5), (6.0, 3e-6)))
+GAINS = Gains(
+    *(FAR, NEAR, CLOSE, radians(8.0), radians(60.0), radians(1.5), radians(8.0), 5.0),
+    *(20.0, 1.0, 10.0, 1.0, 500.0, radians(0.5), 1e6, 0.0, 10.0, 1.0),
+)
+ONE_LINK = OneLink(0.32, 1.0, 0.4, 0.0, 0.0)
+TWO_LINKS = TwoLink(0.46, 0.04, 0.025, 1.0, 0.1, 0.4, 0.4, radians(90.0), 0.0, 0.0)
+
+
+def losses(torque: float) -> Loss:
+    """Three elements that slip at `torque` N m in all at 4 bar, a quarter of it without pressure."""
+    share = torque / 3.0
+    stiffness = [share / radians(angle) for angle in (2.0, 6.0, 15.0)]
+    return Loss(*stiffness, *[0.25 * share] * 3, *[0.75 * share / 4e5] * 3)
+
+
+def joint(K: float, dead_volume: float, compliance: float = 0.0) -> Joint:
+    """A joint with constant K (m3/rad), dead volume (m3) and compliance (m3/Pa)."""
+    hose = Hose(
+        Stroke(K, 0.0, 0.0, 0.0, 0.0),
+        Chamber(dead_volume, compliance, 1.0),
+        losses(0.035 * K * 4e5),
+        radians(66.5),
+    )
+    return Joint(hose, hose, VALVE, FREE, 250.0 * K, 0.0, ANGLE_SENSOR, PRESSURE_SENSOR)
+
+
+LARGE, SMALL = joint(2.05e-4, 1.2e-4), joint(0.63e-4, 0.5e-4)
+JOINTS = (LARGE, SMALL)
+PASSIVE = LARGE._replace(
+    hose_a=Hose(Stroke(*[0.0] * 5), RIGID, NO_LOSS, 0.0),
+    hose_b=Hose(Stroke(*[0.0] * 5), RIGID, NO_LOSS, 0.0),
+    stops=NO_STOPS,
+    viscous_friction=0.0,
+)
+"""A joint without any torque of its own."""
+
+
+class Run(NamedTuple):
+    """Records of a run: every column of `Sample`, over instants and joints."""
+
+    records: Floats
+
+    def column(self, name: str) -> Floats:
+        return np.asarray(self.records[:, :, Sample._fields.index(name)], dtype=np.float64)
+
+
+def signals(cycles: int, joints: int, **given: Any) -> Signals:
+    """Signals that are zero but for those given (which are spread over cycles and joints), at full supply."""
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
+        ("demand", "opening", "brake", "load", "drift"), (cycles, joints)
+    )
+    shapes |= {"supply": (cycles,), "payload": (cycles,), "noise": (cycles, joints, 2)}
+    given = {"supply": AROUND.supply_pressure} | given
+    return Signals(**{name: np.array(np.broadcast_to(given.get(name, 0.0), shapes[name]), float) for name in shapes})
+
+
+def run(
+    arm: OneLink | TwoLink,
+    joints: tuple[Joint, ...],
+    acting: Signals,
+    timing: Timing = DEFAULT,
+    angles: float | tuple[float, ...] = 0.0,
+    pressure: float | tuple[tuple[float, float], ...] = 3.5e5,
+) -> Run:
+    """Run a plant from rest at these angles (rad) and pressures (absolute, Pa)."""
+    n = len(joints)
+    start = np.array(np.broadcast_to(angles, n), float)
+    filled = np.array(np.broadcast_to(pressure, (n, 2)), float)
+    records, rows, diverged = run_cycles(arm, joints, (GAINS,) * n, AROUND, start, filled, acting, timing)
+    assert diverged == -1
+    return Run(records[:rows])
+
+
+def kinetic_energy(arm: TwoLink, payload: float, angles: Floats, velocities: Floats) -> Floats:
+    """Kinetic energy of a two-link arm from arrays (instants, 2), J."""
+    q, v_1, v_2 = angles[:, 1] + arm.elbow, velocities[:, 0], velocities[:, 1]
+    b = arm.b + payload * arm.length_1 * arm.length_2
+    c = arm.c + payload * arm.length_2**2
+    a = arm.a + payload * (arm.length_1**2 + arm.length_2**2)
+    energy = 0.5 * ((a + 2 * b * np.cos(q)) * v_1**2 + 2 * (c + b * np.cos(q)) * v_1 * v_2 + c * v_2**2)
+    return np.asarray(energy, dtype=np.float64)

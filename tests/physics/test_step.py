@@ -1,0 +1,86 @@
+from typing import Any
+
+import numpy as np
+import pytest
+from plants import AROUND, LARGE, SMALL
+
+from layflat.jit import composition, kernel
+from layflat.lanes import halves, join
+from layflat.physics.joint import joint_at_rest
+from layflat.physics.step import at_hand, finish, middle, set_running
+
+H = 2.5e-4
+
+
+@composition
+def advanced(joint: Any, state: Any, opening: Any, v: Any, around: Any) -> Any:
+    """A few steps with the velocities prescribed."""
+    running = set_running(state)
+    for _ in range(5):
+        mid = middle(joint, running, opening, around, H)
+        running = finish(joint, running, mid, v, 0.0 * v, 0.0 * v, H)
+    return at_hand(running)
+
+
+@kernel
+def side_by_side(joint_1: Any, joint_2: Any, state_1: Any, state_2: Any, around: Any) -> Any:
+    both = advanced(
+        join(joint_1, joint_2), join(state_1, state_2), join(0.4, -0.3), join(2.0, -1.0), join(around, around)
+    )
+    return halves(both)
+
+
+@kernel
+def alone(joint: Any, state: Any, opening: float, v: float, around: Any) -> Any:
+    return advanced(joint, state, opening, v, around)
+
+
+@pytest.mark.compiled
+def test_joints_side_by_side_are_bit_for_bit_joints_alone() -> None:
+    state_1, state_2 = joint_at_rest(LARGE, 0.3, 4e5, 3e5, AROUND), joint_at_rest(SMALL, -0.2, 2e5, 3.5e5, AROUND)
+    first, second = side_by_side(LARGE, SMALL, state_1, state_2, AROUND)
+    assert first == alone(LARGE, state_1, 0.4, 2.0, AROUND)
+    assert second == alone(SMALL, state_2, -0.3, -1.0, AROUND)
+
+
+@composition
+def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, around: Any) -> Any:
+    """One step with the velocity prescribed: the state after it, and the torques in its middle."""
+    running = set_running(state)
+    mid = middle(joint, running, 0.0, around, H)
+    return at_hand(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
+
+
+def test_a_step_drifts_and_books_what_it_did() -> None:
+    state = joint_at_rest(LARGE, 0.1, 4e5, 3e5, AROUND)
+    after, torque, gas_torque = stepped(LARGE, state, 0.02, -0.5, 1.5, AROUND)
+    assert torque == gas_torque == pytest.approx(2.05e-4 * 1e5, rel=1e-3)
+    assert after.motion.angle == pytest.approx(0.1 + 0.5 * H * 0.02)
+    turn = H * 0.01
+    assert after.ledger.gas_work == pytest.approx(gas_torque * turn)
+    assert after.ledger.load_work == pytest.approx(1.5 * turn)
+    assert after.ledger.brake_heat == pytest.approx(0.5 * 0.01)
+
+
+@composition
+def joined_and_parted(state: Any) -> Any:
+    return at_hand(set_running(state))
+
+
+def test_parting_undoes_joining() -> None:
+    state = joint_at_rest(LARGE, 0.1, 4e5, 3e5, AROUND)
+    assert joined_and_parted(state) == state
+
+
+def test_moving_the_joint_moves_air_as_its_volume_says() -> None:
+    state = joint_at_rest(LARGE, 0.0, 3e5, 3e5, AROUND)
+    # Ports covered and no leak to speak of: what hose A gains in volume it loses in pressure.
+    shut = LARGE._replace(valve=LARGE.valve._replace(leakage=0.0, dither_amplitude=0.0))
+    after = state
+    for _ in range(40):
+        after, _, _ = stepped(shut, after, 1.0, 0.0, 0.0, AROUND)
+    assert after.hose_a.mass == state.hose_a.mass
+    assert after.hose_a.pressure < 3e5 < after.hose_b.pressure
+    swept = after.hose_a.volume - state.hose_a.volume
+    assert swept == pytest.approx(2.05e-4 * after.motion.angle, rel=1e-9)
+    assert np.isclose(after.hose_b.volume - state.hose_b.volume, -swept)

@@ -1,0 +1,46 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from plants import VALVE
+
+from layflat.physics.flow import orifice
+from layflat.physics.valve import chamber_flow, commanded_opening, path_conductance
+
+SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
+
+
+def flows(x: float, p: float) -> tuple[float, float, float]:
+    mass, heat, taken = chamber_flow(VALVE, x, p, T, SUPPLY, T, AMBIENT)
+    return mass, heat, taken
+
+
+def test_volts_to_opening() -> None:
+    assert [commanded_opening(VALVE, u) for u in (-3.0, 0.0, 5.0, 7.5, 10.0, 12.0)] == [-1.0, -1.0, 0.0, 0.5, 1.0, 1.0]
+
+
+def test_a_land_covers_its_port_by_the_overlap() -> None:
+    assert path_conductance(VALVE, 1.0) == pytest.approx(VALVE.conductance)
+    for x in (-1.0, 0.0, VALVE.overlap):
+        assert path_conductance(VALVE, x) == VALVE.leakage
+    middle = 0.5 * (VALVE.overlap + 1.0)
+    assert path_conductance(VALVE, middle) == pytest.approx(0.5 * (VALVE.leakage + VALVE.conductance))
+
+
+@given(st.floats(0.1, 1.0), st.floats(1.5e5, 4.5e5))
+def test_opening_fills_or_vents(x: float, p: float) -> None:
+    assert flows(x, p)[0] > 0.0 > flows(-x, p)[0]
+    assert flows(x, p)[2] > flows(-x, p)[2] > 0.0
+
+
+@given(st.floats(-1.0, 1.0), st.floats(1.1e5, 4.9e5))
+def test_flows_are_those_of_both_paths(x: float, p: float) -> None:
+    b, s = VALVE.critical_ratio, VALVE.laminar_slope
+    inflow = orifice(path_conductance(VALVE, x), b, s, SUPPLY, T, p, T)
+    outflow = orifice(path_conductance(VALVE, -x), b, s, p, T, AMBIENT, T)
+    expected = (inflow[0] - outflow[0], inflow[1] - outflow[1], inflow[0])
+    assert flows(x, p) == pytest.approx(expected, rel=1e-12)
+
+
+def test_pressure_never_passes_supply_or_ambient() -> None:
+    assert flows(1.0, SUPPLY)[0] <= 0.0
+    assert flows(-1.0, AMBIENT)[0] >= 0.0
