@@ -1,0 +1,102 @@
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.jit import composition, kernel, law
+from layflat.lanes import Lanes, halves, interpreted, join, lane_by_lane, select, write_row
+
+numbers = st.floats(-1e3, 1e3, allow_subnormal=False)
+fours = st.tuples(numbers, numbers, numbers, numbers)
+
+
+class Pair(NamedTuple):
+    """Two numbers, as laws take them."""
+
+    x: float
+    y: float
+
+
+@law
+def everything(pair: Any, c: Any) -> Any:
+    """All that laws may do, of lanes and of numbers."""
+    x, y = pair.x, pair.y
+    inside = ((x < y) & (x >= -c)) | (y == x)
+    ratio = -x / (1.0 + abs(y)) + 2 * y
+    return Pair(select(inside, sqrt(abs(x)), ratio), min(max(x, -1.0), y)), select(x > c, 1.0, y - c)
+
+
+@composition
+def packed(a: Any, b: Any) -> Any:
+    return join(
+        join(Pair(a[0], b[0]), Pair(a[1], b[1])),
+        join(Pair(a[2], b[2]), Pair(a[3], b[3])),
+    )
+
+
+@kernel
+def in_lanes(a: Any, b: Any, c: float) -> Any:
+    return everything(packed(a, b), c)
+
+
+@kernel
+def one_by_one(a: Any, b: Any, c: float) -> Any:
+    low, high = halves(packed(a, b))
+    first, second = halves(low)
+    third, fourth = halves(high)
+    return everything(first, c), everything(second, c), everything(third, c), everything(fourth, c)
+
+
+@given(fours, fours, numbers)
+def test_each_lane_is_bit_for_bit_the_scalar_law(a: tuple[float, ...], b: tuple[float, ...], c: float) -> None:
+    (x, y), z = in_lanes(a, b, c)
+    assert (len(x), type(x)) == (4, Lanes)
+    assert [((x[i], y[i]), z[i]) for i in range(4)] == list(one_by_one(a, b, c))
+    assert [((x[i], y[i]), z[i]) for i in range(4)] == [everything(Pair(a[i], b[i]), c) for i in range(4)]
+
+
+@given(fours, fours, numbers)
+def test_the_interpreter_agrees(a: tuple[float, ...], b: tuple[float, ...], c: float) -> None:
+    scalar = getattr(everything, "py_func", getattr(everything, "__wrapped__", everything))
+    pair = interpreted.join(
+        interpreted.join(Pair(a[0], b[0]), Pair(a[1], b[1])), interpreted.join(Pair(a[2], b[2]), Pair(a[3], b[3]))
+    )
+    assert lane_by_lane(scalar)(pair, c) == in_lanes(a, b, c)
+
+
+@given(fours)
+def test_arithmetic_of_lanes_in_the_interpreter(a: tuple[float, ...]) -> None:
+    lanes: Any = Lanes(a)
+    assert 2.0 * lanes - lanes == lanes
+    assert -(1.0 - lanes) == lanes - 1.0
+    assert lanes / 2.0 + lanes / 2.0 == lanes
+    assert (lanes + lanes) / Lanes([2.0] * 4) == lanes
+
+
+def test_joining_and_parting() -> None:
+    joined = join(Pair(1.0, 2.0), Pair(3.0, 4.0))
+    assert joined == Pair(Lanes((1.0, 3.0)), Lanes((2.0, 4.0)))  # type: ignore[arg-type]
+    assert halves(join(joined, joined)) == (joined, joined)
+    assert halves(joined) == (Pair(1.0, 2.0), Pair(3.0, 4.0))
+
+
+def test_lanes_of_unequal_number_do_not_mix() -> None:
+    with pytest.raises(ValueError, match="unpack"):
+        lane_by_lane(max)(Lanes((1.0, 2.0)), Lanes((1.0, 2.0, 3.0, 4.0)))
+
+
+@kernel
+def filled(rows: Any, pair: Any) -> None:
+    for i in range(2):
+        for j in range(3):
+            write_row(rows, i, j, Pair(pair.x + i, pair.y + j))
+
+
+def test_rows_are_written_from_tuples() -> None:
+    rows = np.zeros((2, 3, 2))
+    filled(rows, Pair(10.0, 20.0))
+    assert rows[1, 2].tolist() == [11.0, 22.0]
+    assert rows[:, :, 0].tolist() == [[10.0] * 3, [11.0] * 3]

@@ -1,0 +1,118 @@
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import layflat
+from layflat.jit import by_kind, cache_folder, kernel, law, source_digest
+from layflat.physics.arm import OneLink
+from layflat.physics.hose import Stroke
+
+PACKAGE = Path(layflat.__file__).parent
+
+KERNEL = """
+from layflat.jit import kernel
+from layflat.physics.hose import Stroke, torque_per_pressure
+
+@kernel
+def doubled(stroke, s):
+    return 2.0 * torque_per_pressure(stroke, s)
+
+print(doubled(Stroke(1.0, 2.0, 0.0, 0.0, 0.0), 3.0), sum(doubled.stats.cache_hits.values()))
+"""
+
+SHORT_RUN = """
+import sys
+sys.path.insert(0, sys.argv[1])
+import numpy as np
+from plants import GAINS, AROUND, JOINTS, TWO_LINKS, CYCLE, signals
+from layflat.sim.kernel import Timing, run_cycles
+
+noise = np.random.default_rng(0).normal(size=(6, 2, 2))
+acting = signals(6, 2, demand=[0.3, -0.2], brake=[6.7, 2.2], load=[1.0, 0.5], payload=1.5, noise=noise)
+start, filled = np.zeros(2), np.full((2, 2), 3e5)
+records = run_cycles(TWO_LINKS, JOINTS, (GAINS,) * 2, AROUND, start, filled, acting, Timing(CYCLE, 20, 4, True))[0]
+sys.stdout.buffer.write(records.tobytes())
+"""
+
+
+def python(code: Path, *args: str, **environment: str) -> bytes:
+    done = subprocess.run(
+        [sys.executable, str(code), *args], env={**os.environ, **environment}, capture_output=True, check=True
+    )
+    return done.stdout
+
+
+def test_a_changed_law_is_not_served_from_the_cache(tmp_path: Path) -> None:
+    shutil.copytree(PACKAGE, tmp_path / "src" / "layflat", ignore=shutil.ignore_patterns("__pycache__"))
+    script = tmp_path / "kernel.py"
+    script.write_text(KERNEL)
+
+    def result() -> list[str]:
+        paths = {"PYTHONPATH": str(tmp_path / "src"), "LAYFLAT_CACHE_DIR": str(tmp_path / "cache")}
+        return python(script, NUMBA_DISABLE_JIT="0", **paths).decode().split()
+
+    assert result() == ["14.0", "0"]
+    assert result() == ["14.0", "1"]
+    laws = tmp_path / "src" / "layflat" / "physics" / "hose.py"
+    changed = laws.read_text().replace("return stroke.k0 + s *", "return 10.0 * stroke.k0 + s *")
+    assert changed != laws.read_text()
+    laws.write_text(changed)
+    assert result() == ["32.0", "0"]
+
+
+@pytest.mark.compiled
+def test_a_run_without_the_jit_has_the_same_bits(tmp_path: Path) -> None:
+    script = tmp_path / "short_run.py"
+    script.write_text(SHORT_RUN)
+    plants = str(Path(__file__).parent / "physics")
+    compiled, interpreted = (python(script, plants, NUMBA_DISABLE_JIT=off) for off in ("0", "1"))
+    assert len(compiled) == 25 * 2 * 26 * 8
+    assert compiled == interpreted
+
+
+def test_kernels_are_cached_in_a_folder_of_these_sources() -> None:
+    folder = cache_folder()
+    assert folder is not None
+    assert folder.name == source_digest()
+
+
+def test_no_cache_where_none_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("LAYFLAT_CACHE_DIR", str(tmp_path / "file"))
+    assert cache_folder.__wrapped__() is None
+
+
+@law
+def length(arm: Any, scale: float) -> float:
+    return float(scale * arm.length)
+
+
+@law
+def slope(stroke: Any, scale: float) -> float:
+    return float(scale * stroke.k1)
+
+
+chosen = by_kind({OneLink: length, Stroke: slope})
+
+
+@kernel
+def both(arm: Any, stroke: Any) -> Any:
+    return chosen(arm, 2.0), chosen(stroke, 3.0)
+
+
+def test_the_kind_of_the_first_argument_picks_the_law() -> None:
+    arm, stroke = OneLink(1.0, 2.0, 0.4, 0.0, 0.0), Stroke(1.0, 5.0, 0.0, 0.0, 0.0)
+    assert both(arm, stroke) == (0.8, 15.0)
+    assert chosen(arm, 2.0) == 0.8
+
+
+def test_laws_keep_their_names_and_docs() -> None:
+    from layflat.physics.hose import roller_torque
+
+    assert roller_torque.__name__ == "roller_torque"
+    assert "Eq. (1)" in str(roller_torque.__doc__)
