@@ -5,7 +5,6 @@ import pytest
 from plants import CYCLE, JOINTS, LARGE, ONE_LINK, TWO_LINKS, Floats, Run, joint, kinetic_energy, run, signals
 
 from layflat.physics.joint import Joint
-from layflat.physics.plant import dither_start
 from layflat.sim.kernel import Signals, Timing
 
 BRAKES = np.array([6.7, 2.2])
@@ -78,16 +77,6 @@ def test_a_load_beyond_the_brake_moves_the_joint() -> None:
     assert moved.column("angle")[-1, 0] > radians(1.0)
 
 
-def test_dither_starts_where_its_time_says() -> None:
-    for t in (0.0, 0.0123, 3600.005):
-        h = 2.5e-4
-        sin_0, cos_0, sin_h, cos_h = dither_start(50.0, t, h)
-        # Large times keep the phase to within their own rounding.
-        assert sin_0 == pytest.approx(np.sin(2 * pi * 50.0 * (t + 0.5 * h)), abs=1e-9)
-        assert cos_0 == pytest.approx(np.cos(2 * pi * 50.0 * (t + 0.5 * h)), abs=1e-9)
-        assert (sin_h, cos_h) == pytest.approx((np.sin(2 * pi * 50.0 * h), np.cos(2 * pi * 50.0 * h)), abs=1e-12)
-
-
 def test_a_valve_that_opens_turns_its_joint_that_way() -> None:
     opening = np.array([0.3, -0.3])
     done = run(TWO_LINKS, JOINTS, signals(6, 2, opening=opening, payload=PAYLOAD))
@@ -104,6 +93,13 @@ def test_mirrored_machines_move_alike_but_for_the_dither() -> None:
 
     assert np.array_equal(path(still, 1.0), -path(still, -1.0))
     assert not np.array_equal(path(LARGE, 1.0), -path(LARGE, -1.0))
+
+
+@pytest.mark.parametrize("records", [2, 4])
+def test_looking_more_often_changes_no_bit(records: int) -> None:
+    coarse = run(TWO_LINKS, JOINTS, sines(True, 8)).records
+    fine = run(TWO_LINKS, JOINTS, sines(True, 8), Timing(CYCLE, 20, records, False)).records
+    assert np.array_equal(coarse, fine[::records])
 
 
 def test_same_run_same_bits() -> None:

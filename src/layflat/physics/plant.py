@@ -3,9 +3,7 @@
 The arms differ only in how torques become velocities; `advance` picks the right one by the kind of arm.
 """
 
-from math import floor, pi
-
-from layflat.jit import by_kind, composition, law
+from layflat.jit import by_kind, composition
 from layflat.lanes import halves, join
 from layflat.physics.arm import (
     OneLink,
@@ -16,18 +14,10 @@ from layflat.physics.arm import (
     two_link_gravity,
     two_link_mass,
 )
+from layflat.physics.dither import turn_dither
 from layflat.physics.friction import brake_one, brake_two
 from layflat.physics.step import at_hand, finish, middle, set_running
 from layflat.physics.trig import sincos
-
-
-@law
-def dither_start(frequency, t, h):
-    """Sine and cosine of the dither at t + h/2, and of its turn in one step of h."""
-    cycles = frequency * (t + 0.5 * h)
-    sin_0, cos_0 = sincos(2.0 * pi * (cycles - floor(cycles + 0.5)))
-    sin_h, cos_h = sincos(2.0 * pi * frequency * h)
-    return sin_0, cos_0, sin_h, cos_h
 
 
 @composition
@@ -50,18 +40,16 @@ def _step_two(arm, joints, running, drives, openings, around, h):
 
 
 @composition
-def advance_two(arm, joints, states, drives, around, t, h, n):
-    """States of both joints, as a list, after n steps of h from time t; each sequence holds one item a joint."""
-    both, drive = join(joints[0], joints[1]), join(drives[0], drives[1])
+def advance_two(arm, joints, states, drives, dithers, around, h, n):
+    """States and dithers of both joints, as lists, after n steps of h; each sequence holds one item a joint."""
+    both, drive, dither = join(joints[0], joints[1]), join(drives[0], drives[1]), join(dithers[0], dithers[1])
     running = set_running(join(states[0], states[1]))
-    frequency_1, frequency_2 = joints[0].valve.dither_frequency, joints[1].valve.dither_frequency
-    sin_d, cos_d, turn_s, turn_c = join(dither_start(frequency_1, t, h), dither_start(frequency_2, t, h))
     for _ in range(n):
-        openings = drive.opening + both.valve.dither_amplitude * sin_d
+        openings = drive.opening + both.valve.dither_amplitude * dither.sine
         running = _step_two(arm, both, running, drive, openings, around, h)
-        sin_d, cos_d = sin_d * turn_c + cos_d * turn_s, cos_d * turn_c - sin_d * turn_s
-    first, second = halves(at_hand(running))
-    return [first, second]
+        dither = turn_dither(dither)
+    (state_1, state_2), (dither_1, dither_2) = halves(at_hand(running)), halves(dither)
+    return [state_1, state_2], [dither_1, dither_2]
 
 
 @composition
@@ -74,16 +62,15 @@ def _step_one(arm, joint, running, drive, opening, around, h):
 
 
 @composition
-def advance_one(arm, joints, states, drives, around, t, h, n):
-    """State of the only joint after n steps of h from time t, as a list of one."""
-    joint, drive, running = joints[0], drives[0], set_running(states[0])
-    sin_d, cos_d, turn_s, turn_c = dither_start(joint.valve.dither_frequency, t, h)
+def advance_one(arm, joints, states, drives, dithers, around, h, n):
+    """State and dither of the only joint after n steps of h, as lists of one."""
+    joint, drive, dither, running = joints[0], drives[0], dithers[0], set_running(states[0])
     for _ in range(n):
-        opening = drive.opening + joint.valve.dither_amplitude * sin_d
+        opening = drive.opening + joint.valve.dither_amplitude * dither.sine
         running = _step_one(arm, joint, running, drive, opening, around, h)
-        sin_d, cos_d = sin_d * turn_c + cos_d * turn_s, cos_d * turn_c - sin_d * turn_s
-    return [at_hand(running)]
+        dither = turn_dither(dither)
+    return [at_hand(running)], [dither]
 
 
 advance = by_kind({OneLink: advance_one, TwoLink: advance_two})
-"""Advance an arm of any kind: `advance(arm, joints, states, drives, around, t, h, n)`."""
+"""Advance an arm of any kind: `advance(arm, joints, states, drives, dithers, around, h, n)`."""

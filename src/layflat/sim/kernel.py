@@ -9,6 +9,7 @@ from layflat.control.gains import Measurement, Status
 from layflat.jit import kernel, law
 from layflat.lanes import write_row
 from layflat.physics.chamber import temperature
+from layflat.physics.dither import start_dither
 from layflat.physics.joint import Drive, Surroundings, joint_at_rest
 from layflat.physics.loss import stored_energy
 from layflat.physics.plant import advance
@@ -155,6 +156,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
     statuses = [Status(angles[j], 0.0, 0.0, 0.0, 0.0, 0.0) for j in range(n)]
     voltages = [gains[j].null for j in range(n)]
     drives = [Drive(0.0, 0.0, 0.0) for j in range(n)]
+    dithers = [start_dither(joints[j].valve.dither_frequency, 0.0, h) for j in range(n)]
     row = 0
     for k in range(cycles):
         around = Surroundings(
@@ -172,13 +174,13 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
                 voltages[j] = valve.centre_voltage + valve.volts_to_full * signals.opening[k, j]
             opening = commanded_opening(valve, voltages[j] - signals.drift[k, j])
             drives[j] = Drive(opening, signals.brake[k, j], signals.load[k, j])
-        for i in range(timing.records):
+            dithers[j] = start_dither(valve.dither_frequency, timing.cycle * k, h)
+        for _ in range(timing.records):
             for j in range(n):
                 sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
                 write_row(out, row, j, sample)
             row += 1
-            t = timing.cycle * k + i * sub * h
-            states = advance(arm, joints, states, drives, around, t, h, sub)
+            states, dithers = advance(arm, joints, states, drives, dithers, around, h, sub)
             for j in range(n):
                 if not _is_sound(states[j]):
                     return out, row, j
