@@ -41,15 +41,15 @@ def _step_two(arm, joints, running, drives, openings, around, h):
 
 @composition
 def advance_two(arm, joints, states, drives, dithers, around, h, n):
-    """States and dithers of both joints, as lists, after n steps of h; each sequence holds one item a joint."""
+    """Advance states and dithers (lists) of both joints by n steps of h; each sequence holds one item a joint."""
     both, drive, dither = join(joints[0], joints[1]), join(drives[0], drives[1]), join(dithers[0], dithers[1])
     running = set_running(join(states[0], states[1]))
     for _ in range(n):
         openings = drive.opening + both.valve.dither_amplitude * dither.sine
         running = _step_two(arm, both, running, drive, openings, around, h)
         dither = turn_dither(dither)
-    (state_1, state_2), (dither_1, dither_2) = halves(at_hand(running)), halves(dither)
-    return [state_1, state_2], [dither_1, dither_2]
+    states[0], states[1] = halves(at_hand(running))
+    dithers[0], dithers[1] = halves(dither)
 
 
 @composition
@@ -63,14 +63,14 @@ def _step_one(arm, joint, running, drive, opening, around, h):
 
 @composition
 def advance_one(arm, joints, states, drives, dithers, around, h, n):
-    """State and dither of the only joint after n steps of h, as lists of one."""
+    """Advance state and dither (lists of one) of the only joint by n steps of h."""
     joint, drive, dither, running = joints[0], drives[0], dithers[0], set_running(states[0])
     for _ in range(n):
         opening = drive.opening + joint.valve.dither_amplitude * dither.sine
         running = _step_one(arm, joint, running, drive, opening, around, h)
         dither = turn_dither(dither)
-    return [at_hand(running)], [dither]
+    states[0], dithers[0] = at_hand(running), dither
 
 
 advance = by_kind({OneLink: advance_one, TwoLink: advance_two})
-"""Advance an arm of any kind: `advance(arm, joints, states, drives, dithers, around, h, n)`."""
+"""Advance an arm of any kind, in place: `advance(arm, joints, states, drives, dithers, around, h, n)`."""

@@ -180,7 +180,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
                 sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
                 write_row(out, row, j, sample)
             row += 1
-            states, dithers = advance(arm, joints, states, drives, dithers, around, h, sub)
+            advance(arm, joints, states, drives, dithers, around, h, sub)
             for j in range(n):
                 if not _is_sound(states[j]):
                     return out, row, j
