@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +15,7 @@ from layflat.errors import DivergedError, InputError, LayflatError
 if TYPE_CHECKING:
     import xarray
 
+    from layflat.design import Characteristic, Finding
     from layflat.machine import Machine
     from layflat.sim.scenario import Scenario
 
@@ -97,12 +98,91 @@ def check(machine: MachineName) -> None:
     from layflat.machine import load  # noqa: PLC0415
 
     described = load(machine)
-    findings = [(name, f) for name in described.joints for f in design_joint(described, name).findings]
-    if findings:
-        _table(["joint", "severity", "finding"], [[name, f.severity, f.text] for name, f in findings])
-    if any(f.severity == "error" for _, f in findings):
-        raise InputError("such a joint can't be made", where=machine, right="see the findings above")
+    findings = [f for name in described.joints for f in design_joint(described, name).findings]
+    _print_findings(findings)
     typer.echo(f"{machine}: a sound description of {len(described.joints)} joint(s)")
+
+
+def _print_findings(findings: Iterable[Finding]) -> None:
+    rows = [[f.severity, f.where, f.what, f.right] for f in findings]
+    if rows:
+        _table(["severity", "where", "found", "what is right, or follows"], rows)
+
+
+@app.command()
+def design(
+    machine: MachineName,
+    joint: Annotated[str | None, typer.Option(help="joint; all joints where not given")] = None,
+    table: Annotated[Path | None, typer.Option(metavar="CSV", help="measured torque over angle, for Eq. (1)")] = None,
+    pressure: Annotated[str | None, typer.Option(help="gauge pressure of the measurement")] = None,
+    out: Out = Path("build/design"),
+) -> None:
+    """Design a machine's joints: torque, cam, strap, mass, air; write the cam as DXF, SVG and CSV."""
+    from layflat.cli_design import print_design  # noqa: PLC0415
+    from layflat.design import design_joint, write_drawings  # noqa: PLC0415
+    from layflat.files import check_folder  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+
+    described = load(machine)
+    chosen = [_known_joint(described, joint)] if joint else list(described.joints)
+    designs = []
+    for name in chosen:
+        measured = _measured(table, pressure, described.joint[name].output.radius) if table else None
+        designs.append(design_joint(described, name, measured=measured))
+    check_folder(out)
+    for made in designs:
+        print_design(made, _table)
+        _print_findings(made.findings)
+        for path in write_drawings(made, out) if made.cam is not None else []:
+            typer.echo(f"wrote {path}")
+
+
+@app.command()
+def size(
+    torque: Annotated[str, typer.Option(help='over the whole working stroke, such as "25 N m"')],
+    stroke: Annotated[str, typer.Option(help='working stroke, such as "120 deg"')],
+    supply: Annotated[str, typer.Option(help='gauge pressure of the supply, such as "4 bar"')],
+    wrap: Annotated[str | None, typer.Option(help="wrap angle of the collapsed hose")] = None,
+    hose_width: Annotated[str | None, typer.Option(help="of the flat hose; a standard width where not given")] = None,
+    cylinder_diameter: Annotated[str | None, typer.Option(help="of the outer cylinder")] = None,
+    strap_width: Annotated[str | None, typer.Option(help="of the steel strap")] = None,
+    strap_thickness: Annotated[str | None, typer.Option(help="of the steel strap")] = None,
+    payload_inertia: Annotated[str | None, typer.Option(help="about the joint")] = None,
+    name: Annotated[str, typer.Option(help="of the machine")] = "sized-joint",
+    out: Out = Path("build/size"),
+) -> None:
+    """Size a joint from what it shall do: a complete description that can be simulated, and its drawings."""
+    from layflat.cli_design import print_design  # noqa: PLC0415
+    from layflat.design import SizingRequest, size_joint, write_drawings  # noqa: PLC0415
+    from layflat.files import check_folder  # noqa: PLC0415
+
+    request = SizingRequest.from_text(
+        torque=torque,
+        stroke=stroke,
+        supply=supply,
+        wrap=wrap,
+        hose_width=hose_width,
+        cylinder_diameter=cylinder_diameter,
+        strap_width=strap_width,
+        strap_thickness=strap_thickness,
+        payload_inertia=payload_inertia,
+        name=name,
+    )
+    sized = size_joint(request)
+    check_folder(out)
+    print_design(sized.design, _table)
+    _print_findings(sized.findings)
+    typer.echo(f"wrote {sized.write(out / f'{name}.toml')}")
+    for path in write_drawings(sized.design, out):
+        typer.echo(f"wrote {path}")
+
+
+def _measured(table: Path, pressure: str | None, radius: float) -> Characteristic:
+    from layflat.design import read_characteristic  # noqa: PLC0415
+    from layflat.machine import units as u  # noqa: PLC0415
+
+    at = u.quantity(pressure, u.PRESSURE, "--pressure") if pressure else None
+    return read_characteristic(table, pressure=at, roller_radius=radius)
 
 
 @app.command()
@@ -141,11 +221,14 @@ def loop(
     chosen = [_known_joint(described, joint)] if joint else list(described.joints)
     at = u.quantity(pressure, u.PRESSURE, "--pressure")
     if at <= 0.0:
-        raise InputError(f"{pressure!r} presses no hose", where="--pressure", right='give a gauge pressure such as "3 bar"')
+        raise InputError(
+            f"{pressure!r} presses no hose", where="--pressure", right='give a gauge pressure such as "3 bar"'
+        )
     reach = u.quantity(stroke, u.ANGLE, "--stroke") if stroke else None
     swept = {name: sweep(described, name, at, stroke=reach, brake=brake) for name in chosen}
     rows = [
-        [name, f"{s.mean_torque.max():.1f}", f"{s.height:.2f}", f"{100 * s.hysteresis:.1f}"] for name, s in swept.items()
+        [name, f"{s.maximum_torque:.1f}", f"{s.height:.2f}", f"{100 * s.hysteresis:.1f}"]
+        for name, s in swept.items()
     ]
     _table(["joint", "torque (N m)", "loop height (N m)", "hysteresis (%)"], rows, f"{described.name} at {pressure}")
     typer.echo(f"wrote {save(loops(swept), out / f'{described.name}-loop.png')}")
@@ -170,7 +253,9 @@ def simulate(
     payload: Annotated[list[str] | None, typer.Option(help='such as "2 kg @ 1 s"; repeatable')] = None,
     supply: Annotated[list[str] | None, typer.Option(help='gauge, such as "0 bar @ 1 s"; repeatable')] = None,
     drift: Annotated[list[str] | None, typer.Option(help='of the valve\'s neutral, such as "0.2 V @ 1 s"')] = None,
-    load_torque: Annotated[list[str] | None, typer.Option("--load", help='on the joints, such as "2 N m @ 1 s"')] = None,
+    load_torque: Annotated[
+        list[str] | None, typer.Option("--load", help='on the joints, such as "2 N m @ 1 s"')
+    ] = None,
     brake: Annotated[list[str] | None, typer.Option(help='share of the brake\'s torque, such as "0.5 @ 1 s"')] = None,
     seed: Annotated[int, typer.Option(help="of the sensors' noise")] = 0,
     step: Annotated[str, typer.Option(help="of the plant")] = "0.25 ms",
@@ -224,12 +309,19 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario) ->
 
     if scenario.opening is None:
         rows = [
-            [f"{since:g}", m.joint, seconds(m.settling), *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error))]
+            [
+                f"{since:g}",
+                m.joint,
+                seconds(m.settling),
+                *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error)),
+            ]
             for since, m in moves_of(run)
         ]
         columns = ["from (s)", "joint", "settling (s)", "overshoot (deg)", "steady error (deg)"]
         _table(columns, rows, f"{machine.name}: moves, settled within 0.3 deg")
-    typer.echo(f"air used {air_used(run):.2f} normal litres, peak tip acceleration {peak_tip_acceleration(run):.1f} m/s2")
+    typer.echo(
+        f"air used {air_used(run):.2f} normal litres, peak tip acceleration {peak_tip_acceleration(run):.1f} m/s2"
+    )
 
 
 def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
@@ -243,7 +335,9 @@ def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
 
 @app.command()
 def reproduce(
-    machine: Annotated[str, typer.Option("--machine", "-m", metavar="NAME|FILE", help="the arm under test")] = "paper-arm",
+    machine: Annotated[
+        str, typer.Option("--machine", "-m", metavar="NAME|FILE", help="the arm under test")
+    ] = "paper-arm",
     out: Out = Path("build/reproduce"),
 ) -> int:
     """Reproduce the paper: perform its experiments, judge its claims, write report.html and claims.json."""

@@ -47,7 +47,9 @@ def _one(text: str, names: Sequence[str], where: str) -> tuple[float, Values]:
     if len(items) == 1:
         return time, dict.fromkeys(names, _value(items[0]))
     if len(items) != len(names):
-        raise InputError(f"{text!r} has {len(items)} values", where=where, right=f"give {len(names)}: {', '.join(names)}")
+        raise InputError(
+            f"{text!r} has {len(items)} values", where=where, right=f"give {len(names)}: {', '.join(names)}"
+        )
     return time, {name: _value(item) for name, item in zip(names, items, strict=True)}
 
 

@@ -69,15 +69,13 @@ def test_mirrored_demands_give_mirrored_runs() -> None:
         rollout(calm, [(0.0, (0.0, 0.0)), (0.1, (s * 0.3, s * 0.2))], duration=0.6, noise=False) for s in (1, -1)
     )
     # The converters round halves up on both sides, so that counts differ by one now and then.
-    assert np.degrees(there["angle"] + back["angle"]).to_numpy() == pytest.approx(0.0, abs=0.05)
+    assert np.degrees((there["angle"] + back["angle"]).to_numpy()) == pytest.approx(0.0, abs=0.05)
 
 
 def test_gravity_pulls_the_way_it_is_said_to() -> None:
     hanging = changed(changed(ARM, "arm.gravity", 9.81), "arm.gravity_direction", radians(-90.0))
     ambient = ARM.supply.ambient_pressure
-    run = rollout(
-        hanging, opening=0.0, brake=0.0, supply=0.0, pressures=(ambient, ambient), duration=0.2, noise=False
-    )
+    run = rollout(hanging, opening=0.0, brake=0.0, supply=0.0, pressures=(ambient, ambient), duration=0.2, noise=False)
     assert run["angle"].sel(joint="large")[-1] < -0.01
 
 

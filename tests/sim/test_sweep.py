@@ -8,12 +8,12 @@ ARM = load("paper-arm")
 
 
 def test_without_losses_the_loop_is_a_line() -> None:
-    from layflat.experiments.bench import changed  # noqa: PLC0415
+    from layflat.experiments.bench import changed
 
     smooth = changed(ARM, "joint.small.hose.loss_share", 0.0)
     loop = sweep(smooth, "small", 3e5, brake=0.0)
     assert loop.height == pytest.approx(0.0, abs=1e-12)
-    assert loop.torque.max() == pytest.approx(3e5 * parameters.torque_constant(ARM.joint["small"]))
+    assert loop.maximum_torque == pytest.approx(3e5 * parameters.torque_constant(ARM.joint["small"]))
 
 
 def test_the_brake_adds_twice_its_torque() -> None:

@@ -1,0 +1,1 @@
+"""What the controller does every 5 ms."""

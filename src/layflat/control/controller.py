@@ -44,17 +44,17 @@ def _clamp(value, limit):
 
 
 @law
-def _integrals(gains, memory, phase, k_e, error, may_learn, elapsed):
-    """F and FL after this cycle.
+def _integrals(gains, memory, phase, held, error, may_learn, elapsed):
+    """F and FL after this cycle; `held` is what the other terms add to the null.
 
-    FL learns what F and the proportional term have to hold at rest, and F gives up what FL takes over: their sum, and
-    so the joint, is not disturbed by the hand-over.
+    At rest and without a load, all that the controller adds to its null makes up for a null that is wrong: FL learns
+    it. F gives up what FL takes over from it, so that the hand-over does not disturb the joint.
     """
     share = elapsed / gains.drift_time if may_learn else 0.0
     handed = share * memory.short_term
     short = memory.short_term - handed + gains.integral_gain * error * elapsed
     short = _clamp(short, gains.integral_limit) if phase == 3.0 else 0.0
-    long = _clamp(memory.long_term + handed + share * k_e * error, gains.drift_limit)
+    long = _clamp(memory.long_term + handed + share * held, gains.drift_limit)
     return short, long
 
 
@@ -73,8 +73,9 @@ def step(gains, memory, measurement, demand):
     may_learn = (
         ripple > gains.air_ripple and abs(speed) < gains.rest_speed and abs(dp_used) < gains.load_pressure
     ) and phase == 3.0
-    short, long = _integrals(gains, memory, phase, k_e, error, may_learn, measurement.elapsed)
-    voltage = k_e * error - k_p * dp_used + gains.null + short + long
+    held = k_e * error - k_p * dp_used
+    short, long = _integrals(gains, memory, phase, held, error, may_learn, measurement.elapsed)
+    voltage = held + gains.null + short + long
     voltage = min(max(voltage, gains.voltage_low), gains.voltage_high)
     after = Memory(
         x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long

@@ -29,6 +29,8 @@ def changed(machine: Machine, path: str, value: Any) -> Machine:
 
     def replaced(part: Any, keys: list[str]) -> Any:
         head, rest = keys[0], keys[1:]
+        if isinstance(part, tuple):
+            return tuple(value if i == int(head) else item for i, item in enumerate(part))
         below = part[head] if isinstance(part, dict) else getattr(part, head)
         after = replaced(below, rest) if rest else value
         return {**part, head: after} if isinstance(part, dict) else part.model_copy(update={head: after})

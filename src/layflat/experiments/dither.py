@@ -4,29 +4,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.average import mean4
 from layflat.control.controller import start, step
 from layflat.control.gains import Measurement
-from layflat.experiments.bench import Bench, changed
+from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
 from layflat.jit import kernel
 from layflat.machine import Machine, parameters
 from layflat.physics.spool import advance_spool
+from layflat.physics.valve import path_conductance
 from layflat.sim import rollout
 
 SETTLED = 1.0
 """Ripple is measured from this time on, s."""
+SMALL_SIGNAL = 0.05
+"""Commands up to this are small, share of full opening."""
 HIGH_FREQUENCY = 400.0
 """A dither too fast for the spool, Hz."""
 
 
 @dataclass(frozen=True)
 class ValveSweep:
-    """Mean spool opening against slowly swept command, up and down; gain of the steepest part of the way up."""
+    """Mean net opening (to supply less to exhaust, of one hose) against a slowly swept command, on both ways."""
 
     command: NDArray[np.float64]
     up: NDArray[np.float64]
@@ -39,8 +42,8 @@ class ValveSweep:
 
     @property
     def gain(self) -> float:
-        """Steepest slope of opening against command, over a hundredth of full opening."""
-        return float(np.max(np.gradient(self.up, self.command)))
+        """Steepest slope of opening against command for small commands, where a valve works that holds a joint."""
+        return float(np.max(np.gradient(self.up, self.command)[np.abs(self.command) <= SMALL_SIGNAL]))
 
 
 @dataclass(frozen=True)
@@ -79,18 +82,19 @@ def ripple(machine: Machine, brake: float) -> tuple[dict[str, float], dict[str, 
 
 
 @kernel
-def _spool_sweep(spool, command, amplitude, frequency, h, n):
-    """Mean opening over the last half of n steps at each command."""
+def _valve_sweep(valve, command, amplitude, frequency, h, n):  # type: ignore[no-untyped-def]
+    """Mean net opening over the last half of n steps at each command, share of full conductance."""
     opening = np.empty_like(command)
     x, v, t = 0.0, 0.0, 0.0
     for i in range(len(command)):
         total = 0.0
         for k in range(n):
             u = command[i] + amplitude * np.sin(2.0 * pi * frequency * (t + 0.5 * h))
-            x, v = advance_spool(spool, u, x, v, h)
+            x, v = advance_spool(valve.spool, u, x, v, h)
             t += h
-            total += x if k >= n // 2 else 0.0
-        opening[i] = total / (n - n // 2)
+            net = path_conductance(valve, x) - path_conductance(valve, -x)
+            total += net if k >= n // 2 else 0.0
+        opening[i] = total / (n - n // 2) / valve.conductance
     return opening
 
 
@@ -101,7 +105,7 @@ def sweep_valve(machine: Machine, amplitude: float, frequency: float) -> ValveSw
     command = np.linspace(-0.2, 0.2, 81)
     both = np.concatenate([command, command[::-1]])
     lap = np.concatenate([both, both])
-    opening = _spool_sweep(law.spool, lap, amplitude, frequency, 1e-4, 800)
+    opening = _valve_sweep(law, lap, amplitude, frequency, 1e-4, 800)
     return ValveSweep(command, opening[162:243], opening[243:][::-1])
 
 
@@ -146,7 +150,7 @@ def _average(bench: Bench, cycle: float) -> tuple[float, float]:
     valve, _, _ = parameters.drive_parts(bench.arm)
     gains = parameters.gains(bench.arm, "small")
 
-    def used(signal: NDArray[np.float64]) -> NDArray[np.float64]:
+    def used(signal: NDArray[Any]) -> NDArray[np.float64]:
         memory = start(Measurement(float(signal[0]), 0.0, cycle))
         out = np.empty_like(signal)
         for i, value in enumerate(signal):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, radians
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ import numpy as np
 from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
 from layflat.machine import parameters
-from layflat.sim import rollout
+from layflat.sim import Scenario, rollout
 
 if TYPE_CHECKING:
     import xarray
@@ -45,13 +45,13 @@ def perform(bench: Bench) -> Drift:
     def sway(t: float) -> float:
         return radians(40.0) * float(np.sin(2 * pi * 0.5 * t))
 
-    shared = {"drift": volts, "brake": bench.brake, "seed": 4}
+    case = Scenario(drift=volts, brake=bench.brake, seed=4, duration=20.0)
     return Drift(
         volts,
-        rollout(machine, 0.0, duration=DURATION, **shared),
-        rollout(machine, 0.0, duration=20.0, supply=0.0, pressures=(ambient, ambient), **shared),
-        rollout(machine, sway, duration=20.0, **shared),
-        rollout(machine, 0.0, duration=20.0, load=[(0.0, 0.0), (1.0, load)], **shared),
+        rollout(machine, scenario=replace(case, duration=DURATION)),
+        rollout(machine, scenario=replace(case, supply=0.0, pressures=(ambient, ambient))),
+        rollout(machine, scenario=replace(case, demand=sway)),
+        rollout(machine, scenario=replace(case, load=[(0.0, 0.0), (1.0, load)])),
     )
 
 

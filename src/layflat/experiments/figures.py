@@ -78,7 +78,7 @@ FIGURES: dict[str, tuple[str, str, Callable[[Reproduction], Figure]]] = {
         "Fig. 6. The large joint's cam.",
         "Each thin line is the strap at one position of the shell, seen from the cam; their envelope is the profile. "
         "Where the hose pulls less the line runs further from the axis, so that the torque stays the same.",
-        lambda found: cam_procedure(found.statics.design.cam),
+        lambda found: cam_procedure(found.statics.design.with_cam()),
     ),
     "fig-10": (
         "Fig. 10. Axis one without brake, 4 bar.",
@@ -87,12 +87,12 @@ FIGURES: dict[str, tuple[str, str, Callable[[Reproduction], Figure]]] = {
     ),
     "fig-11": (
         "Fig. 11. The earlier actuator, 4 bar.",
-        "Torque falls along the stroke, and the loop is high but rounded: after each turn the torque changes gradually.",
+        "Torque falls along the stroke; the loop is high but rounded: after each turn the torque changes gradually.",
         lambda found: loops({"earlier actuator": found.open_loop.earlier}),
     ),
     "fig-12": (
         "Fig. 12. Axis one with its brake, 4 bar.",
-        "As much hysteresis as the earlier actuator's, but with upright sides: the full force opposes the smallest motion.",
+        "As much hysteresis as the earlier actuator's, but with upright sides: the smallest motion meets the full force.",
         lambda found: loops({"with brake": found.open_loop.braked, "without": found.open_loop.unbraked}),
     ),
     "fig-13": (
@@ -128,7 +128,7 @@ FIGURES: dict[str, tuple[str, str, Callable[[Reproduction], Figure]]] = {
     "fig-valve": (
         "What dither is for.",
         "Without dither the spool sticks: it follows the command late on either way. At 50 Hz the two ways agree; "
-        "a dither that is too fast for the spool leaves it sticking, and then letting go.",
+        "a dither too fast for the spool leaves it sticking, and then letting go.",
         _valve,
     ),
     "fig-average": (

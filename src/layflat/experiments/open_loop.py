@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from layflat.experiments.bench import RIGS, Bench
 from layflat.experiments.claim import Claim
@@ -91,7 +92,7 @@ def _variants(loops: OpenLoop) -> Claim:
     at = {name: _percent(loops.rigs[name][RIG_PRESSURE]) for name in RIGS}
     ordered = ("rig-polyester", "rig-polyester-plate", "rig-kevlar-plate", "rig-shell-steel")
     falling = all(
-        all(_percent(rig[low]) > _percent(rig[high]) for low, high in zip(PRESSURES, PRESSURES[1:], strict=False))
+        all(_percent(rig[low]) > _percent(rig[high]) for low, high in pairwise(PRESSURES))
         for rig in loops.rigs.values()
     )
     plain = at["rig-polyester"]
@@ -103,7 +104,7 @@ def _variants(loops: OpenLoop) -> Claim:
         "% of maximum torque",
         19.0 <= plain <= 23.0
         and 7.0 <= at["rig-shell-steel"] <= 9.0
-        and all(at[a] > at[b] for a, b in zip(ordered, ordered[1:], strict=False))
+        and all(at[a] > at[b] for a, b in pairwise(ordered))
         and abs(at["rig-single-thickness"] - plain) <= 1.0
         and abs(at["rig-polyester-polythene"] - plain) <= 1.0
         and falling,
@@ -122,5 +123,3 @@ def _overall(loops: OpenLoop) -> Claim:
         all(23.0 <= value <= 27.0 for value in both.values()),
         "23 to 27 on both",
     )
-
-

@@ -41,7 +41,9 @@ def write_claims(found: Reproduction, path: Path) -> Path:
     """
     records = [claim.record() for claim in found.claims]
     with whole_file(path) as temporary:
-        temporary.write_text(json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+        temporary.write_text(
+            json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
+        )
     return path
 
 

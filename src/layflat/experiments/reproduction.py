@@ -59,7 +59,7 @@ class Reproduction:
         return all(claim.agrees for claim in self.claims)
 
 
-def reproduce(bench: Bench, progress: Progress = lambda name: None) -> Reproduction:
+def reproduce(bench: Bench, progress: Progress = lambda _: None) -> Reproduction:
     """Perform every experiment and judge the paper's claims by what they found."""
     found_statics = statics.perform(bench)
     progress("statics and cam")

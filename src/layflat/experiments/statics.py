@@ -82,7 +82,7 @@ def perform(bench: Bench) -> Statics:
 
 
 def squeeze(arm: Machine, pressure: float) -> xarray.Dataset:
-    """Push the large joint slowly to and fro about mid-stroke, its valve closed and tight, with a fiftieth of its torque."""
+    """Push the large joint slowly to and fro with a fiftieth of its torque, its valve closed and tight."""
     tight = changed(changed(arm, "valve.leakage", 0.0), "valve.dither.amplitude", 0.0)
     alone = changed(changed(tight, "arm.joints", ("large",)), "arm.payload", 0.5)
     push = 0.02 * maximum_torque(arm, "large")
@@ -148,12 +148,8 @@ def _mean(found: Statics) -> Claim:
     )
 
 
-def _top(loop: Loop) -> float:
-    return float(np.max(loop.mean_torque))
-
-
 def _torque(found: Statics, name: str, says: str, percent: float) -> Claim:
-    top = _top(found.torque[name])
+    top = found.torque[name].maximum_torque
     return Claim(
         f"{name}-joint-torque",
         "2.3, 4.1",
@@ -166,7 +162,7 @@ def _torque(found: Statics, name: str, says: str, percent: float) -> Claim:
 
 
 def _torque_per_mass(found: Statics) -> Claim:
-    each = {name: _top(found.torque[name]) / found.mass[name] / 4.0 for name in found.mass}
+    each = {name: found.torque[name].maximum_torque / found.mass[name] / 4.0 for name in found.mass}
     mean = float(np.mean(list(each.values())))
     return Claim(
         "torque-per-mass",
@@ -182,13 +178,21 @@ def _torque_per_mass(found: Statics) -> Claim:
 def _slope(loop: Loop) -> float:
     """Greatest change of torque per radian that geometry causes, N m/rad."""
     half = len(loop.angle) // 2
-    return float(np.max(np.abs(np.gradient(loop.mean_torque, loop.angle[:half]))))
+    return float(np.max(np.abs(np.gradient(loop.lossless[:half], loop.angle[:half]))))
+
+
+def cam_torque(design: JointDesign) -> NDArray[np.float64]:
+    """Torque of a cam over its stroke, N m: Eq. (1)'s force through the strap, times the lever that the profile has."""
+    cam = design.with_cam()
+    normals = np.stack([np.cos(cam.normal), np.sin(cam.normal)])
+    lever = np.max(cam.profile @ normals, axis=0)
+    return np.asarray(design.characteristic.force * design.pressure / cam.alignment * lever)
 
 
 def _constant(found: Statics) -> Claim:
-    cam = found.design.torque_over_stroke()
+    cam = cam_torque(found.design)
     spread = 100.0 * float(np.ptp(cam) / np.mean(cam))
-    bare = found.uncompensated.mean_torque
+    bare = found.uncompensated.lossless
     geometric = 100.0 * _slope(found.torque["large"]) / _slope(found.uncompensated)
     per_pressure = np.array([k / p for p, k in found.stiffness.items()])
     follows = 100.0 * float(np.ptp(per_pressure) / np.mean(per_pressure))

@@ -26,7 +26,7 @@ class Timing:
 
 
 @kernel
-def control_cycles(gains, angle, pressure, demand, cycles):
+def control_cycles(gains, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
     """Run the controllers of all axes over many cycles of given samples; returns the sum of their voltages."""
     total = 0.0
     memories = [start(Measurement(angle[0], pressure[0], 0.005)) for _ in range(len(gains))]

@@ -29,6 +29,9 @@ FINAL_BAND = radians(0.1)
 TIP_BAND = 2e-3
 
 
+Steps = list[tuple[str | float, tuple[float, float]]]
+
+
 @dataclass(frozen=True)
 class TwoAxis:
     """The steps; and the rest positions (rad, approaches x joints) with the tip's (m), from alternate sides."""
@@ -41,15 +44,15 @@ class TwoAxis:
 def perform(bench: Bench) -> TwoAxis:
     """Step each axis in turn, then approach one place from both sides."""
     half = radians(STEP / 2)
-    demand = [("0 s", (-half, -half)), (FIRST, (half, -half)), (SECOND, (half, half))]
+    demand: Steps = [(0.0, (-half, -half)), (FIRST, (half, -half)), (SECOND, (half, half))]
     steps = _run(bench, demand, END, seed=2)
     rest = _approaches(bench)
     return TwoAxis(steps, rest, tip_position(bench.arm, rest))
 
 
-def _run(bench: Bench, demand: list[tuple[object, tuple[float, float]]], duration: float, seed: int) -> xarray.Dataset:
+def _run(bench: Bench, demand: Steps, duration: float, seed: int) -> xarray.Dataset:
     try:
-        return rollout(bench.arm, demand, duration=duration, brake=bench.brake, seed=seed)  # type: ignore[arg-type]
+        return rollout(bench.arm, demand, duration=duration, brake=bench.brake, seed=seed)
     except DivergedError as error:
         return error.run  # type: ignore[return-value]
 
@@ -57,14 +60,18 @@ def _run(bench: Bench, demand: list[tuple[object, tuple[float, float]]], duratio
 def _approaches(bench: Bench) -> NDArray[np.float64]:
     """Mean angles over the last 0.2 s of each approach to mid-stroke, from -20 and +20 deg by turns."""
     side = radians(STEP / 2)
-    demand: list[tuple[object, tuple[float, float]]] = []
+    demand: Steps = []
     for i in range(REPEATS):
         away = side if i % 2 else -side
         demand += [(2 * i * REPEAT_TIME, (away, away)), ((2 * i + 1) * REPEAT_TIME, (0.0, 0.0))]
     run = _run(bench, demand, 2 * REPEATS * REPEAT_TIME, seed=3)
     ends = 2 * REPEAT_TIME * (1 + np.arange(REPEATS))
     return np.array(
-        [run["angle"].sel(time=slice(end - 0.2, end)).mean("time").to_numpy() for end in ends if end <= run.time[-1] + 1.0]
+        [
+            run["angle"].sel(time=slice(end - 0.2, end)).mean("time").to_numpy()
+            for end in ends
+            if end <= run.time[-1] + 1.0
+        ]
     )
 
 
@@ -73,8 +80,8 @@ def claims(arm: TwoAxis) -> list[Claim]:
     return [_settling(arm), _repeatability(arm), _coupling(arm)]
 
 
-def _moves(arm: TwoAxis) -> dict[str, tuple[float, float]]:
-    return {"large": (FIRST, SECOND - 0.005), "small": (SECOND, END)}
+MOVES = {"large": (FIRST, SECOND - 0.005), "small": (SECOND, END)}
+"""From when to when each joint's move lasts, s."""
 
 
 def final_settling(run: xarray.Dataset, joint: str, since: float, until: float) -> float:
@@ -91,7 +98,7 @@ def _settling(arm: TwoAxis) -> Claim:
         found = {"diverged after": float(arm.steps["time"][-1])}
         worst = inf
     else:
-        for name, (since, until) in _moves(arm).items():
+        for name, (since, until) in MOVES.items():
             found[f"{name} step: demand"] = max(
                 move(arm.steps, joint, since, until, BAND).settling for joint in ("large", "small")
             )
@@ -134,12 +141,9 @@ def disturbance(run: xarray.Dataset, joint: str, since: float, until: float) -> 
 
 
 def _coupling(arm: TwoAxis) -> Claim:
-    moves = _moves(arm)
-    large = disturbance(arm.steps, "large", *moves["small"])
-    small = disturbance(arm.steps, "small", *moves["large"])
-    ends = [
-        abs(move(arm.steps, joint, *moves[name]).steady_error) for name in moves for joint in ("large", "small")
-    ]
+    large = disturbance(arm.steps, "large", *MOVES["small"])
+    small = disturbance(arm.steps, "small", *MOVES["large"])
+    ends = [abs(move(arm.steps, joint, *MOVES[name]).steady_error) for name in MOVES for joint in ("large", "small")]
     return Claim(
         "coupling",
         "4.2, Fig. 14",

@@ -80,13 +80,15 @@ def schema_text() -> str:
     definitions = schema.pop("$defs", {})
     schema["title"] = "layflat machine"
     schema["properties"]["extends"] = {"type": "string", "description": "built-in name or file to lay this one over"}
-    schema["properties"]["omits"] = {"type": "array", "items": {"type": "string"}, "description": "parts left out of it"}
+    schema["properties"]["omits"] = {
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "parts left out of it",
+    }
     schema.pop("required", None)
     opened = {name: _with_sources(entry) for name, entry in definitions.items()}
     schema["properties"] = {key: _sourced(entry) for key, entry in schema["properties"].items()}
-    return json.dumps(
-        {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "$defs": opened}, indent=2
-    )
+    return json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "$defs": opened}, indent=2)
 
 
 def _with_sources(definition: dict[str, Any]) -> dict[str, Any]:

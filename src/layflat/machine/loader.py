@@ -25,7 +25,9 @@ BUILT_IN = files("layflat.machine") / "builtin"
 @cache
 def names() -> tuple[str, ...]:
     """Names of the built-in machines."""
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir() if entry.name.endswith(".toml")))
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir() if entry.name.endswith(".toml"))
+    )
 
 
 def load(machine: str | Path | Machine) -> Machine:
@@ -90,7 +92,9 @@ def _omit(plain: Plain, sources: Sources, path: str, where: str) -> None:
     for key in above:
         table = table.get(key, {}) if isinstance(table, dict) else {}
     if not isinstance(table, dict) or last not in table:
-        raise MachineError(f"{path!r} is not there to omit", where=f"{where}: omits", right='name a part such as "valve"')
+        raise MachineError(
+            f"{path!r} is not there to omit", where=f"{where}: omits", right='name a part such as "valve"'
+        )
     del table[last]
     for key in [key for key in sources if key == path or key.startswith(f"{path}.")]:
         del sources[key]

@@ -38,7 +38,9 @@ class Valve(Part):
     conductance: u.Conductance = Field(description="ISO 6358 sonic conductance of a fully open path")
     critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
     leakage: u.ConductanceOrZero = Field(description="sonic conductance of a closed path")
-    overlap: Annotated[u.Share, Field(lt=0.9)] = Field(description="share of the stroke in which a land covers its port")
+    overlap: Annotated[u.Share, Field(lt=0.9)] = Field(
+        description="share of the stroke in which a land covers its port"
+    )
     natural_frequency: u.Frequency
     damping_ratio: u.Ratio
     friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
@@ -111,7 +113,9 @@ class Machine(Part):
     def _joined(self) -> Machine:
         missing = [name for name in self.arm.joints if name not in self.joint]
         if missing:
-            raise ValueError(f"arm.joints names {missing[0]!r}, which is no joint here; joints are {sorted(self.joint)}")
+            raise ValueError(
+                f"arm.joints names {missing[0]!r}, which is no joint here; joints are {sorted(self.joint)}"
+            )
         return self
 
     @property

@@ -95,9 +95,7 @@ def stops(joint: parts.Joint) -> Stops:
     """End stops on both sides; squeezing begins where the opposite hose is collapsed."""
     limit = joint.stops.mechanical_stroke / 2
     squeeze = min(full_travel(joint) / 2, limit)
-    return Stops(
-        squeeze, joint.stops.squeeze_stiffness, limit, joint.stops.stop_stiffness, joint.stops.stop_damping
-    )
+    return Stops(squeeze, joint.stops.squeeze_stiffness, limit, joint.stops.stop_stiffness, joint.stops.stop_damping)
 
 
 def valve(described: Valve) -> ValveLaw:

@@ -55,7 +55,9 @@ class Output(Part):
 
     kind: Literal["roller", "cam"]
     radius: u.Length = Field(description="radius of the round roller; a cam keeps this roller's stroke and mean torque")
-    shaft_offset: u.LengthOrZero = Field(default=0.0, description="distance of the output axis from the cylinder's axis")
+    shaft_offset: u.LengthOrZero = Field(
+        default=0.0, description="distance of the output axis from the cylinder's axis"
+    )
 
 
 class Strap(Part):
@@ -93,7 +95,9 @@ class Losses(Part):
     """How the losses of hose and strap depend on pressure and on the size of the motion."""
 
     reference_pressure_gauge: u.PositivePressure
-    pressure_free: u.Share = Field(description="part of the loss at reference pressure that does not grow with pressure")
+    pressure_free: u.Share = Field(
+        description="part of the loss at reference pressure that does not grow with pressure"
+    )
     deflections: tuple[u.PositiveAngle, u.PositiveAngle, u.PositiveAngle] = Field(
         description="turn after which each of three elements slips, at reference pressure"
     )
@@ -125,7 +129,9 @@ class Stops(Part):
     @model_validator(mode="after")
     def _ordered(self) -> Stops:
         if self.mechanical_stroke < self.working_stroke:
-            raise ValueError("mechanical_stroke must not be smaller than working_stroke, for example 140 deg and 120 deg")
+            raise ValueError(
+                "mechanical_stroke must not be smaller than working_stroke, for example 140 deg and 120 deg"
+            )
         return self
 
 

@@ -40,7 +40,7 @@ class Quantity:
         if not isinstance(value, str):
             raise ValueError("is a bare number")
         try:
-            quantity = _registry().Quantity(value)
+            quantity: Any = _registry().Quantity(value)
         except Exception:  # pint raises errors of many libraries for a text that it can't read
             raise ValueError(f"is not a number with a unit of {self.name}") from None
         if quantity.units == _registry().dimensionless:
@@ -65,11 +65,20 @@ class Quantity:
                     {"problem": str(error), "name": self.name, "example": f'"{self.example}"'},
                 ) from None  # fmt: skip
 
-        return core_schema.no_info_before_validator_function(validate, handler(source))
+        def written(value: float) -> str:
+            return f"{value!r} {self.unit}"
+
+        as_text = core_schema.plain_serializer_function_ser_schema(written, when_used="json")
+        return core_schema.no_info_before_validator_function(validate, handler(source), serialization=as_text)
 
     def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
         """Editors are told of a text with a unit."""
-        return {"type": "string", "title": self.name, "examples": [self.example], "pattern": r"^\s*[-+.\d].*[^\d\s.].*$"}
+        return {
+            "type": "string",
+            "title": self.name,
+            "examples": [self.example],
+            "pattern": r"^\s*[-+.\d].*[^\d\s.].*$",
+        }
 
 
 @cache
@@ -149,9 +158,13 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
     """
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         if not math.isfinite(value):
-            raise InputError(f"{value} is not finite", where=where, right=f'give a {kind.name} such as "{kind.example}"')
+            raise InputError(
+                f"{value} is not finite", where=where, right=f'give a {kind.name} such as "{kind.example}"'
+            )
         return float(value)
     try:
         return kind.parse(value)
     except ValueError as error:
-        raise InputError(f"{value!r} {error}", where=where, right=f'give a {kind.name} such as "{kind.example}"') from None
+        raise InputError(
+            f"{value!r} {error}", where=where, right=f'give a {kind.name} such as "{kind.example}"'
+        ) from None

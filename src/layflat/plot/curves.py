@@ -18,13 +18,13 @@ Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def valve_sweeps(sweeps: Mapping[str, tuple[Curve, Curve]]) -> Figure:
-    """Mean spool opening against command, on the way up and on the way down."""
+    """Mean net opening of a valve against command, on the way up and on the way down."""
     with figure() as (made, (axes,)):
         for order, (label, (up, down)) in enumerate(sweeps.items()):
             axes.plot(100 * up[0], 100 * up[1], label=label, **LINES[order])
             axes.plot(100 * down[0], 100 * down[1], **LINES[order])
         axes.set_xlabel("Command (% of full opening)")
-        axes.set_ylabel("Mean spool opening (%)")
+        axes.set_ylabel("Mean net opening (% of full)")
         axes.legend()
     return made
 

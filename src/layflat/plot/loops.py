@@ -20,11 +20,11 @@ class LoopLike(Protocol):
 
     @property
     def angle(self) -> NDArray[np.float64]:
-        """rad"""
+        """In rad."""
 
     @property
     def torque(self) -> NDArray[np.float64]:
-        """N m"""
+        """In N m."""
 
 
 def draw_loop(axes: Axes, loop: LoopLike, label: str, order: int) -> None:

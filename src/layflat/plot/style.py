@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO, StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from layflat.files import whole_file
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LINES = (
+LINES: tuple[dict[str, Any], ...] = (
     {"color": "#0b3c5d", "linestyle": "-"},
     {"color": "#d1495b", "linestyle": "--"},
     {"color": "#3c8d2f", "linestyle": "-."},
@@ -23,10 +23,10 @@ LINES = (
 )
 """Line styles in order of use: dark to light, and of different dashes."""
 
-QUIET = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
+QUIET: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
 """For demands, bands and other things that only help to read."""
 
-RC = {
+RC: Any = {
     "font.size": 9.5,
     "axes.grid": True,
     "grid.color": "#dddddd",

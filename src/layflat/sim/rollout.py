@@ -105,7 +105,7 @@ def _gains(machine: Machine, name: str, *, closed_loop: bool) -> Any:
 
 def _start(scenario: Scenario, machine: Machine, acting: Signals) -> NDArray[np.float64]:
     if scenario.start is None:
-        return acting.demand[0].copy()
+        return np.array(acting.demand[0])
     angles = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
     for name, angle in zip(machine.joints, angles, strict=True):
         parameters.check_inside_stroke(machine, name, float(angle), "start")

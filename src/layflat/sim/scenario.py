@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +18,11 @@ from layflat.sim.kernel import Signals
 Value = str | float
 Angles = Value | Mapping[str, Value] | Sequence[Value]
 """Of all joints: one value, a table by joint, or one value a joint from base to tip."""
-Signal = Angles | Sequence[tuple[Value, Angles]] | Callable[[float], Angles] | NDArray[np.float64]
+Steps = Sequence[tuple[Value, Angles]]
+Signal = Angles | Steps | Callable[[float], Angles] | NDArray[np.float64]
 """A constant, steps of (time, values), a function of time, or one row of numbers per control cycle."""
+
+Times = NDArray[np.floating[Any]]
 
 
 @dataclass(frozen=True)
@@ -106,7 +110,7 @@ def _check(good: NDArray[np.bool_], values: NDArray[np.float64], where: str, rig
 
 
 def spread(
-    signal: Signal, times: NDArray[np.float64], names: Sequence[str], kind: u.Quantity | None, where: str
+    signal: Signal, times: Times, names: Sequence[str], kind: u.Quantity | None, where: str
 ) -> NDArray[np.float64]:
     """Values of a signal at the given times, shape (times, names).
 
@@ -122,15 +126,15 @@ def spread(
     return np.tile(_row(signal, names, kind, where), (len(times), 1))
 
 
-def _is_steps(signal: object) -> bool:
+def _is_steps(signal: object) -> TypeGuard[Steps]:
     return isinstance(signal, Sequence) and not isinstance(signal, str) and len(signal) > 0 and all(
         isinstance(item, tuple) and len(item) == 2 for item in signal
     )  # fmt: skip
 
 
 def _steps(
-    steps: Sequence[tuple[Value, Angles]],
-    times: NDArray[np.float64],
+    steps: Steps,
+    times: Times,
     names: Sequence[str],
     kind: u.Quantity | None,
     where: str,
@@ -144,7 +148,7 @@ def _steps(
     return rows[which]
 
 
-def _rows(rows: NDArray[np.float64], times: NDArray[np.float64], names: Sequence[str], where: str) -> NDArray[np.float64]:
+def _rows(rows: NDArray[np.float64], times: Times, names: Sequence[str], where: str) -> NDArray[np.float64]:
     wide = rows if rows.ndim == 2 else np.repeat(rows.reshape(-1, 1), len(names), axis=1)
     if wide.shape != (len(times), len(names)):
         raise InputError(

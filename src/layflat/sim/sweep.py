@@ -18,10 +18,11 @@ from layflat.physics.loss import slip_all
 
 @dataclass(frozen=True)
 class Loop:
-    """One closed torque-angle loop: angles (rad) and torques (N m), forward and back."""
+    """One closed torque-angle loop, forward and back: angles (rad), torques (N m), and what these were without losses."""
 
     angle: NDArray[np.float64]
     torque: NDArray[np.float64]
+    lossless: NDArray[np.float64]
 
     @property
     def height(self) -> float:
@@ -30,20 +31,19 @@ class Loop:
         return float(np.max(np.abs(self.torque[:half] - self.torque[half:][::-1])))
 
     @property
-    def mean_torque(self) -> NDArray[np.float64]:
-        """Torque half way between the way forward and the way back, N m: what is left without losses and brake."""
-        half = len(self.angle) // 2
-        return 0.5 * (self.torque[:half] + self.torque[half:][::-1])
+    def maximum_torque(self) -> float:
+        """Greatest torque without losses and brake, N m."""
+        return float(np.max(np.abs(self.lossless)))
 
     @property
     def hysteresis(self) -> float:
-        """Height over the greatest torque, the latter without losses and brake."""
-        return self.height / float(np.max(np.abs(self.mean_torque)))
+        """Height over maximum torque."""
+        return self.height / self.maximum_torque
 
 
 @kernel
-def _sweep(hose_a, hose_b, q, p_a, p_b, brake):
-    torque = np.empty_like(q)
+def _sweep(hose_a, hose_b, q, p_a, p_b, brake):  # type: ignore[no-untyped-def]
+    torque, lossless = np.empty_like(q), np.empty_like(q)
     a_1, a_2, a_3, b_1, b_2, b_3 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     way = 1.0
     for i in range(len(q)):
@@ -53,8 +53,9 @@ def _sweep(hose_a, hose_b, q, p_a, p_b, brake):
         b_1, b_2, b_3 = slip_all(hose_b.loss, b_1, b_2, b_3, turn, p_b)
         pull = torque_per_pressure(hose_a.stroke, hose_a.neutral + q[i]) * p_a
         push = torque_per_pressure(hose_b.stroke, hose_b.neutral - q[i]) * p_b
-        torque[i] = pull - push - (a_1 + a_2 + a_3 + b_1 + b_2 + b_3) - way * brake
-    return torque
+        lossless[i] = pull - push
+        torque[i] = lossless[i] - (a_1 + a_2 + a_3 + b_1 + b_2 + b_3) - way * brake
+    return torque, lossless
 
 
 def sweep(
@@ -85,5 +86,5 @@ def sweep(
     way = centre + reach * (np.linspace(0.0, 1.0, points) - 0.5)
     lap = np.concatenate([way, way[::-1]])
     angle = np.concatenate([lap, lap])
-    torque = _sweep(hose_a, hose_b, angle, pressure, 0.0, brake * described.brake.torque)
-    return Loop(lap, torque[len(lap) :])
+    torque, lossless = _sweep(hose_a, hose_b, angle, pressure, 0.0, brake * described.brake.torque)
+    return Loop(lap, torque[len(lap) :], lossless[len(lap) :])

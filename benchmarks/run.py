@@ -1,0 +1,98 @@
+"""Measure speed in one run: `make bench`. Ratios within a run are worth more than seconds on somebody's machine."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks import mujoco_arm, scipy_plant
+from layflat.experiments.timing import CYCLES, control_cycles
+from layflat.files import whole_file
+from layflat.machine import load, parameters
+from layflat.sim import Scenario
+from layflat.sim.rollout import simulate
+
+ROUNDS = 15
+SECONDS = 4.0
+SCIPY_SECONDS = 0.2
+
+
+def median_seconds(work: Callable[[], object], rounds: int = ROUNDS) -> float:
+    """Median time of some work, s, after a first call that compiles or warms up."""
+    work()
+    times = []
+    for _ in range(rounds):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times)
+
+
+def measure() -> dict[str, float | str]:
+    """All figures by name."""
+    machine = load("paper-arm")
+    moves = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
+    steps = round(SECONDS / 0.25e-3)
+    rollout = median_seconds(lambda: simulate(machine, moves)) / steps
+
+    arm = mujoco_arm.build(machine)
+    mujoco = median_seconds(lambda: mujoco_arm.run(arm, 4000)) / 4000
+    braked_arm = mujoco_arm.build(machine, brakes=True)
+    mujoco_braked = median_seconds(lambda: mujoco_arm.run(braked_arm, 4000)) / 4000
+
+    scipy_seconds = median_seconds(lambda: scipy_plant.run(machine, SCIPY_SECONDS), rounds=3) / SCIPY_SECONDS
+
+    gains = tuple(parameters.gains(machine, name) for name in machine.arm.joints)
+    noise = np.random.default_rng(5).standard_normal((3, 256))
+    samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
+    controller = median_seconds(lambda: control_cycles(gains, *samples, CYCLES)) / CYCLES
+    return {
+        "rollout_ns_per_step": 1e9 * rollout,
+        "mujoco_arm_ns_per_step": 1e9 * mujoco,
+        "mujoco_arm_with_brakes_ns_per_step": 1e9 * mujoco_braked,
+        "mujoco_ratio": mujoco / rollout,
+        "scipy_seconds_per_simulated_second": scipy_seconds,
+        "scipy_ratio": scipy_seconds / (rollout / 0.25e-3),
+        "controller_ns_per_cycle": 1e9 * controller,
+        "processor": platform.processor() or platform.machine(),
+        "cores": float(os.cpu_count() or 1),
+    }
+
+
+MEANING = {
+    "rollout_ns_per_step": "whole two-axis plant with controller, sensors and records, per step of 0.25 ms",
+    "mujoco_arm_ns_per_step": "MuJoCo, the same arm alone without friction, per step",
+    "mujoco_arm_with_brakes_ns_per_step": "MuJoCo, the same arm with joint friction, per step",
+    "mujoco_ratio": "MuJoCo's step (without friction) over ours; aim 15",
+    "scipy_seconds_per_simulated_second": "SciPy's LSODA on the same plant, its laws compiled",
+    "scipy_ratio": "SciPy's time over ours; aim 100",
+    "controller_ns_per_cycle": "the controllers of both axes, per cycle; aim 1000",
+}
+
+
+def main() -> None:
+    """Measure, print, write."""
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("--out", type=Path, default=Path("build/bench.json"))
+    out = arguments.parse_args().out
+    found = measure()
+    table = Table("figure", "value", "what it is", header_style="bold", show_edge=False)
+    for name, meaning in MEANING.items():
+        table.add_row(name, f"{found[name]:.4g}", meaning)
+    Console(width=100).print(table)
+    with whole_file(out) as temporary:
+        temporary.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
