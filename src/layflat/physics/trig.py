@@ -11,8 +11,10 @@ def sincos(x):
     """sin(x) and cos(x) to 1e-12 for |x| <= pi (rad), by Taylor series at x/4 and two doublings."""
     y = 0.25 * x
     z = y * y
-    s = y * (1.0 + z * (S_3 + z * (S_5 + z * (S_7 + z * (S_9 + z * (S_11 + z * S_13))))))
-    # 1 - cos is kept instead of cos, which would lose its digits near zero.
-    v = z * (0.5 + z * (C_4 + z * (C_6 + z * (C_8 + z * (C_10 + z * (C_12 + z * C_14))))))
+    w = z * z
+    # In pairs (Estrin's scheme): half as deep as Horner's. 1 - cos is kept instead of cos, which would lose its digits
+    # near zero.
+    s = y * ((1.0 + z * S_3 + w * (S_5 + z * S_7)) + w * w * (S_9 + z * S_11 + w * S_13))
+    v = z * ((0.5 + z * C_4 + w * (C_6 + z * C_8)) + w * w * (C_10 + z * C_12 + w * C_14))
     s, v = 2.0 * s * (1.0 - v), 2.0 * s * s
     return 2.0 * s * (1.0 - v), 1.0 - 2.0 * s * s
