@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
+import mujoco as _mujoco
 
 from layflat.machine import Machine, parameters
 from layflat.physics.arm import TwoLink
+
+mujoco: Any = _mujoco
 
 XML = """
 <mujoco>

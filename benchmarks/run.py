@@ -20,7 +20,7 @@ from layflat.experiments.timing import CYCLES, control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
 from layflat.sim import Scenario
-from layflat.sim.rollout import simulate
+from layflat.sim.rollout import prepare
 
 ROUNDS = 15
 SECONDS = 4.0
@@ -43,7 +43,7 @@ def measure() -> dict[str, float | str]:
     machine = load("paper-arm")
     moves = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
     steps = round(SECONDS / 0.25e-3)
-    rollout = median_seconds(lambda: simulate(machine, moves)) / steps
+    rollout = median_seconds(prepare(machine, moves).run) / steps
 
     arm = mujoco_arm.build(machine)
     mujoco = median_seconds(lambda: mujoco_arm.run(arm, 4000)) / 4000

@@ -27,7 +27,7 @@ SPOOL_AT_REST = 1.0
 
 
 @law
-def _hose(joint, hose, y, s, x, around):
+def _hose(joint, hose, y, s, x, around):  # type: ignore[no-untyped-def]
     p_a = around.ambient_pressure
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, s)
     p = pressure(hose.chamber, y[0], volume, p_a)

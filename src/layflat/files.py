@@ -42,12 +42,15 @@ def _umask() -> int:
 
 
 def check_folder(folder: Path) -> Path:
-    """Make sure, before any work is done, that results can be written to a folder.
+    """Make sure, before any work is done, that results can be written to a folder; leave no trace of the trial.
 
     Raises:
         OutputError: they can't.
     """
+    missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
     with whole_file(folder / ".layflat"):
         pass
     (folder / ".layflat").unlink()
+    for parent in missing:
+        parent.rmdir()
     return folder

@@ -77,7 +77,5 @@ def step(gains, memory, measurement, demand):
     short, long = _integrals(gains, memory, phase, held, error, may_learn, measurement.elapsed)
     voltage = held + gains.null + short + long
     voltage = min(max(voltage, gains.voltage_low), gains.voltage_high)
-    after = Memory(
-        x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long
-    )
+    after = Memory(x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long)
     return after, voltage, Status(x_used, speed, dp_used, ripple, phase, 1.0 if may_learn else 0.0)

@@ -2,8 +2,8 @@
 
 Three stages; each writes its values into the built-in descriptions, marked as calibrated:
 
-1. Losses: the share of the polyester strap and the effect of the rigid shell, from the hysteresis of the two rigs that the
-   paper quotes (21 % and 8 % at 3 bar). The 7 % and 25 % of the new and the earlier joint are then predictions.
+1. Losses: the share of the polyester strap and the effect of the rigid shell, from the hysteresis that the paper quotes
+   of two rigs (21 % and 8 % at 3 bar). The 7 % and 25 % of the new and the earlier joint are then predictions.
 2. Axis one: size and dither of the valve, the hose's memory, and the small joint's gains, such that with its brake it
    settles fast with all inertias up to three times the paper's, and that the same controller is good on the earlier
    actuator but not beyond its limit, as the paper says.
@@ -20,6 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 from math import degrees, radians
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from layflat.experiments.calibrated_files import write_values
 from layflat.machine import Machine, load
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, settling_time
-from layflat.sim.rollout import simulate
+from layflat.sim.rollout import prepare
 from layflat.sim.sweep import sweep
 
 Array = NDArray[np.float64]
@@ -131,12 +132,14 @@ def step_cost(machine: Machine, step: float, inertia: float, brake: float, last:
 
 
 def _judge(machine: Machine, case: Scenario, joint: int, goal: float, since: float, until: float) -> float:
-    rows, _, diverged, timing = simulate(machine, case)
+    prepared = prepare(machine, case)
+    rows, diverged = prepared.run()
+    timing = prepared.timing
     if diverged >= 0:
         return 20.0
     first, last = round(since / timing.cycle), round(until / timing.cycle)
     error = rows[first:last, joint, 0] - goal
-    time = timing.cycle * np.arange(len(error))
+    time: Array = np.arange(len(error)) * np.float64(timing.cycle)
     rest = degrees(float(np.sqrt(np.mean(np.square(error[int(0.7 * len(error)) :])))))
     return min(settling_time(time, error, BAND), until - since) + min(3.0 * rest, 5.0)
 
@@ -184,7 +187,9 @@ def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, roun
 
     low, high = np.array([k.low for k in knobs]), np.array([k.high for k in knobs])
     options = {"seed": seed, "popsize": 24, "maxiter": rounds, "bounds": [0.0, 1.0], "verbose": -9}
-    evolution = cma.CMAEvolutionStrategy(np.clip((start - low) / (high - low), 0.02, 0.98), 0.2, options)
+    evolution: Any = cma.CMAEvolutionStrategy(  # type: ignore[attr-defined]
+        np.clip((start - low) / (high - low), 0.02, 0.98), 0.2, options
+    )
     with ThreadPoolExecutor(2) as pool:
         while not evolution.stop():
             candidates = evolution.ask()
@@ -200,7 +205,13 @@ def starting(machine: Machine, knobs: list[Knob]) -> Array:
     def value(path: str) -> float:
         part: object = machine
         for key in path.split("."):
-            part = part[key] if isinstance(part, dict) else part[int(key)] if isinstance(part, tuple) else getattr(part, key)
+            part = (
+                part[key]
+                if isinstance(part, dict)
+                else part[int(key)]
+                if isinstance(part, tuple)
+                else getattr(part, key)
+            )
         return float(part)  # type: ignore[arg-type]
 
     return np.array([value(knob.paths[0]) / knob.si for knob in knobs])

@@ -92,7 +92,7 @@ FIGURES: dict[str, tuple[str, str, Callable[[Reproduction], Figure]]] = {
     ),
     "fig-12": (
         "Fig. 12. Axis one with its brake, 4 bar.",
-        "As much hysteresis as the earlier actuator's, but with upright sides: the smallest motion meets the full force.",
+        "As much hysteresis as the earlier actuator's, but with upright sides: small motions meet the full force.",
         lambda found: loops({"with brake": found.open_loop.braked, "without": found.open_loop.unbraked}),
     ),
     "fig-13": (
@@ -128,7 +128,7 @@ FIGURES: dict[str, tuple[str, str, Callable[[Reproduction], Figure]]] = {
     "fig-valve": (
         "What dither is for.",
         "Without dither the spool sticks: it follows the command late on either way. At 50 Hz the two ways agree; "
-        "a dither too fast for the spool leaves it sticking, and then letting go.",
+        "one too fast for the spool leaves it sticking, then letting go.",
         _valve,
     ),
     "fig-average": (

@@ -29,6 +29,11 @@ class Quantity:
     unit: str
     example: str
 
+    @property
+    def article(self) -> str:
+        """The name with its article."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
+
     def parse(self, value: object) -> float:
         """SI float of a text such as "160 mm"; a float is taken as it is only where it comes from our own code.
 
@@ -36,7 +41,7 @@ class Quantity:
             ValueError: in one clause, what is wrong with the value.
         """
         if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-            raise ValueError(f"is not a {self.name}")
+            raise ValueError(f"is not {self.article}")
         if not isinstance(value, str):
             raise ValueError("is a bare number")
         try:
@@ -48,7 +53,7 @@ class Quantity:
         try:
             number = float(quantity.to(self.unit).magnitude)
         except Exception:
-            raise ValueError(f"is not a {self.name}") from None
+            raise ValueError(f"is not {self.article}") from None
         if not math.isfinite(number):
             raise ValueError("is not finite")
         return number
@@ -61,8 +66,8 @@ class Quantity:
                 return self.parse(value)
             except ValueError as error:
                 raise PydanticCustomError(
-                    "quantity", "{problem}; give a {name} such as {example}",
-                    {"problem": str(error), "name": self.name, "example": f'"{self.example}"'},
+                    "quantity", "{problem}; give {name} such as {example}",
+                    {"problem": str(error), "name": self.article, "example": f'"{self.example}"'},
                 ) from None  # fmt: skip
 
         def written(value: float) -> str:
@@ -159,12 +164,12 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         if not math.isfinite(value):
             raise InputError(
-                f"{value} is not finite", where=where, right=f'give a {kind.name} such as "{kind.example}"'
+                f"{value} is not finite", where=where, right=f'give {kind.article} such as "{kind.example}"'
             )
         return float(value)
     try:
         return kind.parse(value)
     except ValueError as error:
         raise InputError(
-            f"{value!r} {error}", where=where, right=f'give a {kind.name} such as "{kind.example}"'
+            f"{value!r} {error}", where=where, right=f'give {kind.article} such as "{kind.example}"'
         ) from None

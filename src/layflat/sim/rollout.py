@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.control.gains import Gains
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load, parameters
 from layflat.machine import units as u
+from layflat.physics.arm import OneLink, TwoLink
+from layflat.physics.joint import Joint, Surroundings
 from layflat.sim.kernel import Signals, Timing, run_cycles
 from layflat.sim.scenario import Scenario, Signal, Value, signals, spread
 
@@ -57,35 +60,56 @@ def rollout(
             f"unknown option {unknown[0]!r}", where="rollout", right=f"use {', '.join(Scenario.__dataclass_fields__)}"
         )
     case = replace(scenario, **changes) if scenario is not None else Scenario(demand=demand, **changes)
-    rows, acting, diverged, timing = simulate(described, case, step=step, records=records)
-    run = dataset(described, case, acting, rows, timing)
+    prepared = prepare(described, case, step=step, records=records)
+    rows, diverged = prepared.run()
+    run = dataset(described, case, prepared.signals, rows, prepared.timing)
     if diverged >= 0:
         names = list(described.joints)
         raise DivergedError(float(run.time[-1]), names[diverged], run)
     return run
 
 
-def simulate(
-    machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1
-) -> tuple[NDArray[np.float64], Signals, int, Timing]:
-    """Run the compiled loop: (instants, joints, columns of `Sample`), signals, joint that diverged or -1, timing."""
+@dataclass(frozen=True)
+class Prepared:
+    """A run ready for the compiled loop: its arguments, in order."""
+
+    arm: OneLink | TwoLink
+    joints: tuple[Joint, ...]
+    gains: tuple[Gains, ...]
+    around: Surroundings
+    angles: NDArray[np.float64]
+    pressures: NDArray[np.float64]
+    signals: Signals
+    timing: Timing
+
+    def run(self) -> tuple[NDArray[np.float64], int]:
+        """Records (instants, joints, columns of `Sample`) up to where it diverged, and in which joint (-1: none)."""
+        rows, valid, diverged = run_cycles(
+            self.arm, self.joints, self.gains, self.around, self.angles, self.pressures, self.signals, self.timing
+        )
+        return rows[:valid], int(diverged)
+
+
+def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1) -> Prepared:
+    """Turn a machine and a scenario into arguments of the compiled loop.
+
+    Raises:
+        InputError: a machine, scenario or option is wrong.
+    """
     cycle = machine.controller.cycle if machine.controller is not None else 0.005
     timing = _timing(cycle, u.quantity(step, u.TIME, "step"), records, scenario.opening is None)
     joints = tuple(parameters.joint(machine, name) for name in machine.joints)
-    gains = tuple(_gains(machine, name, closed_loop=timing.closed_loop) for name in machine.joints)
     acting = signals(scenario, machine, cycle)
-    around = parameters.surroundings(machine)
-    rows, valid, diverged = run_cycles(
+    return Prepared(
         parameters.arm(machine),
         joints,
-        gains,
-        around,
+        tuple(_gains(machine, name, closed_loop=timing.closed_loop) for name in machine.joints),
+        parameters.surroundings(machine),
         _start(scenario, machine, acting),
         _pressures(scenario, machine, len(joints)),
         acting,
         timing,
     )
-    return rows[:valid], acting, diverged, timing
 
 
 def _timing(cycle: float, step: float, records: int, closed_loop: bool) -> Timing:
@@ -97,7 +121,7 @@ def _timing(cycle: float, step: float, records: int, closed_loop: bool) -> Timin
     return Timing(cycle, per_record * records, records, closed_loop)
 
 
-def _gains(machine: Machine, name: str, *, closed_loop: bool) -> Any:
+def _gains(machine: Machine, name: str, *, closed_loop: bool) -> Gains:
     if closed_loop or machine.joint[name].gains is not None:
         return parameters.gains(machine, name)
     return parameters.idle_gains(machine)
@@ -106,7 +130,7 @@ def _gains(machine: Machine, name: str, *, closed_loop: bool) -> Any:
 def _start(scenario: Scenario, machine: Machine, acting: Signals) -> NDArray[np.float64]:
     if scenario.start is None:
         return np.array(acting.demand[0])
-    angles = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
+    angles: NDArray[np.float64] = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
     for name, angle in zip(machine.joints, angles, strict=True):
         parameters.check_inside_stroke(machine, name, float(angle), "start")
     return angles

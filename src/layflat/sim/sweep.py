@@ -18,7 +18,7 @@ from layflat.physics.loss import slip_all
 
 @dataclass(frozen=True)
 class Loop:
-    """One closed torque-angle loop, forward and back: angles (rad), torques (N m), and what these were without losses."""
+    """A closed torque-angle loop, forward and back: angles (rad), torques (N m), and these without losses and brake."""
 
     angle: NDArray[np.float64]
     torque: NDArray[np.float64]

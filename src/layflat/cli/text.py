@@ -11,15 +11,15 @@ Values = dict[str, str | float]
 Steps = list[tuple[float, Values]]
 
 
-def timed(texts: Sequence[str], names: Sequence[str], where: str) -> Steps:
+def timed(texts: Sequence[str], names: Sequence[str], where: str, *, bare: bool = False) -> Steps:
     """Steps from texts such as "40 deg, 20 deg", "large=40 deg @ 2 s"; a joint not named keeps its value.
 
-    A single value is meant for all joints.
+    A single value is meant for all joints. `bare` values are numbers without unit.
 
     Raises:
         InputError: naming the option and what it should look like.
     """
-    parsed = sorted((_one(text, names, where) for text in texts), key=lambda item: item[0])
+    parsed = sorted((_one(text, names, where, bare) for text in texts), key=lambda item: item[0])
     steps: Steps = []
     kept: Values = dict.fromkeys(names, 0.0)
     for time, values in parsed:
@@ -30,38 +30,40 @@ def timed(texts: Sequence[str], names: Sequence[str], where: str) -> Steps:
     return steps
 
 
-def signal(texts: Sequence[str | None] | None, names: Sequence[str], where: str) -> Steps | None:
+def signal(texts: Sequence[str | None] | None, names: Sequence[str], where: str, *, bare: bool = False) -> Steps | None:
     """Steps of a disturbance, or None where nothing is given."""
     given = [text for text in texts or [] if text]
-    return timed(given, names, where) if given else None
+    return timed(given, names, where, bare=bare) if given else None
 
 
-def _one(text: str, names: Sequence[str], where: str) -> tuple[float, Values]:
+def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float, Values]:
     body, at, when = text.partition("@")
     time = u.quantity(when.strip(), u.TIME, where) if at else 0.0
     if time < 0.0:
         raise InputError(f"{when.strip()!r} lies before the start", where=where, right='give a time such as "@ 2 s"')
     items = [item.strip() for item in body.split(",")]
     if any("=" in item for item in items):
-        return time, dict(_named(item, names, where) for item in items)
+        return time, dict(_named(item, names, where, bare) for item in items)
     if len(items) == 1:
-        return time, dict.fromkeys(names, _value(items[0]))
+        return time, dict.fromkeys(names, _value(items[0], where, bare))
     if len(items) != len(names):
         raise InputError(
             f"{text!r} has {len(items)} values", where=where, right=f"give {len(names)}: {', '.join(names)}"
         )
-    return time, {name: _value(item) for name, item in zip(names, items, strict=True)}
+    return time, {name: _value(item, where, bare) for name, item in zip(names, items, strict=True)}
 
 
-def _named(item: str, names: Sequence[str], where: str) -> tuple[str, str | float]:
+def _named(item: str, names: Sequence[str], where: str, bare: bool) -> tuple[str, str | float]:
     name, _, value = (part.strip() for part in item.partition("="))
     if name not in names:
         raise InputError(f"{name!r} is no joint here", where=where, right=f"joints are {', '.join(names)}")
-    return name, _value(value)
+    return name, _value(value, where, bare)
 
 
-def _value(text: str) -> str | float:
+def _value(text: str, where: str, bare: bool) -> str | float:
+    if not bare:
+        return text
     try:
         return float(text)
     except ValueError:
-        return text
+        raise InputError(f"{text!r} is not a number", where=where, right="give a number such as 0.5") from None

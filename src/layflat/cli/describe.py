@@ -1,0 +1,63 @@
+"""Commands about descriptions: machines, show, check, schema."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from layflat.cli.app import MachineName, app, print_findings, print_table
+
+
+@app.command()
+def machines() -> None:
+    """List the built-in machines."""
+    from layflat.machine import load, names  # noqa: PLC0415
+
+    print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
+
+
+@app.command()
+def show(
+    machine: MachineName,
+    toml: Annotated[bool, typer.Option("--toml", help="print a description file to start from")] = False,
+) -> None:
+    """Show every value of a machine and where it comes from."""
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.machine.listing import description_toml, listing  # noqa: PLC0415
+
+    if toml:
+        typer.echo(description_toml(machine), nl=False)
+        return
+    described = load(machine)
+    rows = [[line.path, line.text, line.source, line.note] for line in listing(machine)]
+    print_table(["key", "value", "source", "note"], rows, title=f"{described.name}: {described.title}")
+
+
+@app.command()
+def check(machine: MachineName) -> None:
+    """Check a description file: every value, and whether such a joint can be made."""
+    from layflat.design import design_joint  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+
+    described = load(machine)
+    findings = [f for name in described.joints for f in design_joint(described, name).findings]
+    print_findings(findings)
+    typer.echo(f"{machine}: a sound description of {len(described.joints)} joint(s)")
+
+
+@app.command()
+def schema(
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="where to write it")] = None,
+) -> None:
+    """Print the JSON Schema of description files, for editors."""
+    from layflat.files import whole_file  # noqa: PLC0415
+    from layflat.machine.listing import schema_text  # noqa: PLC0415
+
+    if out is None:
+        typer.echo(schema_text())
+        return
+    with whole_file(out) as temporary:
+        temporary.write_text(schema_text() + "\n", encoding="utf-8")
+    typer.echo(f"wrote {out}")

@@ -1,0 +1,56 @@
+"""The command that reproduces the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from layflat.cli.app import Out, app, print_table
+
+
+@app.command()
+def reproduce(
+    machine: Annotated[
+        str, typer.Option("--machine", "-m", metavar="NAME|FILE", help="the arm under test")
+    ] = "paper-arm",
+    out: Out = Path("build/reproduce"),
+) -> int:
+    """Reproduce the paper: perform its experiments, judge its claims, write report.html and claims.json."""
+    from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
+    from layflat.experiments.report import lines  # noqa: PLC0415
+    from layflat.files import check_folder  # noqa: PLC0415
+    from layflat.machine.listing import listing  # noqa: PLC0415
+
+    check_folder(out)
+    on = bench(machine)
+    with _progress() as advance:
+        found = reproduce(on, advance)
+        assumed = [line for line in listing(machine) if line.source in {"assumed", "calibrated", "identified", "given"}]
+        write_claims(found, out / "claims.json")
+        report = write_report(found, assumed, out / "report.html")
+    rows = [[c.id, c.where, "\n".join(lines(c)), c.unit, "yes" if c.agrees else "NO"] for c in found.claims]
+    print_table(["claim", "where", "simulated", "unit", "agrees"], rows)
+    typer.echo(f"{sum(c.agrees for c in found.claims)} of {len(found.claims)} claims agree; wrote {report}")
+    return 0 if found.agrees else 1
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """A bar over the experiments."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
+
+    from layflat.experiments import EXPERIMENTS  # noqa: PLC0415
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("compiling (the first time only)", total=EXPERIMENTS + 1)
+
+        def advance(name: str) -> None:
+            bar.update(task, advance=1, description=f"done: {name}")
+
+        yield advance

@@ -1,0 +1,145 @@
+"""Commands that run machines: loop, simulate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from layflat.cli.app import MachineName, Out, app, known_joint, print_table
+from layflat.errors import DivergedError, InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from layflat.machine import Machine
+    from layflat.sim.scenario import Scenario
+
+
+@app.command()
+def loop(
+    machine: MachineName,
+    joint: Annotated[str | None, typer.Option(help="joint; all joints where not given")] = None,
+    pressure: Annotated[str, typer.Option(help="gauge pressure in hose A")] = "3 bar",
+    stroke: Annotated[str | None, typer.Option(help="of the sweep; the working stroke where not given")] = None,
+    brake: Annotated[float, typer.Option(help="share of the brake's torque")] = 1.0,
+    out: Out = Path("build/loop"),
+) -> None:
+    """Sweep a joint slowly at constant pressure: its torque-angle loop."""
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.machine import units as u  # noqa: PLC0415
+    from layflat.plot.loops import loops  # noqa: PLC0415
+    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.sim.sweep import sweep  # noqa: PLC0415
+
+    described = load(machine)
+    chosen = [known_joint(described, joint)] if joint else list(described.joints)
+    at = u.quantity(pressure, u.PRESSURE, "--pressure")
+    if at <= 0.0:
+        raise InputError(
+            f"{pressure!r} presses no hose", where="--pressure", right='give a gauge pressure such as "3 bar"'
+        )
+    reach = u.quantity(stroke, u.ANGLE, "--stroke") if stroke else None
+    swept = {name: sweep(described, name, at, stroke=reach, brake=brake) for name in chosen}
+    rows = [
+        [name, f"{s.maximum_torque:.1f}", f"{s.height:.2f}", f"{100 * s.hysteresis:.1f}"] for name, s in swept.items()
+    ]
+    print_table(
+        ["joint", "torque (N m)", "loop height (N m)", "hysteresis (%)"], rows, f"{described.name} at {pressure}"
+    )
+    typer.echo(f"wrote {save(loops(swept), out / f'{described.name}-loop.png')}")
+
+
+@app.command()
+def simulate(
+    machine: MachineName,
+    move: Annotated[
+        list[str] | None,
+        typer.Option(help='demand: "40 deg", "40 deg, 20 deg" or "large=40 deg", with "@ 2 s" for later; repeatable'),
+    ] = None,
+    opening: Annotated[str | None, typer.Option(help='open loop: valve openings, such as "0.1, 0"')] = None,
+    duration: Annotated[str, typer.Option(help="of the run")] = "3 s",
+    start: Annotated[str | None, typer.Option(help="angles at the start; zero where not given")] = None,
+    payload: Annotated[list[str] | None, typer.Option(help='such as "2 kg @ 1 s"; repeatable')] = None,
+    supply: Annotated[list[str] | None, typer.Option(help='gauge, such as "0 bar @ 1 s"; repeatable')] = None,
+    drift: Annotated[list[str] | None, typer.Option(help='of the valve\'s neutral, such as "0.2 V @ 1 s"')] = None,
+    load_torque: Annotated[
+        list[str] | None, typer.Option("--load", help='on the joints, such as "2 N m @ 1 s"')
+    ] = None,
+    brake: Annotated[list[str] | None, typer.Option(help='share of the brake\'s torque, such as "0.5 @ 1 s"')] = None,
+    seed: Annotated[int, typer.Option(help="of the sensors' noise")] = 0,
+    step: Annotated[str, typer.Option(help="of the plant")] = "0.25 ms",
+    out: Out = Path("build/simulate"),
+) -> None:
+    """Simulate a machine with its controller: metrics, a NetCDF data set and a figure."""
+    from layflat.cli.text import signal, timed  # noqa: PLC0415
+    from layflat.files import check_folder  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.sim import Scenario, rollout  # noqa: PLC0415
+
+    described = load(machine)
+    names = list(described.joints)
+    check_folder(out)
+    begin = timed([start or "0 deg"], names, "--start")[0][1]
+    moves = timed(move or [], names, "--move")
+    scenario = Scenario(
+        demand=[(0.0, begin), *[(0.1 if t == 0.0 else t, values) for t, values in moves]],
+        duration=duration,
+        start=begin,
+        opening=signal([opening], names, "--opening", bare=True) if opening else None,
+        payload=signal(payload, ["payload"], "--payload"),
+        supply=signal(supply, ["supply"], "--supply"),
+        drift=signal(drift, names, "--drift") or 0.0,
+        load=signal(load_torque, names, "--load") or 0.0,
+        brake=signal(brake, names, "--brake", bare=True) or 1.0,
+        seed=seed,
+    )
+    try:
+        run = _waiting("simulating", lambda: rollout(described, scenario=scenario, step=step))
+    except DivergedError as error:
+        _write_run(described, error.run, out)  # type: ignore[arg-type]
+        raise
+    _print_metrics(described, run, scenario)
+    _write_run(described, run, out)
+
+
+def _waiting(what: str, work: Callable[[], Any]) -> Any:
+    """Show that something is going on, on a terminal."""
+    from rich.console import Console  # noqa: PLC0415
+
+    with Console(stderr=True).status(f"{what} (compiles for some seconds the first time)"):
+        return work()
+
+
+def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario) -> None:
+    from layflat.sim.metrics import air_used, moves_of, peak_tip_acceleration  # noqa: PLC0415
+
+    def seconds(value: float) -> str:
+        return f"{value:.3f}" if value < 1e6 else "not settled"
+
+    if scenario.opening is None:
+        rows = [
+            [
+                f"{since:g}",
+                m.joint,
+                seconds(m.settling),
+                *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error)),
+            ]
+            for since, m in moves_of(run)
+        ]
+        columns = ["from (s)", "joint", "settling (s)", "overshoot (deg)", "steady error (deg)"]
+        print_table(columns, rows, f"{machine.name}: moves, settled within 0.3 deg")
+    typer.echo(
+        f"air used {air_used(run):.2f} normal litres, peak tip acceleration {peak_tip_acceleration(run):.1f} m/s2"
+    )
+
+
+def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
+    from layflat.plot.runs import run_figure  # noqa: PLC0415
+    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.sim.dataset import save as save_run  # noqa: PLC0415
+
+    typer.echo(f"wrote {save_run(run, out / f'{machine.name}.nc')}")
+    typer.echo(f"wrote {save(run_figure(run), out / f'{machine.name}.png')}")

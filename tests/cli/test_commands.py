@@ -1,0 +1,150 @@
+"""The command line as a person uses it: real processes, their exit status and what they print."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def layflat(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
+
+
+def refused(*words: str, cwd: Path | None = None) -> str:
+    """The one line that a refused command leaves on stderr."""
+    done = layflat(*words, cwd=cwd)
+    assert done.returncode == 2, done
+    assert "Traceback" not in done.stderr
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    assert lines[0].startswith("layflat: ")
+    return lines[0]
+
+
+def test_help_names_every_command() -> None:
+    done = layflat("--help")
+    assert done.returncode == 0
+    for command in ("machines", "show", "check", "schema", "design", "size", "loop", "simulate", "reproduce"):
+        assert command in done.stdout
+
+
+def test_help_does_not_load_what_is_heavy() -> None:
+    code = (
+        "import sys; from layflat import cli\n"
+        "try: cli.app(['--help'], standalone_mode=False)\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'numba', 'numpy', 'xarray', 'matplotlib', 'pint', 'pydantic'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip().splitlines()[-1] == "[]"
+
+
+def test_tables_fit_100_columns() -> None:
+    for words in (("machines",), ("show", "paper-arm"), ("check", "rig-polyester")):
+        done = layflat(*words)
+        assert done.returncode == 0
+        assert max(map(len, done.stdout.splitlines())) <= 100
+
+
+def test_show_toml_can_be_started_from(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(layflat("show", "paper-small-joint", "--toml").stdout, encoding="utf-8")
+    assert layflat("check", str(path)).returncode == 0
+
+
+def test_simulate_writes_data_and_figure(tmp_path: Path) -> None:
+    done = layflat(
+        "simulate", "paper-arm", "--move", "large=20 deg", "--move", "small=10 deg @ 1 s", "--duration", "2 s",
+        "--payload", "2 kg @ 0.5 s", "--out", str(tmp_path / "out"),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "settling (s)" in done.stdout
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["paper-arm.nc", "paper-arm.png"]
+
+
+def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:
+    text = 'extends = "paper-arm"\nname = "wild"\n[joint.small.stops]\nstop_stiffness = "1e9 N m/rad"\n'
+    (tmp_path / "wild.toml").write_text(text, encoding="utf-8")
+    line = refused("simulate", "wild.toml", "--opening", "0, 1", "--brake", "0", "--out", "out", cwd=tmp_path)
+    assert "diverged at t = " in line
+    assert "in joint '" in line
+    assert (tmp_path / "out" / "wild.nc").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("show", "papr-arm"), "papr-arm: no such machine; did you mean 'paper-arm'?"),
+        (("show", "nowhere.toml"), "nowhere.toml: can't be read (No such file or directory)"),
+        (("simulate", "paper-arm", "--move", "40"), "demand: '40' is a bare number; give an angle such as"),
+        (("simulate", "paper-arm", "--move", "61 deg"), "demand: 61 deg is outside the working stroke"),
+        (("simulate", "paper-arm", "--move", "wrist=1 deg"), "--move: 'wrist' is no joint here"),
+        (("simulate", "paper-arm", "--move", "1 deg, 2 deg, 3 deg"), "--move: '1 deg, 2 deg, 3 deg' has 3 values"),
+        (("simulate", "paper-arm", "--move", "1 deg @ 2"), "--move: '2' is a bare number; give a time such as"),
+        (("simulate", "paper-arm", "--supply", "-2 bar"), "supply: -200000 is out of range"),
+        (("simulate", "paper-arm", "--duration", "1 m"), "duration: '1 m' is not a time"),
+        (("simulate", "rig-polyester"), "rig-polyester: has no valve or sensors"),
+        (("loop", "paper-arm", "--pressure", "0 bar"), "--pressure: '0 bar' presses no hose"),
+        (("loop", "paper-arm", "--joint", "wrist"), "--joint: 'wrist' is no joint here; give large or small"),
+        (("size", "--torque", "0 N m", "--stroke", "120 deg", "--supply", "4 bar"), "size: torque: 0 N m"),
+        (("size", "--torque", "25", "--stroke", "120 deg", "--supply", "4 bar"), "size: torque: '25' is a bare number"),
+        (("design", "paper-arm", "--table", "none.csv", "--pressure", "3 bar"), "none.csv"),
+        (("simulat",), "No such command 'simulat'"),
+        (("simulate",), "Missing argument"),
+    ],
+)
+def test_a_mistake_gives_one_line(words: tuple[str, ...], expected: str, tmp_path: Path) -> None:
+    assert expected in refused(*words, cwd=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("simulate", "paper-arm", "--duration", "0.1 s"),
+        ("loop", "paper-arm"),
+        ("design", "paper-arm"),
+        ("size", "--torque", "25 N m", "--stroke", "120 deg", "--supply", "4 bar"),
+        ("reproduce",),
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_folder_that_can_not_be_written(words: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way", encoding="utf-8")
+    assert "can't write here" in refused(*words, "--out", str(tmp_path / "file" / "out"))
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_broken_file_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('extends = "paper-arm"\n[supply]\npressure_gauge = 4\n', encoding="utf-8")
+    line = refused("simulate", "mine.toml", "--out", "out", cwd=tmp_path)
+    assert line == 'layflat: mine.toml: supply.pressure_gauge: 4 is a bare number; give a pressure such as "4 bar"'
+    assert not (tmp_path / "out").exists()
+
+
+def test_design_and_size_write_drawings(tmp_path: Path) -> None:
+    assert layflat("design", "paper-arm", "--joint", "small", "--out", str(tmp_path)).returncode == 0
+    assert (tmp_path / "paper-arm-small-cam.dxf").exists()
+    sized = layflat(
+        "size",
+        "--torque",
+        "12 N m",
+        "--stroke",
+        "110 deg",
+        "--supply",
+        "5 bar",
+        "--name",
+        "wrist",
+        "--out",
+        str(tmp_path),
+    )
+    assert sized.returncode == 0, sized.stderr
+    assert layflat("check", str(tmp_path / "wrist.toml")).returncode == 0
+
+
+def test_schema_is_written_for_editors(tmp_path: Path) -> None:
+    assert layflat("schema", "--out", str(tmp_path / "schema.json")).returncode == 0
+    assert json.loads((tmp_path / "schema.json").read_text(encoding="utf-8"))["title"] == "layflat machine"
