@@ -5,8 +5,8 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from layflat.errors import MachineError
-from layflat.experiments.bench import alone, changed
-from layflat.machine import load, parameters
+from layflat.experiments.bench import alone
+from layflat.machine import changed, load, parameters
 from layflat.physics.arm import OneLink, TwoLink
 from layflat.physics.hose import roller_torque
 

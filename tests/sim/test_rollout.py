@@ -5,8 +5,7 @@ import pytest
 import xarray
 
 from layflat.errors import DivergedError, InputError
-from layflat.experiments.bench import changed
-from layflat.machine import load
+from layflat.machine import changed, load
 from layflat.sim import Scenario, rollout
 from layflat.sim.dataset import UNITS
 

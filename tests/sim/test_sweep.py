@@ -8,7 +8,7 @@ ARM = load("paper-arm")
 
 
 def test_without_losses_the_loop_is_a_line() -> None:
-    from layflat.experiments.bench import changed
+    from layflat.machine import changed
 
     smooth = changed(ARM, "joint.small.hose.loss_share", 0.0)
     loop = sweep(smooth, "small", 3e5, brake=0.0)

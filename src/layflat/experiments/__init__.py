@@ -1,6 +1,6 @@
 """The paper's experiments and its claims."""
 
-from layflat.experiments.bench import Bench, bench, changed
+from layflat.experiments.bench import Bench, bench
 from layflat.experiments.claim import Claim
 from layflat.experiments.report import write_claims, write_report
 from layflat.experiments.reproduction import EXPERIMENTS, Reproduction, reproduce
@@ -11,7 +11,6 @@ __all__ = [
     "Claim",
     "Reproduction",
     "bench",
-    "changed",
     "reproduce",
     "write_claims",
     "write_report",

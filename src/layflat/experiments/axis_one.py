@@ -22,6 +22,8 @@ STEP = radians(40)
 AT = 0.5
 """The step comes at this time, s, after the joint has come to rest."""
 DURATION = 8.0
+GOOD_TIME = 2.0
+"""A joint can carry an inertia if it settles within this time, s; more is "several seconds" in the paper's words."""
 RATIOS = tuple(float(ratio) for ratio in np.geomspace(5e-3, 1e-1, 27))
 """Inertia per torque over which the stability limit is sought, kg m2 per N m."""
 
@@ -56,7 +58,7 @@ def settling(run: xarray.Dataset) -> float:
 
 
 def stability(machine: Machine, brake: float) -> tuple[float, dict[float, float]]:
-    """Largest inertia per torque up to which every smaller one settles within 4 s and stays; all settling times."""
+    """Largest inertia per torque up to which every one settles in good time; all settling times."""
     torque = maximum_torque(machine, "small")
     times: dict[float, float] = {}
     for ratio in RATIOS:
@@ -64,7 +66,7 @@ def stability(machine: Machine, brake: float) -> tuple[float, dict[float, float]
         times[ratio] = settling(step_run(machine, payload, brake, duration=5.0))
     limit = 0.0
     for ratio, time in times.items():
-        if time > 4.0:
+        if time > GOOD_TIME:
             break
         limit = ratio
     return limit, times
@@ -127,5 +129,5 @@ def _braked(runs: AxisOne) -> Claim:
         },
         "kg m2 per N m, unless said",
         time < inf and calm and runs.limit_earlier > 0.0 and ratio >= 1.6,
-        "settles within 0.3 deg without sustained oscillation; ratio of limits at least 1.6",
+        "settles within 0.3 deg without sustained oscillation; ratio of limits (settled in 2 s) at least 1.6",
     )

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
-from typing import Any
 
-from layflat.machine import Machine, load, parameters
+from layflat.machine import Machine, changed, load, parameters
 
 RIGS = (
     "rig-polyester",
@@ -22,20 +21,6 @@ RIGS = (
 
 INERTIA_PER_TORQUE = 1e-2
 """kg m2 per N m: the ratio at which the paper compares joints (sections 4.1 and 5)."""
-
-
-def changed(machine: Machine, path: str, value: Any) -> Machine:
-    """A copy of a machine with one SI value replaced, by its dotted path ("joint.small.brake.torque")."""
-
-    def replaced(part: Any, keys: list[str]) -> Any:
-        head, rest = keys[0], keys[1:]
-        if isinstance(part, tuple):
-            return tuple(value if i == int(head) else item for i, item in enumerate(part))
-        below = part[head] if isinstance(part, dict) else getattr(part, head)
-        after = replaced(below, rest) if rest else value
-        return {**part, head: after} if isinstance(part, dict) else part.model_copy(update={head: after})
-
-    return replaced(machine, path.split("."))  # type: ignore[no-any-return]
 
 
 def alone(arm: Machine, joint: str, payload: float) -> Machine:

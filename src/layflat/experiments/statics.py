@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.design import JointDesign, Table1, design_joint, table1
-from layflat.experiments.bench import Bench, changed, maximum_torque
+from layflat.experiments.bench import Bench, maximum_torque
 from layflat.experiments.claim import Claim
-from layflat.machine import Machine, parameters
+from layflat.machine import Machine, changed, parameters
 from layflat.sim import rollout
 from layflat.sim.sweep import Loop, sweep
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 LINES: tuple[dict[str, Any], ...] = (
     {"color": "#0b3c5d", "linestyle": "-"},
-    {"color": "#d1495b", "linestyle": "--"},
-    {"color": "#3c8d2f", "linestyle": "-."},
+    {"color": "#c23b4e", "linestyle": "--"},
+    {"color": "#4c9a3c", "linestyle": "-."},
     {"color": "#e09f3e", "linestyle": (0, (1, 1))},
     {"color": "#6b4c9a", "linestyle": (0, (5, 1, 1, 1, 1, 1))},
 )

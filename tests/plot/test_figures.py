@@ -1,0 +1,63 @@
+"""Figures: units on the axes, the same bytes for the same data, no pyplot."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.errors import OutputError
+from layflat.machine import load
+from layflat.plot.loops import loops
+from layflat.plot.runs import angles, arm_steps, run_figure
+from layflat.plot.style import LINES, figure, save, to_png, to_svg
+from layflat.sim import rollout
+from layflat.sim.sweep import sweep
+
+
+@pytest.fixture(scope="module")
+def run():  # type: ignore[no-untyped-def]
+    return rollout("paper-arm", "10 deg", start=0.0, duration=0.5)
+
+
+def test_every_axis_of_a_run_has_its_unit(run) -> None:  # type: ignore[no-untyped-def]
+    for made in (run_figure(run), angles({"a": run}, "small", band=0.005), arm_steps(run)):
+        labels = [text for axes in made.axes for text in (axes.get_ylabel(),)]
+        assert all(label.endswith(")") for label in labels)
+        assert any("(s)" in axes.get_xlabel() for axes in made.axes)
+
+
+def test_a_loop_is_drawn_closed_with_units() -> None:
+    made = loops({"new": sweep(load("paper-arm"), "small", 4e5)})
+    (axes,) = made.axes
+    assert "(deg)" in axes.get_xlabel()
+    assert "(N m)" in axes.get_ylabel()
+    x = np.asarray(axes.lines[0].get_xdata())
+    assert x[0] == x[-1]
+
+
+def test_the_same_data_give_the_same_bytes(run) -> None:  # type: ignore[no-untyped-def]
+    assert to_svg(run_figure(run)) == to_svg(run_figure(run))
+    assert to_png(run_figure(run))[:4] == b"\x89PNG"
+
+
+def test_lines_differ_in_dash_and_in_lightness() -> None:
+    from matplotlib.colors import to_rgb
+
+    light = [float(np.dot(to_rgb(line["color"]), (0.299, 0.587, 0.114))) for line in LINES]
+    assert len({str(line["linestyle"]) for line in LINES}) == len(LINES)
+    assert light[:4] == sorted(light[:4])
+
+
+def test_pyplot_is_not_imported() -> None:
+    code = "import sys, layflat.plot.runs, layflat.plot.loops; print('matplotlib' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+    assert "matplotlib.pyplot" not in sys.modules
+
+
+def test_a_figure_that_can_not_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with figure() as (made, _), pytest.raises(OutputError):
+        save(made, tmp_path / "file" / "x.png")

@@ -1,0 +1,22 @@
+import subprocess
+import sys
+
+import pytest
+
+import layflat
+
+
+@pytest.mark.parametrize("name", layflat.__all__)
+def test_every_public_name_is_there(name: str) -> None:
+    assert getattr(layflat, name).__name__ == name
+
+
+def test_another_name_says_what_there_is() -> None:
+    with pytest.raises(AttributeError, match="it offers Machine"):
+        _ = layflat.nothing
+
+
+def test_importing_costs_nothing() -> None:
+    code = "import sys, layflat; print(sorted({'numpy', 'numba', 'pydantic', 'xarray'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
