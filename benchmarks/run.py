@@ -20,7 +20,7 @@ from layflat.experiments.timing import CYCLES, control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
 from layflat.sim import Scenario
-from layflat.sim.rollout import prepare
+from layflat.sim.run import prepare
 
 ROUNDS = 15
 SECONDS = 4.0

@@ -31,7 +31,7 @@ from layflat.experiments.calibrated_files import write_values
 from layflat.machine import Machine, changed, load
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, settling_time
-from layflat.sim.rollout import prepare
+from layflat.sim.run import prepare
 from layflat.sim.sweep import sweep
 
 Array = NDArray[np.float64]
