@@ -55,5 +55,5 @@ def cam_procedure(cam: CamLike) -> Figure:
         axes.set_aspect("equal")
         axes.set_xlabel("Along the cam (mm)")
         axes.set_ylabel("Across the cam (mm)")
-        axes.legend(loc="upper left")
+        axes.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return made

@@ -68,7 +68,7 @@ def arm_steps(run: xarray.Dataset) -> Figure:
             error = np.degrees(part["angle"] - part["demand"])
             close.plot(time, error, label=f"{joint} joint", **LINES[order])
         angle.set_ylabel("Angle (deg)")
-        angle.legend(ncols=3)
+        angle.legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0))
         close.set_ylim(-2.0, 2.0)
         close.axhspan(-0.3, 0.3, color="#eeeeee", lw=0)
         close.set_ylabel("Error (deg)")
