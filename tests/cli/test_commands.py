@@ -145,6 +145,25 @@ def test_design_and_size_write_drawings(tmp_path: Path) -> None:
     assert layflat("check", str(tmp_path / "wrist.toml")).returncode == 0
 
 
+def test_reproduce_leaves_with_1_when_a_claim_does_not_agree(tmp_path: Path) -> None:
+    text = 'extends = "paper-arm"\nname = "weak"\n[joint.small.hose]\nwidth = "100 mm"\n'
+    (tmp_path / "weak.toml").write_text(text, encoding="utf-8")
+    done = layflat("reproduce", "--machine", "weak.toml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    claims = {
+        claim["id"]: claim for claim in json.loads((tmp_path / "out" / "claims.json").read_text(encoding="utf-8"))
+    }
+    assert claims["small-joint-torque"]["agrees"] is False
+    assert claims["table-1"]["agrees"] is True
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_reproduce_needs_the_two_joints_of_the_paper(tmp_path: Path) -> None:
+    line = refused("reproduce", "--machine", "paper-small-joint", "--out", "out", cwd=tmp_path)
+    assert "paper-small-joint: arm.joints" in line
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_schema_is_written_for_editors(tmp_path: Path) -> None:
     assert layflat("schema", "--out", str(tmp_path / "schema.json")).returncode == 0
     assert json.loads((tmp_path / "schema.json").read_text(encoding="utf-8"))["title"] == "layflat machine"

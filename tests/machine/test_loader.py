@@ -53,6 +53,8 @@ def test_every_built_in_value_says_where_it_comes_from(name: str) -> None:
         ('[arm]\njoints = ["wrist"]', "arm.joints names 'wrist', which is no joint here"),
         ('[joint.large.hose]\nwidth = { value = "3 mm", src = "x" }', "joint.large.hose.width: unknown key 'src'"),
         ('[joint.large.hose]\nwidth = { value = "3 mm", source = "x" }', "source 'x' is unknown; use one of paper"),
+        ("[valve]\ncritical_ratio = nan", "valve.critical_ratio: nan is out of range; it should be a finite number"),
+        ("[angle_sensor]\nbits = 2.5", "angle_sensor.bits: 2.5 is out of range"),
         ("[joint", "is not TOML"),
     ],
 )

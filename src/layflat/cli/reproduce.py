@@ -25,8 +25,8 @@ def reproduce(
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine.listing import listing  # noqa: PLC0415
 
-    check_folder(out)
     on = bench(machine)
+    check_folder(out)
     with _progress() as advance:
         found = reproduce(on, advance)
         assumed = [line for line in listing(machine) if line.source in {"assumed", "calibrated", "identified", "given"}]

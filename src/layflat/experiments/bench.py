@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
 
+from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
 
 RIGS = (
@@ -67,8 +68,19 @@ class Bench:
 
 
 def bench(arm: str | Machine = "paper-arm") -> Bench:
-    """The bench of an arm: a built-in name, a file or a machine."""
-    return Bench(load(arm), load("earlier-actuator"))
+    """The bench of an arm: a built-in name, a file or a machine.
+
+    Raises:
+        MachineError: it is no arm of a joint "large" and a joint "small", as the paper's experiments need it.
+    """
+    loaded = load(arm)
+    if loaded.arm.joints != ("large", "small"):
+        raise MachineError(
+            f"{list(loaded.arm.joints)}",
+            where=f"{loaded.name}: arm.joints",
+            right='the experiments need "large", "small"',
+        )
+    return Bench(loaded, load("earlier-actuator"))
 
 
 def maximum_torque(machine: Machine, joint: str) -> float:
