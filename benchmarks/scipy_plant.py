@@ -16,7 +16,7 @@ from layflat.machine import Machine, parameters
 from layflat.physics.arm import two_link_coriolis, two_link_mass
 from layflat.physics.chamber import air_mass, energy, pressure, temperature, wall_heat
 from layflat.physics.hose import swept_volume, torque_per_pressure
-from layflat.physics.valve import chamber_flow
+from layflat.physics.valve import chamber_flow, path_conductance
 
 STATES = 14
 """Per joint: q, v, x, x', then E, m and three element torques of each hose."""
@@ -33,7 +33,14 @@ def _hose(joint, hose, y, s, x, around):  # type: ignore[no-untyped-def]
     p = pressure(hose.chamber, y[0], volume, p_a)
     T = temperature(hose.chamber, p, y[1], volume, p_a)
     flow, heat, _ = chamber_flow(
-        joint.valve, x, p, T, around.supply_pressure, around.supply_temperature, around.ambient_pressure
+        joint.valve,
+        path_conductance(joint.valve, x),
+        path_conductance(joint.valve, -x),
+        p,
+        T,
+        around.supply_pressure,
+        around.supply_temperature,
+        around.ambient_pressure,
     )
     K = torque_per_pressure(hose.stroke, s)
     return K, p, heat + wall_heat(hose.chamber, T, around.ambient_temperature), flow

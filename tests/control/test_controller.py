@@ -24,6 +24,7 @@ GAINS = Gains(
     drift_limit=0.8,
     air_ripple=500.0,
     rest_speed=radians(0.5),
+    rest_time=0.05,
     load_pressure=5e4,
     voltage_low=0.0,
     voltage_high=10.0,

@@ -34,7 +34,7 @@ PRESSURE_SENSOR = Sensor(-5e5, 5e5, 1e6 / 4096, 0.0, 0.0)
 FAR, NEAR, CLOSE = (Phase(5.0 / radians(angle), k_p) for angle, k_p in ((12.0, 1.5e-5), (9.0, 1e-5), (6.0, 3e-6)))
 GAINS = Gains(
     *(FAR, NEAR, CLOSE, radians(8.0), radians(60.0), radians(1.5), radians(8.0), 5.0),
-    *(20.0, 1.0, 10.0, 1.0, 500.0, radians(0.5), 1e6, 0.0, 10.0, 1.0),
+    *(20.0, 1.0, 10.0, 1.0, 500.0, radians(0.5), 0.0, 1e6, 0.0, 10.0, 1.0),
 )
 ONE_LINK = OneLink(0.32, 1.0, 0.4, 0.0, 0.0)
 TWO_LINKS = TwoLink(0.46, 0.04, 0.025, 1.0, 0.1, 0.4, 0.4, radians(90.0), 0.0, 0.0)

@@ -17,7 +17,7 @@ def settle(spool: Spool, u: float, x: float = 0.0, dither: float = 0.0, seconds:
     """Mean position over the last dither period."""
     h, v, path = 2.5e-4, 0.0, []
     for k in range(round(seconds / h)):
-        x, v = advance_spool(spool, u + dither * np.sin(2 * pi * 50.0 * (k + 0.5) * h), x, v, h)
+        x, v = advance_spool(spool, u + dither * np.sin(2 * pi * 50.0 * (k + 0.5) * h), 0.0, x, v, h)
         path.append(x)
     return float(np.mean(path[-80:]))
 
@@ -41,13 +41,20 @@ def test_dither_makes_it_follow(u: float) -> None:
 
 @given(st.floats(-0.5, 0.5), st.floats(-0.049, 0.049))
 def test_a_stuck_spool_stays_exactly(x: float, pull: float) -> None:
-    assert advance_spool(SPOOL, x + pull, x, 0.0, 2.5e-4) == (x, 0.0)
+    assert advance_spool(SPOOL, x + pull, 0.0, x, 0.0, 2.5e-4) == (x, 0.0)
 
 
 def driven(h: float, friction: float) -> float:
     x, v = 0.0, 0.0
     for k in range(round(0.06 / h)):
-        x, v = advance_spool(Spool(WN, 0.7, friction), 0.4 * np.sin(2 * pi * 20.0 * (k + 0.5) * h), x, v, h)
+        x, v = advance_spool(
+            Spool(WN, 0.7, friction),
+            0.4 * np.sin(2 * pi * 20.0 * (k + 0.5) * h),
+            0.2 * pi * 40.0 * h * np.cos(2 * pi * 20.0 * (k + 0.5) * h),
+            x,
+            v,
+            h,
+        )
     return x
 
 
@@ -72,17 +79,17 @@ def test_stops_hold_the_spool(side: float) -> None:
     spool = Spool(WN, 0.2, 0.05)
     x, v, path = 0.0, 0.0, []
     for _ in range(400):
-        x, v = advance_spool(spool, side * 1.5, x, v, 2.5e-4)
+        x, v = advance_spool(spool, side * 1.5, 0.0, x, v, 2.5e-4)
         path.append(x * side)
     assert max(path) == path[-1] == 1.0
     assert v == 0.0
     # Pulled away, it leaves the stop.
-    x, v = advance_spool(spool, 0.0, x, v, 2.5e-4)
+    x, v = advance_spool(spool, 0.0, 0.0, x, v, 2.5e-4)
     assert abs(x) < 1.0
 
 
 @given(st.floats(-1.0, 1.0), st.floats(-300.0, 300.0))
 def test_left_alone_it_loses_energy(x: float, v: float) -> None:
     free = Spool(WN, 0.7, 0.0)
-    after_x, after_v = advance_spool(free, 0.0, x, v, 2.5e-4)
+    after_x, after_v = advance_spool(free, 0.0, 0.0, x, v, 2.5e-4)
     assert WN**2 * after_x**2 + after_v**2 <= (WN**2 * x**2 + v**2) * (1 + 1e-12)

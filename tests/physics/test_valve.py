@@ -1,16 +1,19 @@
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from plants import VALVE
 
 from layflat.physics.flow import orifice
-from layflat.physics.valve import chamber_flow, commanded_opening, path_conductance
+from layflat.physics.valve import chamber_flow, commanded_opening, mean_conductance, path_conductance
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 
 
 def flows(x: float, p: float) -> tuple[float, float, float]:
-    mass, heat, taken = chamber_flow(VALVE, x, p, T, SUPPLY, T, AMBIENT)
+    mass, heat, taken = chamber_flow(
+        VALVE, path_conductance(VALVE, x), path_conductance(VALVE, -x), p, T, SUPPLY, T, AMBIENT
+    )
     return mass, heat, taken
 
 
@@ -44,3 +47,20 @@ def test_flows_are_those_of_both_paths(x: float, p: float) -> None:
 def test_pressure_never_passes_supply_or_ambient() -> None:
     assert flows(1.0, SUPPLY)[0] <= 0.0
     assert flows(-1.0, AMBIENT)[0] >= 0.0
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
+def test_mean_conductance_is_the_mean_over_an_even_motion(x_0: float, x_1: float) -> None:
+    way = np.linspace(x_0, x_1, 4001)
+    shares = np.maximum(way - VALVE.overlap, 0.0) / (1.0 - VALVE.overlap)
+    expected = VALVE.leakage + (VALVE.conductance - VALVE.leakage) * np.trapezoid(shares, dx=1 / 4000)
+    assert mean_conductance(VALVE, x_0, x_1) == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("x", [-0.5, 0.0, 0.3])
+def test_mean_conductance_at_rest_is_the_conductance(x: float) -> None:
+    assert mean_conductance(VALVE, x, x) == pytest.approx(path_conductance(VALVE, x), rel=1e-12)
+
+
+def test_mean_conductance_where_the_land_meets_the_port() -> None:
+    assert mean_conductance(VALVE, VALVE.overlap, VALVE.overlap) == VALVE.leakage

@@ -23,7 +23,7 @@ from layflat.jit import law
 def start(measurement):
     """Memory of a controller that wakes up at this measurement."""
     x, dp = measurement.angle, measurement.differential_pressure
-    return Memory(x, x, x, dp, dp, dp, x, 0.0, 0.0)
+    return Memory(x, x, x, dp, dp, dp, x, 0.0, 0.0, 0.0)
 
 
 @law
@@ -70,12 +70,15 @@ def step(gains, memory, measurement, demand):
     speed = (x_used - memory.last_angle) / measurement.elapsed
     error = demand - x_used
     phase, k_e, k_p = _phase(gains, error, speed)
+    rest = memory.rest + measurement.elapsed if abs(speed) < gains.rest_speed else 0.0
     may_learn = (
-        ripple > gains.air_ripple and abs(speed) < gains.rest_speed and abs(dp_used) < gains.load_pressure
+        ripple > gains.air_ripple and rest >= gains.rest_time and abs(dp_used) < gains.load_pressure
     ) and phase == 3.0
     held = k_e * error - k_p * dp_used
     short, long = _integrals(gains, memory, phase, held, error, may_learn, measurement.elapsed)
     voltage = held + gains.null + short + long
     voltage = min(max(voltage, gains.voltage_low), gains.voltage_high)
-    after = Memory(x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long)
+    after = Memory(
+        x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long, rest
+    )
     return after, voltage, Status(x_used, speed, dp_used, ripple, phase, 1.0 if may_learn else 0.0)

@@ -35,7 +35,9 @@ class Gains(NamedTuple):
     air_ripple: float
     """Rule 1: the pressure ripple that shows that air is there, Pa."""
     rest_speed: float
-    """Rule 2: the speed under which the joint is at rest, rad/s."""
+    """Rule 2: the speed under which the joint may be at rest, rad/s."""
+    rest_time: float
+    """Rule 2: how long it has to be so slow, s: a joint that turns back is not at rest."""
     load_pressure: float
     """Rule 3: the differential pressure under which there is no offset load, Pa."""
     voltage_low: float
@@ -53,7 +55,7 @@ class Measurement(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """The last three samples of both signals (newest first), the last averaged angle, both integrals."""
+    """The last three samples of both signals (newest first), the last averaged angle, both integrals, time at rest."""
 
     angle_0: float
     angle_1: float
@@ -64,6 +66,8 @@ class Memory(NamedTuple):
     last_angle: float
     short_term: float
     long_term: float
+    rest: float
+    """How long the joint has been slow, s."""
 
 
 class Status(NamedTuple):

@@ -136,12 +136,13 @@ def swing(machine: Machine, inertia: float) -> float:
 def _judge(machine: Machine, case: Scenario, joint: int, goal: float, since: float, until: float) -> float:
     prepared = prepare(machine, case)
     rows, diverged = prepared.run()
-    timing = prepared.timing
-    if diverged >= 0:
-        return 20.0
-    first, last = round(since / timing.cycle), round(until / timing.cycle)
-    error = rows[first:last, joint, 0] - goal
-    time: Array = np.arange(len(error)) * np.float64(timing.cycle)
+    return 20.0 if diverged >= 0 else _verdict(rows, prepared.timing.cycle, joint, goal, since, until)
+
+
+def _verdict(rows: Array, cycle: float, joint: int, goal: float, since: float, until: float) -> float:
+    """Seconds until a joint stays close to its goal, and degrees that it is off in the end."""
+    error = rows[round(since / cycle) : round(until / cycle), joint, 0] - goal
+    time: Array = np.arange(len(error)) * np.float64(cycle)
     rest = degrees(float(np.sqrt(np.mean(np.square(error[int(0.7 * len(error)) :])))))
     return max(min(settling_time(time, error, MARGIN * BAND), until - since), SOON) + min(3.0 * rest, 5.0)
 
@@ -187,7 +188,7 @@ def axis_one_cost(knobs: list[Knob], on: Bench, values: Array) -> float:
 
 
 def arm_cost(knobs: list[Knob], arm: Machine, values: Array) -> float:
-    """Stage 3: the same over steps of both joints."""
+    """Stage 3: the same over steps of both joints, and how far the small joint's step pushes the large one."""
     tried = with_values(arm, knobs, values)
     cost = 0.0
     for payload, step in ((1.5, 40.0), (1.5, -40.0), (0.0, 40.0), (2.0, 40.0), (1.5, 10.0)):
@@ -198,8 +199,15 @@ def arm_cost(knobs: list[Knob], arm: Machine, values: Array) -> float:
             payload=payload,
             seed=2,
         )
+        prepared = prepare(tried, case)
+        rows, diverged = prepared.run()
+        if diverged >= 0:
+            return 1e3
+        cycle = prepared.timing.cycle
         moves = [(0, half, AT), (1, -half, AT), (1, half, second), (0, half, second)]
-        cost += sum(_judge(tried, case, joint, goal, since, since + LAST) for joint, goal, since in moves)
+        cost += sum(_verdict(rows, cycle, joint, goal, since, since + LAST) for joint, goal, since in moves)
+        later = rows[round(second / cycle) :, 0, 0]
+        cost += degrees(float(np.abs(later - later[0]).max()))
     return cost
 
 
@@ -210,7 +218,7 @@ def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, roun
     low, high = np.array([k.low for k in knobs]), np.array([k.high for k in knobs])
     options = {"seed": seed, "popsize": 24, "maxiter": rounds, "bounds": [0.0, 1.0], "verbose": -9}
     evolution: Any = cma.CMAEvolutionStrategy(  # type: ignore[attr-defined]
-        np.clip((start - low) / (high - low), 0.02, 0.98), 0.2, options
+        np.clip((start - low) / (high - low), 0.02, 0.98), 0.15, options
     )
     with ThreadPoolExecutor(2) as pool:
         while not evolution.stop():

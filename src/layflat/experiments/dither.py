@@ -90,7 +90,7 @@ def _valve_sweep(valve, command, amplitude, frequency, h, n):  # type: ignore[no
         total = 0.0
         for k in range(n):
             u = command[i] + amplitude * np.sin(2.0 * pi * frequency * (t + 0.5 * h))
-            x, v = advance_spool(valve.spool, u, x, v, h)
+            x, v = advance_spool(valve.spool, u, 0.0, x, v, h)
             t += h
             net = path_conductance(valve, x) - path_conductance(valve, -x)
             total += net if k >= n // 2 else 0.0

@@ -81,7 +81,8 @@ class Controller(Part):
     drift_time: u.Time = Field(description="time constant of the long-term integral")
     drift_limit: u.VoltageOrZero = Field(description="greatest correction of the null")
     air_ripple: u.PressureOrZero = Field(description="rule 1: ripple that shows that air is there")
-    rest_speed: u.PositiveSpeed = Field(description="rule 2: below it the joint is at rest")
+    rest_speed: u.PositiveSpeed = Field(description="rule 2: below it the joint may be at rest")
+    rest_time: u.Time = Field(description="rule 2: how long it has to be so slow")
     load_pressure: u.PositivePressure = Field(description="rule 3: below it there is no offset load")
 
 

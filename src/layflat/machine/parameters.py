@@ -213,6 +213,7 @@ def gains(machine: Machine, name: str) -> Gains:
         shared.drift_limit,
         shared.air_ripple,
         shared.rest_speed,
+        shared.rest_time,
         shared.load_pressure,
         valve_part.centre_voltage - span,
         valve_part.centre_voltage + span,
@@ -226,7 +227,7 @@ def idle_gains(machine: Machine) -> Gains:
     nothing, centre = Phase(0.0, 0.0), valve_part.centre_voltage
     span = valve_part.volts_to_full
     thresholds = (1.0, 1.0, 0.1, 0.1)
-    drift = (1.0, 0.0, 0.0, 1.0, 1.0)
+    drift = (1.0, 0.0, 0.0, 1.0, 1.0, 1.0)
     return Gains(nothing, nothing, nothing, *thresholds, centre, 0.0, 0.0, *drift, centre - span, centre + span, 1.0)
 
 

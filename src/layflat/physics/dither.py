@@ -38,3 +38,9 @@ def turn_dither(dither):
     return Dither(
         sine * turn_cosine + cosine * turn_sine, cosine * turn_cosine - sine * turn_sine, turn_sine, turn_cosine
     )
+
+
+@law
+def half_change(dither):
+    """Half of what the sine changes by in the coming step, to third order in the step."""
+    return 0.5 * dither.cosine * dither.turn_sine

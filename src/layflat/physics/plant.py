@@ -14,15 +14,15 @@ from layflat.physics.arm import (
     two_link_gravity,
     two_link_mass,
 )
-from layflat.physics.dither import turn_dither
+from layflat.physics.dither import half_change, turn_dither
 from layflat.physics.friction import brake_one, brake_two
 from layflat.physics.step import at_hand, finish, middle, set_running
 from layflat.physics.trig import sincos
 
 
 @composition
-def _step_two(arm, joints, running, drives, openings, around, h):
-    mid = middle(joints, running, openings, join(around, around), h)
+def _step_two(arm, joints, running, drives, openings, swings, around, h):
+    mid = middle(joints, running, openings, swings, join(around, around), h)
     (q_1, q_2), (led_1, led_2), (torque_1, torque_2) = halves(mid.angle), halves(mid.velocity), halves(mid.torque)
     v_1, v_2 = halves(running.motion.velocity)
     drive_1, drive_2 = halves(drives)
@@ -46,15 +46,16 @@ def advance_two(arm, joints, states, drives, dithers, around, h, n):
     running = set_running(join(states[0], states[1]))
     for _ in range(n):
         openings = drive.opening + both.valve.dither_amplitude * dither.sine
-        running = _step_two(arm, both, running, drive, openings, around, h)
+        swings = both.valve.dither_amplitude * half_change(dither)
+        running = _step_two(arm, both, running, drive, openings, swings, around, h)
         dither = turn_dither(dither)
     states[0], states[1] = halves(at_hand(running))
     dithers[0], dithers[1] = halves(dither)
 
 
 @composition
-def _step_one(arm, joint, running, drive, opening, around, h):
-    mid = middle(joint, running, opening, around, h)
+def _step_one(arm, joint, running, drive, opening, swing, around, h):
+    mid = middle(joint, running, opening, swing, around, h)
     M = one_link_mass(arm, around.payload)
     load = drive.load_torque + one_link_gravity(arm, around.payload, mid.angle)
     v, J = brake_one(M, M * running.motion.velocity + h * load + h * mid.torque, h * drive.brake_torque)
@@ -67,7 +68,8 @@ def advance_one(arm, joints, states, drives, dithers, around, h, n):
     joint, drive, dither, running = joints[0], drives[0], dithers[0], set_running(states[0])
     for _ in range(n):
         opening = drive.opening + joint.valve.dither_amplitude * dither.sine
-        running = _step_one(arm, joint, running, drive, opening, around, h)
+        swing = joint.valve.dither_amplitude * half_change(dither)
+        running = _step_one(arm, joint, running, drive, opening, swing, around, h)
         dither = turn_dither(dither)
     states[0], dithers[0] = at_hand(running), dither
 

@@ -3,7 +3,7 @@
 | symbol | meaning | unit |
 |---|---|---|
 | x, v | opening (-1..1) and its rate | 1, 1/s |
-| u | opening that the solenoid asks for: command + dither | 1 |
+| u, du | opening that the solenoid asks for (command + dither) in the middle of a step, half its change | 1 |
 | wn | natural frequency | rad/s |
 | zeta | damping ratio | 1 |
 | f | Coulomb friction, as the change of u that it can hide | 1 |
@@ -11,10 +11,12 @@
 x'' = wn^2 (u - x) - 2 zeta wn x' - wn^2 f sign(x').
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.lanes import select
+from layflat.physics.ramp import TINY, mean_above_zero
 
 
 class Spool(NamedTuple):
@@ -26,39 +28,43 @@ class Spool(NamedTuple):
 
 
 @law
-def _slide(spool, u, x, v, h):
+def _slide(spool, u, du, x, v, h):
     """Advance a moving spool by h, or up to the instant at which it comes to rest; returns the time that is left."""
     wn = spool.natural_frequency
-    pull = wn * wn * (u - x)
-    grip = wn * wn * spool.friction
-    a = h * wn * (spool.damping_ratio + 0.25 * h * wn)
-    after = ((1.0 - a) * v + h * (pull - select(v > 0.0, grip, -grip))) * (1.0 / (1.0 + a))
+    grip = wn * wn * select(v > 0.0, spool.friction, -spool.friction)
+    drag = 2.0 * spool.damping_ratio * wn
+    push = wn * wn * (u - x) - grip
+    a = h * (0.5 * drag + 0.25 * h * wn * wn)
+    after = ((1.0 - a) * v + h * push) * (1.0 / (1.0 + a))
     reverses = v * after <= 0.0
-    used = select(reverses, h * v / select(v == after, 1.0, v - after), h)
-    after = select(reverses, 0.0, after)
-    return x + 0.5 * used * (v + after), after, h - used
+    # The rate as a parabola through its ends, with the slope that it has now: where it crosses zero.
+    slope = push - wn * wn * du - drag * v
+    bend = (after - v - h * slope) / (h * h)
+    root = abs(slope) + sqrt(max(slope * slope - 4.0 * bend * v, 0.0))
+    used = select(reverses, min(2.0 * abs(v) / (root + TINY), h), h)
+    travel = select(reverses, used * (v + used * (0.5 * slope + used * bend / 3.0)), 0.5 * h * (v + after))
+    return x + travel, select(reverses, 0.0, after), h - used
 
 
 @law
-def _release(spool, u, x, h):
-    """Advance a spool from rest by h: it stays unless the pull exceeds the friction."""
-    wn = spool.natural_frequency
-    pull = wn * wn * (u - x)
-    grip = wn * wn * spool.friction
-    excess = max(pull - grip, 0.0) + min(pull + grip, 0.0)
-    after = h * excess / (1.0 + h * wn * (spool.damping_ratio + 0.25 * h * wn))
+def _release(spool, u_0, u_1, x, h):
+    """Advance a spool from rest by h, while u goes from u_0 to u_1: it moves as far as the pull exceeds friction."""
+    wn, f = spool.natural_frequency, spool.friction
+    forward = mean_above_zero(u_0 - x - f, u_1 - x - f)
+    back = mean_above_zero(x - u_0 - f, x - u_1 - f)
+    after = h * wn * wn * (forward - back) / (1.0 + h * wn * (spool.damping_ratio + 0.25 * h * wn))
     return x + 0.5 * h * after, after
 
 
 @law
-def advance_spool(spool, u, x, v, h):
-    """Position and rate after a step of h seconds with u held.
+def advance_spool(spool, u, du, x, v, h):
+    """Position and rate after a step of h seconds in which the opening asked for goes evenly from u - du to u + du.
 
     Implicit midpoint, split where the spool comes to rest, so that it is of second order through reversals and
     sticks exactly. A spool that reaches a stop stays there until it is pulled away.
     """
-    x, v, left = _slide(spool, u, x, v, h)
-    moved, rate = _release(spool, u, x, left)
+    x, v, left = _slide(spool, u, du, x, v, h)
+    moved, rate = _release(spool, u + du - 2.0 * du * left / h, u + du, x, left)
     x, v = select(left > 0.0, moved, x), select(left > 0.0, rate, v)
     stopped = ((x >= 1.0) & (v > 0.0)) | ((x <= -1.0) & (v < 0.0))
     return min(max(x, -1.0), 1.0), select(stopped, 0.0, v)

@@ -24,7 +24,7 @@ from layflat.physics.joint import HoseState, JointState, Ledger, Motion
 from layflat.physics.loss import slip_all
 from layflat.physics.spool import advance_spool
 from layflat.physics.stop import stop_damping, stop_torque
-from layflat.physics.valve import chamber_flow
+from layflat.physics.valve import chamber_flow, mean_conductance
 
 
 class Running(NamedTuple):
@@ -64,7 +64,7 @@ def at_hand(running):
 
 
 @law
-def _breathe(hose, state, travel, turn, valve, x, around, h):
+def _breathe(hose, state, travel, turn, valve, x_0, x_1, around, h):
     # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, air taken.
     p_a = around.ambient_pressure
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
@@ -73,7 +73,8 @@ def _breathe(hose, state, travel, turn, valve, x, around, h):
     p = p_0 + 0.5 * state.pressure_change
     m = state.mass + 0.5 * state.mass_change
     T = temperature(hose.chamber, p, m, volume, p_a)
-    flow, heat, taken = chamber_flow(valve, x, p, T, around.supply_pressure, around.supply_temperature, p_a)
+    C_in, C_out = mean_conductance(valve, x_0, x_1), mean_conductance(valve, -x_0, -x_1)
+    flow, heat, taken = chamber_flow(valve, C_in, C_out, p, T, around.supply_pressure, around.supply_temperature, p_a)
     heat = heat + wall_heat(hose.chamber, T, around.ambient_temperature)
     stored = state.energy - p_0 * swell + h * heat
     p_1 = p_0 + pressure_rise(hose.chamber, p_0, h * heat, volume, p_a)
@@ -102,13 +103,12 @@ def _swell(hose, state, travel):
 
 
 @composition
-def middle(joint, running, opening, around, h):
+def middle(joint, running, opening, swing, around, h):
     """First half of a step: drift to the middle, move the spool, let the air flow, gather the torques."""
     motion = running.motion
     q = motion.angle + 0.5 * h * motion.velocity
     v = motion.velocity + 0.5 * motion.velocity_change
-    x, rate = advance_spool(joint.valve.spool, opening, motion.spool, motion.spool_rate, h)
-    x_mean = 0.5 * (motion.spool + x)
+    x, rate = advance_spool(joint.valve.spool, opening, swing, motion.spool, motion.spool_rate, h)
     # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
     turn = h * motion.velocity
     hoses, gas, loss, taken = _breathe(
@@ -117,7 +117,8 @@ def middle(joint, running, opening, around, h):
         join(joint.hose_a.neutral + q, joint.hose_b.neutral - q),
         join(turn, turn),
         join(joint.valve, joint.valve),
-        join(x_mean, -x_mean),
+        join(motion.spool, -motion.spool),
+        join(x, -x),
         join(around, around),
         h,
     )

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.physics.flow import orifice
+from layflat.physics.ramp import mean_above_zero
 from layflat.physics.spool import Spool
 
 
@@ -44,12 +45,19 @@ def path_conductance(valve, x):
 
 
 @law
-def chamber_flow(valve, x, p, T, p_supply, T_supply, p_exhaust):
-    """Flows of a chamber joined to supply by x > 0 and to exhaust by x < 0.
+def mean_conductance(valve, x_0, x_1):
+    """Mean conductance of the path that a positive x opens, while x moves evenly from x_0 to x_1, m3/(s Pa)."""
+    share = mean_above_zero(x_0 - valve.overlap, x_1 - valve.overlap) * (1.0 / (1.0 - valve.overlap))
+    return valve.leakage + (valve.conductance - valve.leakage) * share
+
+
+@law
+def chamber_flow(valve, C_in, C_out, p, T, p_supply, T_supply, p_exhaust):
+    """Flows of a chamber joined to supply and exhaust by paths of conductance C_in and C_out.
 
     Returns mass flow in (kg/s), enthalpy flow in (W), and the mass flow taken from the supply (kg/s).
     """
     b, s = valve.critical_ratio, valve.laminar_slope
-    inflow, heat_in = orifice(path_conductance(valve, x), b, s, p_supply, T_supply, p, T)
-    outflow, heat_out = orifice(path_conductance(valve, -x), b, s, p, T, p_exhaust, T_supply)
+    inflow, heat_in = orifice(C_in, b, s, p_supply, T_supply, p, T)
+    outflow, heat_out = orifice(C_out, b, s, p, T, p_exhaust, T_supply)
     return inflow - outflow, heat_in - heat_out, inflow
