@@ -17,7 +17,7 @@ def advanced(joint: Any, state: Any, opening: Any, v: Any, around: Any) -> Any:
     """A few steps with the velocities prescribed."""
     running = set_running(state)
     for _ in range(5):
-        mid = middle(joint, running, opening, around, H)
+        mid = middle(joint, running, opening, 0.0, around, H)
         running = finish(joint, running, mid, v, 0.0 * v, 0.0 * v, H)
     return at_hand(running)
 
@@ -47,7 +47,7 @@ def test_joints_side_by_side_are_bit_for_bit_joints_alone() -> None:
 def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, around: Any) -> Any:
     """One step with the velocity prescribed: the state after it, and the torques in its middle."""
     running = set_running(state)
-    mid = middle(joint, running, 0.0, around, H)
+    mid = middle(joint, running, 0.0, 0.0, around, H)
     return at_hand(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
 
 
