@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from layflat.experiments.axis_one import AT
+from layflat.experiments.axis_one import AT, SCAN
 from layflat.experiments.open_loop import RIG_PRESSURE
 from layflat.experiments.reproduction import Reproduction
 from layflat.plot.cam import cam_procedure
@@ -111,13 +111,13 @@ FIGURES: dict[str, tuple[str, str, Callable[[Reproduction], Figure]]] = {
     ),
     "fig-13b": (
         "How much inertia can be carried.",
-        "Time to settle after a 40 deg step against inertia per torque; crosses stand for runs that do not settle.",
+        "Time to settle after a 40 deg step against inertia per torque; crosses stand for joints that do not settle.",
         lambda found: settling_over_inertia(
             {
                 "new joint with brake": found.axis_one.settling_braked,
                 "earlier actuator": found.axis_one.settling_earlier,
             },
-            5.0,
+            SCAN,
         ),
     ),
     "fig-14": (

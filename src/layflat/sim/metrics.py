@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, radians
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ class Move:
     """rad, peak to peak over the last fifth of the move"""
 
 
-def settling_time(time: NDArray[np.float64], error: NDArray[np.float64], band: float) -> float:
+def settling_time(time: NDArray[np.floating[Any]], error: NDArray[np.float64], band: float) -> float:
     """Time of the last exit from +-band, counted from the first instant; infinite if the end lies outside."""
     outside = np.flatnonzero(np.abs(error) > band)
     if len(outside) == 0:
