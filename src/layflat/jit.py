@@ -1,8 +1,8 @@
 """How laws and kernels are compiled: every numba option of the project stands here.
 
 A *law* is a scalar function of scalars and named tuples that returns a scalar or a tuple. It is inlined into whatever
-calls it and is never cached by itself. A *composition* is a law that puts laws together across lanes (see `lanes`). A
-*kernel* is the function that Python calls; it loops over time and is cached.
+kernel calls it; called from Python it is a kernel of its own. A *composition* is a law that puts laws together across
+lanes (see `lanes`). A *kernel* is the function that Python calls; it loops over time and is cached.
 
 Cached machine code goes stale when a law in another file changes, which numba does not see. So kernels are cached in
 a folder named by a digest of all sources that can end up in a kernel: a changed source means another folder.
@@ -66,7 +66,7 @@ class Law:
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.py_func = function
-        self._called = numba.njit(**STRICT)(function)
+        self._called = kernel(function)
         self._inlined = numba.njit(**INLINED)(function)
         self._numba_type_ = types.Dispatcher(self._inlined)
 

@@ -140,11 +140,13 @@ def _judge(machine: Machine, case: Scenario, joint: int, goal: float, since: flo
 
 
 def _verdict(rows: Array, cycle: float, joint: int, goal: float, since: float, until: float) -> float:
-    """Seconds until a joint stays close to its goal, and degrees that it is off in the end."""
+    """Seconds until a joint stays close to its goal, and degrees that it overshoots and is off in the end."""
     error = rows[round(since / cycle) : round(until / cycle), joint, 0] - goal
     time: Array = np.arange(len(error)) * np.float64(cycle)
     rest = degrees(float(np.sqrt(np.mean(np.square(error[int(0.7 * len(error)) :])))))
-    return max(min(settling_time(time, error, MARGIN * BAND), until - since), SOON) + min(3.0 * rest, 5.0)
+    beyond = degrees(float(np.max(-np.sign(error[0]) * error)))
+    settling = max(min(settling_time(time, error, MARGIN * BAND), until - since), SOON)
+    return settling + OVERSHOOT * max(0.0, beyond - 1.0) + min(OFF * rest, 5.0)
 
 
 BRAKED = [
@@ -166,6 +168,8 @@ BEYOND = (0.6, 0.7, 0.8)
 """Inertias beyond the earlier actuator's limit: about twice what it is good at, kg m2."""
 UNBRAKED = (0.15, 0.27)
 """Inertias at which the new joint without brake should at least stay close, kg m2."""
+OVERSHOOT, OFF = 0.1, 5.0
+"""Cost of overshoot beyond 1 deg and of the error that remains, 1/deg."""
 OSCILLATION = 0.15
 """Cost of a swing, 1/deg."""
 SLOW = 1.8
