@@ -23,7 +23,7 @@ def number(value: float) -> str:
     """A number as people read it."""
     if not isfinite(value):
         return "none"
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.3g}"
+    return f"{value:.5g}"
 
 
 def lines(claim: Claim) -> list[str]:
