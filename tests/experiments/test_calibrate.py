@@ -46,6 +46,6 @@ def test_a_search_improves_and_repeats_itself() -> None:
     def cost(values: np.ndarray) -> float:
         return float(np.sum(np.square(values / start - 1.1)))
 
-    one, same = (c.search(cost, knobs, start, rounds=10, seed=3) for _ in range(2))
+    one, same = (c.search(cost, knobs, start, rounds=60, seed=3) for _ in range(2))
     assert np.array_equal(one, same)
     assert cost(one) < cost(start)

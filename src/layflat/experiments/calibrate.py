@@ -230,7 +230,9 @@ def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, roun
             evolution.tell(candidates, list(pool.map(lambda c: cost(low + c * (high - low)), candidates)))
             sys.stderr.write(f"\rround {evolution.countiter} of {rounds}: cost {evolution.result.fbest:.3f}  ")
     sys.stderr.write("\n")
-    return np.asarray(low + evolution.result.xbest * (high - low))
+    # No worse than before, however short the search.
+    found = np.asarray(low + evolution.result.xbest * (high - low))
+    return found if evolution.result.fbest < cost(start) else start
 
 
 def starting(machine: Machine, knobs: list[Knob]) -> Array:

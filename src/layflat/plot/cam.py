@@ -44,7 +44,7 @@ def cam_procedure(cam: CamLike) -> Figure:
     seen = np.stack(
         [away[:, 0] * back[:, 0] - away[:, 1] * back[:, 1], away[:, 0] * back[:, 1] + away[:, 1] * back[:, 0]], axis=-1
     )
-    with figure(width=5.6, height=5.2) as (made, (axes,)):
+    with figure(width=5.6, height=5.6, head=True) as (made, (axes,)):
         for i in np.searchsorted(cam.angle, np.linspace(cam.angle[0], cam.angle[-1], SHOWN)):
             ends = np.array([seen[i], profile[i], profile[i] + 0.25 * (profile[i] - seen[i])])
             axes.plot(ends[:, 0], ends[:, 1], **{**QUIET, "linewidth": 0.6})

@@ -50,6 +50,6 @@ def loops(drawn: Mapping[str, LoopLike], *, against: str = "Output angle from mi
             draw_loop(axes, loop, label, order)
         axes.set_xlabel(against)
         axes.set_ylabel("Torque (N m)")
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(0, 1.12 * max(float(loop.torque.max()) for loop in drawn.values()))
         axes.legend()
     return made

@@ -37,7 +37,7 @@ def run_figure(run: xarray.Dataset) -> Figure:
     """A whole run: for each joint its angle with demand, its pressures, and its control voltage."""
     joints = [str(name) for name in run["joint"].to_numpy()]
     time = run["time"].to_numpy()
-    with figure(3, len(joints), width=4.6 * len(joints) + 1.0, height=6.6, share_x=True) as (made, all_axes):
+    with figure(3, len(joints), width=4.6 * len(joints) + 1.0, height=6.6, share_x=True, head=True) as (made, all_axes):
         for column, joint in enumerate(joints):
             part = run.sel(joint=joint)
             angle, pressure, voltage = (all_axes[row * len(joints) + column] for row in range(3))
@@ -60,7 +60,7 @@ def arm_steps(run: xarray.Dataset) -> Figure:
     """Angles of all joints in one frame, with their demands, and their errors, enlarged, below."""
     joints = [str(name) for name in run["joint"].to_numpy()]
     time = run["time"].to_numpy()
-    with figure(2, 1, height=4.8, share_x=True) as (made, (angle, close)):
+    with figure(2, 1, height=4.8, share_x=True, head=True) as (made, (angle, close)):
         for order, joint in enumerate(joints):
             part = run.sel(joint=joint)
             angle.plot(time, np.degrees(part["demand"]), label="demand" if order == 0 else None, **QUIET)

@@ -41,16 +41,44 @@ RC: Any = {
 }
 
 
+LEFT, RIGHT, BOTTOM, TOP = 0.66, 0.14, 0.52, 0.12
+"""Margins of a figure, inches."""
+HEAD = 0.30
+"""Added at the top where a title or legend stands above the axes."""
+BETWEEN = (0.78, 0.16)
+"""Space between axes, beside and above each other, inches."""
+
+
 @contextmanager
 def figure(
-    rows: int = 1, columns: int = 1, *, width: float = 6.4, height: float = 3.6, share_x: bool = False
+    rows: int = 1,
+    columns: int = 1,
+    *,
+    width: float = 6.4,
+    height: float = 3.6,
+    share_x: bool = False,
+    head: bool = False,
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """A figure in the house style, with its axes in reading order. Sizes in inches."""
+    """A figure in the house style, with its axes in reading order. Sizes in inches.
+
+    The margins are fixed: a layout that is solved for would draw everything twice.
+    """
     import matplotlib as mpl  # noqa: PLC0415  # matplotlib takes long to import
     from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415
 
+    top = TOP + (HEAD if head else 0.0)
+    wide = (width - LEFT - RIGHT - (columns - 1) * BETWEEN[0]) / columns
+    high = (height - BOTTOM - top - (rows - 1) * BETWEEN[1]) / rows
     with mpl.rc_context(RC):
-        made = NewFigure(figsize=(width, height), layout="constrained")
+        made = NewFigure(figsize=(width, height))
+        made.subplots_adjust(
+            left=LEFT / width,
+            right=1.0 - RIGHT / width,
+            bottom=BOTTOM / height,
+            top=1.0 - top / height,
+            wspace=BETWEEN[0] / wide,
+            hspace=BETWEEN[1] / high,
+        )
         axes = made.subplots(rows, columns, sharex=share_x, squeeze=False)
         yield made, list(axes.ravel())
 
