@@ -48,7 +48,7 @@ def _progress() -> Iterator[Callable[[str], None]]:
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("compiling (the first time only)", total=EXPERIMENTS + 1)
+        task = bar.add_task("compiling (the first time only)", total=len(EXPERIMENTS) + 1)
 
         def advance(name: str) -> None:
             bar.update(task, advance=1, description=f"done: {name}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, radians
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from layflat.experiments.claim import Claim
 from layflat.machine import Machine
 from layflat.sim import Scenario, rollout
 from layflat.sim.metrics import BAND, move, settling_time
-from layflat.sim.run import prepare
+from layflat.sim.run import Prepared, prepare
 
 if TYPE_CHECKING:
     import xarray
@@ -69,10 +69,11 @@ def settling(run: xarray.Dataset) -> float:
 def stability(machine: Machine, brake: float) -> tuple[float, dict[float, float]]:
     """Largest inertia per torque up to which every one settles in good time; all settling times (s)."""
     torque = maximum_torque(machine, "small")
+    runs = [prepare(machine, _case(0.0, brake, SCAN, seed)) for seed in range(SEEDS)]
     times: dict[float, float] = {}
     for ratio in RATIOS:
         payload = payload_for_inertia(machine, "small", ratio * torque)
-        times[ratio] = float(np.median([_settled(machine, payload, brake, seed) for seed in range(SEEDS)]))
+        times[ratio] = float(np.median([_settled(run, payload) for run in runs]))
     limit = 0.0
     for ratio, time in times.items():
         if time > GOOD_TIME:
@@ -81,9 +82,10 @@ def stability(machine: Machine, brake: float) -> tuple[float, dict[float, float]
     return limit, times
 
 
-def _settled(machine: Machine, payload: float, brake: float, seed: int) -> float:
-    prepared = prepare(machine, _case(payload, brake, SCAN, seed))
-    rows, diverged = prepared.run()
+def _settled(prepared: Prepared, payload: float) -> float:
+    """Settling time of a prepared step with another payload (kg), s."""
+    signals = prepared.signals._replace(payload=np.full_like(prepared.signals.payload, payload))
+    rows, diverged = replace(prepared, signals=signals).run()
     cycle = prepared.timing.cycle
     error = rows[round(AT / cycle) :, 0, 0] - STEP / 2
     return inf if diverged >= 0 else settling_time(cycle * np.arange(len(error)), error, BAND)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
@@ -39,17 +38,16 @@ ORDER = (
 )
 """The claims in the order of the paper."""
 
-TOGETHER: dict[str, ModuleType] = {
-    "axis one": axis_one,
+EXPERIMENTS: dict[str, ModuleType] = {
     "statics and cam": statics,
-    "two-axis arm": two_axis,
-    "long-term integral": drift,
-    "dither and averaging": dither,
     "open-loop characteristics": open_loop,
+    "axis one": axis_one,
+    "two-axis arm": two_axis,
+    "dither and averaging": dither,
+    "long-term integral": drift,
+    "control cycle": timing,
 }
-"""Experiments that may run at the same time, the longest first."""
-
-EXPERIMENTS = len(TOGETHER) + 1
+"""Each module performs its experiment and judges the claims that rest on it."""
 
 
 @dataclass(frozen=True)
@@ -73,18 +71,11 @@ class Reproduction:
 
 
 def reproduce(bench: Bench, progress: Progress = lambda _: None) -> Reproduction:
-    """Perform every experiment, two at a time, and judge the paper's claims by what they found."""
+    """Perform every experiment and judge the paper's claims by what they found."""
     found: dict[ModuleType, Any] = {}
-
-    def perform(item: tuple[str, ModuleType]) -> None:
-        name, experiment = item
+    for name, experiment in EXPERIMENTS.items():
         found[experiment] = experiment.perform(bench)
         progress(name)
-
-    # Compiled code runs without the interpreter's lock.
-    with ThreadPoolExecutor(2) as pool:
-        list(pool.map(perform, TOGETHER.items()))
-    perform(("control cycle", timing))
     judged = [claim for experiment, result in found.items() for claim in experiment.claims(result)]
     return Reproduction(
         bench,
