@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from layflat.sim.dataset import open_run
+
 
 def layflat(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
@@ -63,6 +65,17 @@ def test_simulate_writes_data_and_figure(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "settling (s)" in done.stdout
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["paper-arm.nc", "paper-arm.png"]
+
+
+def test_a_disturbance_begins_at_its_time_and_not_before(tmp_path: Path) -> None:
+    done = layflat(
+        "simulate", "paper-small-joint", "--supply", "0 bar @ 0.2 s", "--brake", "0.5 @ 0.1 s", "--duration", "0.3 s",
+        "--out", str(tmp_path),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    run = open_run(tmp_path / "paper-small-joint.nc")
+    assert float(run["supply"][0]) == pytest.approx(5.01325e5)
+    assert float(run["supply"][-1]) == pytest.approx(1.01325e5)
 
 
 def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:

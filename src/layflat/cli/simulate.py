@@ -52,6 +52,10 @@ def loop(
     typer.echo(f"wrote {save(loops(swept), out / f'{described.name}-loop.png')}")
 
 
+LEAD = 0.1
+"""A move without a time begins so long after the start, s: the joints are at rest before it."""
+
+
 @app.command()
 def simulate(
     machine: MachineName,
@@ -74,7 +78,7 @@ def simulate(
     out: Out = Path("build/simulate"),
 ) -> None:
     """Simulate a machine with its controller: metrics, a NetCDF data set and a figure."""
-    from layflat.cli.text import signal, timed  # noqa: PLC0415
+    from layflat.cli.text import timed  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.sim import Scenario, rollout  # noqa: PLC0415
@@ -82,18 +86,19 @@ def simulate(
     described = load(machine)
     names = list(described.joints)
     check_folder(out)
-    begin = timed([start or "0 deg"], names, "--start")[0][1]
-    moves = timed(move or [], names, "--move")
+    still: dict[str, str | float] = dict.fromkeys(names, 0.0)
+    begin = timed([start] if start else [], still, "--start")[-1][1]
+    moves = timed(move or [], begin, "--move")
     scenario = Scenario(
-        demand=[(0.0, begin), *[(0.1 if t == 0.0 else t, values) for t, values in moves]],
+        demand=[(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]],
         duration=duration,
         start=begin,
-        opening=signal([opening], names, "--opening", bare=True) if opening else None,
-        payload=signal(payload, ["payload"], "--payload"),
-        supply=signal(supply, ["supply"], "--supply"),
-        drift=signal(drift, names, "--drift") or 0.0,
-        load=signal(load_torque, names, "--load") or 0.0,
-        brake=signal(brake, names, "--brake", bare=True) or 1.0,
+        opening=timed([opening], still, "--opening", bare=True) if opening else None,
+        payload=timed(payload or [], {"payload": described.arm.payload}, "--payload"),
+        supply=timed(supply or [], {"supply": described.supply.pressure_gauge}, "--supply"),
+        drift=timed(drift or [], still, "--drift"),
+        load=timed(load_torque or [], still, "--load"),
+        brake=timed(brake or [], dict.fromkeys(names, 1.0), "--brake", bare=True),
         seed=seed,
     )
     try:

@@ -11,29 +11,23 @@ Values = dict[str, str | float]
 Steps = list[tuple[float, Values]]
 
 
-def timed(texts: Sequence[str], names: Sequence[str], where: str, *, bare: bool = False) -> Steps:
-    """Steps from texts such as "40 deg, 20 deg", "large=40 deg @ 2 s"; a joint not named keeps its value.
+def timed(texts: Sequence[str], first: Values, where: str, *, bare: bool = False) -> Steps:
+    """Steps from texts such as "40 deg, 20 deg", "large=40 deg @ 2 s", beginning with the values in `first`.
 
-    A single value is meant for all joints. `bare` values are numbers without unit.
+    A name that a text does not mention keeps its value; a single value is meant for all names. `bare` values are
+    numbers without unit.
 
     Raises:
         InputError: naming the option and what it should look like.
     """
-    parsed = sorted((_one(text, names, where, bare) for text in texts), key=lambda item: item[0])
-    steps: Steps = []
-    kept: Values = dict.fromkeys(names, 0.0)
+    parsed = sorted((_one(text, list(first), where, bare) for text in texts), key=lambda item: item[0])
+    steps: Steps = [(0.0, first)]
     for time, values in parsed:
-        kept = {**kept, **values}
-        if steps and steps[-1][0] == time:
+        kept = {**steps[-1][1], **values}
+        if steps[-1][0] == time:
             steps.pop()
         steps.append((time, kept))
     return steps
-
-
-def signal(texts: Sequence[str | None] | None, names: Sequence[str], where: str, *, bare: bool = False) -> Steps | None:
-    """Steps of a disturbance, or None where nothing is given."""
-    given = [text for text in texts or [] if text]
-    return timed(given, names, where, bare=bare) if given else None
 
 
 def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float, Values]:
