@@ -33,6 +33,17 @@ def test_a_step_holds_from_its_time_on(at: float) -> None:
     assert np.all(rows[TIMES >= at] == 0.2)
 
 
+def test_a_disturbance_is_as_usual_before_its_first_step_and_for_other_joints() -> None:
+    acting = signals(
+        Scenario(duration=1.0, payload=[("0.5 s", "2 kg")], brake={"large": 0.5}, supply=[(0.5, "1 bar")]), ARM, 0.005
+    )
+    assert acting.payload[0] == ARM.arm.payload
+    assert acting.payload[-1] == 2.0
+    assert acting.supply[0] == ARM.supply.pressure
+    assert acting.brake[0, 0] == 0.5 * ARM.joint["large"].brake.torque
+    assert acting.brake[0, 1] == ARM.joint["small"].brake.torque
+
+
 def test_a_function_and_an_array_mean_the_same() -> None:
     def wave(t: float) -> float:
         return float(np.sin(t))

@@ -29,6 +29,8 @@ Times = NDArray[np.floating[Any]]
 class Scenario:
     """All that acts on a machine during a run. Text carries units; numbers are SI.
 
+    A disturbance given as steps is as usual before the first of them; a demand is there from the start.
+
     Args:
         demand: angles asked for (rad); must lie inside the working stroke.
         duration: s.
@@ -74,23 +76,24 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     n, names = scenario.cycles(cycle), list(machine.joints)
     times = cycle * np.arange(n)
 
-    def expand(signal: Signal, kind: u.Quantity | None, where: str) -> NDArray[np.float64]:
-        return spread(signal, times, names, kind, where)
+    def expand(signal: Signal, kind: u.Quantity | None, where: str, usual: float = 0.0) -> NDArray[np.float64]:
+        return spread(signal, times, names, kind, where, usual)
 
-    demand = expand(scenario.demand, u.ANGLE, "demand")
+    demand = spread(scenario.demand, times, names, u.ANGLE, "demand")
     for j, name in enumerate(names):
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand")
     ambient = machine.supply.ambient_pressure
-    supply = machine.supply.pressure_gauge if scenario.supply is None else scenario.supply
-    payload = machine.arm.payload if scenario.payload is None else scenario.payload
+    usual_supply, usual_payload = machine.supply.pressure_gauge, machine.arm.payload
+    supply = usual_supply if scenario.supply is None else scenario.supply
+    payload = usual_payload if scenario.payload is None else scenario.payload
     brakes = np.array([machine.joint[name].brake.torque for name in names])
     noise = np.random.default_rng(scenario.seed).standard_normal((n, len(names), 2))
-    gauge = spread(supply, times, ["supply"], u.PRESSURE, "supply")[:, 0]
+    gauge = spread(supply, times, ["supply"], u.PRESSURE, "supply", usual_supply)[:, 0]
     _check(gauge > -ambient, gauge, "supply", 'a gauge pressure above vacuum, such as "4 bar"')
-    mass = spread(payload, times, ["payload"], u.MASS, "payload")[:, 0]
+    mass = spread(payload, times, ["payload"], u.MASS, "payload", usual_payload)[:, 0]
     _check(mass >= 0.0, mass, "payload", 'a mass of zero or more, such as "1.5 kg"')
-    brake = expand(scenario.brake, None, "brake")
+    brake = expand(scenario.brake, None, "brake", 1.0)
     _check(brake >= 0.0, brake, "brake", "a share of zero or more, such as 1.0")
     return Signals(
         demand,
@@ -110,9 +113,17 @@ def _check(good: NDArray[np.bool_], values: NDArray[np.float64], where: str, rig
 
 
 def spread(
-    signal: Signal, times: Times, names: Sequence[str], kind: u.Quantity | None, where: str
+    signal: Signal,
+    times: Times,
+    names: Sequence[str],
+    kind: u.Quantity | None,
+    where: str,
+    usual: float | None = None,
 ) -> NDArray[np.float64]:
     """Values of a signal at the given times, shape (times, names).
+
+    `usual` is the value before the first of its steps and of a name that a table leaves out; without it the first step
+    holds from the start, and what is left out is zero.
 
     Raises:
         InputError: naming `where` it was given.
@@ -120,10 +131,10 @@ def spread(
     if isinstance(signal, np.ndarray):
         return _rows(signal, times, names, where)
     if callable(signal):
-        return np.array([_row(signal(float(t)), names, kind, where) for t in times])
+        return np.array([_row(signal(float(t)), names, kind, where, usual) for t in times])
     if _is_steps(signal):
-        return _steps(signal, times, names, kind, where)
-    return np.tile(_row(signal, names, kind, where), (len(times), 1))
+        return _steps(signal, times, names, kind, where, usual)
+    return np.tile(_row(signal, names, kind, where, usual), (len(times), 1))
 
 
 def _is_steps(signal: object) -> TypeGuard[Steps]:
@@ -133,19 +144,16 @@ def _is_steps(signal: object) -> TypeGuard[Steps]:
 
 
 def _steps(
-    steps: Steps,
-    times: Times,
-    names: Sequence[str],
-    kind: u.Quantity | None,
-    where: str,
+    steps: Steps, times: Times, names: Sequence[str], kind: u.Quantity | None, where: str, usual: float | None
 ) -> NDArray[np.float64]:
     since = [u.quantity(time, u.TIME, where) for time, _ in steps]
     if any(b <= a for a, b in pairwise(since)):
         raise InputError("the times of its steps do not grow", where=where, right='give ("0 s", ...), ("1 s", ...)')
-    rows = np.array([_row(values, names, kind, where) for _, values in steps])
-    # A step holds from its time on; before the first step, its value holds too.
-    which = np.clip(np.searchsorted(np.array(since) - 1e-9, times, side="right") - 1, 0, None)
-    return rows[which]
+    rows = [_row(values, names, kind, where, usual) for _, values in steps]
+    before = rows[0] if usual is None else np.full(len(names), usual)
+    # A step holds from its time on.
+    which = np.searchsorted(np.array(since) - 1e-9, times, side="right")
+    return np.array([before, *rows])[which]
 
 
 def _rows(rows: NDArray[np.float64], times: Times, names: Sequence[str], where: str) -> NDArray[np.float64]:
@@ -159,13 +167,15 @@ def _rows(rows: NDArray[np.float64], times: Times, names: Sequence[str], where: 
     return np.ascontiguousarray(wide, dtype=np.float64)
 
 
-def _row(values: object, names: Sequence[str], kind: u.Quantity | None, where: str) -> NDArray[np.float64]:
+def _row(
+    values: object, names: Sequence[str], kind: u.Quantity | None, where: str, usual: float | None
+) -> NDArray[np.float64]:
     """One value a joint, in SI."""
     if isinstance(values, Mapping):
         unknown = sorted(set(values) - set(names))
         if unknown:
             raise InputError(f"{unknown[0]!r} is no joint here", where=where, right=f"joints are {', '.join(names)}")
-        each = [values.get(name, 0.0) for name in names]
+        each = [values.get(name, usual or 0.0) for name in names]
     elif isinstance(values, Sequence) and not isinstance(values, str):
         each = list(values)
     elif isinstance(values, np.ndarray):
