@@ -45,7 +45,10 @@ def test_every_built_in_value_says_where_it_comes_from(name: str) -> None:
         ('[joint.large.hose]\nwidth = "0 mm"', "joint.large.hose.width: '0 mm' is out of range"),
         ('[joint.large.hose]\nwidth = "nan mm"', "joint.large.hose.width: 'nan mm' is not finite"),
         ("[joint.large.hose]\nwidth = true", "joint.large.hose.width: True is not a length"),
-        ('[joint.large.hose]\nwrap = "190 deg"', "joint.large.hose.wrap: '190 deg' is out of range"),
+        (
+            '[joint.large.hose]\nwrap = "190 deg"',
+            "joint.large.hose.wrap: '190 deg' is over 180 deg; give an angle such as",
+        ),
         ('[joint.large.hose]\ncontact_end = "130 deg"', "joint.large.hose: contact_end must be smaller than wrap"),
         ('[supply]\npressure_gauge = "-2 bar"', "supply.pressure_gauge: '-2 bar' is out of range"),
         ('[joint.large.hose]\nwidth = "20 mm"', "joint.large: hose.width is too small"),

@@ -136,7 +136,7 @@ def layout_sheet(design: JointDesign) -> Sheet:
 def _outline(design: JointDesign) -> Outline:
     if design.outline is None:
         raise DesignError(
-            "the cam can't be made", where=f"{design.machine.name}: joint.{design.name}", right="see its findings"
+            "the cam can't be made", where=f"{design.machine.origin}: joint.{design.name}", right="see its findings"
         )
     return design.outline
 

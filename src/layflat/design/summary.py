@@ -111,7 +111,9 @@ class JointDesign:
         """
         if self.cam is None:
             raise DesignError(
-                '"roller"', where=f"{self.machine.name}: joint.{self.name}.output.kind", right='give "cam" to have one'
+                '"roller"',
+                where=f"{self.machine.origin}: joint.{self.name}.output.kind",
+                right='give "cam" to have one',
             )
         return self.cam
 
@@ -142,7 +144,7 @@ def design_joint(
     machine = load(machine)
     name = _joint_name(machine, joint)
     described, pressure = machine.joint[name], machine.supply.pressure_gauge
-    where = f"{machine.name}: joint.{name}"
+    where = f"{machine.origin}: joint.{name}"
     characteristic = measured or of_cylinder(described)
     cam = outline = None
     if described.output.kind == "cam":
@@ -177,7 +179,7 @@ def _joint_name(machine: Machine, name: str | None) -> str:
         return names[0]
     if name is None or name not in machine.joint:
         what = "which joint is not said" if name is None else f"{name!r} is no joint here"
-        raise MachineError(what, where=machine.name, right=f"name one of {', '.join(names)}")
+        raise MachineError(what, where=machine.origin, right=f"name one of {', '.join(names)}")
     return name
 
 

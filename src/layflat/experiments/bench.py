@@ -77,7 +77,7 @@ def bench(arm: str | Machine = "paper-arm") -> Bench:
     if loaded.arm.joints != ("large", "small"):
         raise MachineError(
             f"{list(loaded.arm.joints)}",
-            where=f"{loaded.name}: arm.joints",
+            where=f"{loaded.origin}: arm.joints",
             right='the experiments need "large", "small"',
         )
     return Bench(loaded, load("earlier-actuator"))

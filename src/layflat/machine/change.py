@@ -26,7 +26,7 @@ def changed(machine: Machine, path: str, value: Any) -> Machine:
         if head in getattr(type(part), "model_fields", {}):
             return part.model_copy(update={head: replaced_item(getattr(part, head), rest)})
         raise InputError(
-            f"{head!r} is not there", where=f"{machine.name}: {path}", right="`layflat show` lists the paths"
+            f"{head!r} is not there", where=f"{machine.origin}: {path}", right="`layflat show` lists the paths"
         )
 
     def replaced_item(item: Any, keys: list[str]) -> Any:

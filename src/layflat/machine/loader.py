@@ -61,6 +61,7 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
     except ValidationError as error:
         raise _explained(error.errors()[0], where) from None
     machine._provenance.update(sources)
+    machine._origin = where
     return machine
 
 

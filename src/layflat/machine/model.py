@@ -109,6 +109,7 @@ class Machine(Part):
     pressure_sensor: PressureSensor | None = None
     controller: Controller | None = None
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
+    _origin: str = PrivateAttr(default="")
 
     @model_validator(mode="after")
     def _joined(self) -> Machine:
@@ -119,10 +120,21 @@ class Machine(Part):
             )
         return self
 
+    def __eq__(self, other: object) -> bool:
+        """Machines are equal if their values are, wherever these come from."""
+        return isinstance(other, Machine) and self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]  # joints are a table
+
     @property
     def provenance(self) -> dict[str, Provenance]:
         """Source of each value by its dotted path; "given" where the file does not say."""
         return self._provenance
+
+    @property
+    def origin(self) -> str:
+        """The file or built-in name that it was loaded from, its own name where there is none: for messages."""
+        return self._origin or self.name
 
     @property
     def joints(self) -> dict[str, Joint]:

@@ -130,7 +130,7 @@ def drive_parts(machine: Machine) -> tuple[Valve, AngleSensor, PressureSensor]:
     if machine.valve is None or machine.angle_sensor is None or machine.pressure_sensor is None:
         raise MachineError(
             "has no valve or sensors: it is a rig for torque-angle loops",
-            where=machine.name,
+            where=machine.origin,
             right="`layflat loop` sweeps it at constant pressure",
         )
     return machine.valve, machine.angle_sensor, machine.pressure_sensor
@@ -195,7 +195,7 @@ def gains(machine: Machine, name: str) -> Gains:
     own, shared, valve_part = machine.joint[name].gains, machine.controller, machine.valve
     if own is None or shared is None or valve_part is None:
         raise MachineError(
-            "has no controller gains", where=f"{machine.name}: joint.{name}.gains", right="copy those of paper-arm"
+            "has no controller gains", where=f"{machine.origin}: joint.{name}.gains", right="copy those of paper-arm"
         )
     span = valve_part.volts_to_full
     return Gains(

@@ -8,9 +8,16 @@ from __future__ import annotations
 from math import radians
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from layflat.machine import units as u
+
+
+def _at_most_half_round(wrap: float) -> float:
+    if wrap > radians(180.0001):
+        raise PydanticCustomError("quantity", 'is over 180 deg; give an angle such as "120 deg"')
+    return wrap
 
 
 class Part(BaseModel):
@@ -23,7 +30,7 @@ class Hose(Part):
     """A layflat hose, wrapped around the cylinder."""
 
     width: u.Length = Field(description="width of the flat hose, along the cylinder's axis")
-    wrap: Annotated[u.PositiveAngle, Field(le=radians(180.0001))] = Field(
+    wrap: Annotated[u.PositiveAngle, AfterValidator(_at_most_half_round)] = Field(
         description="wrap angle of the collapsed hose (gamma)"
     )
     contact_end: u.PositiveAngle = Field(description="contact angle at full travel (alpha)")
