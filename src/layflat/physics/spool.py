@@ -39,7 +39,7 @@ def _slide(spool, u, du, x, v, h):
     reverses = v * after <= 0.0
     # The rate as a parabola through its ends, with the slope that it has now: where it crosses zero.
     slope = push - wn * wn * du - drag * v
-    bend = (after - v - h * slope) / (h * h)
+    bend = (after - v - h * slope) * (1.0 / (h * h))
     root = abs(slope) + sqrt(max(slope * slope - 4.0 * bend * v, 0.0))
     used = select(reverses, min(2.0 * abs(v) / (root + TINY), h), h)
     travel = select(reverses, used * (v + used * (0.5 * slope + used * bend / 3.0)), 0.5 * h * (v + after))
@@ -64,7 +64,7 @@ def advance_spool(spool, u, du, x, v, h):
     sticks exactly. A spool that reaches a stop stays there until it is pulled away.
     """
     x, v, left = _slide(spool, u, du, x, v, h)
-    moved, rate = _release(spool, u + du - 2.0 * du * left / h, u + du, x, left)
+    moved, rate = _release(spool, u + du - du * left * (2.0 / h), u + du, x, left)
     x, v = select(left > 0.0, moved, x), select(left > 0.0, rate, v)
     stopped = ((x >= 1.0) & (v > 0.0)) | ((x <= -1.0) & (v < 0.0))
     return min(max(x, -1.0), 1.0), select(stopped, 0.0, v)
