@@ -50,9 +50,9 @@ def _slide(spool, u, du, x, v, h):
 def _release(spool, u_0, u_1, x, h):
     """Advance a spool from rest by h, while u goes from u_0 to u_1: it moves as far as the pull exceeds friction."""
     wn, f = spool.natural_frequency, spool.friction
-    forward = mean_above_zero(u_0 - x - f, u_1 - x - f)
-    back = mean_above_zero(x - u_0 - f, x - u_1 - f)
-    after = h * wn * wn * (forward - back) / (1.0 + h * wn * (spool.damping_ratio + 0.25 * h * wn))
+    way = select(u_0 + u_1 > 2.0 * x, 1.0, -1.0)
+    excess = way * mean_above_zero(way * (u_0 - x) - f, way * (u_1 - x) - f)
+    after = h * wn * wn * excess / (1.0 + h * wn * (spool.damping_ratio + 0.25 * h * wn))
     return x + 0.5 * h * after, after
 
 
