@@ -40,7 +40,10 @@ class Hose(Part):
     wall_conductance: u.HeatConductance = Field(description="heat flow from wall to air per kelvin")
     areal_mass: u.AreaDensity = Field(description="mass of one layer of hose per area")
     loss_share: u.Share = Field(description="loop height / torque, with a free outer surface, at reference pressure")
-    folded: bool = Field(default=True, description="folded back on itself, or of a single thickness with clamped ends")
+    folded: bool = Field(
+        default=True,
+        description="folded back on itself, or of a single thickness: no difference in loss",
+    )
 
     @model_validator(mode="after")
     def _peels(self) -> Hose:
