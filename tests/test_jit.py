@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import layflat
-from layflat.jit import by_kind, cache_folder, kernel, law, source_digest
+from layflat.jit import by_kind, cache_folder, forget_stale, kernel, law, source_digest
 from layflat.physics.arm import OneLink
 from layflat.physics.hose import Stroke
 
@@ -116,3 +116,14 @@ def test_laws_keep_their_names_and_docs() -> None:
 
     assert roller_torque.__name__ == "roller_torque"
     assert "Eq. (1)" in str(roller_torque.__doc__)
+
+
+def test_only_machine_code_is_removed_and_only_after_a_month(tmp_path: Path) -> None:
+    old, young, other = tmp_path / ("a" * 16), tmp_path / ("b" * 16), tmp_path / "photographs-old"
+    for folder in (old, young, other):
+        folder.mkdir()
+        (folder / "kernel.nbc").write_bytes(b"")
+    for folder in (old, other):
+        os.utime(folder, (0, 0))
+    forget_stale(tmp_path)
+    assert sorted(tmp_path.iterdir()) == [young, other]

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
+import time
 from collections.abc import Callable, Mapping
 from functools import cache, update_wrapper
 from pathlib import Path
@@ -29,6 +31,12 @@ config: Any = numba.config
 ROOMS = ("lanes", "physics", "control", "sim")
 """The folders whose sources can end up in a kernel."""
 
+DIGITS = 16
+"""Hexadecimal digits of a digest that name a folder."""
+
+KEPT_FOR = 30 * 24 * 3600.0
+"""Machine code of other sources is kept this long, s."""
+
 STRICT: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 """No fast-math: a run is bit for bit the same wherever its laws are inlined."""
 
@@ -45,19 +53,29 @@ def source_digest() -> str:
     for path in files:
         digest.update(str(path.relative_to(package)).encode())
         digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()[:DIGITS]
 
 
 @cache
 def cache_folder() -> Path | None:
     """Folder for the compiled kernels of these very sources, or None where none can be written."""
-    root = os.environ.get("LAYFLAT_CACHE_DIR") or platformdirs.user_cache_dir("layflat")
-    folder = Path(root) / source_digest()
+    root = Path(os.environ.get("LAYFLAT_CACHE_DIR") or platformdirs.user_cache_dir("layflat"))
+    folder = root / source_digest()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        if not folder.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            forget_stale(root)
     except OSError:
         return None
     return folder if os.access(folder, os.W_OK) else None
+
+
+def forget_stale(root: Path) -> None:
+    """Remove the machine code of other sources to which nothing was added for a month."""
+    for other in root.iterdir():
+        digest = len(other.name) == DIGITS and set(other.name) <= set("0123456789abcdef")
+        if digest and time.time() - other.stat().st_mtime > KEPT_FOR:
+            shutil.rmtree(other, ignore_errors=True)
 
 
 class Law:

@@ -7,8 +7,8 @@
 | E | modulus | Pa |
 | rho | radius that it bends over | m |
 
-Layers lie loose on each other, so each bends by itself; so does each fibre of a woven strap, whose own thickness is
-then t in the bending stress.
+Layers lie loose on each other, so each bends by itself; so does each fibre of a woven strap, whose diameter is then t
+in the bending stress.
 """
 
 from __future__ import annotations
@@ -17,9 +17,6 @@ from dataclasses import dataclass
 from math import inf
 
 from layflat.machine.parts import Strap
-
-FIBRES = {"polyester": 25e-6, "nylon": 25e-6, "kevlar": 12e-6, "aramid": 12e-6, "polyethylene": 15e-6}
-"""Diameter of the fibres of woven straps by material, m; every other material is taken as solid."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +67,6 @@ def strap_stress(strap: Strap, place: str, bend_radius: float, tension: float) -
         bend_radius,
         tension,
         tensile_stress(tension, strap.width, strap.thickness, strap.layers),
-        bending_stress(strap.modulus, FIBRES.get(strap.material.lower(), strap.thickness), bend_radius),
+        bending_stress(strap.modulus, strap.fibre or strap.thickness, bend_radius),
         strap.yield_stress,
     )

@@ -76,6 +76,7 @@ class Strap(Part):
     material: str
     width: u.Length
     thickness: u.Length
+    fibre: u.LengthOrZero = Field(default=0.0, description="diameter of the fibres of a woven strap; 0 for a solid one")
     layers: Annotated[int, Field(ge=1)] = 1
     modulus: u.Stress
     yield_stress: u.Stress
