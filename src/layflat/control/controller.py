@@ -17,6 +17,7 @@ Signs: a positive voltage above N fills hose A and turns the joint forward (see 
 from layflat.control.average import mean4, ripple4
 from layflat.control.gains import Memory, Status
 from layflat.jit import law
+from layflat.lanes import select
 
 
 @law
@@ -29,13 +30,11 @@ def start(measurement):
 @law
 def _phase(gains, error, speed):
     """Phase of the move, and its gains."""
-    near = abs(error) < gains.near_error and abs(speed) < gains.near_speed
-    close = abs(error) < gains.close_error and abs(speed) < gains.close_speed
-    k_e = gains.near.error_gain if near else gains.far.error_gain
-    k_p = gains.near.pressure_gain if near else gains.far.pressure_gain
-    k_e = gains.close.error_gain if close else k_e
-    k_p = gains.close.pressure_gain if close else k_p
-    return (3.0 if close else (2.0 if near else 1.0)), k_e, k_p
+    near = (abs(error) < gains.near_error) & (abs(speed) < gains.near_speed)
+    close = (abs(error) < gains.close_error) & (abs(speed) < gains.close_speed)
+    k_e = select(close, gains.close.error_gain, select(near, gains.near.error_gain, gains.far.error_gain))
+    k_p = select(close, gains.close.pressure_gain, select(near, gains.near.pressure_gain, gains.far.pressure_gain))
+    return select(close, 3.0, select(near, 2.0, 1.0)), k_e, k_p
 
 
 @law
@@ -50,10 +49,10 @@ def _integrals(gains, memory, phase, held, error, may_learn, elapsed):
     At rest and without a load, all that the controller adds to its null makes up for a null that is wrong: FL learns
     it. F gives up what FL takes over from it, so that the hand-over does not disturb the joint.
     """
-    share = elapsed / gains.drift_time if may_learn else 0.0
+    share = select(may_learn, elapsed / gains.drift_time, 0.0)
     handed = share * memory.short_term
     short = memory.short_term - handed + gains.integral_gain * error * elapsed
-    short = _clamp(short, gains.integral_limit) if phase == 3.0 else 0.0
+    short = select(phase == 3.0, _clamp(short, gains.integral_limit), 0.0)
     long = _clamp(memory.long_term + handed + share * held, gains.drift_limit)
     return short, long
 
@@ -70,10 +69,9 @@ def step(gains, memory, measurement, demand):
     speed = (x_used - memory.last_angle) / measurement.elapsed
     error = demand - x_used
     phase, k_e, k_p = _phase(gains, error, speed)
-    rest = memory.rest + measurement.elapsed if abs(speed) < gains.rest_speed else 0.0
-    may_learn = (
-        ripple > gains.air_ripple and rest >= gains.rest_time and abs(dp_used) < gains.load_pressure
-    ) and phase == 3.0
+    rest = select(abs(speed) < gains.rest_speed, memory.rest + measurement.elapsed, 0.0)
+    quiet = (rest >= gains.rest_time) & (abs(dp_used) < gains.load_pressure)
+    may_learn = (ripple > gains.air_ripple) & quiet & (phase == 3.0)
     held = k_e * error - k_p * dp_used
     short, long = _integrals(gains, memory, phase, held, error, may_learn, measurement.elapsed)
     voltage = held + gains.null + short + long
@@ -81,4 +79,4 @@ def step(gains, memory, measurement, demand):
     after = Memory(
         x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long, rest
     )
-    return after, voltage, Status(x_used, speed, dp_used, ripple, phase, 1.0 if may_learn else 0.0)
+    return after, voltage, Status(x_used, speed, dp_used, ripple, phase, select(may_learn, 1.0, 0.0))

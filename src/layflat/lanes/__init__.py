@@ -6,11 +6,12 @@ gives. A law needs nothing for this but `select` where it would write `a if cond
 it would write `and` and `or`.
 
 `join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them apart.
-`write_row` is the way out of named tuples into arrays.
+`write_row` is the way out of named tuples into arrays. `read_lanes` and `write_lanes` lead from arrays into lanes
+and back: an item of a named tuple is a row there, a lane is a column.
 """
 
 import layflat.lanes.boxing
 import layflat.lanes.lowering  # noqa: F401  (both teach the compiler what follows)
-from layflat.lanes.interpreted import Lanes, halves, join, lane_by_lane, select, write_row
+from layflat.lanes.interpreted import Lanes, halves, join, lane_by_lane, read_lanes, select, write_lanes, write_row
 
-__all__ = ["Lanes", "halves", "join", "lane_by_lane", "select", "write_row"]
+__all__ = ["Lanes", "halves", "join", "lane_by_lane", "read_lanes", "select", "write_lanes", "write_row"]

@@ -62,6 +62,24 @@ def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
     rows[i, j] = values
 
 
+def read_lanes(like: Any, block: Any) -> Any:
+    """A tuple like `like` (nested, of floats), its leaves in order from block[0, :], block[1, :] and so on."""
+    rows = iter(block)
+
+    def read(part: Any) -> Any:
+        if isinstance(part, tuple):
+            return _rebuild(part, [read(item) for item in part])
+        return Lanes(map(float, next(rows)))
+
+    return read(like)
+
+
+def write_lanes(block: Any, values: Any) -> None:
+    """Write lanes, or the leaves of a tuple of them, into block[0, :], block[1, :] and so on."""
+    for row, lanes in zip(block, _leaves(values), strict=False):
+        row[:] = lanes
+
+
 def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
     """A scalar law that can be given lanes: it is called once per lane."""
 
@@ -78,6 +96,14 @@ def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _rebuild(like: Any, items: list[Any]) -> Any:
     return type(like)(*items) if hasattr(like, "_fields") else tuple(items)
+
+
+def _leaves(value: Any) -> Iterator[Any]:
+    if isinstance(value, tuple) and not isinstance(value, Lanes):
+        for item in value:
+            yield from _leaves(item)
+    else:
+        yield value
 
 
 def _counts(value: Any) -> Iterator[int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
+from itertools import count
 from typing import Any
 
 from llvmlite import ir
@@ -15,10 +16,12 @@ from numba.core.extending import lower_cast
 from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import halves, join, select, write_row
+from layflat.lanes.interpreted import halves, join, read_lanes, select, write_lanes, write_row
 from layflat.lanes.typing import ARITHMETIC, COMPARISONS, EXTREMES, INTRINSICS, LOGIC, LanesType, half_type
 
 INDEX = ir.IntType(32)
+ALIGNED = 8
+"""Rows of a block begin at multiples of this, bytes."""
 
 
 @lower_cast(types.Number, LanesType)
@@ -118,4 +121,42 @@ def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     for column, value in enumerate(cgutils.unpack_tuple(builder, args[3])):
         place = [args[1], args[2], context.get_constant(types.intp, column)]
         builder.store(value, cgutils.get_item_pointer(context, builder, sig.args[0], rows, place))
+    return context.get_dummy_value()
+
+
+def _row(context: Any, builder: Any, block: Any, array: Any, row: int, lanes: Any) -> Any:
+    # Pointer to a row of a block (columns side by side in memory), as one vector.
+    place = [context.get_constant(types.intp, row), context.get_constant(types.intp, 0)]
+    pointer = cgutils.get_item_pointer(context, builder, block, array, place)
+    return builder.bitcast(pointer, context.get_value_type(lanes).as_pointer())
+
+
+@lower_builtin(read_lanes, types.Any, types.Array)
+def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    block = sig.args[1]
+    array = make_array(block)(context, builder, args[1])
+    rows = count()
+
+    def read(kind: Any) -> Any:
+        if isinstance(kind, types.BaseTuple):
+            return context.make_tuple(builder, kind, [read(leaf) for leaf in kind.types])
+        return builder.load(_row(context, builder, block, array, next(rows), kind), align=ALIGNED)
+
+    return read(sig.return_type)
+
+
+@lower_builtin(write_lanes, types.Array, types.Any)
+def _write_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    block, kind = sig.args
+    array = make_array(block)(context, builder, args[0])
+    rows = count()
+
+    def write(kind: Any, value: Any) -> None:
+        if isinstance(kind, types.BaseTuple):
+            for leaf, item in zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True):
+                write(leaf, item)
+        else:
+            builder.store(value, _row(context, builder, block, array, next(rows), kind), align=ALIGNED)
+
+    write(kind, args[1])
     return context.get_dummy_value()

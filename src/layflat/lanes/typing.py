@@ -17,13 +17,16 @@ from numba.core.extending import register_model
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from layflat.lanes.interpreted import halves, join, select, write_row
+from layflat.lanes.interpreted import halves, join, read_lanes, select, write_lanes, write_row
 
 ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
 COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "=="}
 LOGIC = {operator.and_: "and_", operator.or_: "or_"}
 EXTREMES = {min: "<", max: ">"}
-INTRINSICS = {abs: "fabs", math.sqrt: "sqrt"}
+INTRINSICS = {abs: "fabs", math.sqrt: "sqrt", math.floor: "floor"}
+
+WIDTH = 4
+"""Lanes that `read_lanes` gives."""
 
 
 class LanesType(types.Type):
@@ -53,6 +56,13 @@ def half_type(joined: Any) -> Any:
     if isinstance(joined, types.BaseTuple):
         return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
     return LanesType(types.float64, joined.count // 2) if joined.count > 2 else types.float64
+
+
+def read_type(like: Any) -> Any:
+    """Type of `read_lanes(like, block)`."""
+    if isinstance(like, types.BaseTuple):
+        return _tuple_like(like, [read_type(leaf) for leaf in like.types])
+    return LanesType(types.float64, WIDTH)
 
 
 def _tuple_like(like: Any, items: list[Any]) -> Any:
@@ -108,3 +118,5 @@ _typed([select], _selected)
 _typed([join], lambda first, second: signature(joined_type(first, second), first, second))
 _typed([halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
 _typed([write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
+_typed([read_lanes], lambda like, block: signature(read_type(like), like, block))
+_typed([write_lanes], lambda block, values: signature(types.none, block, values))
