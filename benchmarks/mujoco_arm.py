@@ -6,8 +6,7 @@ from typing import Any
 
 import mujoco as _mujoco
 
-from layflat.machine import Machine, parameters
-from layflat.physics.arm import TwoLink
+from layflat.machine import Machine
 
 mujoco: Any = _mujoco
 
@@ -31,8 +30,6 @@ XML = """
 
 def build(machine: Machine, *, brakes: bool = False) -> tuple[Any, Any]:
     """Model and data of the arm with its payload."""
-    arm = parameters.arm(machine)
-    assert isinstance(arm, TwoLink)
     large, small = machine.joint["large"], machine.joint["small"]
     payload = machine.arm.payload
     mass_2 = small.link.mass + payload
@@ -47,7 +44,8 @@ def build(machine: Machine, *, brakes: bool = False) -> tuple[Any, Any]:
             i2=small.link.rotor_inertia,
             l1=large.link.length,
             m1=large.link.mass + small.body.mass,
-            c1=arm.moment_1 / (large.link.mass + small.body.mass + small.link.mass),
+            c1=(large.link.mass * large.link.centre + small.body.mass * large.link.length)
+            / (large.link.mass + small.body.mass),
             m2=mass_2,
             c2=(small.link.mass * small.link.centre + payload * small.link.length) / mass_2,
         )

@@ -15,6 +15,7 @@ from layflat.jit import kernel, law
 from layflat.machine import Machine, parameters
 from layflat.physics.arm import two_link_coriolis, two_link_mass
 from layflat.physics.chamber import air_mass, energy, pressure, temperature, wall_heat
+from layflat.physics.flow import warmth
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.valve import chamber_flow, path_conductance
 
@@ -37,9 +38,9 @@ def _hose(joint, hose, y, s, x, around):  # type: ignore[no-untyped-def]
         path_conductance(joint.valve, x),
         path_conductance(joint.valve, -x),
         p,
-        T,
+        warmth(T, 1.0 / T),
         around.supply_pressure,
-        around.supply_temperature,
+        warmth(around.supply_temperature, 1.0 / around.supply_temperature),
         around.ambient_pressure,
     )
     K = torque_per_pressure(hose.stroke, s)
@@ -91,7 +92,7 @@ def rates(t, y, arm, joints, openings, brakes, around):  # type: ignore[no-untyp
 def run(machine: Machine, seconds: float) -> NDArray[np.float64]:
     """Simulate from rest with constant openings; final states."""
     around = parameters.surroundings(machine)
-    joints = tuple(parameters.joint(machine, name) for name in machine.joints)
+    joints = parameters.joints(machine)
     y = np.zeros(2 * STATES)
     for j, joint in enumerate(joints):
         for k, hose in enumerate((joint.hose_a, joint.hose_b)):

@@ -7,8 +7,8 @@ from numpy.polynomial import Polynomial
 from layflat.errors import MachineError
 from layflat.experiments.bench import alone
 from layflat.machine import changed, load, parameters
-from layflat.physics.arm import OneLink, TwoLink
-from layflat.physics.hose import roller_torque
+from layflat.physics.arm import LevelTwoLink, OneLink, TwoLink
+from layflat.physics.hose import Stroke, roller_torque
 
 ARM = load("paper-arm")
 
@@ -40,17 +40,30 @@ def test_strokes_of_the_paper() -> None:
 
 def test_a_single_acting_joint_has_no_second_hose() -> None:
     rig = load("rig-polyester").model_copy(update={"valve": ARM.valve})
-    assert parameters.joint(rig, "small").hose_b == parameters.NO_HOSE
+    (joint,) = parameters.joints(rig)
+    assert joint.hose_b == parameters.NO_HOSE._replace(stroke=Stroke(0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+def test_a_joint_with_a_cam_beside_one_with_a_roller_has_a_stroke_of_the_same_kind() -> None:
+    mixed = changed(ARM, "joint.small.output.kind", "roller")
+    large, small = parameters.joints(mixed)
+    assert isinstance(large.hose_a.stroke, Stroke)
+    assert isinstance(small.hose_a.stroke, Stroke)
+    (even, _) = parameters.joints(ARM)
+    assert large.hose_a.stroke == Stroke(even.hose_a.stroke.k0, 0.0, 0.0, 0.0, 0.0)
 
 
 def test_arms_by_number_of_joints() -> None:
-    assert isinstance(parameters.arm(ARM), TwoLink)
+    assert isinstance(parameters.arm(ARM), LevelTwoLink)
+    upright = changed(ARM, "arm.gravity", 9.81)
+    assert isinstance(parameters.arm(upright), TwoLink)
+    assert parameters.arm(upright)[:3] == parameters.arm(ARM)[:3]
     assert isinstance(parameters.arm(alone(ARM, "small", 2.0)), OneLink)
 
 
 def test_two_links_with_a_locked_elbow_weigh_as_one() -> None:
     arm = parameters.arm(ARM)
-    assert isinstance(arm, TwoLink)
+    assert isinstance(arm, LevelTwoLink)
     large, small = ARM.joint["large"], ARM.joint["small"]
     far = np.hypot(large.link.length, small.link.centre)
     expected = (
@@ -77,7 +90,7 @@ def test_losses_add_up_to_the_described_share() -> None:
 
 def test_rigs_without_valve_say_what_they_are_for() -> None:
     with pytest.raises(MachineError, match="layflat loop"):
-        parameters.joint(load("rig-polyester"), "small")
+        parameters.joints(load("rig-polyester"))
 
 
 def test_missing_gains_are_named() -> None:

@@ -4,15 +4,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plants import VALVE
 
-from layflat.physics.flow import orifice
+from layflat.physics.flow import orifice, warmth
 from layflat.physics.valve import chamber_flow, commanded_opening, mean_conductance, path_conductance
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 
 
 def flows(x: float, p: float) -> tuple[float, float, float]:
+    warm = warmth(T, 1 / T)
     mass, heat, taken = chamber_flow(
-        VALVE, path_conductance(VALVE, x), path_conductance(VALVE, -x), p, T, SUPPLY, T, AMBIENT
+        VALVE, path_conductance(VALVE, x), path_conductance(VALVE, -x), p, warm, SUPPLY, warm, AMBIENT
     )
     return mass, heat, taken
 

@@ -12,6 +12,16 @@ and back: an item of a named tuple is a row there, a lane is a column.
 
 import layflat.lanes.boxing
 import layflat.lanes.lowering  # noqa: F401  (both teach the compiler what follows)
-from layflat.lanes.interpreted import Lanes, halves, join, lane_by_lane, read_lanes, select, write_lanes, write_row
+from layflat.lanes.interpreted import (
+    Lanes,
+    halves,
+    in_lanes,
+    join,
+    lane_by_lane,
+    read_lanes,
+    select,
+    write_lanes,
+    write_row,
+)
 
-__all__ = ["Lanes", "halves", "join", "lane_by_lane", "read_lanes", "select", "write_lanes", "write_row"]
+__all__ = ["Lanes", "halves", "in_lanes", "join", "lane_by_lane", "read_lanes", "select", "write_lanes", "write_row"]

@@ -74,6 +74,15 @@ def read_lanes(like: Any, block: Any) -> Any:
     return read(like)
 
 
+def in_lanes(value: Any, like: Any) -> Any:
+    """The value with every number in it spread over as many lanes as `like` has."""
+    if isinstance(value, Lanes):
+        return value
+    if isinstance(value, tuple):
+        return _rebuild(value, [in_lanes(item, like) for item in value])
+    return Lanes([value] * len(like))
+
+
 def write_lanes(block: Any, values: Any) -> None:
     """Write lanes, or the leaves of a tuple of them, into block[0, :], block[1, :] and so on."""
     for row, lanes in zip(block, _leaves(values), strict=False):

@@ -16,10 +16,9 @@ from numba.core.extending import lower_cast
 from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import halves, join, read_lanes, select, write_lanes, write_row
-from layflat.lanes.typing import ARITHMETIC, COMPARISONS, EXTREMES, INTRINSICS, LOGIC, LanesType, half_type
+from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, write_lanes, write_row
+from layflat.lanes.typing import ARITHMETIC, COMPARISONS, EXTREMES, INDEX, INTRINSICS, LOGIC, LanesType, half_type
 
-INDEX = ir.IntType(32)
 ALIGNED = 8
 """Rows of a block begin at multiples of this, bytes."""
 
@@ -109,6 +108,8 @@ def _half_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int) 
         items = zip(joined.types, cgutils.unpack_tuple(builder, value), strict=True)
         leaves = [_half_leaf(context, builder, kind, item, which) for kind, item in items]
         return context.make_tuple(builder, half_type(joined), leaves)
+    if not isinstance(joined, LanesType):
+        return value
     if joined.count == 2:
         return builder.extract_element(value, ir.Constant(INDEX, which))
     return _shuffled(builder, value, value, which * joined.count // 2, joined.count // 2)
@@ -122,6 +123,18 @@ def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         place = [args[1], args[2], context.get_constant(types.intp, column)]
         builder.store(value, cgutils.get_item_pointer(context, builder, sig.args[0], rows, place))
     return context.get_dummy_value()
+
+
+@lower_builtin(in_lanes, types.Any, LanesType)
+def _in_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _spread_leaf(context, builder, sig.args[0], sig.return_type, args[0])
+
+
+def _spread_leaf(context: Any, builder: Any, kind: Any, spread: Any, value: Any) -> Any:
+    if not isinstance(kind, types.BaseTuple):
+        return context.cast(builder, value, kind, spread)
+    items = zip(kind.types, spread.types, cgutils.unpack_tuple(builder, value), strict=True)
+    return context.make_tuple(builder, spread, [_spread_leaf(context, builder, *item) for item in items])
 
 
 def _row(context: Any, builder: Any, block: Any, array: Any, row: int, lanes: Any) -> Any:

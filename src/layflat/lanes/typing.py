@@ -17,7 +17,9 @@ from numba.core.extending import register_model
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from layflat.lanes.interpreted import halves, join, read_lanes, select, write_lanes, write_row
+from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, write_lanes, write_row
+
+INDEX = ir.IntType(32)
 
 ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
 COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "=="}
@@ -42,6 +44,23 @@ class _Vector(models.PrimitiveModel):
     def __init__(self, manager: Any, lanes: LanesType) -> None:
         leaf = manager.lookup(lanes.leaf).get_value_type()
         super().__init__(manager, lanes, ir.VectorType(leaf, lanes.count))
+        # Lists keep their items anywhere in memory, vectors want theirs aligned: there lanes are plain numbers.
+        self._stored = ir.ArrayType(leaf, lanes.count)
+
+    def get_data_type(self) -> Any:
+        return self._stored
+
+    def as_data(self, builder: Any, value: Any) -> Any:
+        stored = ir.Constant(self._stored, ir.Undefined)
+        for i in range(self._stored.count):
+            stored = builder.insert_value(stored, builder.extract_element(value, ir.Constant(INDEX, i)), i)
+        return stored
+
+    def from_data(self, builder: Any, value: Any) -> Any:
+        lanes = ir.Constant(self.get_value_type(), ir.Undefined)
+        for i in range(self._stored.count):
+            lanes = builder.insert_element(lanes, builder.extract_value(value, i), ir.Constant(INDEX, i))
+        return lanes
 
 
 def joined_type(first: Any, second: Any) -> Any:
@@ -55,14 +74,16 @@ def half_type(joined: Any) -> Any:
     """Type of either of `halves(joined)`."""
     if isinstance(joined, types.BaseTuple):
         return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
+    if not isinstance(joined, LanesType):
+        return joined
     return LanesType(types.float64, joined.count // 2) if joined.count > 2 else types.float64
 
 
-def read_type(like: Any) -> Any:
-    """Type of `read_lanes(like, block)`."""
-    if isinstance(like, types.BaseTuple):
-        return _tuple_like(like, [read_type(leaf) for leaf in like.types])
-    return LanesType(types.float64, WIDTH)
+def spread_type(kind: Any, lanes: Any) -> Any:
+    """A type with every number in it spread over lanes."""
+    if isinstance(kind, types.BaseTuple):
+        return _tuple_like(kind, [spread_type(leaf, lanes) for leaf in kind.types])
+    return lanes
 
 
 def _tuple_like(like: Any, items: list[Any]) -> Any:
@@ -118,5 +139,6 @@ _typed([select], _selected)
 _typed([join], lambda first, second: signature(joined_type(first, second), first, second))
 _typed([halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
 _typed([write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
-_typed([read_lanes], lambda like, block: signature(read_type(like), like, block))
+_typed([in_lanes], lambda value, like: signature(spread_type(value, like), value, like))
+_typed([read_lanes], lambda like, block: signature(spread_type(like, LanesType(types.float64, WIDTH)), like, block))
 _typed([write_lanes], lambda block, values: signature(types.none, block, values))

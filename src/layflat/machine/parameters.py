@@ -18,10 +18,10 @@ from layflat.control.gains import Gains, Phase
 from layflat.errors import MachineError
 from layflat.machine import parts
 from layflat.machine.model import AngleSensor, Machine, PressureSensor, Valve
-from layflat.physics.arm import OneLink, TwoLink
+from layflat.physics.arm import LevelTwoLink, OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
-from layflat.physics.hose import Stroke, peeled_volume, roller_torque, roller_travel
+from layflat.physics.hose import EvenStroke, Stroke, peeled_volume, roller_torque, roller_travel
 from layflat.physics.joint import Hose, Joint, Surroundings
 from layflat.physics.loss import Loss
 from layflat.physics.sensor import Sensor
@@ -29,7 +29,9 @@ from layflat.physics.spool import Spool
 from layflat.physics.stop import Stops
 from layflat.physics.valve import Valve as ValveLaw
 
-NO_HOSE = Hose(Stroke(0.0, 0.0, 0.0, 0.0, 0.0), Chamber(1e-5, 0.0, 0.0), Loss(*([0.0] * 9)), 0.0)
+Arm = OneLink | TwoLink | LevelTwoLink
+
+NO_HOSE = Hose(EvenStroke(0.0), Chamber(1e-5, 0.0, 0.0), Loss(*([0.0] * 9)), 0.0)
 """In place of the second hose of a single-acting joint: it turns nothing."""
 
 
@@ -45,11 +47,11 @@ def travel_volume(joint: parts.Joint) -> float:
     return float(peeled_volume(R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio))
 
 
-def stroke(joint: parts.Joint) -> Stroke:
+def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
     """K over the travel of one hose: Eq. (1) for a roller, its mean for a cam."""
     S = full_travel(joint)
     if joint.output.kind == "cam":
-        return Stroke(travel_volume(joint) / S, 0.0, 0.0, 0.0, 0.0)
+        return EvenStroke(travel_volume(joint) / S)
     hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
     s = S * (0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41)))
     alpha = hose.wrap - s * r / (hose.peel_ratio * R)
@@ -89,6 +91,10 @@ def hose(joint: parts.Joint) -> Hose:
     """One hose in its joint."""
     chamber = Chamber(joint.hose.dead_volume, joint.hose.compliance, joint.hose.wall_conductance)
     return Hose(stroke(joint), chamber, loss(joint), full_travel(joint) / 2)
+
+
+def _as_long(stroke: EvenStroke | Stroke) -> tuple[float, ...]:
+    return (*stroke, *[0.0] * (len(Stroke._fields) - len(stroke)))
 
 
 def stops(joint: parts.Joint) -> Stops:
@@ -136,14 +142,20 @@ def drive_parts(machine: Machine) -> tuple[Valve, AngleSensor, PressureSensor]:
     return machine.valve, machine.angle_sensor, machine.pressure_sensor
 
 
-def joint(machine: Machine, name: str) -> Joint:
-    """All laws of one joint."""
-    described = machine.joint[name]
+def joints(machine: Machine) -> tuple[Joint, ...]:
+    """All laws of every joint, from base to tip; all with strokes of one kind, so that they can go side by side."""
+    even = all(described.output.kind == "cam" for described in machine.joints.values())
+    return tuple(_joint(machine, described, even=even) for described in machine.joints.values())
+
+
+def _joint(machine: Machine, described: parts.Joint, *, even: bool) -> Joint:
     valve_part, angle_sensor, pressure_sensor = drive_parts(machine)
-    pulling = hose(described)
+    pulling, pushing = hose(described), hose(described) if described.acting == "double" else NO_HOSE
+    if not even:
+        pulling, pushing = (h._replace(stroke=Stroke(*_as_long(h.stroke))) for h in (pulling, pushing))
     return Joint(
         pulling,
-        pulling if described.acting == "double" else NO_HOSE,
+        pushing,
         valve(valve_part),
         stops(described),
         described.brake.viscous,
@@ -153,7 +165,7 @@ def joint(machine: Machine, name: str) -> Joint:
     )
 
 
-def arm(machine: Machine) -> OneLink | TwoLink:
+def arm(machine: Machine) -> Arm:
     """Masses of the arm, without payload."""
     g_x = machine.arm.gravity * cos(machine.arm.gravity_direction)
     g_y = machine.arm.gravity * sin(machine.arm.gravity_direction)
@@ -164,10 +176,15 @@ def arm(machine: Machine) -> OneLink | TwoLink:
         return OneLink(own_1, first.mass * first.centre, first.length, g_x, g_y)
     second, carried = joints[1].link, joints[1].body.mass
     own_2 = second.rotor_inertia + second.inertia + second.mass * second.centre**2
-    return TwoLink(
+    masses = (
         own_1 + own_2 + (carried + second.mass) * first.length**2,
         second.mass * first.length * second.centre,
         own_2,
+    )
+    if machine.arm.gravity == 0.0:
+        return LevelTwoLink(*masses, first.length, second.length, machine.arm.elbow)
+    return TwoLink(
+        *masses,
         first.mass * first.centre + (carried + second.mass) * first.length,
         second.mass * second.centre,
         first.length,

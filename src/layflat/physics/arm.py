@@ -44,6 +44,17 @@ class TwoLink(NamedTuple):
     gravity_y: float
 
 
+class LevelTwoLink(NamedTuple):
+    """Parameters of an arm with two joints that moves in a level plane: gravity does no work."""
+
+    a: float
+    b: float
+    c: float
+    length_1: float
+    length_2: float
+    elbow: float
+
+
 @law
 def one_link_mass(arm, m_p):
     """Inertia about the joint, kg m2."""

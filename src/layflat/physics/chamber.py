@@ -43,19 +43,16 @@ def pressure(chamber, E, V_g, p_a):
 
 
 @law
-def pressure_after_swelling(chamber, E, V_g, dV, p_a):
-    """Pressure once the volume has grown by dV to V_g, the work being done at that pressure (implicit), Pa."""
-    k = chamber.compliance
-    return _solve(
-        0.5 * (GAMMA + 1.0) * k, V_g - k * p_a + (GAMMA - 1.0) * dV, (GAMMA - 1.0) * (E + 0.5 * k * p_a * p_a)
-    )
+def pressure_after_swelling(chamber, E, V_g, dV, p, p_a):
+    """Pressure once the volume has grown by dV to V_g, the work being done at that pressure (implicit), Pa; and by how
+    much it rises per energy that is added then, Pa/J.
 
-
-@law
-def pressure_rise(chamber, p, dE, V_g, p_a):
-    """Rise of the pressure p when the energy grows by dE at constant volume, to first order in dE, Pa."""
+    One Newton step from the pressure p before: what it leaves out is of second order in dV and in the change of E.
+    """
     k = chamber.compliance
-    return dE * ((GAMMA - 1.0) / (V_g - k * p_a + (GAMMA + 1.0) * k * p))
+    per = 1.0 / (V_g - k * p_a + (GAMMA - 1.0) * dV + (GAMMA + 1.0) * k * p)
+    held = (GAMMA - 1.0) * (E + 0.5 * k * p_a * p_a) + 0.5 * (GAMMA + 1.0) * k * p * p
+    return held * per, (GAMMA - 1.0) * per
 
 
 @law
@@ -69,6 +66,14 @@ def energy(chamber, p, V_g, p_a):
 def temperature(chamber, p, m, V_g, p_a):
     """Temperature of a mass m of air at pressure p, K."""
     return p * (V_g + chamber.compliance * (p - p_a)) / (m * GAS_CONSTANT)
+
+
+@law
+def temperature_both_ways(chamber, p, m, V_g, p_a):
+    """Temperature T of a mass m of air at pressure p, and 1/T, by a single division, K and 1/K."""
+    pV = p * (V_g + chamber.compliance * (p - p_a))
+    per = 1.0 / (pV * m)
+    return pV * pV * per * (1.0 / GAS_CONSTANT), m * m * per * GAS_CONSTANT
 
 
 @law

@@ -9,14 +9,23 @@
 | r | pressure ratio p_2/p_1 | 1 |
 | phi | flow relative to choked flow | 1 |
 | s | slope of phi next to r = 1 | 1 |
-| root | sqrt(T/T0), T0 the reference temperature | 1 |
+| T0 | reference temperature | K |
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.lanes import select
 from layflat.physics.air import CP, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
+
+
+class Warmth(NamedTuple):
+    """sqrt(T/T0) and its inverse."""
+
+    root: float
+    per_root: float
+
 
 LAMINAR_RATIO = 0.999
 """Above this pressure ratio the flow is linear in the pressure difference, so that its slope stays finite."""
@@ -41,10 +50,22 @@ def effective_pressure(p_1, p_2, b, s):
 
 
 @law
-def orifice(C, b, s, p_a, T_a, p_b, T_b):
+def warmth(T, per_T):
+    """What a flow has to know of a temperature T (K), given 1/T too: a division costs more than all the rest."""
+    root = sqrt(T * (1.0 / REFERENCE_TEMPERATURE))
+    return Warmth(root, root * per_T * REFERENCE_TEMPERATURE)
+
+
+@law
+def flow_between(C, b, s, p_a, warmth_a, p_b, warmth_b):
     """Mass flow from a to b (negative: from b to a) and the enthalpy it carries, in kg/s and W."""
     forward = p_a >= p_b
-    root_a, root_b = sqrt(T_a * (1.0 / REFERENCE_TEMPERATURE)), sqrt(T_b * (1.0 / REFERENCE_TEMPERATURE))
     full = C * REFERENCE_DENSITY * effective_pressure(max(p_a, p_b), min(p_a, p_b), b, s)
-    flow = full * select(forward, 1.0 / root_a, -1.0 / root_b)
-    return flow, full * select(forward, root_a, -root_b) * (CP * REFERENCE_TEMPERATURE)
+    flow = full * select(forward, warmth_a.per_root, -warmth_b.per_root)
+    return flow, full * select(forward, warmth_a.root, -warmth_b.root) * (CP * REFERENCE_TEMPERATURE)
+
+
+@law
+def orifice(C, b, s, p_a, T_a, p_b, T_b):
+    """As `flow_between`, from the temperatures."""
+    return flow_between(C, b, s, p_a, warmth(T_a, 1.0 / T_a), p_b, warmth(T_b, 1.0 / T_b))

@@ -18,7 +18,13 @@ Because the same K stands for torque and for volume, a joint built from it conse
 from math import cos, pi, sin
 from typing import NamedTuple
 
-from layflat.jit import law
+from layflat.jit import by_kind, law
+
+
+class EvenStroke(NamedTuple):
+    """K that is the same over the whole travel (m3/rad): what a cam makes of it."""
+
+    k0: float
 
 
 class Stroke(NamedTuple):
@@ -60,15 +66,30 @@ def peeled_volume(R, R_h, gamma, alpha, c):
 
 
 @law
-def torque_per_pressure(stroke, s):
-    """K at travel s, m3/rad."""
+def _even_torque(stroke, s):  # noqa: ARG001
+    return stroke.k0
+
+
+@law
+def _torque(stroke, s):
     return stroke.k0 + s * (stroke.k1 + s * (stroke.k2 + s * (stroke.k3 + s * stroke.k4)))
 
 
 @law
-def swept_volume(stroke, s):
-    """Volume swept from travel 0 to s, m3: the exact integral of K."""
+def _even_volume(stroke, s):
+    return stroke.k0 * s
+
+
+@law
+def _volume(stroke, s):
     # In pairs (Estrin's scheme): a step waits for this sum, which is half as deep as Horner's.
     low = stroke.k0 + s * (stroke.k1 / 2.0)
     high = (stroke.k2 / 3.0 + s * (stroke.k3 / 4.0)) + s * s * (stroke.k4 / 5.0)
     return s * (low + s * s * high)
+
+
+torque_per_pressure = by_kind({EvenStroke: _even_torque, Stroke: _torque})
+"""K at travel s, m3/rad: `torque_per_pressure(stroke, s)`."""
+
+swept_volume = by_kind({EvenStroke: _even_volume, Stroke: _volume})
+"""Volume swept from travel 0 to s, m3, the exact integral of K: `swept_volume(stroke, s)`."""

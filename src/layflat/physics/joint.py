@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.physics.chamber import Chamber, air_mass, energy
-from layflat.physics.hose import Stroke, swept_volume
+from layflat.physics.hose import EvenStroke, Stroke, swept_volume
 from layflat.physics.loss import Loss
 from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
@@ -17,7 +17,7 @@ from layflat.physics.valve import Valve
 class Hose(NamedTuple):
     """Parameters of a hose in its joint; `neutral` is its travel at joint angle zero (rad)."""
 
-    stroke: Stroke
+    stroke: EvenStroke | Stroke
     chamber: Chamber
     loss: Loss
     neutral: float
@@ -92,13 +92,19 @@ class Ledger(NamedTuple):
     air_taken: float
 
 
+class AirTaken(NamedTuple):
+    """The only entry of a ledger that is worth its time in an ensemble: air taken from the supply (kg)."""
+
+    air_taken: float
+
+
 class JointState(NamedTuple):
     """All that changes in a joint."""
 
     motion: Motion
     hose_a: HoseState
     hose_b: HoseState
-    ledger: Ledger
+    ledger: Ledger | AirTaken
 
 
 @law

@@ -6,6 +6,7 @@ The arms differ only in how torques become velocities; `advance` picks the right
 from layflat.jit import by_kind, composition
 from layflat.lanes import halves, join
 from layflat.physics.arm import (
+    LevelTwoLink,
     OneLink,
     TwoLink,
     one_link_gravity,
@@ -21,16 +22,33 @@ from layflat.physics.trig import sincos
 
 
 @composition
+def _posture(arm, payload, q_1, q_2):
+    """M_11, M_12, M_22, the Coriolis coefficient, and the torques of gravity, at these angles."""
+    sines, cosines = sincos(join(q_1, q_2 + arm.elbow))
+    (sin_1, sin_2), (cos_1, cos_2) = halves(sines), halves(cosines)
+    M_11, M_12, M_22, coupling = two_link_mass(arm, payload, sin_2, cos_2)
+    g_1, g_2 = two_link_gravity(arm, payload, sin_1, cos_1, sin_2, cos_2)
+    return M_11, M_12, M_22, coupling, g_1, g_2
+
+
+@composition
+def _level_posture(arm, payload, q_1, q_2):  # noqa: ARG001  (as all postures)
+    sin_2, cos_2 = sincos(q_2 + arm.elbow)
+    M_11, M_12, M_22, coupling = two_link_mass(arm, payload, sin_2, cos_2)
+    return M_11, M_12, M_22, coupling, 0.0, 0.0
+
+
+posture = by_kind({TwoLink: _posture, LevelTwoLink: _level_posture})
+
+
+@composition
 def _step_two(arm, joints, running, drives, openings, swings, around, h):
     mid = middle(joints, running, openings, swings, join(around, around), h)
     (q_1, q_2), (led_1, led_2), (torque_1, torque_2) = halves(mid.angle), halves(mid.velocity), halves(mid.torque)
     v_1, v_2 = halves(running.motion.velocity)
     drive_1, drive_2 = halves(drives)
-    sines, cosines = sincos(join(q_1, q_2 + arm.elbow))
-    (sin_1, sin_2), (cos_1, cos_2) = halves(sines), halves(cosines)
-    M_11, M_12, M_22, coupling = two_link_mass(arm, around.payload, sin_2, cos_2)
+    M_11, M_12, M_22, coupling, g_1, g_2 = posture(arm, around.payload, q_1, q_2)
     c_1, c_2 = two_link_coriolis(coupling, led_1, led_2)
-    g_1, g_2 = two_link_gravity(arm, around.payload, sin_1, cos_1, sin_2, cos_2)
     load_1, load_2 = drive_1.load_torque + g_1, drive_2.load_torque + g_2
     # The air's torques come last: all else is ready before them.
     p_1 = M_11 * v_1 + M_12 * v_2 + h * (c_1 + load_1) + h * torque_1
@@ -74,5 +92,5 @@ def advance_one(arm, joints, states, drives, dithers, around, h, n):
     states[0], dithers[0] = at_hand(running), dither
 
 
-advance = by_kind({OneLink: advance_one, TwoLink: advance_two})
+advance = by_kind({OneLink: advance_one, TwoLink: advance_two, LevelTwoLink: advance_two})
 """Advance an arm of any kind, in place: `advance(arm, joints, states, drives, dithers, around, h, n)`."""

@@ -11,7 +11,6 @@
 x'' = wn^2 (u - x) - 2 zeta wn x' - wn^2 f sign(x').
 """
 
-from math import sqrt
 from typing import NamedTuple
 
 from layflat.jit import law
@@ -28,32 +27,31 @@ class Spool(NamedTuple):
 
 
 @law
-def _slide(spool, u, du, x, v, h):
+def _slide(spool, u, x, v, h):
     """Advance a moving spool by h, or up to the instant at which it comes to rest; returns the time that is left."""
     wn = spool.natural_frequency
-    grip = wn * wn * select(v > 0.0, spool.friction, -spool.friction)
-    drag = 2.0 * spool.damping_ratio * wn
-    push = wn * wn * (u - x) - grip
-    a = h * (0.5 * drag + 0.25 * h * wn * wn)
-    after = ((1.0 - a) * v + h * push) * (1.0 / (1.0 + a))
+    grip = select(v > 0.0, spool.friction, -spool.friction)
+    a = h * wn * (spool.damping_ratio + 0.25 * h * wn)
+    after = ((1.0 - a) * v + h * wn * wn * (u - x - grip)) * (1.0 / (1.0 + a))
     reverses = v * after <= 0.0
-    # The rate as a parabola through its ends, with the slope that it has now: where it crosses zero.
-    slope = push - wn * wn * du - drag * v
-    bend = (after - v - h * slope) * (1.0 / (h * h))
-    root = abs(slope) + sqrt(max(slope * slope - 4.0 * bend * v, 0.0))
-    used = select(reverses, min(2.0 * abs(v) / (root + TINY), h), h)
-    travel = select(reverses, used * (v + used * (0.5 * slope + used * bend / 3.0)), 0.5 * h * (v + after))
-    return x + travel, select(reverses, 0.0, after), h - used
+    used = select(reverses, h * abs(v) / (abs(v) + abs(after) + TINY), h)
+    after = select(reverses, 0.0, after)
+    return x + 0.5 * used * (v + after), after, h - used
 
 
 @law
-def _release(spool, u_0, u_1, x, h):
-    """Advance a spool from rest by h, while u goes from u_0 to u_1: it moves as far as the pull exceeds friction."""
+def _release(spool, u_0, u_1, x, left, h):
+    """Advance a spool from rest by what is left of a step of h, while u goes from u_0 to u_1.
+
+    It moves as far as the pull exceeds friction. What its damping takes off grows with the time that is left: exactly
+    for a whole step, evenly in between, to second order.
+    """
     wn, f = spool.natural_frequency, spool.friction
     way = select(u_0 + u_1 > 2.0 * x, 1.0, -1.0)
     excess = way * mean_above_zero(way * (u_0 - x) - f, way * (u_1 - x) - f)
-    after = h * wn * wn * excess / (1.0 + h * wn * (spool.damping_ratio + 0.25 * h * wn))
-    return x + 0.5 * h * after, after
+    a = h * wn * (spool.damping_ratio + 0.25 * h * wn)
+    after = left * (wn * wn) * excess * (1.0 - left * (a / (h * (1.0 + a))))
+    return x + 0.5 * left * after, after
 
 
 @law
@@ -63,8 +61,8 @@ def advance_spool(spool, u, du, x, v, h):
     Implicit midpoint, split where the spool comes to rest, so that it is of second order through reversals and
     sticks exactly. A spool that reaches a stop stays there until it is pulled away.
     """
-    x, v, left = _slide(spool, u, du, x, v, h)
-    moved, rate = _release(spool, u + du - du * left * (2.0 / h), u + du, x, left)
+    x, v, left = _slide(spool, u, x, v, h)
+    moved, rate = _release(spool, u + du - du * left * (2.0 / h), u + du, x, left, h)
     x, v = select(left > 0.0, moved, x), select(left > 0.0, rate, v)
     stopped = ((x >= 1.0) & (v > 0.0)) | ((x <= -1.0) & (v < 0.0))
     return min(max(x, -1.0), 1.0), select(stopped, 0.0, v)

@@ -16,11 +16,12 @@ Here a joint may be lanes of several joints. Its hoses are lanes in any case: al
 
 from typing import NamedTuple
 
-from layflat.jit import composition, law
+from layflat.jit import by_kind, composition, law
 from layflat.lanes import halves, join
-from layflat.physics.chamber import pressure_after_swelling, pressure_rise, temperature, wall_heat
+from layflat.physics.chamber import pressure_after_swelling, temperature_both_ways, wall_heat
+from layflat.physics.flow import warmth
 from layflat.physics.hose import swept_volume, torque_per_pressure
-from layflat.physics.joint import HoseState, JointState, Ledger, Motion
+from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion
 from layflat.physics.loss import slip_all
 from layflat.physics.spool import advance_spool
 from layflat.physics.stop import stop_damping, stop_torque
@@ -64,20 +65,20 @@ def at_hand(running):
 
 
 @law
-def _breathe(hose, state, travel, turn, valve, x_0, x_1, around, h):
+def _breathe(hose, state, travel, turn, valve, C_in, C_out, around, h):
     # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, air taken.
     p_a = around.ambient_pressure
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     swell = volume - state.volume
-    p_0 = pressure_after_swelling(hose.chamber, state.energy, volume, swell, p_a)
+    p_0, stiffness = pressure_after_swelling(hose.chamber, state.energy, volume, swell, state.pressure, p_a)
     p = p_0 + 0.5 * state.pressure_change
     m = state.mass + 0.5 * state.mass_change
-    T = temperature(hose.chamber, p, m, volume, p_a)
-    C_in, C_out = mean_conductance(valve, x_0, x_1), mean_conductance(valve, -x_0, -x_1)
-    flow, heat, taken = chamber_flow(valve, C_in, C_out, p, T, around.supply_pressure, around.supply_temperature, p_a)
+    T, per_T = temperature_both_ways(hose.chamber, p, m, volume, p_a)
+    supply = warmth(around.supply_temperature, 1.0 / around.supply_temperature)
+    flow, heat, taken = chamber_flow(valve, C_in, C_out, p, warmth(T, per_T), around.supply_pressure, supply, p_a)
     heat = heat + wall_heat(hose.chamber, T, around.ambient_temperature)
     stored = state.energy - p_0 * swell + h * heat
-    p_1 = p_0 + pressure_rise(hose.chamber, p_0, h * heat, volume, p_a)
+    p_1 = p_0 + h * heat * stiffness
     p_g = 0.5 * (p_0 + p_1) - p_a
     f_1, f_2, f_3 = slip_all(hose.loss, state.loss_1, state.loss_2, state.loss_3, turn, p_g)
     change = h * flow
@@ -109,6 +110,11 @@ def middle(joint, running, opening, swing, around, h):
     q = motion.angle + 0.5 * h * motion.velocity
     v = motion.velocity + 0.5 * motion.velocity_change
     x, rate = advance_spool(joint.valve.spool, opening, swing, motion.spool, motion.spool_rate, h)
+    # What fills hose A vents hose B.
+    fills, vents = (
+        mean_conductance(joint.valve, motion.spool, x),
+        mean_conductance(joint.valve, -motion.spool, -x),
+    )
     # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
     turn = h * motion.velocity
     hoses, gas, loss, taken = _breathe(
@@ -117,8 +123,8 @@ def middle(joint, running, opening, swing, around, h):
         join(joint.hose_a.neutral + q, joint.hose_b.neutral - q),
         join(turn, turn),
         join(joint.valve, joint.valve),
-        join(motion.spool, -motion.spool),
-        join(x, -x),
+        join(fills, vents),
+        join(vents, fills),
         join(around, around),
         h,
     )
@@ -129,22 +135,36 @@ def middle(joint, running, opening, swing, around, h):
 
 
 @composition
+def _book_all(ledger, mid, impulse, load_torque, mean, h):
+    turn = h * mean
+    return Ledger(
+        ledger.gas_work + mid.gas_torque * turn,
+        ledger.load_work + load_torque * turn,
+        ledger.hose_work + mid.loss_torque * turn,
+        ledger.brake_heat - impulse * mean,
+        ledger.damping_heat + mid.damping * mid.velocity * turn,
+        ledger.air_taken + mid.air_taken,
+    )
+
+
+@composition
+def _book_air(ledger, mid, impulse, load_torque, mean, h):  # noqa: ARG001  (as all ways to book)
+    return AirTaken(ledger.air_taken + mid.air_taken)
+
+
+book = by_kind({Ledger: _book_all, AirTaken: _book_air})
+"""Book the works of a step: `book(ledger, mid, impulse, load_torque, mean, h)`."""
+
+
+@composition
 def finish(joint, running, mid, v, impulse, load_torque, h):
     """Second half of a step: drift on with the new velocity v, and book the works of this step."""
-    motion, ledger = running.motion, running.ledger
+    motion = running.motion
     q = mid.angle + 0.5 * h * v
     mean = 0.5 * (motion.velocity + v)
-    turn = h * mean
     travels = join(joint.hose_a.neutral + q, joint.hose_b.neutral - q)
     return Running(
         Motion(q, v, v - motion.velocity, mid.spool, mid.spool_rate),
         _swell(join(joint.hose_a, joint.hose_b), mid.hoses, travels),
-        Ledger(
-            ledger.gas_work + mid.gas_torque * turn,
-            ledger.load_work + load_torque * turn,
-            ledger.hose_work + mid.loss_torque * turn,
-            ledger.brake_heat - impulse * mean,
-            ledger.damping_heat + mid.damping * mid.velocity * turn,
-            ledger.air_taken + mid.air_taken,
-        ),
+        book(running.ledger, mid, impulse, load_torque, mean, h),
     )

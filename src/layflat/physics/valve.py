@@ -11,7 +11,7 @@
 from typing import NamedTuple
 
 from layflat.jit import law
-from layflat.physics.flow import orifice
+from layflat.physics.flow import flow_between
 from layflat.physics.ramp import mean_above_zero
 from layflat.physics.spool import Spool
 
@@ -52,12 +52,12 @@ def mean_conductance(valve, x_0, x_1):
 
 
 @law
-def chamber_flow(valve, C_in, C_out, p, T, p_supply, T_supply, p_exhaust):
+def chamber_flow(valve, C_in, C_out, p, warmth, p_supply, warmth_supply, p_exhaust):
     """Flows of a chamber joined to supply and exhaust by paths of conductance C_in and C_out.
 
     Returns mass flow in (kg/s), enthalpy flow in (W), and the mass flow taken from the supply (kg/s).
     """
     b, s = valve.critical_ratio, valve.laminar_slope
-    inflow, heat_in = orifice(C_in, b, s, p_supply, T_supply, p, T)
-    outflow, heat_out = orifice(C_out, b, s, p, T, p_exhaust, T_supply)
+    inflow, heat_in = flow_between(C_in, b, s, p_supply, warmth_supply, p, warmth)
+    outflow, heat_out = flow_between(C_out, b, s, p, warmth, p_exhaust, warmth_supply)
     return inflow - outflow, heat_in - heat_out, inflow

@@ -13,7 +13,6 @@ from layflat.control.gains import Gains
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load, parameters
 from layflat.machine import units as u
-from layflat.physics.arm import OneLink, TwoLink
 from layflat.physics.joint import Joint, Surroundings
 from layflat.sim.kernel import Signals, Timing, run_cycles
 from layflat.sim.scenario import Scenario, Signal, Value, signals, spread
@@ -73,7 +72,7 @@ def rollout(
 class Prepared:
     """A run ready for the compiled loop: its arguments, in order."""
 
-    arm: OneLink | TwoLink
+    arm: parameters.Arm
     joints: tuple[Joint, ...]
     gains: tuple[Gains, ...]
     around: Surroundings
@@ -98,7 +97,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
     """
     cycle = machine.controller.cycle if machine.controller is not None else 0.005
     timing = _timing(cycle, u.quantity(step, u.TIME, "step"), records, scenario.opening is None)
-    joints = tuple(parameters.joint(machine, name) for name in machine.joints)
+    joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)
     return Prepared(
         parameters.arm(machine),
