@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from layflat.design import design_joint, size_joint
     from layflat.machine import Machine, changed, load, names
     from layflat.sim import Scenario, rollout
+    from layflat.sim.ensemble import ensemble
 
 __version__ = "0.1.0"
 
@@ -20,13 +21,14 @@ _HOMES = {
     "Scenario": "layflat.sim",
     "changed": "layflat.machine",
     "design_joint": "layflat.design",
+    "ensemble": "layflat.sim.ensemble",
     "load": "layflat.machine",
     "names": "layflat.machine",
     "rollout": "layflat.sim",
     "size_joint": "layflat.design",
 }
 
-__all__ = ["Machine", "Scenario", "changed", "design_joint", "load", "names", "rollout", "size_joint"]
+__all__ = ["Machine", "Scenario", "changed", "design_joint", "ensemble", "load", "names", "rollout", "size_joint"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,4 +1,4 @@
-from math import sqrt
+from math import floor, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -7,7 +7,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.jit import composition, kernel, law
-from layflat.lanes import Lanes, halves, interpreted, join, lane_by_lane, select, write_row
+from layflat.lanes import (
+    WIDTH,
+    Lanes,
+    halves,
+    in_lanes,
+    interpreted,
+    join,
+    lane_by_lane,
+    read_lanes,
+    select,
+    write_lanes,
+    write_row,
+)
 
 numbers = st.floats(-1e3, 1e3, allow_subnormal=False)
 fours = st.tuples(numbers, numbers, numbers, numbers)
@@ -38,7 +50,7 @@ def packed(a: Any, b: Any) -> Any:
 
 
 @kernel
-def in_lanes(a: Any, b: Any, c: float) -> Any:
+def by_lanes(a: Any, b: Any, c: float) -> Any:
     return everything(packed(a, b), c)
 
 
@@ -52,7 +64,7 @@ def one_by_one(a: Any, b: Any, c: float) -> Any:
 
 @given(fours, fours, numbers)
 def test_each_lane_is_bit_for_bit_the_scalar_law(a: tuple[float, ...], b: tuple[float, ...], c: float) -> None:
-    (x, y), z = in_lanes(a, b, c)
+    (x, y), z = by_lanes(a, b, c)
     assert (len(x), type(x)) == (4, Lanes)
     assert [((x[i], y[i]), z[i]) for i in range(4)] == list(one_by_one(a, b, c))
     assert [((x[i], y[i]), z[i]) for i in range(4)] == [everything(Pair(a[i], b[i]), c) for i in range(4)]
@@ -64,7 +76,7 @@ def test_the_interpreter_agrees(a: tuple[float, ...], b: tuple[float, ...], c: f
     pair = interpreted.join(
         interpreted.join(Pair(a[0], b[0]), Pair(a[1], b[1])), interpreted.join(Pair(a[2], b[2]), Pair(a[3], b[3]))
     )
-    assert lane_by_lane(scalar)(pair, c) == in_lanes(a, b, c)
+    assert lane_by_lane(scalar)(pair, c) == by_lanes(a, b, c)
 
 
 @given(fours)
@@ -100,3 +112,36 @@ def test_rows_are_written_from_tuples() -> None:
     filled(rows, Pair(10.0, 20.0))
     assert rows[1, 2].tolist() == [11.0, 22.0]
     assert rows[:, :, 0].tolist() == [[10.0] * 3, [11.0] * 3]
+
+
+class Nested(NamedTuple):
+    """A tuple in a tuple."""
+
+    pair: Pair
+    z: float
+
+
+@kernel
+def through_lanes(block: Any, out: Any, kept: Any) -> None:
+    both = read_lanes(Nested(Pair(0.0, 0.0), 0.0), block)
+    together = [both, both]
+    together[1] = Nested(Pair(both.pair.x + both.z, both.pair.y), floor(both.z))
+    write_lanes(out, together[1])
+    write_lanes(kept, in_lanes(Pair(7.0, 0.5), both.z))
+
+
+def test_lanes_are_read_from_and_written_to_columns() -> None:
+    block, out, kept = np.arange(3.0 * 2 * WIDTH).reshape(3, -1) / 4, np.zeros((3, WIDTH)), np.zeros((2, WIDTH))
+    part = block[:, WIDTH - 1 : 2 * WIDTH - 1]
+    through_lanes(part, out, kept)
+    assert np.array_equal(out, [part[0] + part[2], part[1], np.floor(part[2])])
+    assert kept.tolist() == [[7.0] * WIDTH, [0.5] * WIDTH]
+
+
+def test_the_interpreter_reads_and_writes_alike() -> None:
+    block, out = np.arange(3.0 * WIDTH).reshape(3, -1), np.zeros((3, WIDTH))
+    read = interpreted.read_lanes(Nested(Pair(0.0, 0.0), 0.0), block)
+    assert isinstance(read, Nested)
+    interpreted.write_lanes(out, read)
+    assert np.array_equal(out, block)
+    assert interpreted.in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * WIDTH), read.z)  # type: ignore[arg-type]

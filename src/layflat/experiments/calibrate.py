@@ -30,6 +30,7 @@ from scipy.optimize import brentq
 from layflat.experiments.bench import Bench, bench, payload_for_inertia
 from layflat.experiments.calibrated_files import write_values
 from layflat.machine import Machine, changed, load
+from layflat.machine.change import value_at
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, settling_time
 from layflat.sim.run import prepare
@@ -240,20 +241,7 @@ def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, roun
 
 def starting(machine: Machine, knobs: list[Knob]) -> Array:
     """The values that a machine has now, in the knobs' units."""
-
-    def value(path: str) -> float:
-        part: object = machine
-        for key in path.split("."):
-            part = (
-                part[key]
-                if isinstance(part, dict)
-                else part[int(key)]
-                if isinstance(part, tuple)
-                else getattr(part, key)
-            )
-        return float(part)  # type: ignore[arg-type]
-
-    return np.array([value(knob.paths[0]) / knob.si for knob in knobs])
+    return np.array([value_at(machine, knob.paths[0]) / knob.si for knob in knobs])
 
 
 def main(rounds: int = 150) -> None:

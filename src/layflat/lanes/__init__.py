@@ -13,6 +13,7 @@ and back: an item of a named tuple is a row there, a lane is a column.
 import layflat.lanes.boxing
 import layflat.lanes.lowering  # noqa: F401  (both teach the compiler what follows)
 from layflat.lanes.interpreted import (
+    WIDTH,
     Lanes,
     halves,
     in_lanes,
@@ -24,4 +25,15 @@ from layflat.lanes.interpreted import (
     write_row,
 )
 
-__all__ = ["Lanes", "halves", "in_lanes", "join", "lane_by_lane", "read_lanes", "select", "write_lanes", "write_row"]
+__all__ = [
+    "WIDTH",
+    "Lanes",
+    "halves",
+    "in_lanes",
+    "join",
+    "lane_by_lane",
+    "read_lanes",
+    "select",
+    "write_lanes",
+    "write_row",
+]

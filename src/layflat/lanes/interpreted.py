@@ -7,6 +7,13 @@ from collections.abc import Callable, Iterator
 from functools import wraps
 from typing import Any
 
+from llvmlite import binding as _binding
+
+binding: Any = _binding
+
+WIDTH = 8 if binding.get_host_cpu_features().get("avx512f") else 4
+"""Lanes that `read_lanes` gives: as many as a vector register of this machine holds."""
+
 
 class Lanes(tuple[Any, ...]):
     """Numbers side by side; arithmetic is done lane by lane, with other lanes or with one number for all."""

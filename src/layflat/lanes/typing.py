@@ -17,7 +17,7 @@ from numba.core.extending import register_model
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, write_lanes, write_row
+from layflat.lanes.interpreted import WIDTH, halves, in_lanes, join, read_lanes, select, write_lanes, write_row
 
 INDEX = ir.IntType(32)
 
@@ -26,9 +26,6 @@ COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.g
 LOGIC = {operator.and_: "and_", operator.or_: "or_"}
 EXTREMES = {min: "<", max: ">"}
 INTRINSICS = {abs: "fabs", math.sqrt: "sqrt", math.floor: "floor"}
-
-WIDTH = 4
-"""Lanes that `read_lanes` gives."""
 
 
 class LanesType(types.Type):
@@ -44,23 +41,17 @@ class _Vector(models.PrimitiveModel):
     def __init__(self, manager: Any, lanes: LanesType) -> None:
         leaf = manager.lookup(lanes.leaf).get_value_type()
         super().__init__(manager, lanes, ir.VectorType(leaf, lanes.count))
-        # Lists keep their items anywhere in memory, vectors want theirs aligned: there lanes are plain numbers.
-        self._stored = ir.ArrayType(leaf, lanes.count)
+        # Lists align their items to 16 bytes at most, as they are to such an integer; a vector would want more.
+        self._stored = ir.IntType(lanes.count * (64 if lanes.leaf == types.float64 else 1))
 
     def get_data_type(self) -> Any:
         return self._stored
 
     def as_data(self, builder: Any, value: Any) -> Any:
-        stored = ir.Constant(self._stored, ir.Undefined)
-        for i in range(self._stored.count):
-            stored = builder.insert_value(stored, builder.extract_element(value, ir.Constant(INDEX, i)), i)
-        return stored
+        return builder.bitcast(value, self._stored)
 
     def from_data(self, builder: Any, value: Any) -> Any:
-        lanes = ir.Constant(self.get_value_type(), ir.Undefined)
-        for i in range(self._stored.count):
-            lanes = builder.insert_element(lanes, builder.extract_value(value, i), ir.Constant(INDEX, i))
-        return lanes
+        return builder.bitcast(value, self.get_value_type())
 
 
 def joined_type(first: Any, second: Any) -> Any:

@@ -1,5 +1,7 @@
 """From a described machine to the parameters of the laws: the one place where units of design become those of physics.
 
+A number of the machine may be an array, an item a run (see sim/ensemble); then so are the parameters it decides.
+
 | symbol | meaning | unit |
 |---|---|---|
 | s | travel of a hose: output angle from its collapsed state on | rad |
@@ -9,10 +11,11 @@
 
 from __future__ import annotations
 
-from math import cos, degrees, pi, radians, sin
+from collections.abc import Callable
+from math import degrees, pi, radians
 
 import numpy as np
-from numpy.polynomial import Chebyshev, Polynomial
+from numpy.polynomial.polynomial import polyfit
 
 from layflat.control.gains import Gains, Phase
 from layflat.errors import MachineError
@@ -38,13 +41,20 @@ NO_HOSE = Hose(EvenStroke(0.0), Chamber(1e-5, 0.0, 0.0), Loss(*([0.0] * 9)), 0.0
 def full_travel(joint: parts.Joint) -> float:
     """S: output angle between the collapsed hose and its end of travel, rad."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    return float(roller_travel(R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio))
+    return _each(roller_travel, R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio)
 
 
 def travel_volume(joint: parts.Joint) -> float:
     """Volume that one hose sweeps over its full travel, m3."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    return float(peeled_volume(R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio))
+    return _each(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
+
+
+def _each(law: Callable[..., float], *args: float) -> float:
+    """A law of numbers, or of arrays item by item."""
+    if any(isinstance(arg, np.ndarray) for arg in args):
+        return np.vectorize(law, otypes=[float])(*args)  # type: ignore[no-any-return]
+    return float(law(*args))
 
 
 def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
@@ -53,17 +63,19 @@ def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
     if joint.output.kind == "cam":
         return EvenStroke(travel_volume(joint) / S)
     hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
-    s = S * (0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41)))
-    alpha = hose.wrap - s * r / (hose.peel_ratio * R)
-    K = [roller_torque(1.0, R, r, hose.width / pi, hose.wrap, a) for a in alpha]
-    fitted = Chebyshev.fit(s, K, 4).convert(kind=Polynomial)
-    return Stroke(*(float(k) for k in fitted.coef))
+    t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
+    alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
+    K = np.array([_each(roller_torque, 1.0, R, r, hose.width / pi, hose.wrap, alpha) for alpha in alphas])
+    return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
 
 
 def torque_constant(joint: parts.Joint) -> float:
     """Greatest K over the travel, m3/rad: maximum torque per gauge pressure."""
-    curve = Polynomial(stroke(joint))
-    return float(curve(np.linspace(0.0, full_travel(joint), 101)).max())
+    curve = stroke(joint)
+    if isinstance(curve, EvenStroke):
+        return curve.k0
+    s = np.multiply.outer(np.linspace(0.0, 1.0, 101), full_travel(joint))
+    return np.max(sum(k * s**i for i, k in enumerate(curve)), axis=0)  # type: ignore[no-any-return]
 
 
 def loss_share(joint: parts.Joint) -> float:
@@ -100,7 +112,7 @@ def _as_long(stroke: EvenStroke | Stroke) -> tuple[float, ...]:
 def stops(joint: parts.Joint) -> Stops:
     """End stops on both sides; squeezing begins where the opposite hose is collapsed."""
     limit = joint.stops.mechanical_stroke / 2
-    squeeze = min(full_travel(joint) / 2, limit)
+    squeeze = np.minimum(full_travel(joint) / 2, limit)
     return Stops(squeeze, joint.stops.squeeze_stiffness, limit, joint.stops.stop_stiffness, joint.stops.stop_damping)
 
 
@@ -112,7 +124,7 @@ def valve(described: Valve) -> ValveLaw:
         described.conductance,
         described.leakage,
         b,
-        float(laminar_slope(b)),
+        _each(laminar_slope, b),
         described.overlap,
         described.centre_voltage,
         described.volts_to_full,
@@ -167,8 +179,8 @@ def _joint(machine: Machine, described: parts.Joint, *, even: bool) -> Joint:
 
 def arm(machine: Machine) -> Arm:
     """Masses of the arm, without payload."""
-    g_x = machine.arm.gravity * cos(machine.arm.gravity_direction)
-    g_y = machine.arm.gravity * sin(machine.arm.gravity_direction)
+    g_x = machine.arm.gravity * np.cos(machine.arm.gravity_direction)
+    g_y = machine.arm.gravity * np.sin(machine.arm.gravity_direction)
     joints = list(machine.joints.values())
     first = joints[0].link
     own_1 = first.rotor_inertia + first.inertia + first.mass * first.centre**2
@@ -181,7 +193,7 @@ def arm(machine: Machine) -> Arm:
         second.mass * first.length * second.centre,
         own_2,
     )
-    if machine.arm.gravity == 0.0:
+    if np.all(machine.arm.gravity == 0.0):
         return LevelTwoLink(*masses, first.length, second.length, machine.arm.elbow)
     return TwoLink(
         *masses,

@@ -91,3 +91,20 @@ def two_link_gravity(arm, m_p, sin_1, cos_1, sin_2, cos_2):
     first = (arm.moment_1 + m_p * arm.length_1) * (arm.gravity_y * cos_1 - arm.gravity_x * sin_1)
     second = (arm.moment_2 + m_p * arm.length_2) * (arm.gravity_y * cos_t - arm.gravity_x * sin_t)
     return first + second, second
+
+
+@law
+def one_link_tip(arm, q_1):
+    """Position of the tip, m, x along link 1 at mid-stroke."""
+    sin_1, cos_1 = sincos(q_1)
+    return arm.length * cos_1, arm.length * sin_1
+
+
+@law
+def two_link_tip(arm, q_1, q_2):
+    """As `one_link_tip`."""
+    sin_1, cos_1 = sincos(q_1)
+    sin_2, cos_2 = sincos(q_2 + arm.elbow)
+    x = arm.length_1 * cos_1 + arm.length_2 * (cos_1 * cos_2 - sin_1 * sin_2)
+    y = arm.length_1 * sin_1 + arm.length_2 * (sin_1 * cos_2 + cos_1 * sin_2)
+    return x, y

@@ -46,7 +46,8 @@ def pressure(chamber, E, V_g, p_a):
 def pressure_after_swelling(chamber, E, V_g, dV, p, p_a):
     """Pressure once the volume has grown by dV to V_g (Pa), and by how much it rises per energy added then (Pa/J).
 
-    The work is done at the pressure at the end (implicit). One Newton step from the pressure p before: what it leaves out is of second order in dV and in the change of E.
+    The work is done at the pressure at the end (implicit). One Newton step from the pressure p before: what it leaves
+    out is of second order in dV and in the change of E.
     """
     k = chamber.compliance
     per = 1.0 / (V_g - k * p_a + (GAMMA - 1.0) * dV + (GAMMA + 1.0) * k * p)

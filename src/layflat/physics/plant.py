@@ -11,9 +11,11 @@ from layflat.physics.arm import (
     TwoLink,
     one_link_gravity,
     one_link_mass,
+    one_link_tip,
     two_link_coriolis,
     two_link_gravity,
     two_link_mass,
+    two_link_tip,
 )
 from layflat.physics.dither import half_change, turn_dither
 from layflat.physics.friction import brake_one, brake_two
@@ -94,3 +96,17 @@ def advance_one(arm, joints, states, drives, dithers, around, h, n):
 
 advance = by_kind({OneLink: advance_one, TwoLink: advance_two, LevelTwoLink: advance_two})
 """Advance an arm of any kind, in place: `advance(arm, joints, states, drives, dithers, around, h, n)`."""
+
+
+@composition
+def _tip_of_one(arm, angles):
+    return one_link_tip(arm, angles[0])
+
+
+@composition
+def _tip_of_two(arm, angles):
+    return two_link_tip(arm, angles[0], angles[1])
+
+
+tip = by_kind({OneLink: _tip_of_one, TwoLink: _tip_of_two, LevelTwoLink: _tip_of_two})
+"""Position of the tip (m), x along link 1 at mid-stroke, from the joints' angles (a list): `tip(arm, angles)`."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.physics.air import NORMAL_DENSITY
+from layflat.sim.tally import LAST_HIGH, LAST_LOW, LAST_SUM, OVERSHOOT, SETTLED, last_records, tallied
 
 if TYPE_CHECKING:
     import xarray
@@ -41,12 +42,8 @@ class Move:
 
 def settling_time(time: NDArray[np.floating[Any]], error: NDArray[np.float64], band: float) -> float:
     """Time of the last exit from +-band, counted from the first instant; infinite if the end lies outside."""
-    outside = np.flatnonzero(np.abs(error) > band)
-    if len(outside) == 0:
-        return 0.0
-    if outside[-1] == len(error) - 1:
-        return inf
-    return float(time[outside[-1] + 1] - time[0])
+    records = int(tallied(np.ascontiguousarray(error), 0.0, band)[SETTLED])
+    return float(time[records] - time[0]) if records < len(error) else inf
 
 
 def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf, band: float = BAND) -> Move:
@@ -54,29 +51,34 @@ def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf
     part = run.sel(joint=joint, time=slice(since, until))
     time, angle = part["time"].to_numpy(), part["angle"].to_numpy()
     demand = float(part["demand"][-1])
-    error = angle - demand
-    way = np.sign(demand - angle[0])
-    last = error[int(0.8 * len(error)) :]
+    tally = tallied(angle - demand, np.sign(demand - angle[0]), band)
+    records = int(tally[SETTLED])
     return Move(
         joint,
-        settling_time(time, error, band),
-        float(max(0.0, np.max(way * error))),
-        float(np.mean(last)),
-        float(np.ptp(last)),
+        float(time[records] - time[0]) if records < len(time) else inf,
+        float(tally[OVERSHOOT]),
+        float(tally[LAST_SUM] / (len(time) - last_records(len(time)))),
+        float(tally[LAST_HIGH] - tally[LAST_LOW]),
     )
+
+
+def move_windows(demand: NDArray[np.float64]) -> list[tuple[int, int]]:
+    """First and last record of every move: from each change of any demand (records, joints) to the next.
+
+    A demand that never changes is one move, and so is one that changes all the time.
+    """
+    changes = np.flatnonzero(np.any(np.diff(demand, axis=0) != 0.0, axis=1)) + 1
+    starts = [0] if len(changes) == 0 or len(changes) > MOST_MOVES else [int(k) for k in changes]
+    return list(zip(starts, [*(k - 1 for k in starts[1:]), len(demand) - 1], strict=True))
 
 
 def moves_of(run: xarray.Dataset, band: float = BAND) -> list[tuple[float, Move]]:
     """Metrics of every joint from each change of any demand to the next, with the time of the change."""
-    demand, time = run["demand"].to_numpy(), run["time"].to_numpy()
-    # The last record repeats the last cycle's demand; a continuously changing demand is one long move.
-    changes = np.flatnonzero(np.any(np.diff(demand, axis=0) != 0.0, axis=1)) + 1
-    starts = [0] if len(changes) == 0 or len(changes) > MOST_MOVES else [int(k) for k in changes]
-    ends = [*(float(time[k - 1]) for k in starts[1:]), inf]
+    time = run["time"].to_numpy()
     joints = [str(name) for name in run["joint"].to_numpy()]
     return [
-        (float(time[k]), move(run, joint, float(time[k]), end, band))
-        for k, end in zip(starts, ends, strict=True)
+        (float(time[first]), move(run, joint, float(time[first]), float(time[last]), band))
+        for first, last in move_windows(run["demand"].to_numpy())
         for joint in joints
     ]
 

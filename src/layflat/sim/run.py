@@ -96,22 +96,27 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
         InputError: a machine, scenario or option is wrong.
     """
     cycle = machine.controller.cycle if machine.controller is not None else 0.005
-    timing = _timing(cycle, u.quantity(step, u.TIME, "step"), records, scenario.opening is None)
+    timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records, scenario.opening is None)
     joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)
     return Prepared(
         parameters.arm(machine),
         joints,
-        tuple(_gains(machine, name, closed_loop=timing.closed_loop) for name in machine.joints),
+        tuple(gains_of(machine, name, closed_loop=timing.closed_loop) for name in machine.joints),
         parameters.surroundings(machine),
-        _start(scenario, machine, acting),
-        _pressures(scenario, machine, len(joints)),
+        start_angles(scenario, machine, acting.demand),
+        np.tile(start_pressures(scenario, FILLED * machine.supply.pressure), (len(joints), 1)),
         acting,
         timing,
     )
 
 
-def _timing(cycle: float, step: float, records: int, closed_loop: bool) -> Timing:
+def timing_of(cycle: float, step: float, records: int, closed_loop: bool) -> Timing:
+    """How a run is cut into steps of about `step` seconds.
+
+    Raises:
+        InputError: the step is no part of a cycle, or nothing is recorded.
+    """
     if not 1e-8 <= step <= cycle:
         raise InputError(f"{step:g} s is out of range", where="step", right=f"give 10 ns to {cycle:g} s")
     if records < 1:
@@ -120,26 +125,36 @@ def _timing(cycle: float, step: float, records: int, closed_loop: bool) -> Timin
     return Timing(cycle, per_record * records, records, closed_loop)
 
 
-def _gains(machine: Machine, name: str, *, closed_loop: bool) -> Gains:
+def gains_of(machine: Machine, name: str, *, closed_loop: bool) -> Gains:
+    """Settings of a joint's controller; one that only watches where an open-loop run needs no more."""
     if closed_loop or machine.joint[name].gains is not None:
         return parameters.gains(machine, name)
     return parameters.idle_gains(machine)
 
 
-def _start(scenario: Scenario, machine: Machine, acting: Signals) -> NDArray[np.float64]:
+def start_angles(scenario: Scenario, machine: Machine, demand: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles at which the arm rests at first, (joints,)."""
     if scenario.start is None:
-        return np.array(acting.demand[0])
+        return np.array(demand[0])
     angles: NDArray[np.float64] = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
     for name, angle in zip(machine.joints, angles, strict=True):
         parameters.check_inside_stroke(machine, name, float(angle), "start")
     return angles
 
 
-def _pressures(scenario: Scenario, machine: Machine, n: int) -> NDArray[np.float64]:
-    """Start pressures, (joints, 2): by default where equal leaks to supply and exhaust balance when choked, 3/4."""
+FILLED = 0.75
+"""Pressure over supply where equal leaks to supply and exhaust balance when choked."""
+
+
+def start_pressures(scenario: Scenario, usual: float) -> NDArray[np.float64]:
+    """Absolute pressures of the hoses A and B at the start, Pa; `usual` for both where the scenario gives none.
+
+    Raises:
+        InputError: they are not above vacuum.
+    """
     if scenario.pressures is None:
-        return np.full((n, 2), 0.75 * machine.supply.pressure)
-    pair = [u.quantity(value, u.PRESSURE, "pressures") for value in scenario.pressures]
+        return np.full(2, usual)
+    pair = np.array([u.quantity(value, u.PRESSURE, "pressures") for value in scenario.pressures])
     if min(pair) <= 0.0:
         raise InputError(f"{min(pair):g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
-    return np.tile(np.array(pair), (n, 1))
+    return pair

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeGuard
+from math import nan
+from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,8 +68,27 @@ class Scenario:
         return round(duration / cycle)
 
 
-def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
-    """The scenario as arrays over control cycles.
+class Shapes(NamedTuple):
+    """A scenario as arrays over control cycles, before a machine is known; not a number: as usual."""
+
+    demand: NDArray[np.float64]
+    """rad, (cycles, joints)"""
+    opening: NDArray[np.float64]
+    """-1..1, (cycles, joints); not a number where the controller drives"""
+    brake: NDArray[np.float64]
+    """Share of the brake's torque, (cycles, joints)"""
+    load: NDArray[np.float64]
+    """N m, (cycles, joints)"""
+    drift: NDArray[np.float64]
+    """V, (cycles, joints)"""
+    supply: NDArray[np.float64]
+    """Gauge pressure, Pa, (cycles,)"""
+    payload: NDArray[np.float64]
+    """kg, (cycles,)"""
+
+
+def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
+    """The scenario as arrays over control cycles of `cycle` seconds.
 
     Raises:
         InputError: a value without unit, of a wrong kind, not finite, or a demand outside the stroke.
@@ -76,38 +96,62 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     n, names = scenario.cycles(cycle), list(machine.joints)
     times = cycle * np.arange(n)
 
-    def expand(signal: Signal, kind: u.Quantity | None, where: str, usual: float = 0.0) -> NDArray[np.float64]:
+    def expand(signal: Signal | None, kind: u.Quantity | None, where: str, usual: float = 0.0) -> NDArray[np.float64]:
+        if signal is None:
+            return np.full((n, len(names)), nan)
         return spread(signal, times, names, kind, where, usual)
+
+    def shared(signal: Signal | None, kind: u.Quantity, where: str) -> NDArray[np.float64]:
+        if signal is None:
+            return np.full(n, nan)
+        return np.ascontiguousarray(spread(signal, times, [where], kind, where, nan)[:, 0])
 
     demand = spread(scenario.demand, times, names, u.ANGLE, "demand")
     for j, name in enumerate(names):
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand")
-    ambient = machine.supply.ambient_pressure
-    usual_supply, usual_payload = machine.supply.pressure_gauge, machine.arm.payload
-    supply = usual_supply if scenario.supply is None else scenario.supply
-    payload = usual_payload if scenario.payload is None else scenario.payload
-    brakes = np.array([machine.joint[name].brake.torque for name in names])
-    noise = np.random.default_rng(scenario.seed).standard_normal((n, len(names), 2))
-    gauge = spread(supply, times, ["supply"], u.PRESSURE, "supply", usual_supply)[:, 0]
-    _check(gauge > -ambient, gauge, "supply", 'a gauge pressure above vacuum, such as "4 bar"')
-    mass = spread(payload, times, ["payload"], u.MASS, "payload", usual_payload)[:, 0]
-    _check(mass >= 0.0, mass, "payload", 'a mass of zero or more, such as "1.5 kg"')
+    supply = shared(scenario.supply, u.PRESSURE, "supply")
+    _check(
+        supply > -machine.supply.ambient_pressure, supply, "supply", 'a gauge pressure above vacuum, such as "4 bar"'
+    )
+    payload = shared(scenario.payload, u.MASS, "payload")
+    _check(payload >= 0.0, payload, "payload", 'a mass of zero or more, such as "1.5 kg"')
     brake = expand(scenario.brake, None, "brake", 1.0)
     _check(brake >= 0.0, brake, "brake", "a share of zero or more, such as 1.0")
+    opening = expand(scenario.opening, None, "opening")
+    load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
+    return Shapes(demand, opening, brake, load, drift, supply, payload)
+
+
+def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
+    """What acts on a machine in a scenario.
+
+    Raises:
+        InputError: as `shapes`.
+    """
+    own = shapes(scenario, machine, cycle)
+    brakes = np.array([joint.brake.torque for joint in machine.joints.values()])
+    gauge = np.where(np.isnan(own.supply), machine.supply.pressure_gauge, own.supply)
     return Signals(
-        demand,
-        expand(0.0 if scenario.opening is None else scenario.opening, None, "opening"),
-        brake * brakes,
-        expand(scenario.load, u.TORQUE, "load"),
-        expand(scenario.drift, u.VOLTAGE, "drift"),
-        np.ascontiguousarray(gauge + ambient),
-        np.ascontiguousarray(mass),
-        noise if scenario.noise else np.zeros_like(noise),
+        own.demand,
+        np.nan_to_num(own.opening),
+        own.brake * brakes,
+        own.load,
+        own.drift,
+        gauge + machine.supply.ambient_pressure,
+        np.where(np.isnan(own.payload), machine.arm.payload, own.payload),
+        sensor_noise(scenario.seed if scenario.noise else None, *own.demand.shape),
     )
 
 
+def sensor_noise(seed: int | None, cycles: int, joints: int) -> NDArray[np.float64]:
+    """Standard normal samples of angle and pressure sensors, (cycles, joints, 2); zeros without a seed."""
+    shape = (cycles, joints, 2)
+    return np.zeros(shape) if seed is None else np.random.default_rng(seed).standard_normal(shape)
+
+
 def _check(good: NDArray[np.bool_], values: NDArray[np.float64], where: str, right: str) -> None:
+    good |= np.isnan(values)
     if not good.all():
         raise InputError(f"{values[~good][0]:g} is out of range", where=where, right=f"give {right}")
 

@@ -1,0 +1,238 @@
+"""What differs from run to run of an ensemble, turned into the arrays that the compiled loop wants, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from layflat.errors import InputError
+from layflat.machine import Machine, changed, parameters
+from layflat.machine.change import paths
+from layflat.physics.plant import tip
+from layflat.sim.ensemble.kernel import Plan, Runs
+from layflat.sim.ensemble.watch import Moves
+from layflat.sim.metrics import move_windows
+from layflat.sim.run import FILLED, gains_of, start_angles, start_pressures
+from layflat.sim.scenario import Scenario, Shapes, sensor_noise, shapes
+
+Array = NDArray[np.float64]
+
+ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0}
+"""What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
+
+
+@dataclass(frozen=True)
+class Cases:
+    """An ensemble before it runs.
+
+    Args:
+        base: the machine as described.
+        machine: the same; numbers that differ from run to run are arrays.
+        scenarios: what may happen.
+        vary: arrays of `count` items by what they change.
+        count: of runs.
+    """
+
+    base: Machine
+    machine: Machine
+    scenarios: list[Scenario]
+    vary: Mapping[str, Array]
+    count: int
+    _plans: dict[tuple[int, ...], tuple[Plan, Array, Array]] = field(default_factory=dict, init=False, repr=False)
+
+    @cached_property
+    def cycle(self) -> float:
+        """Control cycle, s."""
+        return self.base.controller.cycle if self.base.controller is not None else 0.005
+
+    @cached_property
+    def which(self) -> NDArray[np.int64]:
+        """Number of the scenario of each run."""
+        return self.vary.get("scenario", np.zeros(self.count)).astype(np.int64)
+
+    @cached_property
+    def cycles(self) -> int:
+        """Control cycles of every run."""
+        return self.scenarios[0].cycles(self.cycle)
+
+    @cached_property
+    def case(self) -> tuple[Any, ...]:
+        """Arm, joints, gains and surroundings; numbers that differ from run to run are arrays."""
+        closed_loop = all(scenario.opening is None for scenario in self.scenarios)
+        return (
+            parameters.arm(self.machine),
+            parameters.joints(self.machine),
+            tuple(gains_of(self.machine, name, closed_loop=closed_loop) for name in self.base.joints),
+            parameters.surroundings(self.machine),
+        )
+
+    @cached_property
+    def numbers(self) -> list[Any]:
+        """Every number of `case`, in order."""
+        return list(_leaves(self.case))
+
+    @cached_property
+    def template(self) -> tuple[Any, ...]:
+        """The first run's `case`."""
+        first: tuple[Any, ...] = _mapped(self.case, lambda leaf: float(np.ravel(leaf)[0]))
+        return first
+
+    @cached_property
+    def moves(self) -> list[list[tuple[int, int]]]:
+        """First and last record of every move of every scenario."""
+        demands = [shapes(scenario, self.base, self.cycle).demand for scenario in self.scenarios]
+        return [move_windows(np.concatenate([demand, demand[-1:]])) for demand in demands]
+
+    @cached_property
+    def most_moves(self) -> int:
+        """Of any scenario."""
+        return max(len(moves) for moves in self.moves)
+
+    def at(self, rows: NDArray[np.int64], key: str, usual: Any) -> Array:
+        """Values of some runs, from `vary` or as usual (a number or an array over all runs)."""
+        return np.broadcast_to(np.asarray(self.vary.get(key, usual), dtype=float), self.count)[rows]
+
+    def runs(self, rows: NDArray[np.int64]) -> Runs:
+        """What differs between these runs; their scenarios are numbered within `plan`."""
+        names, n = list(self.base.joints), len(self.base.joints)
+        own = self.which[rows]
+        numbers = np.empty((len(self.numbers), len(rows)))
+        for place, number in zip(numbers, self.numbers, strict=True):
+            place[:] = number[rows] if isinstance(number, np.ndarray) else number
+        usual = np.empty((len(rows), n, len(ON_TOP)))
+        for j, name in enumerate(names):
+            for i, (key, nothing) in enumerate(ON_TOP.items()):
+                usual[:, j, i] = self.at(rows, f"scenario.{key}.{name}", self.vary.get(f"scenario.{key}", nothing))
+        shared = [
+            self.at(rows, "scenario.supply", self.machine.supply.pressure_gauge),
+            self.at(rows, "scenario.payload", self.machine.arm.payload),
+        ]
+        return Runs(
+            numbers,
+            np.searchsorted(np.unique(own), own),
+            np.array([self._starts[s] for s in own]).T.copy(),
+            self._pressures(rows, own, n),
+            usual,
+            np.stack(shared, axis=-1),
+            self._noise(rows, own, n),
+        )
+
+    def plan(self, rows: NDArray[np.int64], band: float, tip_band: float) -> tuple[Plan, Moves]:
+        """Scenarios of some runs, and their moves."""
+        distinct = tuple(int(s) for s in np.unique(self.which[rows]))
+        if distinct not in self._plans:
+            if len(self._plans) > 8:
+                self._plans.clear()
+            self._plans[distinct] = self._planned(distinct)
+        plan, ends, goals = self._plans[distinct]
+        local = np.searchsorted(np.array(distinct), self.which[rows])
+        arms = [np.broadcast_to(leaf, self.count)[rows] for leaf in self.case[0]]
+        tips = np.array(
+            [
+                [tip(type(self.case[0])(*numbers), goal) for goal in goals[scenario]]
+                for scenario, *numbers in zip(local, *arms, strict=True)
+            ]
+        )
+        return plan, Moves(ends, goals, tips, band, tip_band)
+
+    def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
+        each: list[Shapes] = [shapes(self.scenarios[s], self.base, self.cycle) for s in distinct]
+        plan = Plan(
+            np.array([np.stack([e.demand, e.opening, e.brake, e.load, e.drift], axis=-1) for e in each]),
+            np.array([np.stack([e.supply, e.payload], axis=-1) for e in each]),
+        )
+        ends = np.full((len(each), self.most_moves, 2), -1)
+        goals = np.zeros((len(each), self.most_moves, len(self.base.joints)))
+        for i, s in enumerate(distinct):
+            for m, (first, last) in enumerate(self.moves[s]):
+                ends[i, m] = first, last
+                goals[i, m] = each[i].demand[min(last, self.cycles - 1)]
+        return plan, ends, goals
+
+    @cached_property
+    def _starts(self) -> list[Array]:
+        return [start_angles(s, self.base, shapes(s, self.base, self.cycle).demand) for s in self.scenarios]
+
+    def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
+        usual = np.broadcast_to(FILLED * np.asarray(self.machine.supply.pressure), self.count)[rows]
+        pairs = [start_pressures(self.scenarios[s], p) for s, p in zip(own, usual, strict=True)]
+        return np.tile(np.array(pairs).T, (n, 1, 1))
+
+    def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
+        if not any(self.scenarios[s].noise for s in own):
+            return np.zeros((len(rows), 1, n, 2))
+        seeds = self.vary.get("seed")
+        return np.array(
+            [
+                sensor_noise(
+                    None if not case.noise else int(seeds[row]) if seeds is not None else case.seed, self.cycles, n
+                )
+                for row, case in ((row, self.scenarios[s]) for row, s in zip(rows, own, strict=True))
+            ]
+        )
+
+
+def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayLike], runs: int | None) -> Cases:
+    """An ensemble from what varies in it.
+
+    Raises:
+        InputError: something that varies is unknown, or has another number of runs than the rest.
+    """
+    arrays = {key: _checked(key, values) for key, values in vary.items()}
+    counts = {len(values) for values in arrays.values()} | ({runs} if runs is not None else set())
+    if len(counts) > 1:
+        lengths = ", ".join(f"{key}: {len(values)}" for key, values in arrays.items())
+        raise InputError(f"has different numbers of runs ({lengths})", where="vary", right="give one number a run")
+    lasting = {scenario.cycles(machine.controller.cycle if machine.controller else 0.005) for scenario in scenarios}
+    if len(lasting) != 1:
+        raise InputError("are not equally long", where="scenario", right="give all the same duration")
+    varied = machine
+    known = set(paths(machine))
+    for key, values in arrays.items():
+        if key in _settings(machine):
+            continue
+        if key not in known:
+            changed(machine, key, 0.0)
+            raise InputError("is no single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
+        varied = changed(varied, key, values)
+    which = arrays.get("scenario", np.zeros(1))
+    if not np.isin(which, np.arange(len(scenarios))).all():
+        raise InputError(f"{which.max():g} is no scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}")
+    return Cases(machine, varied, scenarios, arrays, counts.pop() if counts else 1)
+
+
+def _settings(machine: Machine) -> set[str]:
+    """Keys of `vary` that are no paths of the machine."""
+    on_top = {f"scenario.{key}{suffix}" for key in ON_TOP for suffix in ("", *(f".{name}" for name in machine.joints))}
+    return on_top | {"scenario", "seed", "scenario.supply", "scenario.payload"}
+
+
+def _checked(key: str, values: ArrayLike) -> Array:
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 1 or len(array) == 0:
+        raise InputError(f"has shape {array.shape}", where=f"vary: {key}", right="give one number a run")
+    if not np.isfinite(array).all():
+        raise InputError("holds a value that is not finite", where=f"vary: {key}", right="give numbers only")
+    return array
+
+
+def _leaves(value: Any) -> Iterator[Any]:
+    """Numbers of a nested tuple, in order."""
+    if isinstance(value, tuple):
+        for item in value:
+            yield from _leaves(item)
+    else:
+        yield value
+
+
+def _mapped(value: Any, function: Callable[[Any], float]) -> Any:
+    """A nested tuple with a function applied to all its numbers."""
+    if isinstance(value, tuple):
+        items = [_mapped(item, function) for item in value]
+        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+    return function(value)

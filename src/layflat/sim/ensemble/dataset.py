@@ -1,0 +1,67 @@
+"""The metrics of many runs as an `xarray.Dataset`: dims `run`, `move` and `joint`."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray
+
+import layflat
+from layflat.physics.air import NORMAL_DENSITY
+from layflat.sim.ensemble.cases import Cases
+from layflat.sim.ensemble.watch import ACCELERATION, AIR, DIVERGED, Results, Traced
+from layflat.sim.tally import LAST_HIGH, LAST_LOW, LAST_SUM, OVERSHOOT, SETTLED, last_records
+
+UNITS = {
+    "settling": ("s", "time until the joint stays within its band; infinite where it does not"),
+    "overshoot": ("rad", "largest error beyond the goal"),
+    "steady_error": ("rad", "mean error over the last fifth of the move"),
+    "ripple": ("rad", "peak to peak over the last fifth of the move"),
+    "tip_settling": ("s", "time until the tip stays within its band; infinite where it does not"),
+    "tip_error": ("m", "largest distance of the tip from its goal over the last fifth of the move"),
+    "air_used": ("l", "air taken from the supply, normal litres"),
+    "peak_acceleration": ("m/s^2", "largest acceleration of the payload, from its position at control cycles"),
+    "diverged": ("s", "when the run left all meaning; not a number where it did not"),
+}
+"""Unit and meaning of every metric."""
+
+TRACE_UNITS = dict(zip(Traced._fields, ("rad", "rad/s", "Pa", "Pa", "1", "V"), strict=True))
+
+
+def measured(prepared: Cases, results: Results, cycle: float) -> xarray.Dataset:
+    """Name the results. Metrics of a run that diverged are not numbers."""
+    joints = list(prepared.base.joints)
+    counts = np.zeros((len(prepared.moves), prepared.most_moves))
+    for s, moves in enumerate(prepared.moves):
+        counts[s, : len(moves)] = [last - first + 1 for first, last in moves]
+    records = counts[prepared.which][:, :, None]
+    tallies = results.tallies
+    settled = np.where(tallies[..., SETTLED] < records, cycle * tallies[..., SETTLED], np.inf)
+    settled[np.isnan(tallies[..., SETTLED])] = np.nan
+    last = records - np.vectorize(last_records, otypes=[float])(records)
+    each, tip = np.s_[:, :, :-1], np.s_[:, :, -1]
+    values = {
+        "settling": settled[each],
+        "overshoot": tallies[each][..., OVERSHOOT],
+        "steady_error": tallies[each][..., LAST_SUM] / last,
+        "ripple": (tallies[..., LAST_HIGH] - tallies[..., LAST_LOW])[each],
+        "tip_settling": settled[tip],
+        "tip_error": tallies[tip][..., LAST_HIGH],
+        "air_used": results.totals[:, AIR] / NORMAL_DENSITY * 1000.0,
+        "peak_acceleration": results.totals[:, ACCELERATION],
+    }
+    diverged = results.totals[:, DIVERGED]
+    data = xarray.Dataset(coords={"joint": joints})
+    for name, value in {**values, "diverged": diverged * cycle}.items():
+        if name != "diverged":
+            value[~np.isnan(diverged)] = np.nan
+        unit, meaning = UNITS[name]
+        data[name] = (("run", "move", "joint")[: value.ndim], value, {"units": unit, "long_name": meaning})
+    for key, array in prepared.vary.items():
+        data = data.assign_coords({key: ("run", array)})
+    for column, number in enumerate(results.traced):
+        name = Traced._fields[number]
+        attributes = {"units": TRACE_UNITS[name], "long_name": name.replace("_", " ")}
+        data[name] = (("run", "time", "joint"), results.traces[..., column], attributes)
+        data = data.assign_coords(time=("time", cycle * results.every * np.arange(results.traces.shape[1])))
+    data.attrs = {"machine_name": prepared.base.name, "layflat_version": layflat.__version__}
+    return data

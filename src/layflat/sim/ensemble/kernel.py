@@ -1,0 +1,141 @@
+"""The compiled time loop of many runs side by side: the laws of `kernel.py`, a run per lane, and metrics as it goes."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from layflat.control.controller import start, step
+from layflat.jit import composition, kernel
+from layflat.lanes import WIDTH, in_lanes, read_lanes, select
+from layflat.physics.dither import start_dither
+from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
+from layflat.physics.plant import advance
+from layflat.physics.valve import commanded_opening
+from layflat.sim.ensemble.watch import new_watch, note, note_air, note_divergence, trace
+from layflat.sim.kernel import sense
+
+
+class Plan(NamedTuple):
+    """Scenarios over control cycles; not a number: as usual in the run."""
+
+    shapes: np.ndarray
+    """Demand, opening, brake, load, drift: (scenarios, cycles, joints, 5)"""
+    shared: np.ndarray
+    """Gauge supply pressure and payload: (scenarios, cycles, 2)"""
+
+
+class Runs(NamedTuple):
+    """What differs from run to run."""
+
+    parameters: np.ndarray
+    """Every number of the machine in order, a column a run: (numbers, runs)"""
+    scenario: np.ndarray
+    """Which scenario, (runs,)"""
+    angles: np.ndarray
+    """At the start, rad, (joints, runs)"""
+    pressures: np.ndarray
+    """At the start, Pa, (joints, 2, runs)"""
+    usual: np.ndarray
+    """What multiplies the scenario's brake, and what comes on top of its load and drift: (runs, joints, 3)"""
+    usual_shared: np.ndarray
+    """Gauge supply pressure and payload where the scenario gives none: (runs, 2)"""
+    noise: np.ndarray
+    """Standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none"""
+
+
+class Held(NamedTuple):
+    """What acts on a joint in a control cycle."""
+
+    demand: float
+    opening: float
+    brake: float
+    load: float
+    drift: float
+    noise_angle: float
+    noise_pressure: float
+
+
+NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@composition
+def _held(scratch, runs, plan, first, j, k):
+    # Gathered number by number: once a cycle, that is nothing beside the steps.
+    for lane in range(WIDTH):
+        run = first + lane
+        shape, usual = plan.shapes[runs.scenario[run], k, j], runs.usual[run, j]
+        noise = runs.noise[run, k % runs.noise.shape[1], j]
+        scratch[0, lane], scratch[1, lane] = shape[0], shape[1]
+        scratch[2, lane] = shape[2] * usual[0]
+        scratch[3, lane] = shape[3] + usual[1]
+        scratch[4, lane] = shape[4] + usual[2]
+        scratch[5, lane], scratch[6, lane] = noise[0], noise[1]
+    return read_lanes(NONE_HELD, scratch)
+
+
+@composition
+def _surroundings(scratch, air, runs, plan, first, k):
+    for lane in range(WIDTH):
+        run = first + lane
+        for i in range(2):
+            given = plan.shared[runs.scenario[run], k, i]
+            scratch[i, lane] = runs.usual_shared[run, i] if np.isnan(given) else given
+    gauge, payload = read_lanes((0.0, 0.0), scratch)
+    supply = gauge + air.ambient_pressure
+    return Surroundings(supply, air.supply_temperature, air.ambient_pressure, air.ambient_temperature, payload)
+
+
+@composition
+def _at_rest(joint, angle, pressures, around):
+    state = joint_at_rest(joint, angle, pressures[0], pressures[1], around)
+    return in_lanes(JointState(state.motion, state.hose_a, state.hose_b, AirTaken(0.0)), angle)
+
+
+@composition
+def _drive(joint, held, asked):
+    """Drive of a joint for a control cycle, and the voltage behind it; `asked` is the controller's."""
+    valve = joint.valve
+    # An opening that is a number is an open-loop run.
+    open_loop = held.opening == held.opening
+    voltage = select(open_loop, valve.centre_voltage + valve.volts_to_full * held.opening, asked)
+    opening = commanded_opening(valve, voltage - held.drift)
+    return Drive(opening, held.brake * joint.brake_torque, held.load), voltage
+
+
+@kernel
+def run_lanes(case, first, runs, plan, moves, timing, results):
+    """Run `WIDTH` runs, from number `first` on, through their scenarios from rest.
+
+    `case` is any one machine (arm, joints, gains, surroundings): it gives the order of the runs' parameters.
+    """
+    last = first + WIDTH
+    arm, all_joints, all_gains, air = read_lanes(case, runs.parameters[:, first:last])
+    joints, gains = list(all_joints), list(all_gains)
+    cycles, n = plan.shapes.shape[1], plan.shapes.shape[2]
+    h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
+    watch = new_watch(n)
+    around = _surroundings(watch.scratch, air, runs, plan, first, 0)
+    angles = [read_lanes(0.0, runs.angles[j : j + 1, first:last]) for j in range(n)]
+    filled = [read_lanes((0.0, 0.0), runs.pressures[j, :, first:last]) for j in range(n)]
+    states = [_at_rest(joints[j], angles[j], filled[j], around) for j in range(n)]
+    measured = [sense(joints[j], states[j], zero, zero, timing.cycle) for j in range(n)]
+    memories = [in_lanes(start(measured[j]), zero) for j in range(n)]
+    drives = [in_lanes(Drive(0.0, 0.0, 0.0), zero) for j in range(n)]
+    dithers = [start_dither(joints[j].valve.dither_frequency, 0.0, h) for j in range(n)]
+    for k in range(cycles + 1):
+        note(watch, results, moves, runs.scenario, arm, states, first, k, timing.cycle)
+        if k == cycles:
+            break
+        around = _surroundings(watch.scratch, air, runs, plan, first, k)
+        for j in range(n):
+            held = _held(watch.scratch, runs, plan, first, j, k)
+            measured[j] = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
+            memories[j], asked, _ = step(gains[j], memories[j], measured[j], held.demand)
+            drives[j], voltage = _drive(joints[j], held, asked)
+            dithers[j] = start_dither(joints[j].valve.dither_frequency, timing.cycle * k, h)
+            trace(watch, results, states[j], voltage, first, j, k)
+        advance(arm, joints, states, drives, dithers, around, h, timing.steps)
+        for j in range(n):
+            note_divergence(watch, results, states[j], first, k)
+    for j in range(n):
+        note_air(watch, results, states[j], first)

@@ -1,0 +1,53 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from layflat.errors import InputError
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+
+CASE = Scenario(duration="0.01 s")
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        ({"joint.small.brake.torqe": [1.0]}, r"nearest is 'joint\.small\.brake\.torque'"),
+        ({"joint.small.brake": [1.0]}, "no single number"),
+        ({"scenario.paylod": [1.0]}, "scenario.paylod"),
+        ({"seed": [1.0, 2.0], "arm.payload": [1.0]}, "different numbers of runs"),
+        ({"arm.payload": [np.nan]}, "not finite"),
+        ({"arm.payload": [[1.0]]}, "one number a run"),
+        ({"arm.payload": []}, "one number a run"),
+        ({"scenario": [1.0]}, "0 to 0"),
+    ],
+)
+def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        ensemble("paper-arm", CASE, vary)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"traces": ["angel"]}, "'angel' is no signal"),
+        ({"every": 0}, "every"),
+        ({"step": "1 s"}, "step"),
+        ({"band": "1 kg"}, "band"),
+    ],
+)
+def test_options(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        ensemble("paper-arm", CASE, runs=1, **options)
+
+
+def test_scenarios_last_equally_long() -> None:
+    with pytest.raises(InputError, match="equally long"):
+        ensemble("paper-arm", [CASE, Scenario(duration="0.02 s")], {"scenario": [0, 1]})
+
+
+def test_progress_counts_all_runs() -> None:
+    done: list[int] = []
+    ensemble("paper-arm", CASE, {"seed": np.arange(37)}, progress=done.append)
+    assert sum(done) == 37
