@@ -15,7 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import mujoco_arm, scipy_plant
+from benchmarks import many, mujoco_arm, scipy_plant
 from layflat.experiments.timing import CYCLES, control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
@@ -64,6 +64,7 @@ def measure() -> dict[str, float | str]:
         "scipy_seconds_per_simulated_second": scipy_seconds,
         "scipy_ratio": scipy_seconds / (rollout / 0.25e-3),
         "controller_ns_per_cycle": 1e9 * controller,
+        **many.measure(machine),
         "processor": platform.processor() or platform.machine(),
         "cores": float(os.cpu_count() or 1),
     }
@@ -77,6 +78,14 @@ MEANING = {
     "scipy_seconds_per_simulated_second": "SciPy's LSODA on the same plant, its laws compiled",
     "scipy_ratio": "SciPy's time over ours; aim 100",
     "controller_ns_per_cycle": "the controllers of both axes, per cycle; aim 1000",
+    "ensemble_ns_per_step_per_core": "the same plant, each run with its own parameters, per step; aim 40 (AVX-512 15)",
+    "mujoco_rollout_ns_per_step_per_core": "mujoco.rollout, the arm alone, per step",
+    "ensemble_mujoco_ratio": "mujoco.rollout's step over ours; aim 100",
+    "ensemble_speedup_over_threads": "2048 runs of 4 s: one thread over one thread a core",
+    "ensemble_100_runs_ns_per_step_per_core": "on all cores, 100 runs of 4 s",
+    "ensemble_10000_runs_ns_per_step_per_core": "10 000 runs",
+    "ensemble_100000_runs_ns_per_step_per_core": "100 000 runs",
+    "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
 }
 
 

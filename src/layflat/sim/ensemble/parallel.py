@@ -31,8 +31,8 @@ from layflat.sim.tally import COLUMNS
 if TYPE_CHECKING:
     import xarray
 
-BLOCK = 32
-"""Groups of `WIDTH` runs that a thread takes at a time."""
+BLOCK, SHARES = 32, 4
+"""Groups of `WIDTH` runs that a thread takes at a time: at most, and so that each thread takes this many times."""
 
 TIP_BAND = 2e-3
 """Within this of its goal the tip has settled, m: section 5 of the paper."""
@@ -88,16 +88,17 @@ def ensemble(
         _run_block(prepared, block, timing, bands, results)
         return min(len(block), prepared.count - int(block[0]))
 
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        for done in pool.map(work, _blocks(prepared.count)):
+    workers = threads or os.cpu_count() or 1
+    with ThreadPoolExecutor(workers) as pool:
+        for done in pool.map(work, _blocks(prepared.count, workers)):
             if progress is not None:
                 progress(done)
     return measured(prepared, results, timing.cycle)
 
 
-def _blocks(count: int) -> Iterator[NDArray[np.int64]]:
+def _blocks(count: int, workers: int) -> Iterator[NDArray[np.int64]]:
     """Numbers of the runs of every block; the last run stands in where a group of lanes is not full."""
-    size = WIDTH * BLOCK
+    size = WIDTH * min(BLOCK, ceil(count / (WIDTH * SHARES * workers)))
     for first in range(0, count, size):
         filled = WIDTH * ceil((min(first + size, count) - first) / WIDTH)
         yield np.minimum(np.arange(first, first + filled), count - 1)

@@ -1,0 +1,100 @@
+"""Many arms at once: the ensemble against MuJoCo's batched rollout, its scaling, and its memory.
+
+Run by itself (`python -m benchmarks.many RUNS`) it prints the peak memory of so many runs of 4 s, MiB.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+import time
+from typing import Any
+
+import numpy as np
+from mujoco import rollout as _batched
+
+from benchmarks import mujoco_arm
+from layflat.machine import Machine, load
+from layflat.machine.change import value_at
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+
+batched: Any = _batched
+
+SECONDS, STEPS = 4.0, 16000
+MOVES = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
+SPREAD = (
+    "valve.conductance",
+    "valve.friction",
+    "valve.natural_frequency",
+    "supply.pressure_gauge",
+    "arm.payload",
+    "joint.large.gains.close.error",
+    "joint.small.gains.close.error",
+    "joint.large.brake.torque",
+    "joint.small.brake.torque",
+    "joint.large.losses.deflections.1",
+    "joint.small.losses.deflections.1",
+    "joint.small.hose.dead_volume",
+)
+"""What differs from run to run, by 10 % either way."""
+
+
+def vary(machine: Machine, runs: int) -> dict[str, Any]:
+    """Machines and seeds, all different."""
+    factors = np.random.default_rng(1).uniform(0.9, 1.1, (len(SPREAD), runs))
+    return {
+        "seed": np.arange(runs),
+        **{path: value_at(machine, path) * own for path, own in zip(SPREAD, factors, strict=True)},
+    }
+
+
+def seconds(machine: Machine, runs: int, threads: int) -> float:
+    """Time of so many runs of 4 s, s."""
+    begin = time.perf_counter()
+    ensemble(machine, MOVES, vary(machine, runs), threads=threads)
+    return time.perf_counter() - begin
+
+
+def mujoco_seconds(machine: Machine, runs: int, steps: int) -> float:
+    """Time of MuJoCo's batched rollout of the arm alone, on one thread, s."""
+    model, data = mujoco_arm.build(machine)
+    controls = np.full((runs, steps, 2), (0.5, 0.2))
+    start = np.zeros((runs, 1 + model.nq + model.nv))
+    batched.rollout(model, [data], start, controls[:, :10])
+    begin = time.perf_counter()
+    batched.rollout(model, [data], start, controls)
+    return time.perf_counter() - begin
+
+
+def measure(machine: Machine) -> dict[str, float]:
+    """All figures by name."""
+    cores = os.cpu_count() or 1
+    seconds(machine, 64, 1)
+    # Turn and turn about, so that a busy moment of the machine meets both.
+    pairs = [
+        (seconds(machine, 512, 1) / (512 * STEPS), mujoco_seconds(machine, 8, 4000) / (8 * 4000)) for _ in range(5)
+    ]
+    ours, theirs = (float(np.median(each)) for each in zip(*pairs, strict=True))
+    found = {
+        "ensemble_ns_per_step_per_core": 1e9 * ours,
+        "mujoco_rollout_ns_per_step_per_core": 1e9 * theirs,
+        "ensemble_mujoco_ratio": theirs / ours,
+        "ensemble_speedup_over_threads": seconds(machine, 2048, 1) / seconds(machine, 2048, cores),
+    }
+    for runs in (100, 10_000, 100_000):
+        found[f"ensemble_{runs}_runs_ns_per_step_per_core"] = (
+            1e9 * cores * seconds(machine, runs, cores) / (runs * STEPS)
+        )
+    peak = subprocess.run(
+        [sys.executable, "-m", "benchmarks.many", "100000"], capture_output=True, check=True, text=True
+    )
+    return {**found, "ensemble_100000_runs_peak_mib": float(peak.stdout)}
+
+
+if __name__ == "__main__":
+    arm = load("paper-arm")
+    seconds(arm, int(sys.argv[1]), os.cpu_count() or 1)
+    sys.stdout.write(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f}\n")
