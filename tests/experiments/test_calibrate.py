@@ -5,6 +5,7 @@ from layflat.experiments import calibrate as c
 from layflat.experiments.bench import bench
 from layflat.experiments.calibrated_files import replaced
 from layflat.machine import load
+from layflat.tune.knobs import gain_knobs, values_of
 
 TEXT = """[a.b]
 x = { value = "1 V", source = "calibrated", note = "n" }
@@ -33,15 +34,15 @@ def test_losses_stand_in_the_descriptions_as_found() -> None:
 
 def test_knobs_round_trip_through_a_machine() -> None:
     arm = load("paper-arm")
-    knobs = [*c.gain_knobs("small"), *c.VALVE_KNOBS, *c.MEMORY_KNOBS, c.WEIGHT_KNOB]
-    now = c.starting(arm, knobs)
-    assert c.starting(c.with_values(arm, knobs, now), knobs) == pytest.approx(now, rel=5e-3)
+    knobs = [*gain_knobs("small"), *c.VALVE_KNOBS, *c.MEMORY_KNOBS, c.WEIGHT_KNOB]
+    now = values_of(arm, knobs)
+    assert values_of(c.with_values(arm, knobs, now), knobs) == pytest.approx(now, rel=5e-3)
 
 
 def test_a_search_improves_and_repeats_itself() -> None:
     on = bench()
-    knobs = c.gain_knobs("small")
-    start = c.starting(on.arm, knobs)
+    knobs = gain_knobs("small")
+    start = values_of(on.arm, knobs)
 
     def cost(values: np.ndarray) -> float:
         return float(np.sum(np.square(values / start - 1.1)))

@@ -18,7 +18,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 from math import degrees, radians
 from typing import Any
@@ -30,54 +29,18 @@ from scipy.optimize import brentq
 from layflat.experiments.bench import Bench, bench, payload_for_inertia
 from layflat.experiments.calibrated_files import write_values
 from layflat.machine import Machine, changed, load
-from layflat.machine.change import value_at
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, settling_time
 from layflat.sim.run import prepare
 from layflat.sim.sweep import sweep
+from layflat.tune.knobs import PER_DEG, Knob, gain_knobs, values_of
 
 Array = NDArray[np.float64]
 AT, LAST = 0.5, 3.0
 """Time of the step, and how long it may take, s."""
 
 
-@dataclass(frozen=True)
-class Knob:
-    """One value to be found: the paths that share it, its range in a unit, and that unit in SI."""
-
-    paths: tuple[str, ...]
-    low: float
-    high: float
-    unit: str = ""
-    si: float = 1.0
-
-    def text(self, value: float) -> str | float:
-        """The value as it is written in a description."""
-        number = float(f"{value:.3g}")
-        return f"{number:g} {self.unit}" if self.unit else number
-
-
-PER_DEG, PER_BAR = 180.0 / np.pi, 1e-5
 BOTH = ("large", "small")
-
-
-def gain_knobs(joint: str) -> list[Knob]:
-    """The gains of one joint."""
-    at = f"joint.{joint}.gains"
-    return [
-        Knob((f"{at}.far.error",), 0.1, 1.0, "V/deg", PER_DEG),
-        Knob((f"{at}.near.error",), 0.1, 2.0, "V/deg", PER_DEG),
-        Knob((f"{at}.close.error",), 0.1, 4.0, "V/deg", PER_DEG),
-        Knob((f"{at}.far.pressure",), 0.0, 6.0, "V/bar", PER_BAR),
-        Knob((f"{at}.near.pressure",), 0.0, 6.0, "V/bar", PER_BAR),
-        Knob((f"{at}.close.pressure",), 0.0, 4.0, "V/bar", PER_BAR),
-        Knob((f"{at}.near_below.error",), 5.0, 30.0, "deg", 1 / PER_DEG),
-        Knob((f"{at}.near_below.speed",), 10.0, 150.0, "deg/s", 1 / PER_DEG),
-        Knob((f"{at}.close_below.error",), 0.3, 4.0, "deg", 1 / PER_DEG),
-        Knob((f"{at}.close_below.speed",), 2.0, 30.0, "deg/s", 1 / PER_DEG),
-        Knob((f"{at}.integral",), 0.0, 20.0, "V/(deg s)", PER_DEG),
-    ]
-
 
 VALVE_KNOBS = [
     Knob(("valve.conductance",), 0.1, 2.0, "dm^3/(s bar)", 1e-8),
@@ -239,11 +202,6 @@ def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, roun
     return found if evolution.result.fbest < cost(start) else start
 
 
-def starting(machine: Machine, knobs: list[Knob]) -> Array:
-    """The values that a machine has now, in the knobs' units."""
-    return np.array([value_at(machine, knob.paths[0]) / knob.si for knob in knobs])
-
-
 def main(rounds: int = 150) -> None:
     """All stages, in order."""
     shares = losses()
@@ -253,12 +211,12 @@ def main(rounds: int = 150) -> None:
 
     on = bench()
     knobs = [*gain_knobs("small"), *VALVE_KNOBS, *MEMORY_KNOBS, WEIGHT_KNOB]
-    found = search(partial(axis_one_cost, knobs, on), knobs, starting(on.arm, knobs), rounds, seed=1)
+    found = search(partial(axis_one_cost, knobs, on), knobs, values_of(on.arm, knobs), rounds, seed=1)
     write_values("paper-arm", _texts(knobs, found))
 
     arm = load("paper-arm")
     knobs = gain_knobs("large")
-    found = search(partial(arm_cost, knobs, arm), knobs, starting(arm, knobs), rounds // 2, seed=2)
+    found = search(partial(arm_cost, knobs, arm), knobs, values_of(arm, knobs), rounds // 2, seed=2)
     write_values("paper-arm", _texts(knobs, found))
 
 

@@ -21,6 +21,7 @@ CASE = Scenario(duration="0.01 s")
         ({"arm.payload": [[1.0]]}, "one number a run"),
         ({"arm.payload": []}, "one number a run"),
         ({"scenario": [1.0]}, "0 to 0"),
+        ({"controller.cycle": [5e-3]}, "same in all runs"),
     ],
 )
 def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:

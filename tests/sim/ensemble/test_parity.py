@@ -70,6 +70,15 @@ def with_gains(machine: Machine) -> Machine:
     return changed(machine, "joint.small.gains", ARM.joint["small"].gains)
 
 
+def test_one_joint_starts_at_its_own_pressure() -> None:
+    machine = load("paper-small-joint")
+    case = Scenario(demand=[(0.0, -0.3), (0.2, 0.3)], duration="1 s")
+    many = ensemble(machine, case, {"supply.pressure_gauge": [4e5, 3.5e5, 3e5]})
+    for i, gauge in enumerate([4e5, 3.5e5, 3e5]):
+        run = rollout(changed(machine, "supply.pressure_gauge", gauge), scenario=case)
+        assert_same(run, many.isel(run=i))
+
+
 @pytest.mark.parametrize(
     ("key", "change"),
     [

@@ -115,7 +115,7 @@ class Cases:
         return Runs(
             numbers,
             np.searchsorted(np.unique(own), own),
-            np.array([self._starts[s] for s in own]).T.copy(),
+            np.ascontiguousarray(np.array([self._starts[s] for s in own]).T),
             self._pressures(rows, own, n),
             usual,
             np.stack(shared, axis=-1),
@@ -161,7 +161,7 @@ class Cases:
     def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
         usual = np.broadcast_to(FILLED * np.asarray(self.machine.supply.pressure), self.count)[rows]
         pairs = [start_pressures(self.scenarios[s], p) for s, p in zip(own, usual, strict=True)]
-        return np.tile(np.array(pairs).T, (n, 1, 1))
+        return np.ascontiguousarray(np.broadcast_to(np.array(pairs).T, (n, 2, len(rows))))
 
     def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
         if not any(self.scenarios[s].noise for s in own):
@@ -196,6 +196,8 @@ def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayL
     for key, values in arrays.items():
         if key in _settings(machine):
             continue
+        if key == "controller.cycle":
+            raise InputError("is the same in all runs", where=f"vary: {key}", right="run an ensemble for each cycle")
         if key not in known:
             changed(machine, key, 0.0)
             raise InputError("is no single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")

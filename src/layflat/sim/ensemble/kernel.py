@@ -25,7 +25,7 @@ class Plan(NamedTuple):
 
 
 class Runs(NamedTuple):
-    """What differs from run to run."""
+    """What differs from run to run; runs lie side by side in memory where they are the last axis."""
 
     parameters: np.ndarray
     """Every number of the machine in order, a column a run: (numbers, runs)"""
