@@ -45,13 +45,13 @@ class Bench:
 
     @cached_property
     def axis_one(self) -> Machine:
-        """The small joint alone with the paper's 2 kg at 0.4 m."""
-        return alone(self.arm, "small", 2.0)
+        """The small joint alone with the paper's 2 kg at 0.4 m, and the controller of the earlier actuator."""
+        return changed(alone(self.arm, "small", 2.0), "joint.small.gains", self.earlier.joint["small"].gains)
 
     @cached_property
     def earlier_scaled(self) -> Machine:
-        """The earlier actuator with the small joint's controller, its pressure gains scaled to its torque."""
-        gains = self.arm.joint["small"].gains
+        """The earlier actuator with the pressure gains of its controller scaled to its torque."""
+        gains = self.earlier.joint["small"].gains
         if gains is None:
             return self.earlier
         scale = maximum_torque(self.earlier, "small") / maximum_torque(self.arm, "small")
