@@ -1,0 +1,90 @@
+"""A study's chunks on a Dask cluster; what a lost worker had under way, another one does again."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Iterator
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from layflat.errors import InputError, LayflatError
+from layflat.study.chunk import made_with, measured_there
+from layflat.study.study import Study
+
+if TYPE_CHECKING:
+    import pyarrow
+
+    from layflat.study.run import Work
+
+PATIENCE = 4.0
+"""A scheduler has to answer within, s."""
+
+AHEAD = 64
+"""Chunks that wait at the scheduler, beside two for every thread: new workers find work at once."""
+
+
+def on_cluster(study: Study, work: Work, scheduler: str) -> Iterator[tuple[int, pyarrow.Table]]:
+    """Chunks of a study as they get done, in any order.
+
+    Raises:
+        InputError: no scheduler answers, dask is not installed, or a chunk can't be done there.
+    """
+    client = _client(scheduler)
+    try:
+        yield from _done(client, study, work)
+    except LayflatError:
+        raise
+    except Exception as error:  # whatever a cluster may raise
+        what = f"the cluster failed ({type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''})"
+        raise InputError(what, where=f"--scheduler {scheduler}", right="the same command goes on") from error
+    finally:
+        client.close()
+
+
+def _done(client: Any, study: Study, work: Work) -> Iterator[tuple[int, pyarrow.Table]]:
+    from distributed import as_completed  # noqa: PLC0415
+
+    waiting, numbers, own = iter(work), {}, made_with()
+
+    def submit(count: int) -> list[Any]:
+        futures = []
+        for number, runs in islice(waiting, count):
+            future = client.submit(measured_there, study, runs, own, pure=False)
+            numbers[future.key] = number
+            futures.append(future)
+        return futures
+
+    ahead = AHEAD + 2 * sum(client.nthreads().values())
+    running = as_completed(submit(ahead), loop=client.loop, with_results=True)
+    for future, table in running:
+        for following in submit(1):
+            running.add(following)
+        if isinstance(table, BaseException):  # the scheduler is lost
+            raise table
+        yield numbers.pop(future.key), table
+
+
+def _client(scheduler: str) -> Any:
+    where = f"--scheduler {scheduler}"
+    try:
+        from distributed import Client  # noqa: PLC0415
+    except ImportError:
+        raise InputError("dask is not installed", where=where, right="pip install 'layflat[cluster]'") from None
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what fails is told in one line, by us
+    try:
+        asyncio.run(asyncio.wait_for(_identity(scheduler), PATIENCE))
+        return Client(scheduler, timeout=PATIENCE, set_as_default=False)
+    except Exception:  # of many libraries, depending on what else answers there
+        right = "give the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786"
+        raise InputError("no Dask scheduler answers", where=where, right=right) from None
+
+
+async def _identity(scheduler: str) -> None:
+    """Ask a scheduler who it is: a client that finds none can't be closed without another long wait."""
+    from distributed import Security  # noqa: PLC0415
+    from distributed.core import rpc  # noqa: PLC0415
+
+    security = Security().get_connection_args("client")
+    async with rpc(scheduler, connection_args=security, timeout=PATIENCE) as remote:
+        await remote.identity()

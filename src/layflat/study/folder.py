@@ -1,0 +1,253 @@
+"""A study's folder: study.json says what it holds, chunks/ what is done so far, table.parquet all of it."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from layflat.errors import InputError, OutputError
+from layflat.files import whole_file
+
+if TYPE_CHECKING:
+    import pandas
+    import pyarrow
+
+LEFT_OVER = re.compile(r"\.(study|table|\d{5,})-\w+\.(json|parquet)")
+"""Temporary files of a run that was killed."""
+
+BYTES_A_CELL, BYTES_A_COLUMN = 10, 400
+"""At most, of a number in a Parquet file; of what is said about a column in every chunk."""
+
+
+class ChangedError(OutputError):
+    """The folder holds a study that is not the one asked for.
+
+    Args:
+        where: the folder.
+        what: what is wrong.
+        differences: a line for each.
+    """
+
+    def __init__(self, what: str, where: str, differences: list[str]) -> None:
+        super().__init__(what, where=where, right="give another folder, or the study as it was")
+        self.differences = differences
+
+
+class Folder:
+    """Where a study's results are put.
+
+    Args:
+        place: the folder itself.
+        chunks: how many the study has.
+    """
+
+    def __init__(self, place: Path, chunks: int) -> None:
+        self.place, self.chunks = place, chunks
+
+    @property
+    def table(self) -> Path:
+        """The whole table."""
+        return self.place / "table.parquet"
+
+    def chunk(self, number: int) -> Path:
+        """The file of a chunk."""
+        return self.place / "chunks" / f"{number:05d}.parquet"
+
+    def done(self) -> dict[int, int]:
+        """Rows of each chunk that is there and whole."""
+        found = {number: _rows(self.chunk(number)) for number in range(self.chunks)}
+        return {number: rows for number, rows in found.items() if rows is not None}
+
+    def keep(self, number: int, table: pyarrow.Table) -> None:
+        """Write a chunk.
+
+        Raises:
+            OutputError: it can't be written.
+        """
+        from pyarrow import parquet  # noqa: PLC0415
+
+        with _told(self.place), whole_file(self.chunk(number)) as temporary:
+            parquet.write_table(table, temporary)
+
+    def join(self) -> Path:
+        """Write the table from all chunks, in their order."""
+        from pyarrow import parquet  # noqa: PLC0415
+
+        with _told(self.place), whole_file(self.table) as temporary:
+            schema = parquet.read_schema(self.chunk(0))
+            with parquet.ParquetWriter(temporary, schema) as writer:
+                for number in range(self.chunks):
+                    writer.write_table(parquet.read_table(self.chunk(number), schema=schema))
+        return self.table
+
+
+@contextmanager
+def opened(folder: Folder, content: dict[str, Any]) -> Iterator[None]:
+    """Hold a new folder for a study, or the one in which it was stopped; one process at a time has it.
+
+    Raises:
+        ChangedError: it holds another study.
+        OutputError: it can't be written, holds other files, or is in use.
+    """
+    place = folder.place
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        right = "give a folder that you may write to"
+        raise OutputError(f"can't write here ({error.strerror})", where=str(place), right=right) from None
+    with _alone(place):
+        refuse_foreign(place)
+        _check_same(place, content)
+        for leftover in [*place.glob(".*"), *(place / "chunks").glob(".*")]:
+            leftover.unlink()
+        if not (place / "study.json").exists():
+            with _told(place), whole_file(place / "study.json") as temporary:
+                temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+        yield
+
+
+def refuse_foreign(place: Path) -> None:
+    """Make sure that a folder holds nothing but a study.
+
+    Raises:
+        OutputError: it does.
+    """
+    own = {"study.json", "chunks", "table.parquet"} if (place / "study.json").exists() else set()
+    foreign = [path.name for path in place.iterdir() if path.name not in own and not LEFT_OVER.fullmatch(path.name)]
+    if "chunks" in own and (place / "chunks").is_dir():
+        inside = [path.name for path in (place / "chunks").iterdir()]
+        foreign += [
+            f"chunks/{name}"
+            for name in inside
+            if not (re.fullmatch(r"\d{5,}\.parquet", name) or LEFT_OVER.fullmatch(name))
+        ]
+    if foreign:
+        raise OutputError(
+            f"holds {sorted(foreign)[0]!r}, which is none of a study's files",
+            where=str(place),
+            right="give a new or an empty folder",
+        )
+
+
+def _check_same(place: Path, content: dict[str, Any]) -> None:
+    path = place / "study.json"
+    if not path.exists():
+        return
+    try:
+        held = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        raise OutputError("is not a study's", where=str(path), right="give a new or an empty folder") from None
+    before, now = _flat(held), _flat(json.loads(json.dumps(content)))
+    if before != now:
+        keys = list(dict.fromkeys([*now, *before]))
+        lines = [
+            f"{key}: {before.get(key, '(none)')} -> {now.get(key, '(none)')}"
+            for key in keys
+            if before.get(key) != now.get(key)
+        ]
+        raise ChangedError("holds a study that differs from this one", str(place), lines)
+
+
+def _flat(value: Any, path: str = "") -> dict[str, Any]:
+    """Values of nested tables and lists by dotted path."""
+    if not isinstance(value, (dict, list)) or not value:
+        return {path: value}
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    return {
+        key: leaf for name, item in items for key, leaf in _flat(item, f"{path}.{name}" if path else str(name)).items()
+    }
+
+
+def check_space(place: Path, rows: int, columns: int, chunks: int) -> None:
+    """Make sure, before any work is done, that the disk has room for so many rows, in chunks and in the table.
+
+    Raises:
+        OutputError: saying how much is needed and free.
+    """
+    needed = 2 * columns * (BYTES_A_CELL * rows + BYTES_A_COLUMN * chunks)
+    free = shutil.disk_usage(next(path for path in (place, *place.absolute().parents) if path.exists())).free
+    if needed > free:
+        raise OutputError(
+            f"needs {_megabytes(needed)}, and {_megabytes(free)} are free",
+            where=str(place),
+            right="make room, or give a folder on another disk",
+        )
+
+
+def _megabytes(count: int) -> str:
+    return f"{count / 1e6:,.1f} MB"
+
+
+def table(out: str | Path) -> pandas.DataFrame:
+    """The table of a study that was run; `attrs["units"]` has the unit of every column.
+
+    Raises:
+        InputError: there is none in this folder.
+    """
+    need_parquet()
+    from pyarrow import parquet  # noqa: PLC0415
+
+    path = Path(out) / "table.parquet"
+    if not path.exists():
+        raise InputError("holds no table of a study", where=str(out), right="`layflat study` writes one")
+    whole = parquet.read_table(path)
+    frame: pandas.DataFrame = whole.to_pandas()
+    frame.attrs["units"] = {field.name: field.metadata[b"unit"].decode() for field in whole.schema}
+    return frame
+
+
+def need_parquet() -> None:
+    """Make sure that what writes tables is installed.
+
+    Raises:
+        InputError: saying how to install it.
+    """
+    try:
+        import pyarrow.parquet  # noqa: F401, PLC0415
+    except ImportError:
+        raise InputError("pyarrow is not installed", where="study", right="pip install 'layflat[study]'") from None
+
+
+def _rows(path: Path) -> int | None:
+    """Of a chunk; None where it is not there or broken."""
+    from pyarrow import ArrowInvalid, parquet  # noqa: PLC0415
+
+    try:
+        return int(parquet.read_metadata(path).num_rows)
+    except (OSError, ArrowInvalid):
+        return None
+
+
+@contextmanager
+def _told(place: Path) -> Iterator[None]:
+    """A disk that is full gives one line."""
+    try:
+        yield
+    except OSError as error:
+        what = f"can't write here ({error.strerror or error})"
+        raise OutputError(what, where=str(place), right="make room; the same command then goes on") from None
+
+
+@contextmanager
+def _alone(place: Path) -> Iterator[None]:
+    """Hold a folder so that no other process writes there; the system lets it go when this one ends in any way."""
+    if sys.platform == "win32":
+        yield
+        return
+    import fcntl  # noqa: PLC0415  # not on every system
+    import os  # noqa: PLC0415
+
+    handle = os.open(place, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    except BlockingIOError:
+        raise OutputError("is in use by another run of the study", where=str(place), right="wait for it") from None
+    finally:
+        os.close(handle)

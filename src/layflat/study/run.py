@@ -1,0 +1,107 @@
+"""A study from its first chunk, or where it was stopped, to its table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable
+from contextlib import closing
+from math import ceil
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from layflat.errors import InputError
+from layflat.study.chunk import made_with, measured
+from layflat.study.folder import Folder, check_space, need_parquet, opened
+from layflat.study.sampling import Array, rows, samples
+from layflat.study.study import Study
+
+if TYPE_CHECKING:
+    import pyarrow
+
+CHUNK = 512
+"""Runs that are kept together: what is lost at most when a study is stopped."""
+
+Progress = Callable[[int, int], None]
+Work = Iterable[tuple[int, dict[str, Array]]]
+"""Numbers of chunks, and their runs."""
+
+
+def run(
+    study: Study,
+    out: str | Path,
+    *,
+    scheduler: str | None = None,
+    progress: Progress | None = None,
+    threads: int | None = None,
+    chunk: int = CHUNK,
+) -> Path:
+    """Run a study, or what is left of it where it was stopped before.
+
+    Args:
+        study: what to run.
+        out: folder for the results; new, empty, or of the same study.
+        scheduler: address of a Dask cluster's scheduler that does the work, such as "tcp://10.0.0.1:8786".
+        progress: is called with the runs done so far, and with how many there are.
+        threads: how many work at a time here; one a core where not given.
+        chunk: runs that are kept together.
+
+    Returns:
+        The table's file: rows in order, the same whatever did the work and how often it was stopped.
+
+    Raises:
+        ChangedError: the folder holds another study.
+        OutputError: the folder can't be used, or the disk is too full.
+        InputError: no cluster answers, or a part that is needed is not installed.
+    """
+    need_parquet()
+    if chunk < 1:
+        raise InputError(f"{chunk} is out of range", where="chunk", right="give 1 or more")
+    folder = Folder(Path(out), ceil(study.rows / chunk))
+    left = folder.chunks - len(folder.done())
+    check_space(folder.place, min(left * chunk, study.rows), _columns(study), left)
+    with opened(folder, {**study.canonical(), "chunk": chunk, "made_with": made_with()}):
+        done = folder.done()
+        ran = sum(done.values())
+
+        def tell(count: int) -> None:
+            nonlocal ran
+            ran += count
+            if progress is not None:
+                progress(ran, study.rows)
+
+        tell(0)
+        if len(done) < folder.chunks:
+            work = _work(study, chunk, set(range(folder.chunks)) - set(done))
+            with closing(_tables(study, work, scheduler, threads, tell)) as tables:
+                for number, table in tables:
+                    folder.keep(number, table)
+        return folder.table if folder.table.exists() else folder.join()
+
+
+def _tables(
+    study: Study, work: Work, scheduler: str | None, threads: int | None, tell: Callable[[int], None]
+) -> Generator[tuple[int, pyarrow.Table]]:
+    if scheduler is not None:
+        from layflat.study.cluster import on_cluster  # noqa: PLC0415
+
+        for number, table in on_cluster(study, work, scheduler):
+            yield number, table
+            tell(table.num_rows)
+        return
+    for number, runs in work:
+        yield number, measured(study, runs, threads, tell)
+
+
+def _work(study: Study, chunk: int, left: set[int]) -> Work:
+    drawn = samples(study.varied, study.file)
+    seeds = [scenario.seed for scenario in study.scenarios]
+    for number in sorted(left):
+        first = number * chunk
+        yield number, rows(drawn, seeds, study.file.noise_seeds, first, min(first + chunk, study.rows))
+
+
+def _columns(study: Study) -> int:
+    """At most so many: every metric of every joint in every move."""
+    from layflat.sim.ensemble.cases import cases  # noqa: PLC0415
+
+    each = cases(study.machine, list(study.scenarios), {}, 1).most_moves * len(study.machine.joints)
+    return 4 + len(study.varied) + len(study.metrics) * each

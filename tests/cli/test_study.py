@@ -1,0 +1,95 @@
+"""`layflat study` as a person uses it."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+STUDY = """
+name = "brakes"
+machine = "paper-small-joint"
+sampling = "grid"
+
+[scenario]
+duration = "0.2 s"
+demand = [["0 s", "-10 deg"], ["0.05 s", "10 deg"]]
+
+[vary."joint.small.brake.torque"]
+low = "0 N m"
+high = "4 N m"
+points = 5
+"""
+
+
+def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    return tmp_path
+
+
+def test_a_study_its_summary_and_a_change(folder: Path) -> None:
+    done = layflat("study", "study.toml", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert "brakes: 5 samples, 5 runs" in done.stdout
+    assert re.search(r"settling\.small\.0 +│ s ", done.stdout)
+    assert "0 of 5 runs diverged" in done.stdout
+    assert "wrote out/table.parquet" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 100
+
+    again = layflat("study", "study.toml", "--out", "out", cwd=folder)
+    assert (again.returncode, again.stdout) == (0, done.stdout)
+
+    (folder / "study.toml").write_text(STUDY.replace('"4 N m"', '"3 N m"'), encoding="utf-8")
+    changed = layflat("study", "study.toml", "--out", "out", cwd=folder)
+    assert changed.returncode == 2
+    assert changed.stderr.splitlines() == [
+        "layflat: out: holds a study that differs from this one; give another folder, or the study as it was",
+        "  study.vary.joint.small.brake.torque.high: 4.0 N*m -> 3.0 N*m",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("torque", "torqe", "no number of this name can vary; nearest is 'joint.small.brake.torque'"),
+        ('"4 N m"', "4", "vary.joint.small.brake.torque.high: 4 is a bare number; give a torque such as"),
+    ],
+)
+def test_a_mistake_gives_one_line(folder: Path, old: str, new: str, expected: str) -> None:
+    (folder / "study.toml").write_text(STUDY.replace(old, new), encoding="utf-8")
+    done = layflat("study", "study.toml", "--out", "out", cwd=folder)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("layflat: study.toml: ")
+    assert expected in line
+    assert not (folder / "out").exists()
+
+
+STOPPED = """
+import sys
+from layflat.study import chunk
+
+def stopped(*words, **options):
+    raise KeyboardInterrupt
+
+chunk.ensemble = stopped
+sys.argv = ["layflat", "study", "study.toml", "--out", "out"]
+from layflat.cli import main
+main()
+"""
+
+
+def test_a_stopped_study_says_how_to_go_on(folder: Path) -> None:
+    words = [sys.executable, "-c", STOPPED]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=folder, check=False, timeout=300)
+    assert done.returncode == 130
+    assert done.stderr.splitlines() == ["layflat: stopped; the same command goes on from here"]
+    assert layflat("study", "study.toml", "--out", "out", cwd=folder).returncode == 0

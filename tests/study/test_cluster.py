@@ -1,0 +1,79 @@
+import os
+import signal
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from studies import SMALL, written
+
+from layflat.errors import InputError
+from layflat.study import Study, read, run
+from layflat.study.chunk import made_with, measured_there
+from layflat.study.run import _work
+
+distributed = pytest.importorskip("distributed")
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Study:
+    return read(written(tmp_path, SMALL))
+
+
+@pytest.fixture
+def client() -> Iterator[Any]:
+    """A client of its own beside two worker processes of one thread each."""
+    cluster = distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
+    )
+    with cluster, distributed.Client(cluster, set_as_default=False) as one:
+        yield one
+
+
+def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any) -> None:
+    here = run(study, tmp_path / "here", chunk=2)
+    workers: dict[str, int] = client.run(os.getpid)
+    assert len(workers) == 2
+    killed: list[int] = []
+
+    def kill(done: int, total: int) -> None:
+        """The first worker that has something to do, when a part is done and most is not."""
+        busy = [worker for worker, tasks in client.processing().items() if tasks and worker in workers]
+        if not killed and 0 < done <= total / 2 and busy:
+            os.kill(workers[busy[0]], signal.SIGKILL)
+            killed.append(busy[0])
+
+    there = run(study, tmp_path / "there", chunk=2, scheduler=client.scheduler.address, progress=kill)
+    assert len(killed) == 1
+    assert killed[0] not in client.scheduler_info()["workers"]
+    assert there.read_bytes() == here.read_bytes()
+    assert len(list((tmp_path / "there" / "chunks").iterdir())) == 12
+
+
+def test_a_worker_with_other_laws_is_refused(study: Study) -> None:
+    (_, runs), *_ = _work(study, 2, {0})
+    with pytest.raises(InputError, match=r"a worker has laws \w+, not others; install the same on all workers"):
+        measured_there(study, runs, {**made_with(), "laws": "others"})
+    assert measured_there(study, runs, made_with()).num_rows == 2
+
+
+def test_no_cluster_at_the_address(tmp_path: Path, study: Study) -> None:
+    with socket.socket() as silent:
+        silent.bind(("127.0.0.1", 0))
+        silent.listen()
+        taken = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        for address in (taken, "nonsense", "foo://127.0.0.1:1"):
+            began = time.monotonic()
+            with pytest.raises(InputError, match=f"--scheduler {address}: no Dask scheduler answers; give the address"):
+                run(study, tmp_path / "out", scheduler=address)
+            assert time.monotonic() - began < 10.0
+    assert not list((tmp_path / "out").rglob("*.parquet"))
+
+
+def test_without_dask_it_says_how_to_get_it(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"dask is not installed; pip install 'layflat\[cluster\]'"):
+        run(study, tmp_path / "out", scheduler="tcp://127.0.0.1:8786")
