@@ -21,3 +21,10 @@ def test_the_readmes_example_runs(tmp_path: Path) -> None:
     assert len([line for line in code.splitlines() if line.strip()]) <= 15
     quiet = "import matplotlib; matplotlib.use('agg')\n" + code
     subprocess.run([sys.executable, "-c", quiet], check=True, cwd=tmp_path, timeout=300)
+
+
+@pytest.mark.parametrize("path", sorted((Path(__file__).parents[1] / "examples").glob("*.toml")), ids=lambda p: p.stem)
+def test_example_studies_are_sound(path: Path) -> None:
+    from layflat.study import read  # noqa: PLC0415
+
+    assert read(path).rows > 1

@@ -53,6 +53,17 @@ def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any
     assert len(list((tmp_path / "there" / "chunks").iterdir())) == 12
 
 
+def test_a_study_goes_on_here_when_its_cluster_is_lost(tmp_path: Path, study: Study, client: Any) -> None:
+    def lose(done: int, total: int) -> None:
+        if done == 2:
+            client.shutdown()
+
+    with pytest.raises(InputError, match=r"the cluster failed \(.*; the same command goes on"):
+        run(study, tmp_path / "there", chunk=1, scheduler=client.scheduler.address, progress=lose)
+    there = run(study, tmp_path / "there", chunk=1)
+    assert there.read_bytes() == run(study, tmp_path / "here", chunk=1).read_bytes()
+
+
 def test_a_worker_with_other_laws_is_refused(study: Study) -> None:
     (_, runs), *_ = _work(study, 2, {0})
     with pytest.raises(InputError, match=r"a worker has laws \w+, not others; install the same on all workers"):

@@ -58,10 +58,10 @@ def _done(client: Any, study: Study, work: Work) -> Iterator[tuple[int, pyarrow.
     ahead = AHEAD + 2 * sum(client.nthreads().values())
     running = as_completed(submit(ahead), loop=client.loop, with_results=True)
     for future, table in running:
-        for following in submit(1):
-            running.add(following)
         if isinstance(table, BaseException):  # the scheduler is lost
             raise table
+        for following in submit(1):
+            running.add(following)
         yield numbers.pop(future.key), table
 
 
