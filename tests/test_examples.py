@@ -25,6 +25,6 @@ def test_the_readmes_example_runs(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted((Path(__file__).parents[1] / "examples").glob("*.toml")), ids=lambda p: p.stem)
 def test_example_studies_are_sound(path: Path) -> None:
-    from layflat.study import read  # noqa: PLC0415
+    from layflat.study import read
 
     assert read(path).rows > 1
