@@ -11,7 +11,7 @@ import pytest
 from studies import SMALL, written
 
 from layflat.errors import InputError
-from layflat.study import Study, read, run
+from layflat.study import Study, cluster, read, run
 from layflat.study.chunk import made_with, measured_there
 from layflat.study.run import _work
 
@@ -26,10 +26,10 @@ def study(tmp_path: Path) -> Study:
 @pytest.fixture
 def client() -> Iterator[Any]:
     """A client of its own beside two worker processes of one thread each."""
-    cluster = distributed.LocalCluster(
+    workers = distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
     )
-    with cluster, distributed.Client(cluster, set_as_default=False) as one:
+    with workers, distributed.Client(workers, set_as_default=False) as one:
         yield one
 
 
@@ -53,7 +53,11 @@ def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any
     assert len(list((tmp_path / "there" / "chunks").iterdir())) == 12
 
 
-def test_a_study_goes_on_here_when_its_cluster_is_lost(tmp_path: Path, study: Study, client: Any) -> None:
+def test_a_study_goes_on_here_when_its_cluster_is_lost(
+    tmp_path: Path, study: Study, client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+
     def lose(done: int, total: int) -> None:
         if done == 2:
             client.shutdown()
@@ -71,7 +75,10 @@ def test_a_worker_with_other_laws_is_refused(study: Study) -> None:
     assert measured_there(study, runs, made_with()).num_rows == 2
 
 
-def test_no_cluster_at_the_address(tmp_path: Path, study: Study) -> None:
+def test_no_cluster_at_the_address(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    # It is asked twice: who it is, and by the client.
+    assert 2 * cluster.PATIENCE < 10.0
+    monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))
         silent.listen()
@@ -80,7 +87,7 @@ def test_no_cluster_at_the_address(tmp_path: Path, study: Study) -> None:
             began = time.monotonic()
             with pytest.raises(InputError, match=f"--scheduler {address}: no Dask scheduler answers; give the address"):
                 run(study, tmp_path / "out", scheduler=address)
-            assert time.monotonic() - began < 10.0
+            assert time.monotonic() - began < 4.0
     assert not list((tmp_path / "out").rglob("*.parquet"))
 
 
