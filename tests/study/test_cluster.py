@@ -11,7 +11,7 @@ import pytest
 from studies import SMALL, written
 
 from layflat.errors import InputError
-from layflat.study import Study, cluster, read, run
+from layflat.study import Study, chunk, cluster, read, run
 from layflat.study.chunk import made_with, measured_there
 from layflat.study.run import _work
 
@@ -33,30 +33,42 @@ def client() -> Iterator[Any]:
         yield one
 
 
+def die_in_a_chunk(when: Path) -> None:
+    """On a worker: begin the next chunk, and be killed in it as soon as a file is there or the cluster closes."""
+
+    def killed(*words: object, **options: object) -> None:
+        while not when.exists() and distributed.get_worker().status == distributed.Status.running:
+            time.sleep(0.01)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    chunk.measured = killed  # type: ignore[assignment]
+
+
 def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any) -> None:
     here = run(study, tmp_path / "here", chunk=2)
-    workers: dict[str, int] = client.run(os.getpid)
-    assert len(workers) == 2
-    killed: list[int] = []
+    doomed, other = client.scheduler_info()["workers"]
+    client.run(die_in_a_chunk, tmp_path / "now", workers=[doomed])
+    told = []
 
-    def kill(done: int, total: int) -> None:
-        """The first worker that has something to do, when a part is done and most is not."""
-        busy = [worker for worker, tasks in client.processing().items() if tasks and worker in workers]
-        if not killed and 0 < done <= total / 2 and busy:
-            os.kill(workers[busy[0]], signal.SIGKILL)
-            killed.append(busy[0])
+    def half_way(done: int, total: int) -> None:
+        told.append(done)
+        if done == total // 2:
+            (tmp_path / "now").touch()
 
-    there = run(study, tmp_path / "there", chunk=2, scheduler=client.scheduler.address, progress=kill)
-    assert len(killed) == 1
-    assert killed[0] not in client.scheduler_info()["workers"]
+    there = run(study, tmp_path / "there", chunk=2, scheduler=client.scheduler.address, progress=half_way)
+    workers = client.scheduler_info()["workers"]
+    assert doomed not in workers
+    assert other in workers
+    assert told == list(range(0, 26, 2))
     assert there.read_bytes() == here.read_bytes()
-    assert len(list((tmp_path / "there" / "chunks").iterdir())) == 12
 
 
 def test_a_study_goes_on_here_when_its_cluster_is_lost(
     tmp_path: Path, study: Study, client: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cluster, "PATIENCE", 1.0)
+
+    client.run(die_in_a_chunk, tmp_path / "never", workers=list(client.scheduler_info()["workers"])[:1])
 
     def lose(done: int, total: int) -> None:
         if done == 2:
