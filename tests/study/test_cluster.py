@@ -41,7 +41,7 @@ def die_in_a_chunk(when: Path) -> None:
             time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGKILL)
 
-    chunk.measured = killed  # type: ignore[assignment]
+    chunk.measured = killed
 
 
 def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any) -> None:
