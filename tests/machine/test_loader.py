@@ -58,11 +58,21 @@ def test_every_built_in_value_says_where_it_comes_from(name: str) -> None:
         ('[joint.large.hose]\nwidth = { value = "3 mm", source = "x" }', "source 'x' is unknown; use one of paper"),
         ("[valve]\ncritical_ratio = nan", "valve.critical_ratio: nan is out of range; it should be a finite number"),
         ("[angle_sensor]\nbits = 2.5", "angle_sensor.bits: 2.5 is out of range"),
+        ("[valve]\nfricton = 0.1", "valve.fricton: unknown key; did you mean 'friction'?"),
+        ('[valve]\nkind = "magic"', """valve.kind: 'magic' is no kind of it; give "spool" or "switching\""""),
+        ('[valve]\nkind = "switching"', "valve.frequency: is missing"),
         ("[joint", "is not TOML"),
     ],
 )
 def test_a_mistake_is_named_in_one_line(tmp_path: Path, text: str, expected: str) -> None:
     assert expected in broken(tmp_path, text)
+
+
+def test_mistakes_in_a_valve_that_switches(tmp_path: Path) -> None:
+    base = "paper-arm-switching"
+    assert "valve.frequency: '3 m' is not a frequency" in broken(tmp_path, '[valve]\nfrequency = "3 m"', base)
+    assert "valve: least_pulse must be shorter" in broken(tmp_path, '[valve]\nleast_pulse = "10 ms"', base)
+    assert "valve.overlap: is missing" in broken(tmp_path, '[valve]\nkind = "spool"', base)
 
 
 def test_missing_file_and_misspelt_name() -> None:

@@ -15,8 +15,9 @@ from layflat.physics.joint import Hose, Joint, Surroundings
 from layflat.physics.loss import Loss
 from layflat.physics.sensor import Sensor
 from layflat.physics.spool import Spool
+from layflat.physics.spool_valve import SpoolValve
 from layflat.physics.stop import Stops
-from layflat.physics.valve import Valve
+from layflat.physics.switching_valve import Switch, SwitchingPair
 from layflat.sim.kernel import Sample, Signals, Timing, run_cycles
 
 Floats = NDArray[np.float64]
@@ -28,7 +29,12 @@ FREE = Stops(radians(66.5), 50.0, radians(70.0), 2000.0, 5.0)
 NO_STOPS = Stops(1e3, 0.0, 1e3, 0.0, 0.0)
 NO_LOSS = Loss(*[0.0] * 9)
 RIGID = Chamber(1.2e-4, 0.0, 1.0)
-VALVE = Valve(Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0)
+VALVE = SpoolValve(
+    Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0
+)
+PAIR = SwitchingPair(
+    Switch(1.5e-3, 1e-3, 1e-3, 0.8e-3), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 5.0, 5.0, 70.0, 0.01, 1.5e-3
+)
 ANGLE_SENSOR = Sensor(-radians(75.0), radians(75.0), radians(150.0) / 4096, 0.0, 0.0)
 PRESSURE_SENSOR = Sensor(-5e5, 5e5, 1e6 / 4096, 0.0, 0.0)
 FAR, NEAR, CLOSE = (Phase(5.0 / radians(angle), k_p) for angle, k_p in ((12.0, 1.5e-5), (9.0, 1e-5), (6.0, 3e-6)))

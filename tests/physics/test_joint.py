@@ -8,7 +8,8 @@ from layflat.physics.joint import Ledger, joint_at_rest
 
 def test_a_joint_at_rest_has_what_it_was_given() -> None:
     state = joint_at_rest(LARGE, 0.3, 4e5, 3e5, AROUND)
-    assert state.motion == (0.3, 0.0, 0.0, 0.0, 0.0)
+    assert state.motion == (0.3, 0.0, 0.0)
+    assert state.valve == (0.0, 0.0)
     assert state.ledger == Ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for hose, p, travel in ((state.hose_a, 4e5, 0.3), (state.hose_b, 3e5, -0.3)):
         volume = RIGID.dead_volume + swept_volume(LARGE.hose_a.stroke, LARGE.hose_a.neutral + travel)

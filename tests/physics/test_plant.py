@@ -2,7 +2,21 @@ from math import degrees, pi, radians
 
 import numpy as np
 import pytest
-from plants import CYCLE, JOINTS, LARGE, ONE_LINK, TWO_LINKS, Floats, Run, joint, kinetic_energy, run, signals
+from plants import (
+    CYCLE,
+    JOINTS,
+    LARGE,
+    ONE_LINK,
+    PAIR,
+    TWO_LINKS,
+    VALVE,
+    Floats,
+    Run,
+    joint,
+    kinetic_energy,
+    run,
+    signals,
+)
 
 from layflat.physics.joint import Joint
 from layflat.sim.kernel import Signals, Timing
@@ -40,6 +54,18 @@ def test_second_order_without_brakes() -> None:
     reference, steps = swing(False, 2000), np.array([20, 40, 80])
     errors = [miss(swing(False, n), reference) for n in steps]
     assert -np.polyfit(np.log(steps), np.log(errors), 1)[0] > 1.8
+
+
+@pytest.mark.compiled
+def test_pulses_meet_no_step_and_cost_no_accuracy() -> None:
+    joints = tuple(one._replace(valve=PAIR) for one in JOINTS)
+
+    def swing(steps: int) -> Run:
+        return run(TWO_LINKS, joints, sines(True), Timing(CYCLE, steps, 1, False))
+
+    reference = swing(2000)
+    assert np.degrees(np.ptp(reference.column("angle"), axis=0)).min() > 5.0
+    assert miss(swing(20), reference) < 0.01
 
 
 @pytest.mark.compiled
@@ -86,7 +112,7 @@ def test_a_valve_that_opens_turns_its_joint_that_way() -> None:
 
 
 def test_mirrored_machines_move_alike_but_for_the_dither() -> None:
-    still = LARGE._replace(valve=LARGE.valve._replace(dither_amplitude=0.0))
+    still = LARGE._replace(valve=VALVE._replace(dither_amplitude=0.0))
 
     def path(joint: Joint, side: float) -> Floats:
         return run(ONE_LINK, (joint,), signals(6, 1, opening=side * 0.2), angles=side * 0.1).column("angle")

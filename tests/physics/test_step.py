@@ -2,23 +2,27 @@ from typing import Any
 
 import numpy as np
 import pytest
-from plants import AROUND, LARGE, SMALL
+from plants import AROUND, LARGE, PAIR, SMALL, VALVE
 
 from layflat.jit import composition, kernel
 from layflat.lanes import halves, join
+from layflat.physics.dither import Dither
 from layflat.physics.joint import joint_at_rest
 from layflat.physics.step import at_hand, finish, middle, set_running
+from layflat.physics.valve import Valve, start_wave, turn_wave
 
 H = 2.5e-4
+STILL = Dither(0.0, 1.0, 0.0, 1.0)
 
 
 @composition
 def advanced(joint: Any, state: Any, opening: Any, v: Any, around: Any) -> Any:
     """A few steps with the velocities prescribed."""
-    running = set_running(state)
-    for _ in range(5):
-        mid = middle(joint, running, opening, 0.0, around, H)
+    running, wave = set_running(state), start_wave(joint.valve, 0.0, H)
+    for _ in range(20):
+        mid = middle(joint, running, opening, wave, around, H)
         running = finish(joint, running, mid, v, 0.0 * v, 0.0 * v, H)
+        wave = turn_wave(wave)
     return at_hand(running)
 
 
@@ -36,18 +40,21 @@ def alone(joint: Any, state: Any, opening: float, v: float, around: Any) -> Any:
 
 
 @pytest.mark.compiled
-def test_joints_side_by_side_are_bit_for_bit_joints_alone() -> None:
-    state_1, state_2 = joint_at_rest(LARGE, 0.3, 4e5, 3e5, AROUND), joint_at_rest(SMALL, -0.2, 2e5, 3.5e5, AROUND)
-    first, second = side_by_side(LARGE, SMALL, state_1, state_2, AROUND)
-    assert first == alone(LARGE, state_1, 0.4, 2.0, AROUND)
-    assert second == alone(SMALL, state_2, -0.3, -1.0, AROUND)
+@pytest.mark.parametrize("valve", [VALVE, PAIR], ids=["spool", "switching"])
+def test_joints_side_by_side_are_bit_for_bit_joints_alone(valve: Valve) -> None:
+    large, small = LARGE._replace(valve=valve), SMALL._replace(valve=valve)
+    state_1, state_2 = joint_at_rest(large, 0.3, 4e5, 3e5, AROUND), joint_at_rest(small, -0.2, 2e5, 3.5e5, AROUND)
+    first, second = side_by_side(large, small, state_1, state_2, AROUND)
+    assert first == alone(large, state_1, 0.4, 2.0, AROUND)
+    assert second == alone(small, state_2, -0.3, -1.0, AROUND)
+    assert first.valve != state_1.valve
 
 
 @composition
 def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, around: Any) -> Any:
     """One step with the velocity prescribed: the state after it, and the torques in its middle."""
     running = set_running(state)
-    mid = middle(joint, running, 0.0, 0.0, around, H)
+    mid = middle(joint, running, 0.0, STILL, around, H)
     return at_hand(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
 
 
@@ -75,7 +82,7 @@ def test_parting_undoes_joining() -> None:
 def test_moving_the_joint_moves_air_as_its_volume_says() -> None:
     state = joint_at_rest(LARGE, 0.0, 3e5, 3e5, AROUND)
     # Ports covered and no leak to speak of: what hose A gains in volume it loses in pressure.
-    shut = LARGE._replace(valve=LARGE.valve._replace(leakage=0.0, dither_amplitude=0.0))
+    shut = LARGE._replace(valve=VALVE._replace(leakage=0.0, dither_amplitude=0.0))
     after = state
     for _ in range(40):
         after, _, _ = stepped(shut, after, 1.0, 0.0, 0.0, AROUND)

@@ -8,6 +8,7 @@ from math import degrees
 
 from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
+from layflat.machine.model import SpoolValve
 
 RIGS = (
     "rig-polyester",
@@ -42,6 +43,12 @@ class Bench:
     arm: Machine
     earlier: Machine
     brake: float = 1.0
+
+    @property
+    def valve(self) -> SpoolValve:
+        """The arm's valve."""
+        assert isinstance(self.arm.valve, SpoolValve)
+        return self.arm.valve
 
     @cached_property
     def axis_one(self) -> Machine:
@@ -79,6 +86,10 @@ def bench(arm: str | Machine = "paper-arm") -> Bench:
             f"{list(loaded.arm.joints)}",
             where=f"{loaded.origin}: arm.joints",
             right='the experiments need "large", "small"',
+        )
+    if not isinstance(loaded.valve, SpoolValve):
+        raise MachineError(
+            "is no spool valve", where=f"{loaded.origin}: valve", right='the experiments need one of kind "spool"'
         )
     return Bench(loaded, load("earlier-actuator"))
 

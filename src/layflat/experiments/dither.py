@@ -15,8 +15,9 @@ from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
 from layflat.jit import kernel
 from layflat.machine import Machine, parameters
+from layflat.machine.model import SpoolValve
 from layflat.physics.spool import advance_spool
-from layflat.physics.valve import path_conductance
+from layflat.physics.spool_valve import path_conductance
 from layflat.sim import rollout
 
 SETTLED = 1.0
@@ -69,12 +70,11 @@ def amplitude_at(time: NDArray[np.float64], signal: NDArray[np.float64], frequen
     return float(2.0 * np.abs(np.mean((signal - signal.mean()) * turns)))
 
 
-def ripple(machine: Machine, brake: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Amplitudes at the dither's frequency of angle (rad) and differential pressure (Pa), valve command centred."""
+def ripple(machine: Machine, brake: float, frequency: float) -> tuple[dict[str, float], dict[str, float]]:
+    """Amplitudes at a frequency (Hz) of angle (rad) and differential pressure (Pa), valve command centred."""
     run = rollout(machine, opening=0.0, brake=brake, duration=SETTLED + 1.0, records=10, noise=False)
     part = run.isel(time=slice(0, -1)).sel(time=slice(SETTLED - 1e-9, None))
     time = part["time"].to_numpy()
-    frequency = machine.valve.dither.frequency if machine.valve else 50.0
     difference = part["pressure_a"] - part["pressure_b"]
     angle = {j: amplitude_at(time, part["angle"].sel(joint=j).to_numpy(), frequency) for j in machine.joints}
     pressure = {j: amplitude_at(time, difference.sel(joint=j).to_numpy(), frequency) for j in machine.joints}
@@ -98,10 +98,9 @@ def _valve_sweep(valve, command, amplitude, frequency, h, n):  # type: ignore[no
     return opening
 
 
-def sweep_valve(machine: Machine, amplitude: float, frequency: float) -> ValveSweep:
+def sweep_valve(valve: SpoolValve, amplitude: float, frequency: float) -> ValveSweep:
     """Sweep a valve's command slowly up and down over a fifth of its stroke."""
-    described, _, _ = parameters.drive_parts(machine)
-    law = parameters.valve(described)
+    law = parameters.spool_valve(valve)
     command = np.linspace(-0.2, 0.2, 81)
     both = np.concatenate([command, command[::-1]])
     lap = np.concatenate([both, both])
@@ -123,9 +122,9 @@ def frequency_response(frequency: NDArray[np.float64], cycle: float) -> NDArray[
 def perform(bench: Bench) -> Dither:
     """Measure ripple with and without brake, sweep the valve, and probe the average."""
     arm = bench.arm
-    valve, _, _ = parameters.drive_parts(arm)
-    angle_free, pressure_free = ripple(arm, 0.0)
-    angle_braked, pressure_braked = ripple(arm, bench.brake)
+    dither = bench.valve.dither
+    angle_free, pressure_free = ripple(arm, 0.0, dither.frequency)
+    angle_braked, pressure_braked = ripple(arm, bench.brake, dither.frequency)
     cycle = arm.controller.cycle if arm.controller else 0.005
     frequency = np.linspace(0.5, 100.0, 400)
     response = frequency_response(frequency, cycle)
@@ -135,9 +134,9 @@ def perform(bench: Bench) -> Dither:
         angle_braked,
         pressure_free,
         pressure_braked,
-        sweep_valve(arm, 0.0, valve.dither.frequency),
-        sweep_valve(arm, valve.dither.amplitude, valve.dither.frequency),
-        sweep_valve(arm, valve.dither.amplitude, HIGH_FREQUENCY),
+        sweep_valve(bench.valve, 0.0, dither.frequency),
+        sweep_valve(bench.valve, dither.amplitude, dither.frequency),
+        sweep_valve(bench.valve, dither.amplitude, HIGH_FREQUENCY),
         frequency,
         np.abs(response),
         suppression,
@@ -147,7 +146,6 @@ def perform(bench: Bench) -> Dither:
 
 def _average(bench: Bench, cycle: float) -> tuple[float, float]:
     """Suppression of the dither's frequency (dB) and delay (s) of the angle that the controller uses."""
-    valve, _, _ = parameters.drive_parts(bench.arm)
     gains = parameters.gains(bench.arm, "small")
 
     def used(signal: NDArray[Any]) -> NDArray[np.float64]:
@@ -159,7 +157,7 @@ def _average(bench: Bench, cycle: float) -> tuple[float, float]:
         return out
 
     t = cycle * np.arange(200)
-    swing = used(np.sin(2 * pi * valve.dither.frequency * t + 0.3))[20:]
+    swing = used(np.sin(2 * pi * bench.valve.dither.frequency * t + 0.3))[20:]
     suppression = -20.0 * np.log10(max(float(np.abs(swing).max()), 1e-12))
     ramp = used(t)
     return float(suppression), float(np.mean((t - ramp)[20:]))

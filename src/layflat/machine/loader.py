@@ -128,7 +128,7 @@ def _laid_over(under: Plain, over: Plain) -> Plain:
 
 def _explained(error: ErrorDetails, where: str) -> MachineError:
     """One line for the first thing that pydantic found wrong."""
-    key = ".".join(str(step) for step in error["loc"])
+    key = ".".join(str(step) for step in _written(error["loc"]))
     value = error["input"]
     message = error["msg"].removeprefix("Value error, ")
     place = f"{where}: {key}" if key else where
@@ -136,12 +136,21 @@ def _explained(error: ErrorDetails, where: str) -> MachineError:
         return MachineError("unknown key", where=place, right=_known_keys(error["loc"]))
     if error["type"] == "missing":
         return MachineError("is missing", where=place, right="`layflat show paper-arm` shows a complete description")
+    if error["type"] == "union_tag_invalid":
+        kinds = error["ctx"]["expected_tags"].replace("'", '"').replace(", ", " or ")
+        return MachineError(f"{value.get('kind')!r} is no kind of it", where=f"{place}.kind", right=f"give {kinds}")
     if error["type"] == "quantity":
         problem, _, right = message.partition("; ")
         return MachineError(f"{value!r} {problem}", where=place, right=right)
     if isinstance(value, dict):
         return MachineError(message, where=place)
     return MachineError(f"{value!r} is out of range", where=place, right=_plain_bound(error, message))
+
+
+def _written(location: tuple[int | str, ...]) -> tuple[int | str, ...]:
+    """A place as it stands in the file: without the kind that pydantic puts behind the key of a valve."""
+    kinds = {"spool", "switching"}
+    return tuple(step for i, step in enumerate(location) if not (step in kinds and location[i - 1] == "valve"))
 
 
 def _plain_bound(error: ErrorDetails, message: str) -> str:
@@ -156,8 +165,13 @@ def _known_keys(location: tuple[int | str, ...]) -> str:
     for step in location[:-1]:
         here = here.get("properties", {}).get(step) or here.get("additionalProperties") or {}
         options = [here, *here.get("anyOf", [])]
-        name = next((option["$ref"].rsplit("/", 1)[-1] for option in options if "$ref" in option), None)
-        here = definitions[name] if name else here
+        options += [kind for option in options for kind in option.get("oneOf", [])]
+        names = [option["$ref"].rsplit("/", 1)[-1] for option in options if "$ref" in option]
+        named = [definitions[name] for name in names]
+        if len(named) == 1:
+            here = named[0]
+        elif named:
+            here = {"properties": {kind["properties"]["kind"]["const"]: kind for kind in named}}
     known = list(here.get("properties", {}))
     near = get_close_matches(str(location[-1]), known, n=1)
     return f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(known)}"

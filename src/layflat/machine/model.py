@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from layflat.machine import units as u
 from layflat.machine.parts import Joint, Part
@@ -33,26 +33,64 @@ class Dither(Part):
 
 
 class Valve(Part):
-    """A 5/3 proportional spool valve with its driver, one per joint."""
+    """What every valve has, with its driver; there is one per joint."""
 
     conductance: u.Conductance = Field(description="ISO 6358 sonic conductance of a fully open path")
     critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
     leakage: u.ConductanceOrZero = Field(description="sonic conductance of a closed path")
+    centre_voltage: u.Voltage
+    volts_to_full: u.PositiveVoltage = Field(description="from the centre to full opening")
+
+    @model_validator(mode="after")
+    def _closes(self) -> Self:
+        if self.leakage >= self.conductance:
+            raise ValueError("leakage must be smaller than conductance")
+        return self
+
+
+class SpoolValve(Valve):
+    """A 5/3 proportional spool valve."""
+
+    kind: Literal["spool"] = "spool"
     overlap: Annotated[u.Share, Field(lt=0.9)] = Field(
         description="share of the stroke in which a land covers its port"
     )
     natural_frequency: u.Frequency
     damping_ratio: u.Ratio
     friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
-    centre_voltage: u.Voltage
-    volts_to_full: u.PositiveVoltage = Field(description="from the centre to full opening")
     dither: Dither
 
+
+class SwitchingValves(Valve):
+    """Two on/off valves under pulse-width modulation: one fills hose A and vents hose B, the other the reverse."""
+
+    kind: Literal["switching"]
+    frequency: u.Frequency = Field(description="of the pulses")
+    dead_band: Annotated[u.Share, Field(lt=0.9)] = Field(description="command up to which no pulse is given")
+    least_pulse: u.TimeOrZero = Field(description="length of the pulse at the edge of the dead band")
+    opening_delay: u.Time = Field(description="from voltage on to the plunger's first motion")
+    opening_time: u.Time = Field(description="of the plunger's whole way")
+    closing_delay: u.Time = Field(description="from voltage off to the plunger's first motion")
+    closing_time: u.Time
+
     @model_validator(mode="after")
-    def _closes(self) -> Valve:
-        if self.leakage >= self.conductance:
-            raise ValueError("leakage must be smaller than conductance")
+    def _pulses_fit(self) -> Self:
+        if self.least_pulse * self.frequency >= 1.0:
+            raise ValueError("least_pulse must be shorter than the pulses' period, 1 / frequency")
         return self
+
+
+def _kind_of_valve(described: object) -> object:
+    if isinstance(described, dict):
+        return described.get("kind", "spool")
+    return getattr(described, "kind", None)
+
+
+AnyValve = Annotated[
+    Annotated[SpoolValve, Tag("spool")] | Annotated[SwitchingValves, Tag("switching")],
+    Discriminator(_kind_of_valve),
+]
+"""One of the kinds of valve; a spool valve where the description does not say."""
 
 
 class AngleSensor(Part):
@@ -104,7 +142,7 @@ class Machine(Part):
     supply: Supply
     joint: dict[str, Joint]
     arm: Arm
-    valve: Valve | None = None
+    valve: AnyValve | None = None
     angle_sensor: AngleSensor | None = None
     pressure_sensor: PressureSensor | None = None
     controller: Controller | None = None

@@ -20,7 +20,7 @@ from numpy.polynomial.polynomial import polyfit
 from layflat.control.gains import Gains, Phase
 from layflat.errors import MachineError
 from layflat.machine import parts
-from layflat.machine.model import AngleSensor, Machine, PressureSensor, Valve
+from layflat.machine.model import AngleSensor, Machine, PressureSensor, SpoolValve, SwitchingValves
 from layflat.physics.arm import LevelTwoLink, OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
@@ -29,8 +29,9 @@ from layflat.physics.joint import Hose, Joint, Surroundings
 from layflat.physics.loss import Loss
 from layflat.physics.sensor import Sensor
 from layflat.physics.spool import Spool
+from layflat.physics.spool_valve import SpoolValve as SpoolLaw
 from layflat.physics.stop import Stops
-from layflat.physics.valve import Valve as ValveLaw
+from layflat.physics.switching_valve import Switch, SwitchingPair
 
 Arm = OneLink | TwoLink | LevelTwoLink
 
@@ -116,10 +117,15 @@ def stops(joint: parts.Joint) -> Stops:
     return Stops(squeeze, joint.stops.squeeze_stiffness, limit, joint.stops.stop_stiffness, joint.stops.stop_damping)
 
 
-def valve(described: Valve) -> ValveLaw:
+def valve(described: SpoolValve | SwitchingValves) -> SpoolLaw | SwitchingPair:
+    """A valve with its driver."""
+    return spool_valve(described) if isinstance(described, SpoolValve) else switching_pair(described)
+
+
+def spool_valve(described: SpoolValve) -> SpoolLaw:
     """Spool valve with its driver."""
     b = described.critical_ratio
-    return ValveLaw(
+    return SpoolLaw(
         Spool(2 * pi * described.natural_frequency, described.damping_ratio, described.friction),
         described.conductance,
         described.leakage,
@@ -133,13 +139,35 @@ def valve(described: Valve) -> ValveLaw:
     )
 
 
+def switching_pair(described: SwitchingValves) -> SwitchingPair:
+    """Two on/off valves with their driver."""
+    b = described.critical_ratio
+    return SwitchingPair(
+        Switch(
+            described.opening_delay,
+            described.opening_time,
+            described.closing_delay,
+            described.closing_time,
+        ),
+        described.conductance,
+        described.leakage,
+        b,
+        _each(laminar_slope, b),
+        described.centre_voltage,
+        described.volts_to_full,
+        described.frequency,
+        described.dead_band,
+        described.least_pulse,
+    )
+
+
 def sensor(described: AngleSensor | PressureSensor) -> Sensor:
     """A sensor centred on zero."""
     half = described.range / 2
     return Sensor(-half, half, described.range / 2**described.bits, described.offset, described.noise)
 
 
-def drive_parts(machine: Machine) -> tuple[Valve, AngleSensor, PressureSensor]:
+def drive_parts(machine: Machine) -> tuple[SpoolValve | SwitchingValves, AngleSensor, PressureSensor]:
     """Valve and sensors of a machine that moves by itself.
 
     Raises:

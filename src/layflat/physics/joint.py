@@ -11,7 +11,7 @@ from layflat.physics.hose import EvenStroke, Stroke, swept_volume
 from layflat.physics.loss import Loss
 from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
-from layflat.physics.valve import Valve
+from layflat.physics.valve import Valve, ValveState, at_rest
 
 
 class Hose(NamedTuple):
@@ -72,13 +72,11 @@ class HoseState(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Angle (rad), velocity and its last change (rad/s); opening of the valve's spool and its rate (1/s)."""
+    """Angle (rad), velocity and its last change (rad/s)."""
 
     angle: float
     velocity: float
     velocity_change: float
-    spool: float
-    spool_rate: float
 
 
 class Ledger(NamedTuple):
@@ -102,6 +100,7 @@ class JointState(NamedTuple):
     """All that changes in a joint."""
 
     motion: Motion
+    valve: ValveState
     hose_a: HoseState
     hose_b: HoseState
     ledger: Ledger | AirTaken
@@ -121,4 +120,4 @@ def joint_at_rest(joint, q, p_1, p_2, around):
     T, p_a = around.ambient_temperature, around.ambient_pressure
     a = hose_at_rest(joint.hose_a, joint.hose_a.neutral + q, p_1, T, p_a)
     b = hose_at_rest(joint.hose_b, joint.hose_b.neutral - q, p_2, T, p_a)
-    return JointState(Motion(q, 0.0, 0.0, 0.0, 0.0), a, b, Ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    return JointState(Motion(q, 0.0, 0.0), at_rest(joint.valve), a, b, Ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""The whole plant: an arm with its joints, advanced by a number of steps under constant drives and moving dither.
+"""The whole plant: an arm with its joints, advanced by a number of steps under constant drives.
 
 The arms differ only in how torques become velocities; `advance` picks the right one by the kind of arm.
 """
@@ -17,10 +17,10 @@ from layflat.physics.arm import (
     two_link_mass,
     two_link_tip,
 )
-from layflat.physics.dither import half_change, turn_dither
 from layflat.physics.friction import brake_one, brake_two
 from layflat.physics.step import at_hand, finish, middle, set_running
 from layflat.physics.trig import sincos
+from layflat.physics.valve import turn_wave
 
 
 @composition
@@ -44,8 +44,8 @@ posture = by_kind({TwoLink: _posture, LevelTwoLink: _level_posture})
 
 
 @composition
-def _step_two(arm, joints, running, drives, openings, swings, around, h):
-    mid = middle(joints, running, openings, swings, join(around, around), h)
+def _step_two(arm, joints, running, drives, waves, around, h):
+    mid = middle(joints, running, drives.opening, waves, join(around, around), h)
     (q_1, q_2), (led_1, led_2), (torque_1, torque_2) = halves(mid.angle), halves(mid.velocity), halves(mid.torque)
     v_1, v_2 = halves(running.motion.velocity)
     drive_1, drive_2 = halves(drives)
@@ -60,22 +60,20 @@ def _step_two(arm, joints, running, drives, openings, swings, around, h):
 
 
 @composition
-def advance_two(arm, joints, states, drives, dithers, around, h, n):
-    """Advance states and dithers (lists) of both joints by n steps of h; each sequence holds one item a joint."""
-    both, drive, dither = join(joints[0], joints[1]), join(drives[0], drives[1]), join(dithers[0], dithers[1])
+def advance_two(arm, joints, states, drives, waves, around, h, n):
+    """Advance states and waves (lists) of both joints by n steps of h; each sequence holds one item a joint."""
+    both, drive, wave = join(joints[0], joints[1]), join(drives[0], drives[1]), join(waves[0], waves[1])
     running = set_running(join(states[0], states[1]))
     for _ in range(n):
-        openings = drive.opening + both.valve.dither_amplitude * dither.sine
-        swings = both.valve.dither_amplitude * half_change(dither)
-        running = _step_two(arm, both, running, drive, openings, swings, around, h)
-        dither = turn_dither(dither)
+        running = _step_two(arm, both, running, drive, wave, around, h)
+        wave = turn_wave(wave)
     states[0], states[1] = halves(at_hand(running))
-    dithers[0], dithers[1] = halves(dither)
+    waves[0], waves[1] = halves(wave)
 
 
 @composition
-def _step_one(arm, joint, running, drive, opening, swing, around, h):
-    mid = middle(joint, running, opening, swing, around, h)
+def _step_one(arm, joint, running, drive, wave, around, h):
+    mid = middle(joint, running, drive.opening, wave, around, h)
     M = one_link_mass(arm, around.payload)
     load = drive.load_torque + one_link_gravity(arm, around.payload, mid.angle)
     v, J = brake_one(M, M * running.motion.velocity + h * load + h * mid.torque, h * drive.brake_torque)
@@ -83,19 +81,17 @@ def _step_one(arm, joint, running, drive, opening, swing, around, h):
 
 
 @composition
-def advance_one(arm, joints, states, drives, dithers, around, h, n):
-    """Advance state and dither (lists of one) of the only joint by n steps of h."""
-    joint, drive, dither, running = joints[0], drives[0], dithers[0], set_running(states[0])
+def advance_one(arm, joints, states, drives, waves, around, h, n):
+    """Advance state and wave (lists of one) of the only joint by n steps of h."""
+    joint, drive, wave, running = joints[0], drives[0], waves[0], set_running(states[0])
     for _ in range(n):
-        opening = drive.opening + joint.valve.dither_amplitude * dither.sine
-        swing = joint.valve.dither_amplitude * half_change(dither)
-        running = _step_one(arm, joint, running, drive, opening, swing, around, h)
-        dither = turn_dither(dither)
-    states[0], dithers[0] = at_hand(running), dither
+        running = _step_one(arm, joint, running, drive, wave, around, h)
+        wave = turn_wave(wave)
+    states[0], waves[0] = at_hand(running), wave
 
 
 advance = by_kind({OneLink: advance_one, TwoLink: advance_two, LevelTwoLink: advance_two})
-"""Advance an arm of any kind, in place: `advance(arm, joints, states, drives, dithers, around, h, n)`."""
+"""Advance an arm of any kind, in place: `advance(arm, joints, states, drives, waves, around, h, n)`."""
 
 
 @composition

@@ -1,4 +1,4 @@
-"""A joint's half of a step: what its air, spool, losses and stops do, before and after the arm finds its velocities.
+"""A joint's half of a step: what its valve, air, losses and stops do, before and after the arm finds its velocities.
 
 A step of h seconds goes drift (h/2) - kick (h) - drift (h/2). In the middle the angle stands still: air flows, and all
 torques are gathered; then the arm (see plant.py) finds the new velocities, its brakes included, and the joint drifts
@@ -23,26 +23,25 @@ from layflat.physics.flow import warmth
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion
 from layflat.physics.loss import slip_all
-from layflat.physics.spool import advance_spool
 from layflat.physics.stop import stop_damping, stop_torque
-from layflat.physics.valve import chamber_flow, mean_conductance
+from layflat.physics.valve import ValveState, chamber_flow, move
 
 
 class Running(NamedTuple):
     """State of a joint between the steps of a run, its hoses joined."""
 
     motion: Motion
+    valve: ValveState
     hoses: HoseState
     ledger: Ledger
 
 
 class Middle(NamedTuple):
-    """A joint in the middle of a step: angle held, air and spool already moved on, torques (N m) gathered."""
+    """A joint in the middle of a step: angle held, air and valve already moved on, torques (N m) gathered."""
 
     angle: float
     velocity: float
-    spool: float
-    spool_rate: float
+    valve: ValveState
     hoses: HoseState
     gas_torque: float
     loss_torque: float
@@ -54,14 +53,14 @@ class Middle(NamedTuple):
 @composition
 def set_running(state):
     """Join the hoses of a state."""
-    return Running(state.motion, join(state.hose_a, state.hose_b), state.ledger)
+    return Running(state.motion, state.valve, join(state.hose_a, state.hose_b), state.ledger)
 
 
 @composition
 def at_hand(running):
     """Part the hoses of a state: undoes `set_running`."""
     a, b = halves(running.hoses)
-    return JointState(running.motion, a, b, running.ledger)
+    return JointState(running.motion, running.valve, a, b, running.ledger)
 
 
 @law
@@ -104,17 +103,13 @@ def _swell(hose, state, travel):
 
 
 @composition
-def middle(joint, running, opening, swing, around, h):
-    """First half of a step: drift to the middle, move the spool, let the air flow, gather the torques."""
+def middle(joint, running, command, wave, around, h):
+    """First half of a step: drift to the middle, move the valve, let the air flow, gather the torques."""
     motion = running.motion
     q = motion.angle + 0.5 * h * motion.velocity
     v = motion.velocity + 0.5 * motion.velocity_change
-    x, rate = advance_spool(joint.valve.spool, opening, swing, motion.spool, motion.spool_rate, h)
     # What fills hose A vents hose B.
-    fills, vents = (
-        mean_conductance(joint.valve, motion.spool, x),
-        mean_conductance(joint.valve, -motion.spool, -x),
-    )
+    valve, fills, vents = move(joint.valve, running.valve, command, wave, h)
     # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
     turn = h * motion.velocity
     hoses, gas, loss, taken = _breathe(
@@ -131,7 +126,7 @@ def middle(joint, running, opening, swing, around, h):
     (gas_a, gas_b), (loss_a, loss_b), (taken_a, taken_b) = halves(gas), halves(loss), halves(taken)
     damping = joint.viscous_friction + stop_damping(joint.stops, q)
     torque = (gas_a - gas_b) - (loss_a + loss_b) + (stop_torque(joint.stops, q) - damping * v)
-    return Middle(q, v, x, rate, hoses, gas_a - gas_b, loss_a + loss_b, torque, damping, taken_a + taken_b)
+    return Middle(q, v, valve, hoses, gas_a - gas_b, loss_a + loss_b, torque, damping, taken_a + taken_b)
 
 
 @composition
@@ -164,7 +159,8 @@ def finish(joint, running, mid, v, impulse, load_torque, h):
     mean = 0.5 * (motion.velocity + v)
     travels = join(joint.hose_a.neutral + q, joint.hose_b.neutral - q)
     return Running(
-        Motion(q, v, v - motion.velocity, mid.spool, mid.spool_rate),
+        Motion(q, v, v - motion.velocity),
+        mid.valve,
         _swell(join(joint.hose_a, joint.hose_b), mid.hoses, travels),
         book(running.ledger, mid, impulse, load_torque, mean, h),
     )

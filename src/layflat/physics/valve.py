@@ -1,54 +1,39 @@
-"""A 5/3 proportional spool valve: which share of its full conductance joins each hose to supply and exhaust.
+"""The valve between supply, exhaust and a joint's two hoses, of any kind: what it lets through, and the air that flows.
 
-| symbol | meaning | unit |
-|---|---|---|
-| x | spool opening, positive: hose A to supply, hose B to exhaust | 1 |
-| o | overlap: the share of the stroke in which a land covers its port | 1 |
-| C | sonic conductance of a fully open path | m3/(s Pa) |
-| C_0 | leakage conductance of a closed path | m3/(s Pa) |
+A kind of valve is a law that moves it and yields the conductances of its two paths: the one that fills hose A and vents
+hose B, and the reverse.
 """
 
-from typing import NamedTuple
-
-from layflat.jit import law
+from layflat.jit import by_kind, law
+from layflat.physics import spool_valve, switching_valve
+from layflat.physics.dither import Dither, turn_dither
 from layflat.physics.flow import flow_between
-from layflat.physics.ramp import mean_above_zero
-from layflat.physics.spool import Spool
+from layflat.physics.spool_valve import SpoolState, SpoolValve
+from layflat.physics.switching_valve import Carrier, PairState, SwitchingPair
 
+Valve = SpoolValve | SwitchingPair
+ValveState = SpoolState | PairState
 
-class Valve(NamedTuple):
-    """Parameters of a valve with its driver."""
+at_rest = by_kind({SpoolValve: spool_valve.centred, SwitchingPair: switching_valve.shut})
+"""State of a valve that was never driven: `at_rest(valve)`."""
 
-    spool: Spool
-    conductance: float
-    leakage: float
-    critical_ratio: float
-    laminar_slope: float
-    overlap: float
-    centre_voltage: float
-    volts_to_full: float
-    dither_amplitude: float
-    dither_frequency: float
+start_wave = by_kind({SpoolValve: spool_valve.start_spool_wave, SwitchingPair: switching_valve.start_carrier})
+"""What the driver makes by itself, dither or carrier, in the step of h that begins at t: `start_wave(valve, t, h)`."""
+
+turn_wave = by_kind({Dither: turn_dither, Carrier: switching_valve.turn_carrier})
+"""The same in the next step: `turn_wave(wave)`."""
+
+move = by_kind({SpoolValve: spool_valve.move_spool, SwitchingPair: switching_valve.move_pair})
+"""State after a step of h, and mean conductances (m3/(s Pa)) in it: `move(valve, state, command, wave, h)`."""
+
+net_opening = by_kind({SpoolState: spool_valve.spool_opening, PairState: switching_valve.pair_opening})
+"""Opening towards filling hose A, -1..1: `net_opening(state)`."""
 
 
 @law
 def commanded_opening(valve, voltage):
     """Opening that the driver asks for at a control voltage, -1..1, without dither."""
     return min(max((voltage - valve.centre_voltage) / valve.volts_to_full, -1.0), 1.0)
-
-
-@law
-def path_conductance(valve, x):
-    """Conductance of the path that a positive x opens, m3/(s Pa)."""
-    share = max(x - valve.overlap, 0.0) * (1.0 / (1.0 - valve.overlap))
-    return valve.leakage + (valve.conductance - valve.leakage) * share
-
-
-@law
-def mean_conductance(valve, x_0, x_1):
-    """Mean conductance of the path that a positive x opens, while x moves evenly from x_0 to x_1, m3/(s Pa)."""
-    share = mean_above_zero(x_0 - valve.overlap, x_1 - valve.overlap) * (1.0 / (1.0 - valve.overlap))
-    return valve.leakage + (valve.conductance - valve.leakage) * share
 
 
 @law

@@ -9,12 +9,11 @@ from layflat.control.gains import Measurement, Status
 from layflat.jit import kernel, law
 from layflat.lanes import write_row
 from layflat.physics.chamber import temperature
-from layflat.physics.dither import start_dither
 from layflat.physics.joint import Drive, Surroundings, joint_at_rest
 from layflat.physics.loss import stored_energy
 from layflat.physics.plant import advance
 from layflat.physics.sensor import read_sensor
-from layflat.physics.valve import commanded_opening
+from layflat.physics.valve import commanded_opening, net_opening, start_wave
 
 
 class Timing(NamedTuple):
@@ -56,7 +55,7 @@ class Sample(NamedTuple):
     pressure_b: float
     temperature_a: float
     temperature_b: float
-    spool: float
+    valve_opening: float
     voltage: float
     measured_angle: float
     measured_pressure: float
@@ -93,7 +92,7 @@ def _sample(joint, state, around, measured, voltage, memory, status):
         b.pressure,
         temperature(joint.hose_a.chamber, a.pressure, a.mass, a.volume, p_a),
         temperature(joint.hose_b.chamber, b.pressure, b.mass, b.volume, p_a),
-        motion.spool,
+        net_opening(state.valve),
         voltage,
         measured.angle,
         measured.differential_pressure,
@@ -156,7 +155,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
     statuses = [Status(angles[j], 0.0, 0.0, 0.0, 0.0, 0.0) for j in range(n)]
     voltages = [gains[j].null for j in range(n)]
     drives = [Drive(0.0, 0.0, 0.0) for j in range(n)]
-    dithers = [start_dither(joints[j].valve.dither_frequency, 0.0, h) for j in range(n)]
+    waves = [start_wave(joints[j].valve, 0.0, h) for j in range(n)]
     row = 0
     for k in range(cycles):
         around = Surroundings(
@@ -174,13 +173,13 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
                 voltages[j] = valve.centre_voltage + valve.volts_to_full * signals.opening[k, j]
             opening = commanded_opening(valve, voltages[j] - signals.drift[k, j])
             drives[j] = Drive(opening, signals.brake[k, j], signals.load[k, j])
-            dithers[j] = start_dither(valve.dither_frequency, timing.cycle * k, h)
+            waves[j] = start_wave(valve, timing.cycle * k, h)
         for _ in range(timing.records):
             for j in range(n):
                 sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
                 write_row(out, row, j, sample)
             row += 1
-            advance(arm, joints, states, drives, dithers, around, h, sub)
+            advance(arm, joints, states, drives, waves, around, h, sub)
             for j in range(n):
                 if not _is_sound(states[j]):
                     return out, row, j

@@ -58,6 +58,20 @@ def test_open_loop_is_the_rollout() -> None:
         assert np.abs(np.degrees(alone - run.to_numpy())).max() <= 1e-6
 
 
+def test_valves_that_switch() -> None:
+    arm = load("paper-arm-switching")
+    vary = {"valve.opening_delay": [1e-3, 2e-3, 3e-3], "valve.frequency": [50.0, 80.0, 130.0]}
+    many = ensemble(arm, MOVES, vary, traces=["angle", "valve_opening"])
+    for i in (0, 2):
+        machine = arm
+        for path, values in vary.items():
+            machine = changed(machine, path, values[i])
+        run = rollout(machine, scenario=MOVES)
+        assert np.array_equal(run.angle[:-1], many.angle[i])
+        assert np.array_equal(run.valve_opening[:-1], many.valve_opening[i])
+        assert_same(run, many.isel(run=i))
+
+
 @pytest.mark.parametrize("name", ["paper-small-joint", "earlier-actuator"])
 def test_joints_alone(name: str) -> None:
     machine = load("paper-small-joint") if name == "paper-small-joint" else with_gains(load(name))

@@ -7,10 +7,9 @@ import numpy as np
 from layflat.control.controller import start, step
 from layflat.jit import composition, kernel
 from layflat.lanes import WIDTH, in_lanes, read_lanes, select
-from layflat.physics.dither import start_dither
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
-from layflat.physics.valve import commanded_opening
+from layflat.physics.valve import commanded_opening, start_wave
 from layflat.sim.ensemble.watch import new_watch, note, note_air, note_divergence, trace
 from layflat.sim.kernel import sense
 
@@ -88,7 +87,7 @@ def _surroundings(scratch, air, runs, plan, first, k):
 @composition
 def _at_rest(joint, angle, pressures, around):
     state = joint_at_rest(joint, angle, pressures[0], pressures[1], around)
-    return in_lanes(JointState(state.motion, state.hose_a, state.hose_b, AirTaken(0.0)), angle)
+    return in_lanes(JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0)), angle)
 
 
 @composition
@@ -121,7 +120,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results):
     measured = [sense(joints[j], states[j], zero, zero, timing.cycle) for j in range(n)]
     memories = [in_lanes(start(measured[j]), zero) for j in range(n)]
     drives = [in_lanes(Drive(0.0, 0.0, 0.0), zero) for j in range(n)]
-    dithers = [start_dither(joints[j].valve.dither_frequency, 0.0, h) for j in range(n)]
+    waves = [start_wave(joints[j].valve, 0.0, h) for j in range(n)]
     for k in range(cycles + 1):
         note(watch, results, moves, runs.scenario, arm, states, first, k, timing.cycle)
         if k == cycles:
@@ -132,9 +131,9 @@ def run_lanes(case, first, runs, plan, moves, timing, results):
             measured[j] = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
             memories[j], asked, _ = step(gains[j], memories[j], measured[j], held.demand)
             drives[j], voltage = _drive(joints[j], held, asked)
-            dithers[j] = start_dither(joints[j].valve.dither_frequency, timing.cycle * k, h)
+            waves[j] = start_wave(joints[j].valve, timing.cycle * k, h)
             trace(watch, results, states[j], voltage, first, j, k)
-        advance(arm, joints, states, drives, dithers, around, h, timing.steps)
+        advance(arm, joints, states, drives, waves, around, h, timing.steps)
         for j in range(n):
             note_divergence(watch, results, states[j], first, k)
     for j in range(n):

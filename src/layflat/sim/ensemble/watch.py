@@ -8,6 +8,7 @@ import numpy as np
 from layflat.jit import composition, law
 from layflat.lanes import WIDTH, select, write_lanes
 from layflat.physics.plant import tip
+from layflat.physics.valve import net_opening
 from layflat.sim.tally import add, clear
 
 
@@ -59,7 +60,7 @@ class Traced(NamedTuple):
     velocity: float
     pressure_a: float
     pressure_b: float
-    spool: float
+    valve_opening: float
     voltage: float
 
 
@@ -142,8 +143,8 @@ def trace(watch, results, state, voltage, first, j, k):
     """Record of joint j in control cycle k, where it is due."""
     if k % results.every != 0 or len(results.traced) == 0:
         return
-    hose_a, hose_b, motion = state.hose_a, state.hose_b, state.motion
-    seen = Traced(motion.angle, motion.velocity, hose_a.pressure, hose_b.pressure, motion.spool, voltage)
+    motion, opening = state.motion, net_opening(state.valve)
+    seen = Traced(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure, opening, voltage)
     write_lanes(watch.scratch, seen)
     for lane in range(WIDTH):
         for column in range(len(results.traced)):

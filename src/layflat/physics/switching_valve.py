@@ -1,0 +1,146 @@
+"""Two on/off valves under pulse-width modulation: one fills hose A and vents hose B, the other the reverse.
+
+The driver compares the command with a sawtooth at every instant (natural sampling). A valve's coil has to be charged
+before its plunger moves, and to be discharged before it falls back: a pulse shorter than the delay opens nothing, and a
+pause shorter than the other delay shuts nothing. The plunger travels at constant speed, and stays where it is while the
+coil is neither charged nor discharged. Within a step the pulse's edges are met exactly.
+
+| symbol | meaning | unit |
+|---|---|---|
+| phase | of the sawtooth at the beginning of a step, 0..1 | 1 |
+| D | duty: share of the period in which the coil is on | 1 |
+| c | charge of the coil, 0..1 | 1 |
+| x | opening of the valve, 0..1 | 1 |
+| y | how far the plunger has to go | 1 |
+| tau | part of a step in which the coil is on or off throughout | s |
+"""
+
+from math import floor
+from typing import NamedTuple
+
+from layflat.jit import composition, law
+from layflat.lanes import halves, join, select
+from layflat.physics.ramp import mean_above_zero
+
+
+class Switch(NamedTuple):
+    """Switching times of an on/off valve, s: until its plunger begins to move, and for its whole way."""
+
+    opening_delay: float
+    opening_time: float
+    closing_delay: float
+    closing_time: float
+
+
+class SwitchingPair(NamedTuple):
+    """Parameters of two on/off valves with their driver."""
+
+    switch: Switch
+    conductance: float
+    leakage: float
+    critical_ratio: float
+    laminar_slope: float
+    centre_voltage: float
+    volts_to_full: float
+    frequency: float
+    dead_band: float
+    """Command up to which no pulse is given, share of full opening."""
+    least_pulse: float
+    """Length of the pulse at the edge of the dead band, s."""
+
+
+class SwitchState(NamedTuple):
+    """Charge of a valve's coil, and opening of the valve."""
+
+    charge: float
+    opening: float
+
+
+class PairState(NamedTuple):
+    """The valve that fills hose A, and the one that vents it."""
+
+    forward: SwitchState
+    back: SwitchState
+
+
+class Carrier(NamedTuple):
+    """The driver's sawtooth: its phase at the beginning of the coming step, and how much it gains in a step."""
+
+    phase: float
+    gain: float
+
+
+@law
+def start_carrier(pair, t, h):
+    """Carrier of the step of h seconds that begins at t; one too fast for the step slows to a period a step."""
+    cycles = pair.frequency * t
+    return Carrier(cycles - floor(cycles), min(pair.frequency * h, 1.0))
+
+
+@law
+def turn_carrier(carrier):
+    """Carrier of the next step."""
+    phase = carrier.phase + carrier.gain
+    return Carrier(phase - floor(phase), carrier.gain)
+
+
+@law
+def duty(pair, command):
+    """Duty of the valve that a positive command opens."""
+    least = pair.frequency * pair.least_pulse
+    share = (command - pair.dead_band) * (1.0 / (1.0 - pair.dead_band))
+    return select(command > pair.dead_band, min(least + (1.0 - least) * share, 1.0), 0.0)
+
+
+@law
+def _hold(switch, on, charge, x, tau):
+    # Charge, opening and the opening's integral after tau seconds with the coil on or off.
+    wait = select(on, (1.0 - charge) * switch.opening_delay, charge * switch.closing_delay)
+    travels = max(tau - wait, 0.0)
+    gained = charge + tau * select(on, 1.0 / switch.opening_delay, -1.0 / switch.closing_delay)
+    way = travels * select(on, 1.0 / switch.opening_time, 1.0 / switch.closing_time)
+    y = select(on, 1.0 - x, x)
+    left, mean_left = max(y - way, 0.0), mean_above_zero(y, y - way)
+    after, mean = select(on, 1.0 - left, left), select(on, 1.0 - mean_left, mean_left)
+    return min(max(gained, 0.0), 1.0), after, x * (tau - travels) + mean * travels
+
+
+@law
+def switch_on_and_off(switch, state, D, phase, gain, h):
+    """State after a step of h seconds, and the mean opening in it; the carrier gains a period at most."""
+    first_on = phase < D
+    last = phase + gain
+    edge_1, edge_2 = select(first_on, D, 1.0), select(first_on, 1.0, 1.0 + D)
+    scale = h / gain
+    tau_1 = scale * (min(last, edge_1) - phase)
+    tau_2 = scale * max(min(last, edge_2) - edge_1, 0.0)
+    tau_3 = scale * max(last - edge_2, 0.0)
+    second_on = phase >= D
+    c, x, open_1 = _hold(switch, first_on, state.charge, state.opening, tau_1)
+    c, x, open_2 = _hold(switch, second_on, c, x, tau_2)
+    c, x, open_3 = _hold(switch, first_on, c, x, tau_3)
+    return SwitchState(c, x), (open_1 + open_2 + open_3) * (1.0 / h)
+
+
+@law
+def shut(pair):  # noqa: ARG001  (as of all valves)
+    """State of two valves that have been shut for long."""
+    return PairState(SwitchState(0.0, 0.0), SwitchState(0.0, 0.0))
+
+
+@composition
+def move_pair(pair, state, command, carrier, h):
+    """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
+    both, wave = join(pair, pair), join(carrier, carrier)
+    duties = duty(both, join(command, -command))
+    states = join(state.forward, state.back)
+    moved, opened = switch_on_and_off(both.switch, states, duties, wave.phase, wave.gain, h)
+    forward, back = halves(moved)
+    fills, vents = halves(both.leakage + (both.conductance - both.leakage) * opened)
+    return PairState(forward, back), fills, vents
+
+
+@law
+def pair_opening(state):
+    """Opening of the valve that fills hose A, less that of the other, -1..1."""
+    return state.forward.opening - state.back.opening
