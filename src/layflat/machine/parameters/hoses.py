@@ -1,0 +1,97 @@
+"""A hose in its joint: stroke, losses, chamber.
+
+| symbol | meaning | unit |
+|---|---|---|
+| s | travel of a hose: output angle from its collapsed state on | rad |
+| S | full travel: (gamma - alpha_end) c R/r | rad |
+| K | torque per pressure | m3/rad |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi
+
+import numpy as np
+from numpy.polynomial.polynomial import polyfit
+
+from layflat.machine import parts
+from layflat.physics.chamber import Chamber
+from layflat.physics.hose import EvenStroke, Stroke, peeled_volume, roller_torque, roller_travel
+from layflat.physics.joint import Hose
+from layflat.physics.loss import Loss
+
+NO_HOSE = Hose(EvenStroke(0.0), Chamber(1e-5, 0.0, 0.0), Loss(*([0.0] * 9)), 0.0)
+"""In place of the second hose of a single-acting joint: it turns nothing."""
+
+
+def full_travel(joint: parts.Joint) -> float:
+    """S: output angle between the collapsed hose and its end of travel, rad."""
+    hose, R = joint.hose, joint.cylinder.diameter / 2
+    return each(roller_travel, R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio)
+
+
+def travel_volume(joint: parts.Joint) -> float:
+    """Volume that one hose sweeps over its full travel, m3."""
+    hose, R = joint.hose, joint.cylinder.diameter / 2
+    return each(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
+
+
+def each(law: Callable[..., float], *args: float) -> float:
+    """A law of numbers, or of arrays item by item."""
+    if any(isinstance(arg, np.ndarray) for arg in args):
+        return np.vectorize(law, otypes=[float])(*args)  # type: ignore[no-any-return]
+    return float(law(*args))
+
+
+def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
+    """K over the travel of one hose: Eq. (1) for a roller, its mean for a cam."""
+    S = full_travel(joint)
+    if joint.output.kind == "cam":
+        return EvenStroke(travel_volume(joint) / S)
+    hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
+    t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
+    alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
+    K = np.array([each(roller_torque, 1.0, R, r, hose.width / pi, hose.wrap, alpha) for alpha in alphas])
+    return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
+
+
+def torque_constant(joint: parts.Joint) -> float:
+    """Greatest K over the travel, m3/rad: maximum torque per gauge pressure."""
+    curve = stroke(joint)
+    if isinstance(curve, EvenStroke):
+        return curve.k0
+    s = np.multiply.outer(np.linspace(0.0, 1.0, 101), full_travel(joint))
+    return np.max(sum(k * s**i for i, k in enumerate(curve)), axis=0)  # type: ignore[no-any-return]
+
+
+def loss_share(joint: parts.Joint) -> float:
+    """Loop height over greatest torque at the reference pressure, of hose, strap and rollers together."""
+    share = joint.hose.loss_share * joint.cover.loss_factor + joint.strap.loss_share
+    roller = joint.deflecting_roller
+    if roller is not None:
+        bend = joint.strap.thickness / roller.diameter
+        share += roller.count * (roller.friction_share + roller.bending_share * bend)
+    return share
+
+
+def loss(joint: parts.Joint) -> Loss:
+    """Elasto-slip elements of one hose with its strap."""
+    at = joint.losses.reference_pressure_gauge
+    # A loop is twice as high as the torque that opposes either way.
+    limit = 0.5 * loss_share(joint) * torque_constant(joint) * at
+    limits = [weight * limit for weight in joint.losses.weights]
+    free = joint.losses.pressure_free
+    stiffness = [y / d for y, d in zip(limits, joint.losses.deflections, strict=True)]
+    return Loss(*stiffness, *(free * y for y in limits), *((1.0 - free) * y / at for y in limits))
+
+
+def hose(joint: parts.Joint) -> Hose:
+    """One hose in its joint."""
+    chamber = Chamber(joint.hose.dead_volume, joint.hose.compliance, joint.hose.wall_conductance)
+    return Hose(stroke(joint), chamber, loss(joint), full_travel(joint) / 2)
+
+
+def long_stroke(stroke: EvenStroke | Stroke) -> Stroke:
+    """The same stroke as one that may change over its travel."""
+    return Stroke(*stroke, *[0.0] * (len(Stroke._fields) - len(stroke)))
