@@ -21,9 +21,11 @@ from layflat.lanes.interpreted import (
     lane_by_lane,
     read_lanes,
     select,
+    width,
     write_lanes,
     write_row,
 )
+from layflat.lanes.slots import slots
 
 __all__ = [
     "WIDTH",
@@ -34,6 +36,8 @@ __all__ = [
     "lane_by_lane",
     "read_lanes",
     "select",
+    "slots",
+    "width",
     "write_lanes",
     "write_row",
 ]

@@ -5,14 +5,27 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterator
 from functools import wraps
+from itertools import count
 from typing import Any
 
+import numba
 from llvmlite import binding as _binding
 
 binding: Any = _binding
+config: Any = numba.config
 
-WIDTH = 8 if binding.get_host_cpu_features().get("avx512f") else 4
-"""Lanes that `read_lanes` gives: as many as a vector register of this machine holds."""
+
+def _width() -> int:
+    if config.ENABLE_CUDASIM and config.DISABLE_JIT:
+        return 1
+    return 8 if binding.get_host_cpu_features().get("avx512f") else 4
+
+
+WIDTH = _width()
+"""Lanes that `read_lanes` gives here: as many as a vector register of this machine holds.
+
+A thread of a CUDA device, and of its simulator, has one: a plain number.
+"""
 
 
 class Lanes(tuple[Any, ...]):
@@ -69,14 +82,23 @@ def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
     rows[i, j] = values
 
 
+def width() -> int:
+    """Lanes that `read_lanes` gives; known when a kernel is compiled."""
+    return WIDTH
+
+
 def read_lanes(like: Any, block: Any) -> Any:
-    """A tuple like `like` (nested, of floats), its leaves in order from block[0, :], block[1, :] and so on."""
-    rows = iter(block)
+    """A tuple like `like` (nested, of floats), its leaves in order from block[0, :], block[1, :] and so on.
+
+    Only the first `width()` columns of the block are read.
+    """
+    rows = count()
 
     def read(part: Any) -> Any:
         if isinstance(part, tuple):
             return _rebuild(part, [read(item) for item in part])
-        return Lanes(map(float, next(rows)))
+        row = block[next(rows)]
+        return Lanes(float(row[lane]) for lane in range(WIDTH)) if WIDTH > 1 else float(row[0])
 
     return read(like)
 
@@ -87,13 +109,13 @@ def in_lanes(value: Any, like: Any) -> Any:
         return value
     if isinstance(value, tuple):
         return _rebuild(value, [in_lanes(item, like) for item in value])
-    return Lanes([value] * len(like))
+    return Lanes([value] * len(like)) if isinstance(like, Lanes) else float(value)
 
 
 def write_lanes(block: Any, values: Any) -> None:
     """Write lanes, or the leaves of a tuple of them, into block[0, :], block[1, :] and so on."""
-    for row, lanes in zip(block, _leaves(values), strict=False):
-        row[:] = lanes
+    for row, lanes in enumerate(_leaves(values)):
+        block[row, :] = lanes
 
 
 def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -104,8 +126,8 @@ def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
         counts = set(_counts(args))
         if not counts:
             return function(*args)
-        (count,) = counts
-        return _transpose([function(*_lane(args, i)) for i in range(count)])
+        (lanes,) = counts
+        return _transpose([function(*_lane(args, i)) for i in range(lanes)])
 
     return called
 

@@ -16,8 +16,18 @@ from numba.core.extending import lower_cast
 from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, write_lanes, write_row
-from layflat.lanes.typing import ARITHMETIC, COMPARISONS, EXTREMES, INDEX, INTRINSICS, LOGIC, LanesType, half_type
+from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, width, write_lanes, write_row
+from layflat.lanes.typing import (
+    ARITHMETIC,
+    COMPARISONS,
+    EXTREMES,
+    INDEX,
+    INTRINSICS,
+    LOGIC,
+    LanesType,
+    half_type,
+    width_in,
+)
 
 ALIGNED = 8
 """Rows of a block begin at multiples of this, bytes."""
@@ -45,6 +55,11 @@ def _instruction(builder: Any, name: str, *args: Any) -> Any:
     return getattr(builder, name)(*args)
 
 
+def _negated(builder: Any, _name: str, value: Any) -> Any:
+    # The compiler for CUDA devices has no instruction for it.
+    return builder.fsub(ir.Constant(value.type, [-0.0] * value.type.count), value)
+
+
 def _comparison(builder: Any, sign: str, first: Any, second: Any) -> Any:
     return builder.fcmp_ordered(sign, first, second)
 
@@ -55,14 +70,24 @@ def _extreme(builder: Any, sign: str, first: Any, second: Any) -> Any:
 
 
 def _intrinsic(builder: Any, name: str, value: Any) -> Any:
+    if "nvptx" not in builder.module.triple:
+        return _call(builder, f"llvm.{name}.v{value.type.count}f64", value)
+    # CUDA devices have them in a library, for single numbers.
+    for i in range(value.type.count):
+        place = ir.Constant(INDEX, i)
+        found = _call(builder, f"__nv_{name}", builder.extract_element(value, place))
+        value = builder.insert_element(value, found, place)
+    return value
+
+
+def _call(builder: Any, name: str, value: Any) -> Any:
     function = ir.FunctionType(value.type, [value.type])
-    full_name = f"llvm.{name}.v{value.type.count}f64"
-    return builder.call(cgutils.get_or_insert_function(builder.module, function, full_name), [value])
+    return builder.call(cgutils.get_or_insert_function(builder.module, function, name), [value])
 
 
 _lowered(ARITHMETIC, 2, _instruction)
 _lowered(LOGIC, 2, _instruction)
-_lowered({operator.neg: "fneg"}, 1, _instruction)
+_lowered({operator.neg: ""}, 1, _negated)
 _lowered(COMPARISONS, 2, _comparison)
 _lowered(EXTREMES, 2, _extreme)
 _lowered(INTRINSICS, 1, _intrinsic)
@@ -126,6 +151,7 @@ def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 @lower_builtin(in_lanes, types.Any, LanesType)
+@lower_builtin(in_lanes, types.Any, types.Float)
 def _in_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _spread_leaf(context, builder, sig.args[0], sig.return_type, args[0])
 
@@ -142,6 +168,11 @@ def _row(context: Any, builder: Any, block: Any, array: Any, row: int, lanes: An
     place = [context.get_constant(types.intp, row), context.get_constant(types.intp, 0)]
     pointer = cgutils.get_item_pointer(context, builder, block, array, place)
     return builder.bitcast(pointer, context.get_value_type(lanes).as_pointer())
+
+
+@lower_builtin(width)
+def _width(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    return context.get_constant(sig.return_type, width_in(context))
 
 
 @lower_builtin(read_lanes, types.Any, types.Array)

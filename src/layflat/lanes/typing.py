@@ -12,12 +12,23 @@ from typing import Any
 
 from llvmlite import ir
 from numba.core import types
+from numba.core.cpu import CPUContext
 from numba.core.datamodel import models
 from numba.core.extending import register_model
-from numba.core.typing import signature
+from numba.core.typing import Context, signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from layflat.lanes.interpreted import WIDTH, halves, in_lanes, join, read_lanes, select, write_lanes, write_row
+from layflat.lanes.interpreted import (
+    WIDTH,
+    halves,
+    in_lanes,
+    join,
+    read_lanes,
+    select,
+    width,
+    write_lanes,
+    write_row,
+)
 
 INDEX = ir.IntType(32)
 
@@ -54,6 +65,16 @@ class _Vector(models.PrimitiveModel):
         return builder.bitcast(value, self.get_value_type())
 
 
+def width_in(context: Any) -> int:
+    """Lanes that `read_lanes` gives in code of a compiler's context: other targets than this machine have one."""
+    return WIDTH if isinstance(context, (Context, CPUContext)) else 1
+
+
+def lanes_type(count: int) -> Any:
+    """Type of so many numbers side by side; one is a plain number."""
+    return LanesType(types.float64, count) if count > 1 else types.float64
+
+
 def joined_type(first: Any, second: Any) -> Any:
     """Type of `join(first, second)`."""
     if isinstance(first, types.BaseTuple):
@@ -67,7 +88,7 @@ def half_type(joined: Any) -> Any:
         return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
     if not isinstance(joined, LanesType):
         return joined
-    return LanesType(types.float64, joined.count // 2) if joined.count > 2 else types.float64
+    return lanes_type(joined.count // 2)
 
 
 def spread_type(kind: Any, lanes: Any) -> Any:
@@ -131,5 +152,21 @@ _typed([join], lambda first, second: signature(joined_type(first, second), first
 _typed([halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
 _typed([write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
 _typed([in_lanes], lambda value, like: signature(spread_type(value, like), value, like))
-_typed([read_lanes], lambda like, block: signature(spread_type(like, LanesType(types.float64, WIDTH)), like, block))
 _typed([write_lanes], lambda block, values: signature(types.none, block, values))
+
+
+@infer_global(width)
+class _Width(AbstractTemplate):
+    key = width
+
+    def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002  (the compiler's own interface)
+        return signature(types.intp)
+
+
+@infer_global(read_lanes)
+class _ReadLanes(AbstractTemplate):
+    key = read_lanes
+
+    def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
+        like, block = args
+        return signature(spread_type(like, lanes_type(width_in(self.context))), like, block)

@@ -6,11 +6,11 @@ import numpy as np
 
 from layflat.control.controller import start, step
 from layflat.jit import composition, kernel
-from layflat.lanes import WIDTH, in_lanes, read_lanes, select
+from layflat.lanes import in_lanes, read_lanes, select, slots, width
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valve import commanded_opening, start_wave
-from layflat.sim.ensemble.watch import new_watch, note, note_air, note_divergence, trace
+from layflat.sim.ensemble.watch import note, note_air, note_divergence, trace
 from layflat.sim.kernel import sense
 
 
@@ -55,12 +55,14 @@ class Held(NamedTuple):
 
 
 NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_DRIVE = Drive(0.0, 0.0, 0.0)
+"""What stands in a place until something is put there: its type matters, not its value."""
 
 
 @composition
 def _held(scratch, runs, plan, first, j, k):
     # Gathered number by number: once a cycle, that is nothing beside the steps.
-    for lane in range(WIDTH):
+    for lane in range(width()):
         run = first + lane
         shape, usual = plan.shapes[runs.scenario[run], k, j], runs.usual[run, j]
         noise = runs.noise[run, k % runs.noise.shape[1], j]
@@ -74,7 +76,7 @@ def _held(scratch, runs, plan, first, j, k):
 
 @composition
 def _surroundings(scratch, air, runs, plan, first, k):
-    for lane in range(WIDTH):
+    for lane in range(width()):
         run = first + lane
         for i in range(2):
             given = plan.shared[runs.scenario[run], k, i]
@@ -85,9 +87,17 @@ def _surroundings(scratch, air, runs, plan, first, k):
 
 
 @composition
-def _at_rest(joint, angle, pressures, around):
-    state = joint_at_rest(joint, angle, pressures[0], pressures[1], around)
+def _at_rest(joint, runs, first, j, around):
+    angle = read_lanes(0.0, runs.angles[j : j + 1, first:])
+    p_1, p_2 = read_lanes((0.0, 0.0), runs.pressures[j, :, first:])
+    state = joint_at_rest(joint, angle, p_1, p_2, around)
     return in_lanes(JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0)), angle)
+
+
+@composition
+def _calm(joint, state, cycle, zero):
+    """Memory of a controller that begins at this state."""
+    return in_lanes(start(sense(joint, state, zero, zero, cycle)), zero)
 
 
 @composition
@@ -102,25 +112,24 @@ def _drive(joint, held, asked):
 
 
 @kernel
-def run_lanes(case, first, runs, plan, moves, timing, results):
-    """Run `WIDTH` runs, from number `first` on, through their scenarios from rest.
+def run_lanes(case, first, runs, plan, moves, timing, results, watch):
+    """Run runs side by side, as many as there are lanes, from number `first` on, through their scenarios from rest.
 
-    `case` is any one machine (arm, joints, gains, surroundings): it gives the order of the runs' parameters.
+    `case` is any one machine (arm, joints, gains, surroundings): it gives the order of the runs' parameters. `watch` is
+    over these runs, and new.
     """
-    last = first + WIDTH
-    arm, all_joints, all_gains, air = read_lanes(case, runs.parameters[:, first:last])
-    joints, gains = list(all_joints), list(all_gains)
+    arm, all_joints, all_gains, air = read_lanes(case, runs.parameters[:, first:])
+    joints, gains = slots(all_joints), slots(all_gains)
     cycles, n = plan.shapes.shape[1], plan.shapes.shape[2]
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
-    watch = new_watch(n)
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
-    angles = [read_lanes(0.0, runs.angles[j : j + 1, first:last]) for j in range(n)]
-    filled = [read_lanes((0.0, 0.0), runs.pressures[j, :, first:last]) for j in range(n)]
-    states = [_at_rest(joints[j], angles[j], filled[j], around) for j in range(n)]
-    measured = [sense(joints[j], states[j], zero, zero, timing.cycle) for j in range(n)]
-    memories = [in_lanes(start(measured[j]), zero) for j in range(n)]
-    drives = [in_lanes(Drive(0.0, 0.0, 0.0), zero) for j in range(n)]
-    waves = [start_wave(joints[j].valve, 0.0, h) for j in range(n)]
+    states = slots(all_joints, _at_rest(joints[0], runs, first, 0, around))
+    memories = slots(all_joints, _calm(joints[0], states[0], timing.cycle, zero))
+    drives = slots(all_joints, in_lanes(NO_DRIVE, zero))
+    waves = slots(all_joints, start_wave(joints[0].valve, 0.0, h))
+    for j in range(1, n):
+        states[j] = _at_rest(joints[j], runs, first, j, around)
+        memories[j] = _calm(joints[j], states[j], timing.cycle, zero)
     for k in range(cycles + 1):
         note(watch, results, moves, runs.scenario, arm, states, first, k, timing.cycle)
         if k == cycles:
@@ -128,8 +137,8 @@ def run_lanes(case, first, runs, plan, moves, timing, results):
         around = _surroundings(watch.scratch, air, runs, plan, first, k)
         for j in range(n):
             held = _held(watch.scratch, runs, plan, first, j, k)
-            measured[j] = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
-            memories[j], asked, _ = step(gains[j], memories[j], measured[j], held.demand)
+            measured = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
+            memories[j], asked, _ = step(gains[j], memories[j], measured, held.demand)
             drives[j], voltage = _drive(joints[j], held, asked)
             waves[j] = start_wave(joints[j].valve, timing.cycle * k, h)
             trace(watch, results, states[j], voltage, first, j, k)

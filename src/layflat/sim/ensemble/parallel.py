@@ -21,7 +21,7 @@ from layflat.machine import Machine, load
 from layflat.machine import units as u
 from layflat.sim.ensemble.cases import Cases, cases
 from layflat.sim.ensemble.kernel import run_lanes
-from layflat.sim.ensemble.watch import DIVERGED, Results, Totals, Traced
+from layflat.sim.ensemble.watch import DIVERGED, Results, Totals, Traced, new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
 from layflat.sim.run import STEP, timing_of
@@ -136,7 +136,8 @@ def _run_block(
     )
     own.totals[:, DIVERGED] = np.nan
     for first in range(0, len(block), WIDTH):
-        run_lanes(prepared.template, first, runs, plan, moves, timing, own)
+        watch = new_watch(len(prepared.base.joints), WIDTH)
+        run_lanes(prepared.template, first, runs, plan, moves, timing, own, watch)
     count = min(len(block), prepared.count - int(block[0]))
     place = slice(int(block[0]), int(block[0]) + count)
     results.tallies[place], results.totals[place] = own.tallies[:count], own.totals[:count]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.jit import composition, law
-from layflat.lanes import WIDTH, select, write_lanes
+from layflat.lanes import select, slots, width, write_lanes
 from layflat.physics.plant import tip
 from layflat.physics.valve import net_opening
 from layflat.sim.tally import add, clear
@@ -82,15 +82,26 @@ class Watch(NamedTuple):
     """(rows enough for anything, lanes)"""
 
 
-@law
-def new_watch(n):
-    """A watch over n joints."""
+def new_watch(joints: int, lanes: int) -> Watch:
+    """A watch over so many lanes of runs."""
     return Watch(
-        np.zeros(WIDTH, np.int64),
-        np.zeros((n, WIDTH)),
-        np.zeros((n, WIDTH)),
-        np.zeros((3, 2, WIDTH)),
-        np.zeros((8, WIDTH)),
+        np.zeros(lanes, np.int64),
+        np.zeros((joints, lanes)),
+        np.zeros((joints, lanes)),
+        np.zeros((3, 2, lanes)),
+        np.zeros((8, lanes)),
+    )
+
+
+@law
+def one_lane(watch, lane):
+    """The part of a watch that is over a single lane."""
+    return Watch(
+        watch.move[lane : lane + 1],
+        watch.ways[:, lane : lane + 1],
+        watch.angles[:, lane : lane + 1],
+        watch.places[:, :, lane : lane + 1],
+        watch.scratch[:, lane : lane + 1],
     )
 
 
@@ -104,7 +115,7 @@ def _note_move(watch, moves, tallies, scenario, run, lane, k):
     for j in range(n):
         error = watch.angles[j, lane] - moves.goals[scenario, m, j]
         if i == 0:
-            watch.ways[j, lane] = -np.sign(error)
+            watch.ways[j, lane] = 1.0 if error < 0.0 else -1.0 if error > 0.0 else 0.0
             clear(tallies[m, j])
         add(tallies[m, j], i, count, error, watch.ways[j, lane], moves.band)
     if i == 0:
@@ -129,10 +140,12 @@ def _note_acceleration(watch, totals, lane, k, cycle):
 @composition
 def note(watch, results, moves, scenarios, arm, states, first, k, cycle):
     """Record k of the runs from number `first` on."""
-    for j in range(len(states)):
-        write_lanes(watch.angles[j : j + 1], states[j].motion.angle)
-    write_lanes(watch.places[0], tip(arm, [state.motion.angle for state in states]))
-    for lane in range(WIDTH):
+    angles = slots(states, states[0].motion.angle)
+    for j in range(len(watch.angles)):
+        angles[j] = states[j].motion.angle
+        write_lanes(watch.angles[j : j + 1], angles[j])
+    write_lanes(watch.places[0], tip(arm, angles))
+    for lane in range(width()):
         run = first + lane
         _note_move(watch, moves, results.tallies[run], scenarios[run], run, lane, k)
         _note_acceleration(watch, results.totals[run], lane, k, cycle)
@@ -146,7 +159,7 @@ def trace(watch, results, state, voltage, first, j, k):
     motion, opening = state.motion, net_opening(state.valve)
     seen = Traced(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure, opening, voltage)
     write_lanes(watch.scratch, seen)
-    for lane in range(WIDTH):
+    for lane in range(width()):
         for column in range(len(results.traced)):
             results.traces[first + lane, k // results.every, j, column] = watch.scratch[results.traced[column], lane]
 
@@ -157,7 +170,7 @@ def note_divergence(watch, results, state, first, k):
     sane = (abs(state.motion.angle) < 10.0) & (abs(state.motion.velocity) < 1e4)
     sound = sane & (state.hose_a.mass > 0.0) & (state.hose_b.mass > 0.0)
     write_lanes(watch.scratch, select(sound, 0.0, 1.0))
-    for lane in range(WIDTH):
+    for lane in range(width()):
         totals = results.totals[first + lane]
         if watch.scratch[0, lane] > 0.0 and not totals[DIVERGED] <= k:
             totals[DIVERGED] = k
@@ -167,5 +180,5 @@ def note_divergence(watch, results, state, first, k):
 def note_air(watch, results, state, first):
     """Add the air that a joint has taken."""
     write_lanes(watch.scratch, state.ledger.air_taken)
-    for lane in range(WIDTH):
+    for lane in range(width()):
         results.totals[first + lane, AIR] += watch.scratch[0, lane]
