@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.physics.air import NORMAL_DENSITY
-from layflat.sim.tally import LAST_HIGH, LAST_LOW, LAST_SUM, OVERSHOOT, SETTLED, last_records, tallied
+from layflat.sim.tally import last_records, tallied
 
 if TYPE_CHECKING:
     import xarray
@@ -42,7 +42,7 @@ class Move:
 
 def settling_time(time: NDArray[np.floating[Any]], error: NDArray[np.float64], band: float) -> float:
     """Time of the last exit from +-band, counted from the first instant; infinite if the end lies outside."""
-    records = int(tallied(np.ascontiguousarray(error), 0.0, band)[SETTLED])
+    records = int(tallied(np.ascontiguousarray(error), 0.0, band).settled)
     return float(time[records] - time[0]) if records < len(error) else inf
 
 
@@ -52,13 +52,13 @@ def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf
     time, angle = part["time"].to_numpy(), part["angle"].to_numpy()
     demand = float(part["demand"][-1])
     tally = tallied(angle - demand, np.sign(demand - angle[0]), band)
-    records = int(tally[SETTLED])
+    records = int(tally.settled)
     return Move(
         joint,
         float(time[records] - time[0]) if records < len(time) else inf,
-        float(tally[OVERSHOOT]),
-        float(tally[LAST_SUM] / (len(time) - last_records(len(time)))),
-        float(tally[LAST_HIGH] - tally[LAST_LOW]),
+        float(tally.overshoot),
+        float(tally.last_sum / (len(time) - last_records(len(time)))),
+        float(tally.last_high - tally.last_low),
     )
 
 

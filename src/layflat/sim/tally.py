@@ -1,18 +1,31 @@
 """Metrics of a move that grow from record to record: the same for a trace and for runs that keep none.
 
-A tally is a row of numbers, `COLUMNS` long. Of a joint the error is its angle less what is asked for; of the tip it is
-the distance from its goal.
+Of a joint the error is its angle less what is asked for; of the tip it is the distance from its goal.
 """
 
-from math import inf
-
-import numpy as np
+from math import floor, inf
+from typing import NamedTuple
 
 from layflat.jit import kernel, law
+from layflat.lanes import select
 
-SETTLED, OVERSHOOT, LAST_SUM, LAST_LOW, LAST_HIGH = range(5)
-"""Records until it stays within the band; largest error beyond the goal; sum, least and greatest of the last errors."""
-COLUMNS = 5
+
+class Tally(NamedTuple):
+    """A move so far."""
+
+    settled: float
+    """Records until it stays within the band."""
+    overshoot: float
+    """Largest error beyond the goal."""
+    last_sum: float
+    """Sum of the last errors."""
+    last_low: float
+    last_high: float
+
+
+EMPTY = Tally(0.0, 0.0, 0.0, inf, -inf)
+COLUMNS = len(Tally._fields)
+SETTLED, OVERSHOOT, LAST_SUM, LAST_LOW, LAST_HIGH = range(COLUMNS)
 
 LAST_PART = 0.8
 """What comes after this share of a move counts as its end."""
@@ -21,32 +34,38 @@ LAST_PART = 0.8
 @law
 def last_records(count):
     """How many of a move's records come before its end."""
-    return int(LAST_PART * count)
+    return floor(LAST_PART * count)
 
 
 @law
-def clear(row):
-    """Begin a move."""
-    row[SETTLED], row[OVERSHOOT], row[LAST_SUM], row[LAST_LOW], row[LAST_HIGH] = 0.0, 0.0, 0.0, inf, -inf
+def emptied(tally, when):
+    """The tally, or an empty one when a move begins."""
+    return Tally(
+        select(when, 0.0, tally.settled),
+        select(when, 0.0, tally.overshoot),
+        select(when, 0.0, tally.last_sum),
+        select(when, inf, tally.last_low),
+        select(when, -inf, tally.last_high),
+    )
 
 
 @law
-def add(row, i, count, error, way, band):
-    """Add record i of `count`; `way` is the sign of the way to go. An error that is not a number lies outside."""
-    if not abs(error) <= band:
-        row[SETTLED] = i + 1.0
-    row[OVERSHOOT] = max(row[OVERSHOOT], way * error)
-    if i >= last_records(count):
-        row[LAST_SUM] += error
-        row[LAST_LOW] = min(row[LAST_LOW], error)
-        row[LAST_HIGH] = max(row[LAST_HIGH], error)
+def counted(tally, i, count, error, way, band):
+    """Count record i of `count`; `way` is the sign of the way to go. An error that is not a number lies outside."""
+    late = i >= last_records(count)
+    return Tally(
+        select(abs(error) <= band, tally.settled, i + 1.0),
+        max(tally.overshoot, way * error),
+        tally.last_sum + select(late, error, 0.0),
+        select(late, min(tally.last_low, error), tally.last_low),
+        select(late, max(tally.last_high, error), tally.last_high),
+    )
 
 
 @kernel
 def tallied(errors, way, band):
     """The tally of a move from all its errors."""
-    row = np.empty(COLUMNS)
-    clear(row)
+    tally = EMPTY
     for i in range(len(errors)):
-        add(row, i, len(errors), errors[i], way, band)
-    return row
+        tally = counted(tally, i, len(errors), errors[i], way, band)
+    return tally

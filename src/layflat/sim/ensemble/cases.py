@@ -104,10 +104,10 @@ class Cases:
         numbers = np.empty((len(self.numbers), len(rows)))
         for place, number in zip(numbers, self.numbers, strict=True):
             place[:] = number[rows] if isinstance(number, np.ndarray) else number
-        usual = np.empty((len(rows), n, len(ON_TOP)))
+        usual = np.empty((n, len(ON_TOP), len(rows)))
         for j, name in enumerate(names):
             for i, (key, nothing) in enumerate(ON_TOP.items()):
-                usual[:, j, i] = self.at(rows, f"scenario.{key}.{name}", self.vary.get(f"scenario.{key}", nothing))
+                usual[j, i] = self.at(rows, f"scenario.{key}.{name}", self.vary.get(f"scenario.{key}", nothing))
         shared = [
             self.at(rows, "scenario.supply", self.machine.supply.pressure_gauge),
             self.at(rows, "scenario.payload", self.machine.arm.payload),
@@ -118,7 +118,7 @@ class Cases:
             np.ascontiguousarray(np.array([self._starts[s] for s in own]).T),
             self._pressures(rows, own, n),
             usual,
-            np.stack(shared, axis=-1),
+            np.stack(shared),
             self._noise(rows, own, n),
         )
 

@@ -39,11 +39,13 @@ def measured(prepared: Cases, results: Results, cycle: float) -> xarray.Dataset:
     settled[np.isnan(tallies[..., SETTLED])] = np.nan
     last = records - np.vectorize(last_records, otypes=[float])(records)
     each, tip = np.s_[:, :, :-1], np.s_[:, :, -1]
+    with np.errstate(invalid="ignore"):  # of runs that diverged
+        swing = tallies[..., LAST_HIGH] - tallies[..., LAST_LOW]
     values = {
         "settling": settled[each],
         "overshoot": tallies[each][..., OVERSHOOT],
         "steady_error": tallies[each][..., LAST_SUM] / last,
-        "ripple": (tallies[..., LAST_HIGH] - tallies[..., LAST_LOW])[each],
+        "ripple": swing[each],
         "tip_settling": settled[tip],
         "tip_error": tallies[tip][..., LAST_HIGH],
         "air_used": results.totals[:, AIR] / NORMAL_DENSITY * 1000.0,

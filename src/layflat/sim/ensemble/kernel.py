@@ -5,12 +5,20 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.control.controller import start, step
-from layflat.jit import composition, kernel
+from layflat.jit import composition, kernel, law
 from layflat.lanes import in_lanes, read_lanes, select, slots, width
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valve import commanded_opening, start_wave
-from layflat.sim.ensemble.watch import note, note_air, note_divergence, trace
+from layflat.sim.ensemble.watch import (
+    NO_COURSE,
+    NO_TRACK,
+    begin_moves,
+    note,
+    note_divergence,
+    note_totals,
+    trace,
+)
 from layflat.sim.kernel import sense
 
 
@@ -35,9 +43,9 @@ class Runs(NamedTuple):
     pressures: np.ndarray
     """At the start, Pa, (joints, 2, runs)"""
     usual: np.ndarray
-    """What multiplies the scenario's brake, and what comes on top of its load and drift: (runs, joints, 3)"""
+    """What multiplies the scenario's brake, and what comes on top of its load and drift: (joints, 3, runs)"""
     usual_shared: np.ndarray
-    """Gauge supply pressure and payload where the scenario gives none: (runs, 2)"""
+    """Gauge supply pressure and payload where the scenario gives none: (2, runs)"""
     noise: np.ndarray
     """Standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none"""
 
@@ -54,34 +62,59 @@ class Held(NamedTuple):
     noise_pressure: float
 
 
+class Usual(NamedTuple):
+    """What a run adds to its scenario: a factor of the brake, and what comes on top of load and drift."""
+
+    brake: float
+    load: float
+    drift: float
+
+
 NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 NO_DRIVE = Drive(0.0, 0.0, 0.0)
-"""What stands in a place until something is put there: its type matters, not its value."""
+
+
+@law
+def _is_number(given):
+    return given == given  # noqa: PLR0124
 
 
 @composition
-def _held(scratch, runs, plan, first, j, k):
-    # Gathered number by number: once a cycle, that is nothing beside the steps.
+def _usual(runs, first, j):
+    return read_lanes(Usual(0.0, 0.0, 0.0), runs.usual[j, :, first:])
+
+
+@composition
+def _held(scratch, runs, plan, usual, first, j, k):
+    # Gathered number by number: views of arrays would cost more than all the rest.
     for lane in range(width()):
         run = first + lane
-        shape, usual = plan.shapes[runs.scenario[run], k, j], runs.usual[run, j]
-        noise = runs.noise[run, k % runs.noise.shape[1], j]
-        scratch[0, lane], scratch[1, lane] = shape[0], shape[1]
-        scratch[2, lane] = shape[2] * usual[0]
-        scratch[3, lane] = shape[3] + usual[1]
-        scratch[4, lane] = shape[4] + usual[2]
-        scratch[5, lane], scratch[6, lane] = noise[0], noise[1]
-    return read_lanes(NONE_HELD, scratch)
+        scenario, sample = runs.scenario[run], k % runs.noise.shape[1]
+        for i in range(5):
+            scratch[i, lane] = plan.shapes[scenario, k, j, i]
+        for i in range(2):
+            scratch[5 + i, lane] = runs.noise[run, sample, j, i]
+    held = read_lanes(NONE_HELD, scratch)
+    return Held(
+        held.demand,
+        held.opening,
+        held.brake * usual.brake,
+        held.load + usual.load,
+        held.drift + usual.drift,
+        held.noise_angle,
+        held.noise_pressure,
+    )
 
 
 @composition
 def _surroundings(scratch, air, runs, plan, first, k):
     for lane in range(width()):
-        run = first + lane
         for i in range(2):
-            given = plan.shared[runs.scenario[run], k, i]
-            scratch[i, lane] = runs.usual_shared[run, i] if np.isnan(given) else given
-    gauge, payload = read_lanes((0.0, 0.0), scratch)
+            scratch[i, lane] = plan.shared[runs.scenario[first + lane], k, i]
+    given_gauge, given_payload = read_lanes((0.0, 0.0), scratch)
+    usual_gauge, usual_payload = read_lanes((0.0, 0.0), runs.usual_shared[:, first:])
+    gauge = select(_is_number(given_gauge), given_gauge, usual_gauge)
+    payload = select(_is_number(given_payload), given_payload, usual_payload)
     supply = gauge + air.ambient_pressure
     return Surroundings(supply, air.supply_temperature, air.ambient_pressure, air.ambient_temperature, payload)
 
@@ -105,8 +138,7 @@ def _drive(joint, held, asked):
     """Drive of a joint for a control cycle, and the voltage behind it; `asked` is the controller's."""
     valve = joint.valve
     # An opening that is a number is an open-loop run.
-    open_loop = held.opening == held.opening
-    voltage = select(open_loop, valve.centre_voltage + valve.volts_to_full * held.opening, asked)
+    voltage = select(_is_number(held.opening), valve.centre_voltage + valve.volts_to_full * held.opening, asked)
     opening = commanded_opening(valve, voltage - held.drift)
     return Drive(opening, held.brake * joint.brake_torque, held.load), voltage
 
@@ -127,16 +159,20 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     memories = slots(all_joints, _calm(joints[0], states[0], timing.cycle, zero))
     drives = slots(all_joints, in_lanes(NO_DRIVE, zero))
     waves = slots(all_joints, start_wave(joints[0].valve, 0.0, h))
+    course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(all_joints, in_lanes(NO_TRACK, zero))
+    usual = slots(all_joints, _usual(runs, first, 0))
+    begin_moves(watch, moves, runs.scenario, course, tracks, first)
     for j in range(1, n):
+        usual[j] = _usual(runs, first, j)
         states[j] = _at_rest(joints[j], runs, first, j, around)
         memories[j] = _calm(joints[j], states[j], timing.cycle, zero)
     for k in range(cycles + 1):
-        note(watch, results, moves, runs.scenario, arm, states, first, k, timing.cycle)
+        note(watch, results, moves, runs.scenario, arm, states, course, tracks, first, k, timing.cycle)
         if k == cycles:
             break
         around = _surroundings(watch.scratch, air, runs, plan, first, k)
         for j in range(n):
-            held = _held(watch.scratch, runs, plan, first, j, k)
+            held = _held(watch.scratch, runs, plan, usual[j], first, j, k)
             measured = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
             memories[j], asked, _ = step(gains[j], memories[j], measured, held.demand)
             drives[j], voltage = _drive(joints[j], held, asked)
@@ -144,6 +180,5 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
             trace(watch, results, states[j], voltage, first, j, k)
         advance(arm, joints, states, drives, waves, around, h, timing.steps)
         for j in range(n):
-            note_divergence(watch, results, states[j], first, k)
-    for j in range(n):
-        note_air(watch, results, states[j], first)
+            note_divergence(states[j], course, k)
+    note_totals(watch, results, states, course, first, n)

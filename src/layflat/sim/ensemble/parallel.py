@@ -136,7 +136,7 @@ def _run_block(
     )
     own.totals[:, DIVERGED] = np.nan
     for first in range(0, len(block), WIDTH):
-        watch = new_watch(len(prepared.base.joints), WIDTH)
+        watch = new_watch(WIDTH)
         run_lanes(prepared.template, first, runs, plan, moves, timing, own, watch)
     count = min(len(block), prepared.count - int(block[0]))
     place = slice(int(block[0]), int(block[0]) + count)

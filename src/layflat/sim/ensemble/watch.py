@@ -1,15 +1,15 @@
 """What is noted of runs side by side, record by record: metrics of moves, totals, and traces where asked."""
 
-from math import hypot
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from layflat.jit import composition, law
-from layflat.lanes import select, slots, width, write_lanes
+from layflat.lanes import read_lanes, select, slots, width, write_lanes
 from layflat.physics.plant import tip
 from layflat.physics.valve import net_opening
-from layflat.sim.tally import add, clear
+from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
 
 
 class Moves(NamedTuple):
@@ -68,87 +68,128 @@ AIR, ACCELERATION, DIVERGED = range(3)
 
 
 class Watch(NamedTuple):
-    """What has to be kept from record to record, a column a lane."""
+    """Which move goes on in each lane, and room to turn lanes into numbers."""
 
     move: np.ndarray
-    """Number of the move that goes on, (lanes,)"""
-    ways: np.ndarray
-    """Sign of its way, (joints, lanes)"""
-    angles: np.ndarray
-    """rad, (joints, lanes)"""
-    places: np.ndarray
-    """Where the tip is, and was one and two records ago, m: (3, 2, lanes)"""
+    """Number of the move, (lanes,)"""
+    end: np.ndarray
+    """Its last record, (lanes,)"""
     scratch: np.ndarray
     """(rows enough for anything, lanes)"""
 
 
-def new_watch(joints: int, lanes: int) -> Watch:
+class Track(NamedTuple):
+    """A joint's move: its goal (rad), the sign of its way, and the tally."""
+
+    goal: float
+    way: float
+    tally: Tally
+
+
+class Course(NamedTuple):
+    """What goes on with the whole arm: its move, where the tip is to come (m), and the tip's places before."""
+
+    begin: float
+    """First record of the move."""
+    records: float
+    """How many it has."""
+    goal_x: float
+    goal_y: float
+    tally: Tally
+    x_1: float
+    y_1: float
+    x_2: float
+    y_2: float
+    """One and two records ago, m"""
+    acceleration: float
+    """Largest so far, m/s2"""
+    diverged: float
+    """Cycle, or not a number"""
+
+
+NO_TRACK = Track(0.0, 0.0, EMPTY)
+NO_COURSE = Course(0.0, 0.0, 0.0, 0.0, EMPTY, 0.0, 0.0, 0.0, 0.0, 0.0, np.nan)
+"""Before the first record."""
+
+
+def new_watch(lanes: int) -> Watch:
     """A watch over so many lanes of runs."""
-    return Watch(
-        np.zeros(lanes, np.int64),
-        np.zeros((joints, lanes)),
-        np.zeros((joints, lanes)),
-        np.zeros((3, 2, lanes)),
-        np.zeros((8, lanes)),
-    )
+    return Watch(np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((8, lanes)))
 
 
 @law
 def one_lane(watch, lane):
     """The part of a watch that is over a single lane."""
-    return Watch(
-        watch.move[lane : lane + 1],
-        watch.ways[:, lane : lane + 1],
-        watch.angles[:, lane : lane + 1],
-        watch.places[:, :, lane : lane + 1],
-        watch.scratch[:, lane : lane + 1],
-    )
-
-
-@law
-def _note_move(watch, moves, tallies, scenario, run, lane, k):
-    m = watch.move[lane]
-    begin, end = moves.ends[scenario, m, 0], moves.ends[scenario, m, 1]
-    if k < begin or end < k:
-        return
-    n, i, count = len(watch.angles), k - begin, end - begin + 1
-    for j in range(n):
-        error = watch.angles[j, lane] - moves.goals[scenario, m, j]
-        if i == 0:
-            watch.ways[j, lane] = 1.0 if error < 0.0 else -1.0 if error > 0.0 else 0.0
-            clear(tallies[m, j])
-        add(tallies[m, j], i, count, error, watch.ways[j, lane], moves.band)
-    if i == 0:
-        clear(tallies[m, n])
-    x, y = watch.places[0, 0, lane], watch.places[0, 1, lane]
-    add(tallies[m, n], i, count, hypot(x - moves.tips[run, m, 0], y - moves.tips[run, m, 1]), 1.0, moves.tip_band)
-    if k == end and m + 1 < moves.ends.shape[1]:
-        watch.move[lane] = m + 1
-
-
-@law
-def _note_acceleration(watch, totals, lane, k, cycle):
-    new, last, before = watch.places[0], watch.places[1], watch.places[2]
-    if k >= 2:
-        x = new[0, lane] - 2.0 * last[0, lane] + before[0, lane]
-        y = new[1, lane] - 2.0 * last[1, lane] + before[1, lane]
-        totals[ACCELERATION] = max(totals[ACCELERATION], hypot(x, y) / (cycle * cycle))
-    for i in range(2):
-        before[i, lane], last[i, lane] = last[i, lane], new[i, lane]
+    return Watch(watch.move[lane : lane + 1], watch.end[lane : lane + 1], watch.scratch[:, lane : lane + 1])
 
 
 @composition
-def note(watch, results, moves, scenarios, arm, states, first, k, cycle):
-    """Record k of the runs from number `first` on."""
-    angles = slots(states, states[0].motion.angle)
-    for j in range(len(watch.angles)):
-        angles[j] = states[j].motion.angle
-        write_lanes(watch.angles[j : j + 1], angles[j])
-    write_lanes(watch.places[0], tip(arm, angles))
+def begin_moves(watch, moves, scenarios, course, tracks, first):
+    """Set out for the goals of the moves that the watch names; what goes on already just goes on."""
+    scratch = watch.scratch
     for lane in range(width()):
-        run = first + lane
-        _note_move(watch, moves, results.tallies[run], scenarios[run], run, lane, k)
-        _note_acceleration(watch, results.totals[run], lane, k, cycle)
+        run, m = first + lane, watch.move[lane]
+        begin, end = moves.ends[scenarios[run], m, 0], moves.ends[scenarios[run], m, 1]
+        watch.end[lane] = end
+        scratch[0, lane], scratch[1, lane] = begin, end - begin + 1
+        scratch[2, lane], scratch[3, lane] = moves.tips[run, m, 0], moves.tips[run, m, 1]
+    begin, records, goal_x, goal_y = read_lanes((0.0, 0.0, 0.0, 0.0), scratch)
+    c = course[0]
+    course[0] = Course(begin, records, goal_x, goal_y, c.tally, c.x_1, c.y_1, c.x_2, c.y_2, c.acceleration, c.diverged)
+    for j in range(moves.goals.shape[2]):
+        for lane in range(width()):
+            scratch[0, lane] = moves.goals[scenarios[first + lane], watch.move[lane], j]
+        tracks[j] = Track(read_lanes(0.0, scratch), tracks[j].way, tracks[j].tally)
+
+
+@composition
+def _keep(watch, results, tally, first, j, k):
+    # The tally of joint j (or of the tip) in the lanes whose move ends with record k.
+    write_lanes(watch.scratch, tally)
+    for lane in range(width()):
+        if watch.end[lane] == k:
+            for column in range(COLUMNS):
+                results.tallies[first + lane, watch.move[lane], j, column] = watch.scratch[column, lane]
+
+
+@composition
+def _end_moves(watch, results, moves, scenarios, course, tracks, first, k):
+    n = moves.goals.shape[2]
+    over = 0
+    for lane in range(width()):
+        over += watch.end[lane] == k
+    if over == 0:
+        return
+    for j in range(n):
+        _keep(watch, results, tracks[j].tally, first, j, k)
+    _keep(watch, results, course[0].tally, first, n, k)
+    for lane in range(width()):
+        if watch.end[lane] == k and watch.move[lane] + 1 < moves.ends.shape[1]:
+            watch.move[lane] += 1
+    begin_moves(watch, moves, scenarios, course, tracks, first)
+
+
+@composition
+def note(watch, results, moves, scenarios, arm, states, course, tracks, first, k, cycle):
+    """Record k of the runs from number `first` on."""
+    c = course[0]
+    i = k - c.begin
+    begins = i == 0.0
+    angles = slots(states, states[0].motion.angle)
+    for j in range(moves.goals.shape[2]):
+        angles[j] = states[j].motion.angle
+        goal, way, tally = tracks[j]
+        error = angles[j] - goal
+        way = select(begins, select(error < 0.0, 1.0, select(error > 0.0, -1.0, 0.0)), way)
+        tracks[j] = Track(goal, way, counted(emptied(tally, begins), i, c.records, error, way, moves.band))
+    x, y = tip(arm, angles)
+    away = sqrt((x - c.goal_x) * (x - c.goal_x) + (y - c.goal_y) * (y - c.goal_y))
+    tally = counted(emptied(c.tally, begins), i, c.records, away, 1.0, moves.tip_band)
+    a_x, a_y = x - 2.0 * c.x_1 + c.x_2, y - 2.0 * c.y_1 + c.y_2
+    seen = select(k >= 2, 1.0 / (cycle * cycle), 0.0)
+    fastest = max(c.acceleration, seen * sqrt(a_x * a_x + a_y * a_y))
+    course[0] = Course(c.begin, c.records, c.goal_x, c.goal_y, tally, x, y, c.x_1, c.y_1, fastest, c.diverged)
+    _end_moves(watch, results, moves, scenarios, course, tracks, first, k)
 
 
 @composition
@@ -165,20 +206,24 @@ def trace(watch, results, state, voltage, first, j, k):
 
 
 @composition
-def note_divergence(watch, results, state, first, k):
+def note_divergence(state, course, k):
     """Note where a joint has left all meaning (not a number included) in control cycle k for the first time."""
     sane = (abs(state.motion.angle) < 10.0) & (abs(state.motion.velocity) < 1e4)
     sound = sane & (state.hose_a.mass > 0.0) & (state.hose_b.mass > 0.0)
-    write_lanes(watch.scratch, select(sound, 0.0, 1.0))
-    for lane in range(width()):
-        totals = results.totals[first + lane]
-        if watch.scratch[0, lane] > 0.0 and not totals[DIVERGED] <= k:
-            totals[DIVERGED] = k
+    c = course[0]
+    diverged = select(sound | (c.diverged <= k), c.diverged, k)
+    course[0] = Course(
+        c.begin, c.records, c.goal_x, c.goal_y, c.tally, c.x_1, c.y_1, c.x_2, c.y_2, c.acceleration, diverged
+    )
 
 
 @composition
-def note_air(watch, results, state, first):
-    """Add the air that a joint has taken."""
-    write_lanes(watch.scratch, state.ledger.air_taken)
+def note_totals(watch, results, states, course, first, n):
+    """What there is to say of whole runs."""
+    air = states[0].ledger.air_taken
+    for j in range(1, n):
+        air = air + states[j].ledger.air_taken
+    write_lanes(watch.scratch, Totals(air, course[0].acceleration, course[0].diverged))
     for lane in range(width()):
-        results.totals[first + lane, AIR] += watch.scratch[0, lane]
+        for column in range(3):
+            results.totals[first + lane, column] = watch.scratch[column, lane]
