@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.study.description import StudyFile
-from layflat.study.varied import Varied
+from layflat.study.varied import Varied, groups
 
 Array = NDArray[np.float64]
 
@@ -23,26 +23,27 @@ def samples(varied: Sequence[Varied], file: StudyFile) -> dict[str, Array]:
 
     assert file.runs is not None
     if file.sampling == "saltelli":
-        shares = saltelli(len(varied), file.runs, file.seed)
+        shares = saltelli(len(varied), file.runs, file.seed, groups(varied).values())
     else:
         engine: Any = qmc.Sobol if file.sampling == "sobol" else qmc.LatinHypercube
         shares = engine(len(varied), rng=file.seed).random(file.runs)
     return {one.path: one.at(shares[:, i]) for i, one in enumerate(varied)}
 
 
-def saltelli(dimensions: int, runs: int, seed: int) -> Array:
-    """Points in the unit cube for sensitivity indices (saltelli2010): blocks A, B and, for each dimension i, AB_i.
+def saltelli(dimensions: int, runs: int, seed: int, groups: Iterable[Sequence[int]] = ()) -> Array:
+    """Points in the unit cube for sensitivity indices (saltelli2010): blocks A, B, one AB for each dimension and group.
 
-    A and B are independent; AB_i is A with column i taken from B.
+    A and B are independent; an AB is A with the columns of its dimension, or of its group, taken from B.
 
     Returns:
-        ((dimensions + 2) * runs, dimensions)
+        ((2 + dimensions + groups) * runs, dimensions)
     """
     from scipy.stats import qmc  # noqa: PLC0415  # takes long to import
 
     both = qmc.Sobol(2 * dimensions, rng=seed).random(runs)
     a, b = both[:, :dimensions], both[:, dimensions:]
-    mixed = [np.where(np.arange(dimensions) == i, b, a) for i in range(dimensions)]
+    taken = [*([i] for i in range(dimensions)), *groups]
+    mixed = [np.where(np.isin(np.arange(dimensions), columns), b, a) for columns in taken]
     return np.concatenate([a, b, *mixed])
 
 
@@ -64,7 +65,8 @@ def rows(
         One number a run by what varies; "variant", "sample", "scenario" (its number) and "seed" among them.
     """
     shape = (variants, count, len(seeds), noise_seeds)
-    variant, sample, scenario, noise = np.unravel_index(np.arange(first, last), shape)
+    places: Any = np.unravel_index(np.arange(first, last), shape)
+    variant, sample, scenario, noise = places
     own: dict[str, Array] = {"variant": variant, "sample": sample, "scenario": scenario}
     own["seed"] = np.asarray(seeds)[scenario] + noise
     return own | {path: values[sample] for path, values in drawn.items()}

@@ -22,7 +22,7 @@ from layflat.study.check import check
 from layflat.study.description import ScenarioTable, StudyFile, explained
 from layflat.study.sampling import samples
 from layflat.study.variants import Variant, variants
-from layflat.study.varied import Varied, applied, resolved
+from layflat.study.varied import Varied, applied, groups, resolved
 
 BUILT_IN = files("layflat.study") / "builtin"
 
@@ -61,7 +61,12 @@ class Study:
         if self.file.sampling == "grid":
             return prod(len(one.grid()) for one in self.varied)
         assert self.file.runs is not None
-        return self.file.runs * (len(self.varied) + 2 if self.file.sampling == "saltelli" else 1)
+        return self.file.runs * (2 + len(self.blocks) if self.file.sampling == "saltelli" else 1)
+
+    @property
+    def blocks(self) -> list[str]:
+        """What has sensitivity indices, in their order: everything that varies, then the groups."""
+        return [*(one.path for one in self.varied), *groups(self.varied)]
 
     @property
     def rows(self) -> int:

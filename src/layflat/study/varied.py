@@ -37,6 +37,7 @@ class Varied:
         deviation: of a normal distribution.
         also: paths that vary along with it.
         relative: whether its values are factors on what the machine says.
+        group: what it belongs to, where sensitivity is asked for.
     """
 
     path: str
@@ -50,6 +51,7 @@ class Varied:
     deviation: float | None = None
     also: tuple[str, ...] = ()
     relative: bool = False
+    group: str | None = None
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -85,7 +87,8 @@ class Varied:
         """How it varies, as it could stand in the file, in SI units."""
         numbers = {"low": self.low, "high": self.high, "mean": self.mean, "deviation": self.deviation}
         written = {key: self.kind.written(value) for key, value in numbers.items() if value is not None}
-        linked = ({"also": list(self.also)} if self.also else {}) | ({"relative": True} if self.relative else {})
+        noted = {"also": list(self.also), "relative": self.relative, "group": self.group}
+        linked = {key: value for key, value in noted.items() if value}
         if self.values:
             return {"values": [self.kind.written(value) for value in self.values], **linked}
         scale = {} if self.deviation is not None else {"scale": "log" if self.log else "linear"}
@@ -118,6 +121,8 @@ def resolved(path: str, given: Range, machine: Machine, sampling: str, where: st
     Raises:
         InputError: naming `where`, the key and the value.
     """
+    if given.group is not None and sampling != "saltelli":
+        raise InputError("has no effect", where=f"{where}.group", right='use sampling = "saltelli", or leave it out')
     own = kind(machine, path, where)
     others = [kind(machine, other, f"{where}.also.{i}") for i, other in enumerate(given.also)]
     if given.relative:
@@ -136,7 +141,14 @@ def resolved(path: str, given: Range, machine: Machine, sampling: str, where: st
         if odd:
             right = "vary it by itself, or add relative = true"
             raise InputError(f"{odd!r} is of another kind", where=f"{where}.also", right=right)
-    return replace(_resolved(path, given, own, sampling, where), also=given.also, relative=given.relative)
+    found = _resolved(path, given, own, sampling, where)
+    return replace(found, also=given.also, relative=given.relative, group=given.group)
+
+
+def groups(varied: Sequence[Varied]) -> dict[str, list[int]]:
+    """Numbers of the things in each group, by its name in alphabetical order."""
+    names = sorted({one.group for one in varied if one.group is not None})
+    return {name: [i for i, one in enumerate(varied) if one.group == name] for name in names}
 
 
 def _resolved(path: str, given: Range, kind: Kind, sampling: str, where: str) -> Varied:
@@ -162,7 +174,7 @@ def _resolved(path: str, given: Range, kind: Kind, sampling: str, where: str) ->
 
 
 def _values(given: Range, kind: Kind, where: str) -> tuple[float, ...]:
-    beside = sorted(given.model_fields_set - {"values", "also", "relative"})
+    beside = sorted(given.model_fields_set - {"values", "also", "relative", "group"})
     if beside:
         raise InputError("stands beside values", where=f"{where}.{beside[0]}", right="give one or the other")
     assert given.values is not None
