@@ -103,8 +103,8 @@ class Range(Table):
     """How one thing varies: evenly from low to high, among values, or normally about a mean.
 
     What is written depends on the path that varies, so the values are read later, by `varied.resolved`. The paths in
-    `also` vary along with it. Of what is `relative` the values are factors on what the machine says. Where sensitivity is asked for, a `group` has indices
-    of its own.
+    `also` vary along with it. Of what is `relative` the values are factors on what the machine says. A `group` has
+    sensitivity indices of its own.
     """
 
     low: Any = None

@@ -43,7 +43,8 @@ def sobol_indices(values: Array, things: int) -> Indices:
     rng = np.random.default_rng(0)
     again = np.array([_estimated(blocks[:, rng.integers(runs, size=runs)]) for _ in range(RESAMPLES)])
     ends = np.quantile(again, ENDS, axis=0)
-    return Indices(*_estimated(blocks), ends[:, 0], ends[:, 1])
+    first, total = _estimated(blocks)
+    return Indices(first, total, ends[:, 0], ends[:, 1])
 
 
 def _estimated(blocks: Array) -> Array:
@@ -52,6 +53,6 @@ def _estimated(blocks: Array) -> Array:
 
     if np.ptp(blocks) == 0.0:
         return np.zeros((2, len(blocks) - 2))
-    functions = {"f_A": blocks[:1], "f_B": blocks[1:2], "f_AB": blocks[2:, None, :]}
+    functions: Any = {"f_A": blocks[:1], "f_B": blocks[1:2], "f_AB": blocks[2:, None, :]}
     found: Any = stats.sobol_indices(func=functions, n=blocks.shape[1])
     return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
