@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     import pandas
     import pyarrow
 
-FIGURES = ("figure.png", "figure.svg")
+ANSWER = ("figure.png", "figure.svg", "finding.txt")
 """What a built-in study shows, beside its table."""
 
-LEFT_OVER = re.compile(r"\.(study|table|figure|\d{5,})-\w+\.(json|parquet|png|svg)")
+LEFT_OVER = re.compile(r"\.(study|table|figure|finding|\d{5,})-\w+\.(json|parquet|png|svg|txt)")
 """Temporary files of a run that was killed."""
 
 BYTES_A_CELL, BYTES_A_COLUMN = 10, 400
@@ -129,7 +129,7 @@ def refuse_foreign(place: Path) -> None:
     Raises:
         OutputError: it does.
     """
-    own = {"study.json", "chunks", "table.parquet", *FIGURES} if (place / "study.json").exists() else set()
+    own = {"study.json", "chunks", "table.parquet", *ANSWER} if (place / "study.json").exists() else set()
     foreign = [path.name for path in place.iterdir() if path.name not in own and not LEFT_OVER.fullmatch(path.name)]
     if "chunks" in own and (place / "chunks").is_dir():
         inside = [path.name for path in (place / "chunks").iterdir()]

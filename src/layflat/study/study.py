@@ -153,13 +153,23 @@ def read(path: str | Path) -> Study:
         _check_runs(file, varied, where)
         found.append(varied)
     study = Study(file, compared, scenarios, found[0], _metrics(file.metrics, where))
-    names = study.scenario_names
-    if len(set(names)) < len(names):
+    own = study.scenario_names
+    if len(set(own)) < len(own):
         raise InputError("two have the same name", where=f"{where}: scenario.name", right="give each its own")
-    drawn = samples(study.varied, file)
-    for one in compared:
-        check(one.machine, scenarios, applied(study.varied, drawn, one.machine), study.step, where)
+    if where not in names():  # those are checked by tests
+        check_samples(study, where)
     return study
+
+
+def check_samples(study: Study, where: str) -> None:
+    """Make sure that all runs of a study can be, and that all that varies matters.
+
+    Raises:
+        InputError: naming `where` and the key.
+    """
+    drawn = samples(study.varied, study.file)
+    for one in study.variants:
+        check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where)
 
 
 def _file(path: str | Path, where: str) -> StudyFile:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from types import ModuleType
 
@@ -22,8 +21,11 @@ from layflat.experiments.questions import (
 from layflat.files import whole_file
 from layflat.plot.style import save, to_svg
 from layflat.study import finished, read, run, table
+from layflat.study.folder import ANSWER
 
-__all__ = ["QUESTIONS", "Answer", "answer", "answers", "ask", "write_answer"]
+__all__ = ["QUESTIONS", "Answer", "answer", "answers", "ask"]
+
+PNG, SVG, TEXT = ANSWER
 
 QUESTIONS: dict[str, ModuleType] = {
     "brake-and-inertia": brake_and_inertia,
@@ -47,33 +49,39 @@ class Answer:
     svg: str
 
 
-def ask(out: Path, progress: Callable[[str, int, int], None]) -> None:
-    """Run the study of every question, or what is left of it, each in its folder below `out`."""
-    for name in QUESTIONS:
-        run(read(name), out / name, progress=partial(progress, name))
-
-
-def answers(out: Path) -> list[Answer]:
-    """What is answered below `out`: questions whose whole tables, of these very studies, are there."""
-    if not out.is_dir():
-        return []
-    return [
-        answer(name, out / name) for name in QUESTIONS if (out / name).is_dir() and finished(read(name), out / name)
-    ]
+def ask(name: str, out: Path, progress: Callable[[int, int], None] | None = None) -> Answer:
+    """Run the study of a question, or what is left of it, and answer it."""
+    run(read(name), out, progress=progress)
+    return answer(name, out)
 
 
 def answer(name: str, out: Path) -> Answer:
-    """The answer to a question from the table of its study."""
-    question, study, frame = QUESTIONS[name], read(name), table(out)
-    svg = to_svg(question.figure(study, frame))
-    return Answer(f"question-{name}", question.TITLE, question.CAPTION, question.finding(study, frame), svg)
+    """The answer to a question from the table of its study; its figure and text are written beside the table.
 
-
-def write_answer(name: str, out: Path) -> str:
-    """Write the figure of a question beside the table of its study, as SVG and PNG; returns its finding."""
+    Raises:
+        InputError: there is no table.
+        OutputError: the figure can't be written.
+    """
     question, study, frame = QUESTIONS[name], read(name), table(out)
     drawn = question.figure(study, frame)
-    save(drawn, out / "figure.png")
-    with whole_file(out / "figure.svg") as temporary:
-        temporary.write_text(to_svg(drawn), encoding="utf-8")
-    return str(question.finding(study, frame))
+    found = Answer(f"question-{name}", question.TITLE, question.CAPTION, question.finding(study, frame), to_svg(drawn))
+    save(drawn, out / PNG)
+    for file, text in ((SVG, found.svg), (TEXT, found.finding + "\n")):
+        with whole_file(out / file) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    return found
+
+
+def answers(out: Path) -> list[Answer]:
+    """What is answered below `out`: questions whose tables, of these very studies, are there with their figures."""
+    return [_kept(name, out / name) for name in QUESTIONS if _is_answered(name, out / name)]
+
+
+def _is_answered(name: str, out: Path) -> bool:
+    return all((out / file).exists() for file in ANSWER) and finished(read(name), out)
+
+
+def _kept(name: str, out: Path) -> Answer:
+    question = QUESTIONS[name]
+    finding, svg = ((out / file).read_text(encoding="utf-8") for file in (TEXT, SVG))
+    return Answer(f"question-{name}", question.TITLE, question.CAPTION, finding.strip(), svg)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-WINDOW = 1.75
+WINDOW = 2.0
 """How long a move lasts, s."""
 TITLE = "Which of the paper's results depend on what we assumed?"
 CAPTION = (
