@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from layflat.plot.style import LINES
+from layflat.plot.style import LINES, QUIET
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +43,7 @@ def draw_bars(
         far = value
         if ends is not None:
             low, high = ends[i]
-            axes.plot([low, high], [i, i], color="#1b1b1b", linewidth=1.0)
+            axes.plot([low, high], [i, i], **QUIET, marker="|")
             far = max(value, high)
         axes.annotate(form.format(value), (far, i), xytext=(3, 0), textcoords="offset points", va="center", fontsize=8)
     axes.set_yticks(place, list(names) if names else [""] * len(place))
