@@ -39,6 +39,7 @@ LEAST_DISTANCE, LEAST_RIPPLE = 1e-4, np.radians(0.01)
 HELD = {
     "losses.weights": "they add up to one; what turn each element takes to slip varies instead",
     "hose.loss_share": "only its product with the cover's factor counts, which varies",
+    "valve.centre_voltage": "driver and controller share it",
     "stops": "no move reaches them",
     "valve.volts_to_full": "a driver's range is known; another would ask for other gains in proportion",
 }

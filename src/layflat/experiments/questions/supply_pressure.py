@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.experiments.axis_one import GOOD_TIME
-from layflat.experiments.questions.tables import Array, seconds
+from layflat.experiments.questions.tables import Array
 from layflat.plot.style import LINES, QUIET
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
@@ -98,7 +98,9 @@ def finding(study: Study, frame: pandas.DataFrame) -> str:
     elif late[-1] + 1 < len(p):
         settles = f"from {p[late[-1] + 1]:g} bar on the joint settles within {GOOD_TIME:g} s"
     else:
-        settles = f"at {high:g} bar the joint settles in {seconds(found['settling'][-1])}, not within {GOOD_TIME:g} s"
+        last = found["settling"][-1]
+        how = f"settles in {last:.2f} s" if np.isfinite(last) else "does not settle"
+        settles = f"at {high:g} bar the joint {how} (within {GOOD_TIME:g} s at none up to there)"
     usual = int(np.argmin(np.abs(p - study.machine.supply.pressure_gauge / 1e5)))
     dithered = 100.0 * (1.0 - found["leakage"][usual] / found["air at rest"][usual])
     grows = "grows" if joint[-1] > 1.1 * joint[0] else "falls" if joint[-1] < 0.9 * joint[0] else "stays"
