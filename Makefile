@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce test test-nojit lint bench calibrate clean
+.PHONY: help reproduce questions test test-nojit lint bench calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -17,6 +17,9 @@ $(READY): pyproject.toml constraints.txt
 
 reproduce: $(READY)  ## reproduce the paper: build/reproduce/report.html and claims.json
 	$(BIN)/layflat reproduce --out build/reproduce
+
+questions: $(READY)  ## the same with the paper's open questions, studies of thousands of runs
+	$(BIN)/layflat reproduce --out build/reproduce --questions
 
 test: $(READY)  ## run the tests, with compiled laws and then the laws' own tests without
 	$(BIN)/python -m pytest -n 2

@@ -29,7 +29,19 @@ def refused(*words: str, cwd: Path | None = None) -> str:
 def test_help_names_every_command() -> None:
     done = layflat("--help")
     assert done.returncode == 0
-    for command in ("machines", "show", "check", "schema", "design", "size", "loop", "simulate", "reproduce"):
+    for command in (
+        "machines",
+        "show",
+        "check",
+        "schema",
+        "design",
+        "size",
+        "loop",
+        "simulate",
+        "reproduce",
+        "studies",
+        "study",
+    ):
         assert command in done.stdout
 
 

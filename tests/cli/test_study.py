@@ -73,6 +73,34 @@ def test_a_mistake_gives_one_line(folder: Path, old: str, new: str, expected: st
     assert not (folder / "out").exists()
 
 
+def test_a_built_in_study_prints_its_finding_and_draws_its_figure(tmp_path: Path) -> None:
+    done = layflat("study", "supply-pressure", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "build" / "study" / "supply-pressure"
+    finding = (out / "finding.txt").read_text(encoding="utf-8")
+    assert "N m per deg" in finding
+    assert " ".join(finding.split()) in " ".join(done.stdout.split())
+    assert (out / "figure.png").read_bytes()[:4] == b"\x89PNG"
+    assert (out / "figure.svg").read_text(encoding="utf-8").startswith("<svg")
+    assert max(map(len, done.stdout.splitlines())) <= 100
+    again = layflat("study", "supply-pressure", cwd=tmp_path)
+    assert (again.returncode, again.stdout) == (0, done.stdout)
+
+
+def test_built_in_studies_are_listed_and_can_be_started_from(tmp_path: Path) -> None:
+    done = layflat("studies", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "supply-pressure" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 100
+    shown = layflat("studies", "valves", cwd=tmp_path)
+    assert shown.stdout.startswith("# Which valve?")
+    for words in (("studies", "valve"), ("study", "valve")):
+        refused = layflat(*words, cwd=tmp_path)
+        assert refused.returncode == 2
+        assert refused.stderr.splitlines() == ["layflat: valve: no such study; did you mean 'valves'?"]
+    assert not (tmp_path / "build").exists()
+
+
 STOPPED = """
 import sys
 from layflat.study import chunk

@@ -108,12 +108,12 @@ def test_rows_are_the_same_in_any_pieces(count: int, scenarios: int, noise_seeds
     drawn: dict[str, Array] = {"a": np.linspace(0.5, count - 0.5, count)}
     seeds = [100 * i for i in range(scenarios)]
     total = count * scenarios * noise_seeds
-    whole = rows(drawn, seeds, noise_seeds, 0, total)
+    whole = rows(drawn, count, 1, seeds, noise_seeds, 0, total)
     expected = list(product(range(count), range(scenarios), range(noise_seeds)))
     assert list(whole["sample"]) == [sample for sample, _, _ in expected]
     assert list(whole["a"]) == [sample + 0.5 for sample, _, _ in expected]
     assert list(whole["scenario"]) == [scenario for _, scenario, _ in expected]
     assert list(whole["seed"]) == [100 * scenario + noise for _, scenario, noise in expected]
-    pieces = [rows(drawn, seeds, noise_seeds, i, min(i + piece, total)) for i in range(0, total, piece)]
+    pieces = [rows(drawn, count, 1, seeds, noise_seeds, i, min(i + piece, total)) for i in range(0, total, piece)]
     for key, values in whole.items():
         assert np.array_equal(values, np.concatenate([part[key] for part in pieces]))

@@ -61,7 +61,7 @@ def test_what_varies_takes_the_place_of_a_constant_but_not_of_steps(tmp_path: Pa
         ('name = "small"', "", "name: is missing"),
         ('name = "small"', 'name = "small"\nmetric = []', "metric: unknown key; did you mean 'metrics'?"),
         ('name = "small"', 'name = "small', "is not TOML"),
-        ('"grid"', '"random"', "sampling: 'random' is out of range; it should be 'grid', 'sobol' or 'lhs'"),
+        ('"grid"', '"random"', "sampling: 'random' is out of range; it should be 'grid', 'sobol', 'lhs' or 'saltelli'"),
         ('"grid"', '"sobol"', "runs: is missing; say how many samples, such as 1024"),
         ('"grid"', '"sobol"\nruns = 100', "runs: 100 is no power of two; Sobol points are balanced in powers of two: give"),  # noqa: E501
         ('"grid"', '"grid"\nnoise_seeds = 0', "noise_seeds: 0 is out of range"),

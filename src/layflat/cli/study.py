@@ -1,36 +1,55 @@
-"""The command that runs parameter studies."""
+"""Commands about parameter studies: studies, study."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import Out, app, print_table
+from layflat.cli.app import WIDTH, app, print_table
 
 if TYPE_CHECKING:
     from layflat.study import Study
 
 
 @app.command()
+def studies(
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="print its file, to start from")] = None,
+) -> None:
+    """List the built-in studies, or print one."""
+    from layflat.study import names, read  # noqa: PLC0415
+    from layflat.study.study import text  # noqa: PLC0415
+
+    if name is not None:
+        typer.echo(text(name), nl=False)
+        return
+    described = [read(one) for one in names()]
+    print_table(["study", "runs", "what it asks"], [[s.name, str(s.rows), s.file.title] for s in described])
+
+
+@app.command()
 def study(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="what to vary, in TOML")],
-    out: Out = Path("build/study"),
+    file: Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in study, or what to vary, in TOML")],
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", metavar="DIR", help="folder for the results [build/study/NAME]")
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="of a Dask cluster that does the work")
     ] = None,
 ) -> None:
     """Run a parameter study: a table of metrics, a row a run. A stopped study goes on where it was."""
-    from layflat.study import read, run  # noqa: PLC0415
+    from layflat.study import names, read, run  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
 
     described = read(file)
+    place = out or Path("build/study") / Path(file).stem
     try:
-        with _progress() as advance:
-            table = run(described, out, scheduler=scheduler, progress=advance)
+        with runs_bar("runs") as advance:
+            table = run(described, place, scheduler=scheduler, progress=advance)
     except ChangedError as error:
         typer.echo(f"layflat: {error}", err=True)
         for line in error.differences:
@@ -39,8 +58,18 @@ def study(
     except KeyboardInterrupt:
         typer.echo("layflat: stopped; the same command goes on from here", err=True)
         raise typer.Exit(130) from None
-    _print_summary(described, out)
+    _print_summary(described, place)
     typer.echo(f"wrote {table}")
+    if file in names():
+        _answer(file, place)
+
+
+def _answer(name: str, out: Path) -> None:
+    """What a built-in study finds, and its figure."""
+    from layflat.experiments.questions import answer  # noqa: PLC0415
+
+    found = answer(name, out)
+    typer.echo(f"wrote {out / 'figure.svg'} and .png\n\n{fill(found.finding, WIDTH)}")
 
 
 def _print_summary(described: Study, out: Path) -> None:
@@ -60,17 +89,17 @@ def _print_summary(described: Study, out: Path) -> None:
 
 
 @contextmanager
-def _progress() -> Iterator[Callable[[int, int], None]]:
-    """A bar over the runs."""
+def runs_bar(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar over the runs of a study."""
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("runs (compiles for some seconds the first time)", total=None)
+        task = bar.add_task(f"{what} (compiles for some seconds the first time)", total=None)
 
         def advance(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total, description="runs" if done else None)
+            bar.update(task, completed=done, total=total, description=what if done else None)
 
         yield advance

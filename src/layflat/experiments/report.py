@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from importlib.resources import files
 from math import isfinite
 from pathlib import Path
@@ -14,6 +15,7 @@ from markupsafe import Markup
 import layflat
 from layflat.experiments.claim import Claim
 from layflat.experiments.figures import figures
+from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import whole_file
 from layflat.machine.listing import Line
@@ -47,13 +49,14 @@ def write_claims(found: Reproduction, path: Path) -> Path:
     return path
 
 
-def write_report(found: Reproduction, assumed: list[Line], path: Path) -> Path:
+def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: Sequence[Answer] = ()) -> Path:
     """Write the report as one HTML file that needs nothing else.
 
     Args:
         found: the experiments.
         assumed: lines of the description that the paper does not give.
         path: of the file.
+        answers: to the open questions, as far as there are any.
 
     Raises:
         OutputError: it can't be written there.
@@ -68,6 +71,7 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path) -> Path:
         claims=[{**vars(claim), "lines": lines(claim)} for claim in found.claims],
         figures=drawn,
         assumed=assumed,
+        answers=[{**vars(one), "svg": Markup(one.svg)} for one in answers],
     )
     with whole_file(path) as temporary:
         temporary.write_text(html, encoding="utf-8")

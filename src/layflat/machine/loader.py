@@ -83,7 +83,7 @@ def _read(where: str, seen: tuple[str, ...]) -> tuple[Plain, Sources]:
     under, under_sources = _read(str(below) if below.suffix == ".toml" else base, (*seen, where))
     for path in omitted:
         _omit(under, under_sources, path, where)
-    return _laid_over(under, plain), under_sources | sources
+    return laid_over(under, plain), under_sources | sources
 
 
 def _omit(plain: Plain, sources: Sources, path: str, where: str) -> None:
@@ -118,11 +118,12 @@ def _text(where: str) -> str:
         raise MachineError("is not a text file in UTF-8", where=where, right="give a TOML file") from None
 
 
-def _laid_over(under: Plain, over: Plain) -> Plain:
+def laid_over(under: Plain, over: Plain) -> Plain:
+    """Tables with what differs in others put in their place."""
     merged = dict(under)
     for key, value in over.items():
         below = merged.get(key)
-        merged[key] = _laid_over(below, value) if isinstance(below, dict) and isinstance(value, dict) else value
+        merged[key] = laid_over(below, value) if isinstance(below, dict) and isinstance(value, dict) else value
     return merged
 
 

@@ -58,25 +58,30 @@ def figure(
     height: float = 3.6,
     share_x: bool = False,
     head: bool = False,
+    above: float = 0.0,
+    beside: float = 0.0,
+    between: float = BETWEEN[0],
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """A figure in the house style, with its axes in reading order. Sizes in inches.
 
+    Where asked there is more room `above` the axes, for a scale of colours, and on the left `beside` them and `between`
+    them, for names.
     The margins are fixed: a layout that is solved for would draw everything twice.
     """
     import matplotlib as mpl  # noqa: PLC0415  # matplotlib takes long to import
     from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415
 
-    top = TOP + (HEAD if head else 0.0)
-    wide = (width - LEFT - RIGHT - (columns - 1) * BETWEEN[0]) / columns
+    top, left = TOP + (HEAD if head else 0.0) + above, LEFT + beside
+    wide = (width - left - RIGHT - (columns - 1) * between) / columns
     high = (height - BOTTOM - top - (rows - 1) * BETWEEN[1]) / rows
     with mpl.rc_context(RC):
         made = NewFigure(figsize=(width, height))
         made.subplots_adjust(
-            left=LEFT / width,
+            left=left / width,
             right=1.0 - RIGHT / width,
             bottom=BOTTOM / height,
             top=1.0 - top / height,
-            wspace=BETWEEN[0] / wide,
+            wspace=between / wide,
             hspace=BETWEEN[1] / high,
         )
         axes = made.subplots(rows, columns, sharex=share_x, squeeze=False)

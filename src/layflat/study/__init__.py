@@ -1,10 +1,11 @@
 """Parameter studies: many samples of what varies, in one or several scenarios, as one table.
 
-A reader's way: description.py (the file), study.py, sampling.py, chunk.py, run.py, folder.py, summary.py.
+A reader's way: description.py (the file), study.py, variants.py, varied.py, sampling.py, chunk.py, run.py, folder.py,
+and then summary.py and sensitivity.py. Studies that come with layflat stand in builtin/.
 """
 
 from layflat.study.folder import table
-from layflat.study.run import run
-from layflat.study.study import Study, read
+from layflat.study.run import finished, run
+from layflat.study.study import Study, names, read
 
-__all__ = ["Study", "read", "run", "table"]
+__all__ = ["Study", "finished", "names", "read", "run", "table"]

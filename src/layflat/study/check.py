@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 
 from layflat.errors import InputError
-from layflat.machine import Machine, changed
+from layflat.machine import Machine
+from layflat.machine.change import value_at
 from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.run import timing_of
@@ -83,38 +85,42 @@ def _check_bounds(machine: Machine, drawn: Samples, where: str) -> None:
 def _check_together(machine: Machine, drawn: Samples, where: str) -> None:
     """Numbers that are right alone can contradict each other."""
     paths = [path for path in drawn if not path.startswith("scenario.")]
-    combinations = np.stack([drawn[path] for path in paths], axis=-1) if paths else np.empty((0, 0))
-    for numbers in np.unique(combinations, axis=0):
-        own = machine
-        for path, number in zip(paths, numbers, strict=True):
-            own = changed(own, path, float(number))
-        try:
-            for part in _parts(own, paths):
-                for validator in type(part).__pydantic_decorators__.model_validators.values():
-                    validator.func(part)
-        except ValueError as error:
-            values = ", ".join(f"{path} = {number:.4g}" for path, number in zip(paths, numbers, strict=True))
-            raise InputError(f"{error} (here, in SI: {values})", where=f"{where}: vary", right="narrow it") from None
+    for place, part in _parts(machine, paths):
+        validators = [one.func for one in type(part).__pydantic_decorators__.model_validators.values()]
+        own = {path.removeprefix(f"{place}."): drawn[path] for path in paths if path.startswith(f"{place}.")}
+        for i in range(len(next(iter(own.values()))) if validators else 0):
+            numbers = {path: float(values[i]) for path, values in own.items()}
+            try:
+                for validator in validators:
+                    validator(_Sample(part, numbers, ""))
+            except ValueError as error:
+                values = ", ".join(f"{place}.{path} = {number:.4g}" for path, number in numbers.items())
+                what = f"{error} (here, in SI: {values})"
+                raise InputError(what, where=f"{where}: vary", right="narrow it") from None
 
 
-def _parts(machine: Machine, paths: Sequence[str]) -> Iterator[Any]:
-    """The parts of a machine that hold something that varies, each once."""
-    seen = set()
-    for path in paths:
-        part: Any = machine
-        keys = path.split(".")[:-1]
-        for i, key in enumerate(keys):
-            part = (
-                part[int(key)]
-                if isinstance(part, tuple)
-                else part[key]
-                if isinstance(part, dict)
-                else getattr(part, key)
-            )
-            place = tuple(keys[: i + 1])
-            if place not in seen and hasattr(type(part), "model_fields"):
-                seen.add(place)
-                yield part
+class _Sample:
+    """A part of a machine as it is in one sample: much faster than a changed copy of it."""
+
+    def __init__(self, part: Any, numbers: Mapping[str, float], prefix: str) -> None:
+        self._part, self._numbers, self._prefix = part, numbers, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        path, item = f"{self._prefix}{name}", getattr(self._part, name)
+        if path in self._numbers:
+            return self._numbers[path]
+        if isinstance(item, tuple):
+            return tuple(self._numbers.get(f"{path}.{i}", one) for i, one in enumerate(item))
+        return _Sample(item, self._numbers, f"{path}.") if isinstance(item, BaseModel) else item
+
+
+def _parts(machine: Machine, paths: Sequence[str]) -> Iterator[tuple[str, Any]]:
+    """The parts of a machine that hold something that varies, each once, by their places."""
+    places = {path.rsplit(".", i)[0] for path in paths for i in range(1, path.count(".") + 1)}
+    for place in sorted(places):
+        part = value_at(machine, place)
+        if isinstance(part, BaseModel):
+            yield place, part
 
 
 def _check_effects(machine: Machine, scenarios: Sequence[Scenario], drawn: Samples, where: str) -> None:

@@ -14,6 +14,7 @@ from layflat.jit import source_digest
 from layflat.sim.ensemble import ensemble
 from layflat.study.sampling import Array
 from layflat.study.study import Study
+from layflat.study.varied import applied
 
 if TYPE_CHECKING:
     import pyarrow
@@ -33,11 +34,33 @@ def measured(
     progress: Callable[[int], None] | None = None,
 ) -> pyarrow.Table:
     """Simulate rows of a study; every column has its unit in its metadata."""
-    vary = {key: values for key, values in runs.items() if key != "sample"}
-    (band, tip_band), given = study.bands, (study.machine, study.scenarios, vary)
+    parts = []
+    for number in np.unique(runs["variant"]):
+        own = np.flatnonzero(runs["variant"] == number)
+        parts.append(
+            _of_one_machine(study, int(number), {key: values[own] for key, values in runs.items()}, threads, progress)
+        )
+    import pyarrow  # noqa: PLC0415
+
+    return pyarrow.concat_tables(parts)
+
+
+def _of_one_machine(
+    study: Study,
+    number: int,
+    runs: dict[str, Array],
+    threads: int | None,
+    progress: Callable[[int], None] | None,
+) -> pyarrow.Table:
+    """Rows, which come variant by variant, of one of these."""
+    variant = study.variants[number]
+    vary: dict[str, Array] = {key: runs[key] for key in ("scenario", "seed")}
+    vary |= applied(study.varied, runs, variant.machine)
+    (band, tip_band), given = study.bands, (variant.machine, study.scenarios, vary)
     data = ensemble(*given, step=study.step, band=band, tip_band=tip_band, threads=threads, progress=progress)
     names = np.array(study.scenario_names)[runs["scenario"].astype(int)]
     columns = [
+        *([("variant", np.full(len(names), variant.name), "1")] if variant.name else []),
         ("sample", runs["sample"], "1"),
         ("scenario", names, "1"),
         ("noise_seed", runs["seed"], "1"),

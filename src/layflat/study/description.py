@@ -102,7 +102,9 @@ class ScenarioTable(Table):
 class Range(Table):
     """How one thing varies: evenly from low to high, among values, or normally about a mean.
 
-    What is written depends on the path that varies, so the values are read later, by `varied.resolved`.
+    What is written depends on the path that varies, so the values are read later, by `varied.resolved`. The paths in
+    `also` vary along with it. Of what is `relative` the values are factors on what the machine says. A `group` has
+    sensitivity indices of its own.
     """
 
     low: Any = None
@@ -112,6 +114,21 @@ class Range(Table):
     values: list[Any] | None = None
     mean: Any = None
     deviation: Any = None
+    also: tuple[str, ...] = ()
+    relative: bool = False
+    group: str | None = None
+
+
+class VariantTable(Table):
+    """A machine of several that a study compares: what differs from the study's own, as in a file that extends it.
+
+    `times` has factors on numbers of the machine, laid out in the same way.
+    """
+
+    name: Annotated[str, Field(min_length=1)]
+    machine: str | None = None
+    set: dict[str, Any] = {}
+    times: dict[str, Any] = {}
 
 
 class StudyFile(Table):
@@ -121,7 +138,7 @@ class StudyFile(Table):
     title: str = ""
     machine: str
     runs: Annotated[int, Field(ge=1)] | None = None
-    sampling: Literal["grid", "sobol", "lhs"]
+    sampling: Literal["grid", "sobol", "lhs", "saltelli"]
     seed: Annotated[int, Field(ge=0)] = 0
     noise_seeds: Annotated[int, Field(ge=1)] = 1
     metrics: tuple[str, ...] | None = None
@@ -130,6 +147,7 @@ class StudyFile(Table):
     tip_band: u.Length | None = None
     scenario: Annotated[tuple[ScenarioTable, ...], Field(min_length=1)]
     vary: dict[str, Range] = {}
+    variant: tuple[VariantTable, ...] = ()
 
     @field_validator("scenario", mode="before")
     @classmethod
@@ -149,7 +167,9 @@ def explained(error: ErrorDetails, where: str) -> InputError:
             )
         return InputError("unknown key", where=place, right=_known_keys(steps))
     if error["type"] == "missing":
-        return InputError("is missing", where=place, right="a study has a name, machine, sampling and [scenario]")
+        whole = "a study has a name, machine, sampling and [scenario]"
+        right = whole if steps[0] != "variant" else "give each variant a name"
+        return InputError("is missing", where=place, right=right)
     if error["type"] == "signal":
         problem, _, right = message.partition("; ")
         return InputError(problem, where=place, right=right)
@@ -163,7 +183,7 @@ def explained(error: ErrorDetails, where: str) -> InputError:
 
 def _known_keys(steps: list[str]) -> str:
     """The keys that stand beside an unknown one, nearest first."""
-    tables: dict[str, type[Table]] = {"scenario": ScenarioTable, "vary": Range}
+    tables: dict[str, type[Table]] = {"scenario": ScenarioTable, "vary": Range, "variant": VariantTable}
     table = tables.get(steps[0], StudyFile) if len(steps) > 1 else StudyFile
     near = get_close_matches(steps[-1], table.model_fields, n=1)
     return f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(table.model_fields)}"

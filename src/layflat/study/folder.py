@@ -18,7 +18,10 @@ if TYPE_CHECKING:
     import pandas
     import pyarrow
 
-LEFT_OVER = re.compile(r"\.(study|table|\d{5,})-\w+\.(json|parquet)")
+ANSWER = ("figure.png", "figure.svg", "finding.txt")
+"""What a built-in study shows, beside its table."""
+
+LEFT_OVER = re.compile(r"\.(study|table|figure|finding|\d{5,})-\w+\.(json|parquet|png|svg|txt)")
 """Temporary files of a run that was killed."""
 
 BYTES_A_CELL, BYTES_A_COLUMN = 10, 400
@@ -63,6 +66,14 @@ class Folder:
         """Rows of each chunk that is there and whole."""
         found = {number: _rows(self.chunk(number)) for number in range(self.chunks)}
         return {number: rows for number, rows in found.items() if rows is not None}
+
+    def holds(self, content: dict[str, Any]) -> bool:
+        """Whether it is the folder of a study of this content."""
+        try:
+            held = json.loads((self.place / "study.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return False
+        return bool(held == json.loads(json.dumps(content)))
 
     def keep(self, number: int, table: pyarrow.Table) -> None:
         """Write a chunk.
@@ -118,7 +129,7 @@ def refuse_foreign(place: Path) -> None:
     Raises:
         OutputError: it does.
     """
-    own = {"study.json", "chunks", "table.parquet"} if (place / "study.json").exists() else set()
+    own = {"study.json", "chunks", "table.parquet", *ANSWER} if (place / "study.json").exists() else set()
     foreign = [path.name for path in place.iterdir() if path.name not in own and not LEFT_OVER.fullmatch(path.name)]
     if "chunks" in own and (place / "chunks").is_dir():
         inside = [path.name for path in (place / "chunks").iterdir()]

@@ -81,6 +81,10 @@ class Kind:
         return f"{value!r} {self.unit}" if self.quantity else value
 
 
+FACTOR = Kind(Annotated[float, Ge(0)])
+"""Of what is given relative to what the machine says."""
+
+
 def kind(machine: Machine, path: str, where: str) -> Kind:
     """The kind of a path that varies.
 

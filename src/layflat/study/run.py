@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Iterable
 from contextlib import closing
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError
 from layflat.study.chunk import made_with, measured
@@ -58,7 +58,7 @@ def run(
     folder = Folder(Path(out), ceil(study.rows / chunk))
     left = folder.chunks - len(folder.done())
     check_space(folder.place, min(left * chunk, study.rows), _columns(study), left)
-    with opened(folder, {**study.canonical(), "chunk": chunk, "made_with": made_with()}):
+    with opened(folder, _content(study, chunk)):
         done = folder.done()
         ran = sum(done.values())
 
@@ -75,6 +75,17 @@ def run(
                 for number, table in tables:
                     folder.keep(number, table)
         return folder.table if folder.table.exists() else folder.join()
+
+
+def finished(study: Study, out: str | Path, *, chunk: int = CHUNK) -> bool:
+    """Whether a folder holds the whole table of this very study, made with what is installed here."""
+    folder = Folder(Path(out), ceil(study.rows / chunk))
+    return folder.table.exists() and folder.holds(_content(study, chunk))
+
+
+def _content(study: Study, chunk: int) -> dict[str, Any]:
+    """All that decides about the last bit of a study's files."""
+    return {**study.canonical(), "chunk": chunk, "made_with": made_with()}
 
 
 def _tables(
@@ -96,7 +107,8 @@ def _work(study: Study, chunk: int, left: set[int]) -> Work:
     seeds = [scenario.seed for scenario in study.scenarios]
     for number in sorted(left):
         first = number * chunk
-        yield number, rows(drawn, seeds, study.file.noise_seeds, first, min(first + chunk, study.rows))
+        last, counts = min(first + chunk, study.rows), (study.samples, len(study.variants))
+        yield number, rows(drawn, *counts, seeds, study.file.noise_seeds, first, last)
 
 
 def _columns(study: Study) -> int:
@@ -104,4 +116,4 @@ def _columns(study: Study) -> int:
     from layflat.sim.ensemble.cases import cases  # noqa: PLC0415
 
     each = cases(study.machine, list(study.scenarios), {}, 1).most_moves * len(study.machine.joints)
-    return 4 + len(study.varied) + len(study.metrics) * each
+    return 5 + len(study.varied) + len(study.metrics) * each

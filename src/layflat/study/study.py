@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from functools import cache
+from importlib.resources import files
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -11,15 +14,17 @@ from typing import Any
 from pydantic import ValidationError
 
 from layflat.errors import InputError
-from layflat.machine import Machine, load
+from layflat.machine import Machine
 from layflat.sim import STEP, Scenario
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import BAND
 from layflat.study.check import check
 from layflat.study.description import ScenarioTable, StudyFile, explained
-from layflat.study.kinds import kind
 from layflat.study.sampling import samples
-from layflat.study.varied import Varied, resolved
+from layflat.study.variants import Variant, variants
+from layflat.study.varied import Varied, applied, groups, resolved
+
+BUILT_IN = files("layflat.study") / "builtin"
 
 
 @dataclass(frozen=True)
@@ -28,14 +33,14 @@ class Study:
 
     Args:
         file: as it was written.
-        machine: that is varied.
+        variants: the machines that it compares; one of no name where it has but one.
         scenarios: each sample runs in every one.
         varied: what varies, by path in alphabetical order.
         metrics: names of the metrics to keep.
     """
 
     file: StudyFile
-    machine: Machine
+    variants: tuple[Variant, ...]
     scenarios: tuple[Scenario, ...]
     varied: tuple[Varied, ...]
     metrics: tuple[str, ...]
@@ -46,17 +51,27 @@ class Study:
         return self.file.name
 
     @property
+    def machine(self) -> Machine:
+        """The first of its machines."""
+        return self.variants[0].machine
+
+    @property
     def samples(self) -> int:
-        """How many there are."""
+        """How many there are of each machine."""
         if self.file.sampling == "grid":
             return prod(len(one.grid()) for one in self.varied)
         assert self.file.runs is not None
-        return self.file.runs
+        return self.file.runs * (2 + len(self.blocks) if self.file.sampling == "saltelli" else 1)
+
+    @property
+    def blocks(self) -> list[str]:
+        """What has sensitivity indices, in their order: everything that varies, then the groups."""
+        return [*(one.path for one in self.varied), *groups(self.varied)]
 
     @property
     def rows(self) -> int:
-        """Runs in all: every sample in every scenario with every seed of the noise."""
-        return self.samples * len(self.scenarios) * self.file.noise_seeds
+        """Runs in all: every sample of every machine in every scenario with every seed of the noise."""
+        return len(self.variants) * self.samples * len(self.scenarios) * self.file.noise_seeds
 
     @property
     def step(self) -> float:
@@ -75,64 +90,111 @@ class Study:
 
     def canonical(self) -> dict[str, Any]:
         """All that decides about the table, in SI units: equal for files that say the same in other words."""
-        written = self.file.model_dump(mode="json", exclude_none=True, exclude={"vary", "machine", "metrics"})
+        apart = {"vary", "machine", "metrics", "variant"}
+        written = self.file.model_dump(mode="json", exclude_none=True, exclude=apart)
         written |= {"metrics": list(self.metrics), "vary": {one.path: one.canonical() for one in self.varied}}
-        return {"study": written, "machine": self.machine.model_dump(mode="json")}
+        machines = {one.name: one.machine.model_dump(mode="json") for one in self.variants}
+        return {"study": written, **({"variant": machines} if self.file.variant else {"machine": machines[""]})}
+
+    def thinned(self, points: int) -> Study:
+        """The same with at most so many samples of each thing that varies, and without repetitions: for a first look.
+
+        Args:
+            points: on each axis of a grid; otherwise samples in all, of `saltelli` in each of its blocks.
+        """
+        runs = None if self.file.runs is None else min(points, self.file.runs)
+        varied = tuple(one.thinned(points) if runs is None else one for one in self.varied)
+        return replace(self, file=self.file.model_copy(update={"runs": runs, "noise_seeds": 1}), varied=varied)
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """Names of the built-in studies."""
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir() if entry.name.endswith(".toml"))
+    )
+
+
+def text(study: str | Path) -> str:
+    """A study file as it is written, of a built-in name or a path.
+
+    Raises:
+        InputError: it can't be read.
+    """
+    where, path = str(study), Path(study)
+    if where in names():
+        return (BUILT_IN / f"{where}.toml").read_text(encoding="utf-8")
+    if not path.suffix and not path.exists():
+        near = get_close_matches(where, names(), n=1)
+        hint = f"did you mean {near[0]!r}?" if near else "`layflat studies` lists them"
+        raise InputError("no such study", where=where, right=hint)
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"can't be read ({error.strerror})", where=where, right="give a study's TOML file") from None
+    except UnicodeDecodeError:
+        raise InputError("is not a text file in UTF-8", where=where, right="give a study's TOML file") from None
 
 
 def read(path: str | Path) -> Study:
-    """A study from its TOML file.
+    """A study from its TOML file, or a built-in one by its name.
 
     Raises:
         InputError: in one line, which file, key and value is wrong and what would be right.
     """
     where = str(path)
-    file = _file(Path(path), where)
-    machine = load(_machine_place(Path(path), file.machine))
+    file = _file(path, where)
+    compared = variants(file, Path(path).parent, where)
     given = sorted(file.vary.items())
-    varied = tuple(_varied(key, value, file.sampling, machine, f"{where}: vary.{key}") for key, value in given)
-    _check_runs(file, varied, where)
     scenarios = tuple(_scenario(table, file) for table in file.scenario)
-    study = Study(file, machine, scenarios, varied, _metrics(file.metrics, where))
-    names = study.scenario_names
-    if len(set(names)) < len(names):
+    found: list[tuple[Varied, ...]] = []
+    for one in compared:
+        varied = tuple(resolved(key, value, one.machine, file.sampling, f"{where}: vary.{key}") for key, value in given)
+        _check_runs(file, varied, where)
+        found.append(varied)
+    study = Study(file, compared, scenarios, found[0], _metrics(file.metrics, where))
+    own = study.scenario_names
+    if len(set(own)) < len(own):
         raise InputError("two have the same name", where=f"{where}: scenario.name", right="give each its own")
-    check(machine, scenarios, samples(varied, file), study.step, where)
+    if where not in names():  # those are checked by tests
+        check_samples(study, where)
     return study
 
 
-def _file(path: Path, where: str) -> StudyFile:
+def check_samples(study: Study, where: str) -> None:
+    """Make sure that all runs of a study can be, and that all that varies matters.
+
+    Raises:
+        InputError: naming `where` and the key.
+    """
+    drawn = samples(study.varied, study.file)
+    for one in study.variants:
+        check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where)
+
+
+def _file(path: str | Path, where: str) -> StudyFile:
     try:
-        return StudyFile.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise InputError(f"can't be read ({error.strerror})", where=where, right="give a study's TOML file") from None
-    except UnicodeDecodeError:
-        raise InputError("is not a text file in UTF-8", where=where, right="give a study's TOML file") from None
+        return StudyFile.model_validate(tomllib.loads(text(path)))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"is not TOML: {error}", where=where, right='values look like low = "1 kg"') from None
     except ValidationError as error:
         raise explained(error.errors()[0], where) from None
 
 
-def _machine_place(path: Path, machine: str) -> str:
-    """A file is meant relative to the study's file."""
-    return str(path.parent / machine) if machine.endswith(".toml") else machine
-
-
-def _varied(path: str, given: Any, sampling: str, machine: Machine, where: str) -> Varied:
-    return resolved(path, given, kind(machine, path, where), sampling, where)
-
-
 def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None:
     if file.noise_seeds > 1 and not all(table.noise for table in file.scenario):
         raise InputError("has no effect on runs without noise", where=f"{where}: noise_seeds", right="leave it out")
+    paths = [path for one in varied for path in one.paths]
+    twice = next((path for i, path in enumerate(paths) if path in paths[:i]), None)
+    if twice is not None:
+        raise InputError(f"{twice} varies twice", where=f"{where}: vary", right="vary it once")
     if file.sampling == "grid":
         return
     if not varied:
         raise InputError("nothing varies", where=f"{where}: vary", right='say what, or use sampling = "grid"')
     if file.runs is None:
         raise InputError("is missing", where=f"{where}: runs", right="say how many samples, such as 1024")
-    if file.sampling == "sobol" and file.runs.bit_count() != 1:
+    if file.sampling in {"sobol", "saltelli"} and file.runs.bit_count() != 1:
         above = 1 << file.runs.bit_length()
         right = f"Sobol points are balanced in powers of two: give {above // 2} or {above}"
         raise InputError(f"{file.runs} is no power of two", where=f"{where}: runs", right=right)
@@ -141,8 +203,9 @@ def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None
 def _scenario(table: ScenarioTable, file: StudyFile) -> Scenario:
     """What varies takes the place of a constant."""
     given = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
+    varied = {*file.vary, *(path for one in file.vary.values() for path in one.also)}
     for key in ("payload", "supply"):
-        if f"scenario.{key}" in file.vary and isinstance(given.get(key), float):
+        if f"scenario.{key}" in varied and isinstance(given.get(key), float):
             del given[key]
     return Scenario(**given)
 

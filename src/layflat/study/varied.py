@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.errors import InputError
+from layflat.machine import Machine
+from layflat.machine.change import value_at
 from layflat.study.description import Range
-from layflat.study.kinds import Kind
+from layflat.study.kinds import FACTOR, Kind, kind
 
 Array = NDArray[np.float64]
 
@@ -32,6 +35,9 @@ class Varied:
         values: to choose from.
         mean: of a normal distribution, before it is cut off at `low` and `high`.
         deviation: of a normal distribution.
+        also: paths that vary along with it.
+        relative: whether its values are factors on what the machine says.
+        group: what it belongs to, where sensitivity is asked for.
     """
 
     path: str
@@ -43,6 +49,14 @@ class Varied:
     values: tuple[float, ...] = ()
     mean: float | None = None
     deviation: float | None = None
+    also: tuple[str, ...] = ()
+    relative: bool = False
+    group: str | None = None
+
+    @property
+    def paths(self) -> tuple[str, ...]:
+        """Everything that it changes."""
+        return (self.path, *self.also)
 
     def at(self, share: Array) -> Array:
         """Values that lie at shares, 0 to 1, of the distribution."""
@@ -62,14 +76,23 @@ class Varied:
         """Its values on a grid."""
         return np.array(self.values) if self.values else self.at(np.linspace(0.0, 1.0, self.points or 0))
 
+    def thinned(self, points: int) -> Varied:
+        """The same with at most so many points on a grid, spread over all of it."""
+        if self.values:
+            kept = np.unique(np.linspace(0, len(self.values) - 1, min(points, len(self.values))).astype(int))
+            return replace(self, values=tuple(self.values[i] for i in kept))
+        return replace(self, points=min(points, self.points or points))
+
     def canonical(self) -> dict[str, Any]:
         """How it varies, as it could stand in the file, in SI units."""
         numbers = {"low": self.low, "high": self.high, "mean": self.mean, "deviation": self.deviation}
         written = {key: self.kind.written(value) for key, value in numbers.items() if value is not None}
+        noted = {"also": list(self.also), "relative": self.relative, "group": self.group}
+        linked = {key: value for key, value in noted.items() if value}
         if self.values:
-            return {"values": [self.kind.written(value) for value in self.values]}
+            return {"values": [self.kind.written(value) for value in self.values], **linked}
         scale = {} if self.deviation is not None else {"scale": "log" if self.log else "linear"}
-        return written | scale | ({"points": self.points} if self.points else {})
+        return written | scale | ({"points": self.points} if self.points else {}) | linked
 
     def _normal(self, share: Array) -> Array:
         from scipy.special import ndtr, ndtri  # noqa: PLC0415  # not needed by most studies
@@ -83,12 +106,52 @@ class Varied:
         return np.clip(values, -np.inf if self.low is None else self.low, np.inf if self.high is None else self.high)
 
 
-def resolved(path: str, given: Range, kind: Kind, sampling: str, where: str) -> Varied:
-    """What the file says about one path, checked and in SI units.
+def applied(varied: Sequence[Varied], drawn: Mapping[str, Array], machine: Machine) -> dict[str, Array]:
+    """What to set on a machine, by path (SI), from samples of what varies."""
+    return {
+        path: drawn[one.path] * value_at(machine, path) if one.relative else drawn[one.path]
+        for one in varied
+        for path in one.paths
+    }
+
+
+def resolved(path: str, given: Range, machine: Machine, sampling: str, where: str) -> Varied:
+    """What the file says about one path and those that vary along, checked and in SI units.
 
     Raises:
         InputError: naming `where`, the key and the value.
     """
+    if given.group is not None and sampling != "saltelli":
+        raise InputError("has no effect", where=f"{where}.group", right='use sampling = "saltelli", or leave it out')
+    own = kind(machine, path, where)
+    others = [kind(machine, other, f"{where}.also.{i}") for i, other in enumerate(given.also)]
+    if given.relative:
+        settings = [name for name in (path, *given.also) if name.startswith("scenario.")]
+        if settings:
+            raise InputError(
+                f"{settings[0]} is no number of the machine", where=f"{where}.relative", right="leave it out"
+            )
+        if any(other.whole for other in (own, *others)):
+            raise InputError(
+                "is a whole number", where=f"{where}.relative", right="give values, such as values = [10, 12]"
+            )
+        own = FACTOR
+    else:
+        odd = next((name for name, other in zip(given.also, others, strict=True) if other.unit != own.unit), None)
+        if odd:
+            right = "vary it by itself, or add relative = true"
+            raise InputError(f"{odd!r} is of another kind", where=f"{where}.also", right=right)
+    found = _resolved(path, given, own, sampling, where)
+    return replace(found, also=given.also, relative=given.relative, group=given.group)
+
+
+def groups(varied: Sequence[Varied]) -> dict[str, list[int]]:
+    """Numbers of the things in each group, by its name in alphabetical order."""
+    names = sorted({one.group for one in varied if one.group is not None})
+    return {name: [i for i, one in enumerate(varied) if one.group == name] for name in names}
+
+
+def _resolved(path: str, given: Range, kind: Kind, sampling: str, where: str) -> Varied:
     if given.values is not None:
         return Varied(path, kind, values=_values(given, kind, where))
     if given.mean is not None or given.deviation is not None:
@@ -111,7 +174,7 @@ def resolved(path: str, given: Range, kind: Kind, sampling: str, where: str) -> 
 
 
 def _values(given: Range, kind: Kind, where: str) -> tuple[float, ...]:
-    beside = sorted(given.model_fields_set - {"values"})
+    beside = sorted(given.model_fields_set - {"values", "also", "relative", "group"})
     if beside:
         raise InputError("stands beside values", where=f"{where}.{beside[0]}", right="give one or the other")
     assert given.values is not None

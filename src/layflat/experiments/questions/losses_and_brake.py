@@ -1,0 +1,117 @@
+"""Losses of hose and strap beside the brake: the same total hysteresis, another damping."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from layflat.experiments.axis_one import GOOD_TIME, SCAN
+from layflat.experiments.bench import INERTIA_PER_TORQUE
+from layflat.experiments.questions.tables import JOINT, Array, grid, hysteresis, inertia_per_torque, limits
+from layflat.machine import changed
+from layflat.plot.style import LINES
+from layflat.plot.style import figure as new_figure
+from layflat.study import Study
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+TITLE = "Is hysteresis of the hose worth as much as that of a brake?"
+CAPTION = (
+    "Joints of the same total hysteresis, of which the brake has more and the hose less from left to right. Left: how "
+    f"much inertia settles within {SCAN:g} s, from the paper's comparison on. Right: what is left of the motion then, "
+    "with the inertia of that comparison."
+)
+TOTALS = (15.0, 20.0, 25.0, 30.0)
+"""Total hysteresis, %."""
+LOSS, BRAKE, PAYLOAD = "joint.small.hose.loss_share", "joint.small.brake.torque", "scenario.payload"
+"""Columns of the table."""
+
+MUCH = 1.25
+"""What carries so many times as much carries more."""
+
+
+def _lines(study: Study, frame: pandas.DataFrame) -> dict[float, tuple[Array, Array, Array, Array]]:
+    """By total hysteresis: share of the brake in it, limits of inertia in 1.5 and in 4 s, ripple that is left (deg)."""
+    machine = study.machine
+    losses, brakes = (np.sort(frame[column].unique()) for column in (LOSS, BRAKE))
+    lossless = changed(machine, LOSS, 0.0)
+    of_loss = np.array([hysteresis(changed(machine, LOSS, loss), 0.0) for loss in losses])
+    of_brake = np.array([hysteresis(changed(lossless, BRAKE, torque)) for torque in brakes])
+    found = {}
+    for total in TOTALS:
+        rows = []
+        for torque, own in zip(brakes, of_brake, strict=True):
+            nearest = int(np.argmin(np.abs(of_loss + own - total)))
+            if abs(of_loss[nearest] + own - total) > 0.5 * (of_loss[1] - of_loss[0]):
+                continue
+            here = frame[(frame[LOSS] == losses[nearest]) & (frame[BRAKE] == torque)]
+            _, payloads, times = grid(here, BRAKE, PAYLOAD, f"settling.{JOINT}.0")
+            ripple = grid(here, BRAKE, PAYLOAD, f"ripple.{JOINT}.0")[2]
+            ratios = inertia_per_torque(machine, payloads)
+            compared = int(np.argmin(np.abs(np.log(ratios / INERTIA_PER_TORQUE))))
+            limit = [float(limits(ratios, times, allowed)[0]) for allowed in (GOOD_TIME, SCAN)]
+            rows.append((own / total, *limit, float(np.degrees(ripple[compared, 0]))))
+        if rows:
+            share, quick, slow, left = np.array(rows).T
+            found[total] = share, quick, slow, left
+    return found
+
+
+def figure(study: Study, frame: pandas.DataFrame) -> Figure:
+    """A line for each total."""
+    with new_figure(1, 2, width=8.6, height=3.6) as (made, (limit, ripple)):
+        for order, (total, (share, _, slow, left)) in enumerate(_lines(study, frame).items()):
+            style = {**LINES[order], "marker": "os^D"[order], "ms": 4}
+            limit.plot(100 * share, slow, label=f"{total:g} % in all", **style)
+            ripple.plot(100 * share, left, label=f"{total:g} % in all", **style)
+        for axes in (limit, ripple):
+            axes.set_xlabel("Of this hysteresis from the brake (%)")
+            axes.set_ylim(bottom=0.0)
+        limit.set_ylabel("Inertia that settles (kg m$^2$ per N m)")
+        ripple.set_ylabel("Left of the motion (deg, peak to peak)")
+        ripple.legend()
+    return made
+
+
+def finding(study: Study, frame: pandas.DataFrame) -> str:
+    """How much more a brake gives at the paper's total, and what of it is needed."""
+    lines = _lines(study, frame)
+    total = min(lines, key=lambda one: abs(one - 25.0))
+    share, quick, slow, left = lines[total]
+    hose, brake = int(np.argmin(share)), int(np.argmax(slow))
+    sentences = [
+        f"At {total:g} % of total hysteresis a joint with {_mostly(share[hose])} carries {slow[hose]:.3f} kg m2 per "
+        f"N m ({SCAN:g} s allowed), the best division {slow[brake]:.3f}, with {100 * share[brake]:.0f} % of it in the "
+        f"brake."
+    ]
+    if slow[brake] > MUCH * slow[hose]:
+        sentences.append(f"The same hysteresis damps {_times(slow[brake], slow[hose])} better in a brake.")
+    else:
+        sentences.append("Where the hysteresis comes from makes little difference.")
+    sentences.append(
+        f"Within {GOOD_TIME:g} s it is {quick[hose]:.3f} and {quick[brake]:.3f}. At the paper's inertia "
+        f"{_left(left[hose])} with {_mostly(share[hose])}, {_left(left[brake])} with the best division."
+    )
+    calm = share[left < CALM]
+    if 0 < len(calm) < len(share):
+        sentences.append(f"From {100 * calm.min():.0f} % of it in the brake on the joint comes to rest.")
+    return " ".join(sentences)
+
+
+CALM = 0.05
+"""Less motion than this is rest, deg."""
+
+
+def _mostly(share: float) -> str:
+    return "all of it in the hose" if share == 0.0 else f"{100 * share:.0f} % of it in the brake"
+
+
+def _left(ripple: float) -> str:
+    return "nothing is left of the motion" if ripple < CALM else f"{ripple:.1f} deg of motion are left"
+
+
+def _times(more: float, less: float) -> str:
+    return f"{more / less:.1f} times" if less > 0.0 else "incomparably"

@@ -1,0 +1,81 @@
+"""What the questions take from the tables of their studies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.experiments.axis_one import limit_within
+from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque
+from layflat.machine import Machine
+from layflat.sim.sweep import sweep
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = NDArray[np.float64]
+
+JOINT = "small"
+"""That the studies of one joint are about."""
+
+
+def grid(frame: pandas.DataFrame, across: str, upward: str, column: str) -> tuple[Array, Array, Array]:
+    """Values of two columns in order, and the median of a third where they meet, (upward, across).
+
+    A run that diverged counts as infinite, and so does the median of runs half of which are.
+    """
+    values = frame.assign(**{column: frame[column].fillna(np.inf)})
+    wide = values.groupby([upward, across])[column].quantile(0.5, interpolation="higher").unstack()
+    return wide.columns.to_numpy(dtype=float), wide.index.to_numpy(dtype=float), wide.to_numpy(dtype=float)
+
+
+def inertia_per_torque(machine: Machine, payload: Array) -> Array:
+    """Inertia of payloads (kg) at the end of the link, per maximum torque, kg m2 per N m."""
+    return payload * machine.joint[JOINT].link.length ** 2 / maximum_torque(machine, JOINT)
+
+
+def limits(ratios: Array, times: Array, allowed: float) -> Array:
+    """Largest inertia per torque, from the paper's comparison on, up to which every one settles in the time allowed.
+
+    Args:
+        ratios: inertia per torque, kg m2 per N m, growing.
+        times: to settle, s, (ratios, any number of cases).
+        allowed: s.
+
+    Returns:
+        One for each case; 0 where not even the inertia of the paper's comparison settles.
+    """
+    known = ratios >= INERTIA_PER_TORQUE
+    return np.array([limit_within(dict(zip(ratios[known], own[known], strict=True)), allowed) for own in times.T])
+
+
+def hysteresis(machine: Machine, brake: float = 1.0) -> float:
+    """Loop height over greatest torque at supply pressure, %."""
+    return 100.0 * sweep(machine, JOINT, machine.supply.pressure_gauge, brake=brake).hysteresis
+
+
+def at_rest(frame: pandas.DataFrame, moves: Sequence[str]) -> Array:
+    """How far a joint is from its goal at the end of each move, deg: mean error and half the ripple, (runs, moves)."""
+    error = frame[[f"steady_error.{move}" for move in moves]].abs().to_numpy(dtype=float)
+    ripple = frame[[f"ripple.{move}" for move in moves]].to_numpy(dtype=float)
+    off: Array = np.degrees(error + 0.5 * ripple)
+    return off
+
+
+def moves_of(frame: pandas.DataFrame) -> list[str]:
+    """Joint and number of every move of a table, such as "small.0"."""
+    return [name.removeprefix("settling.") for name in frame.columns if name.startswith("settling.")]
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words as a list in a sentence."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def seconds(time: float) -> str:
+    """A settling time in words."""
+    return f"{time:.2f} s" if isfinite(time) else "not at all"
