@@ -17,7 +17,17 @@ from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import make_array
 
 from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, width, write_lanes, write_row
-from layflat.lanes.typing import ARITHMETIC, COMPARISONS, EXTREMES, INDEX, INTRINSICS, LOGIC, LanesType, half_type, width_in
+from layflat.lanes.typing import (
+    ARITHMETIC,
+    COMPARISONS,
+    EXTREMES,
+    INDEX,
+    INTRINSICS,
+    LOGIC,
+    LanesType,
+    half_type,
+    width_in,
+)
 
 ALIGNED = 8
 """Rows of a block begin at multiples of this, bytes."""

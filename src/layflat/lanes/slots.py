@@ -88,6 +88,6 @@ def _get(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG00
 
 
 @lower_builtin(operator.setitem, SlotsType, types.Integer, types.Any)
-def _set(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+def _set(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     builder.store(args[2], cgutils.gep_inbounds(builder, args[0], 0, args[1]))
     return context.get_dummy_value()
