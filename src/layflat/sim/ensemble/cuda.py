@@ -5,9 +5,11 @@ Runs go to the device in chunks: while it works on one, the next is prepared her
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
+from math import ceil
 from typing import Any, cast
 
 import numpy as np
@@ -77,7 +79,7 @@ def check_device() -> None:
         raise InputError("numba-cuda is missing", where="device", right="pip install 'layflat[gpu]'")
     try:
         tried = cuda.to_device(np.zeros(1))
-        cuda.jit(_try)[1, 1](tried)
+        _start(cuda.jit(_try), 1, tried)
         works = tried.copy_to_host()[0] == 1.0
     except Exception as error:  # the compiler's and the driver's have no class in common
         reason = str(error).strip().partition("\n")[0]
@@ -89,6 +91,7 @@ def check_device() -> None:
 
 
 def _try(number: Any) -> None:
+    """Write a number; all threads write the same."""
     number[0] = 1.0
 
 
@@ -111,9 +114,16 @@ def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any
 def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
     """Set a block of runs going; returns its results on the device."""
     there = mapped(kernel_arguments(prepared, block, timing), _moved)
-    _kernel()[-(-len(block.runs.scenario) // THREADS), THREADS](*there)
+    _start(_kernel(), len(block.runs.scenario), *there)
     *_, results, _ = there
     return cast(Results, results)
+
+
+def _start(kernel: Any, count: int, *args: Any) -> None:
+    """Start so many threads, and no wait for them."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Grid size")  # few runs use a device badly: no mistake
+        kernel[ceil(count / THREADS), THREADS](*args)
 
 
 def _moved(leaf: Any) -> Any:
