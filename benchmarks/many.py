@@ -10,12 +10,14 @@ import resource
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from mujoco import rollout as _batched
 
 from benchmarks import mujoco_arm
+from layflat.errors import InputError
 from layflat.machine import Machine, load
 from layflat.machine.change import value_at
 from layflat.sim import Scenario
@@ -51,10 +53,10 @@ def vary(machine: Machine, runs: int) -> dict[str, Any]:
     }
 
 
-def seconds(machine: Machine, runs: int, threads: int) -> float:
+def seconds(machine: Machine, runs: int, threads: int, device: str = "cpu") -> float:
     """Time of so many runs of 4 s, s."""
     begin = time.perf_counter()
-    ensemble(machine, MOVES, vary(machine, runs), threads=threads)
+    ensemble(machine, MOVES, vary(machine, runs), threads=threads, device=device)
     return time.perf_counter() - begin
 
 
@@ -88,6 +90,9 @@ def measure(machine: Machine) -> dict[str, float]:
         found[f"ensemble_{runs}_runs_ns_per_step_per_core"] = (
             1e9 * cores * seconds(machine, runs, cores) / (runs * STEPS)
         )
+    with suppress(InputError):  # no CUDA device
+        seconds(machine, 64, 1, "cuda")
+        found["ensemble_100000_runs_on_gpu_ns_per_step"] = 1e9 * seconds(machine, 100_000, 1, "cuda") / (1e5 * STEPS)
     peak = subprocess.run(
         [sys.executable, "-m", "benchmarks.many", "100000"], capture_output=True, check=True, text=True
     )

@@ -16,6 +16,7 @@ import shutil
 import time
 from collections.abc import Callable, Mapping
 from functools import cache, update_wrapper
+from importlib import import_module
 from pathlib import Path
 from typing import Any, cast
 
@@ -112,6 +113,23 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
         return cast(Callable[..., Any], numba.njit(cache=folder is not None, **STRICT)(function))
     finally:
         config.CACHE_DIR = before
+
+
+def device_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function that the threads of a CUDA device run. It may call laws, and what `on_device` gives."""
+    if not config.ENABLE_CUDASIM:
+        extending: Any = import_module("numba.cuda.extending")
+        extending.typeof_impl.register(Law)(lambda law, _: on_device(law)._numba_type_)
+    return cast(Callable[..., Any], import_module("numba.cuda").jit(function))
+
+
+@cache
+def on_device(function: Any) -> Any:
+    """A law or a kernel, such that it is inlined into a `device_kernel` that calls it."""
+    plain = getattr(function, "py_func", function)
+    if config.ENABLE_CUDASIM:
+        return plain
+    return import_module("numba.cuda").jit(device=True, forceinline=True)(plain)
 
 
 def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:

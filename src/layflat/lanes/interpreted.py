@@ -22,10 +22,7 @@ def _width() -> int:
 
 
 WIDTH = _width()
-"""Lanes that `read_lanes` gives here: as many as a vector register of this machine holds.
-
-A thread of a CUDA device, and of its simulator, has one: a plain number.
-"""
+"""Lanes that `read_lanes` gives here: as many as a vector register holds; in the simulator of a CUDA device, one."""
 
 
 class Lanes(tuple[Any, ...]):

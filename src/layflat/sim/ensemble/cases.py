@@ -79,7 +79,7 @@ class Cases:
     @cached_property
     def template(self) -> tuple[Any, ...]:
         """The first run's `case`."""
-        first: tuple[Any, ...] = _mapped(self.case, lambda leaf: float(np.ravel(leaf)[0]))
+        first: tuple[Any, ...] = mapped(self.case, lambda leaf: float(np.ravel(leaf)[0]))
         return first
 
     @cached_property
@@ -232,9 +232,9 @@ def _leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-def _mapped(value: Any, function: Callable[[Any], float]) -> Any:
-    """A nested tuple with a function applied to all its numbers."""
+def mapped(value: Any, function: Callable[[Any], Any]) -> Any:
+    """A nested tuple with a function applied to all its leaves."""
     if isinstance(value, tuple):
-        items = [_mapped(item, function) for item in value]
+        items = [mapped(item, function) for item in value]
         return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
     return function(value)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,14 +20,14 @@ from layflat.errors import InputError
 from layflat.lanes import WIDTH
 from layflat.machine import Machine, load
 from layflat.machine import units as u
+from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
 from layflat.sim.ensemble.kernel import run_lanes
-from layflat.sim.ensemble.watch import DIVERGED, Results, Totals, Traced, new_watch
+from layflat.sim.ensemble.watch import Results, Traced, new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
 from layflat.sim.run import STEP, timing_of
 from layflat.sim.scenario import Scenario, Value
-from layflat.sim.tally import COLUMNS
 
 if TYPE_CHECKING:
     import xarray
@@ -49,6 +50,7 @@ def ensemble(
     tip_band: Value = TIP_BAND,
     traces: Sequence[str] = (),
     every: int = 1,
+    device: str = "cpu",
     threads: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xarray.Dataset:
@@ -67,14 +69,15 @@ def ensemble(
         tip_band: within this of its goal the tip has settled.
         traces: signals to keep, of `Traced`.
         every: control cycles from record to record of the traces.
-        threads: how many work at a time; one a core where not given. Results do not depend on it.
+        device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
+        threads: how many of the processor work at a time; one a core where not given. Results do not depend on it.
         progress: is called with the number of runs each time that some are done.
 
     Returns:
         Metrics by run (see dataset.py); those of a run that diverged are not numbers.
 
     Raises:
-        InputError: a machine, scenario, path or option is wrong.
+        InputError: a machine, scenario, path or option is wrong, or no such device can be used.
     """
     from layflat.sim.ensemble.dataset import measured  # noqa: PLC0415  # xarray takes long to import
 
@@ -82,18 +85,34 @@ def ensemble(
     prepared = cases(load(machine), given, vary or {}, runs)
     bands = u.quantity(band, u.ANGLE, "band"), u.quantity(tip_band, u.LENGTH, "tip_band")
     timing = timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
-    results = _room_for_results(prepared, _columns(traces), every)
-
-    def work(block: NDArray[np.int64]) -> int:
-        _run_block(prepared, block, timing, bands, results)
-        return min(len(block), prepared.count - int(block[0]))
-
-    workers = threads or os.cpu_count() or 1
-    with ThreadPoolExecutor(workers) as pool:
-        for done in pool.map(work, _blocks(prepared.count, workers)):
-            if progress is not None:
-                progress(done)
+    if every < 1:
+        raise InputError(f"{every} is out of range", where="every", right="give 1 or more")
+    results = room_for_results(prepared, _columns(traces), every)
+    for done in _runner(device, threads)(prepared, timing, bands, results):
+        if progress is not None:
+            progress(done)
     return measured(prepared, results, timing.cycle)
+
+
+def _runner(device: str, threads: int | None) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:
+    """What runs the cases and fills in the results; yields how many runs are done each time that some are."""
+    if device == "cuda":
+        from layflat.sim.ensemble.cuda import run_on_device  # noqa: PLC0415  # a compiler of its own
+
+        return run_on_device
+    if device != "cpu":
+        raise InputError(f"{device!r} is no device", where="device", right='use "cpu" or "cuda"')
+    return partial(_run_on_threads, threads or os.cpu_count() or 1)
+
+
+def _run_on_threads(
+    workers: int, prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results
+) -> Iterator[int]:
+    def work(rows: NDArray[np.int64]) -> int:
+        return _run_block(prepared, rows, timing, bands, results)
+
+    with ThreadPoolExecutor(workers) as pool:
+        yield from pool.map(work, _blocks(prepared.count, workers))
 
 
 def _blocks(count: int, workers: int) -> Iterator[NDArray[np.int64]]:
@@ -111,34 +130,11 @@ def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
     return np.array([Traced._fields.index(name) for name in traces], dtype=np.int64)
 
 
-def _room_for_results(prepared: Cases, columns: NDArray[np.int64], every: int) -> Results:
-    if every < 1:
-        raise InputError(f"{every} is out of range", where="every", right="give 1 or more")
-    n = len(prepared.base.joints)
-    records = ceil(prepared.cycles / every) if len(columns) else 0
-    return Results(
-        np.full((prepared.count, prepared.most_moves, n + 1, COLUMNS), np.nan),
-        np.zeros((prepared.count, len(Totals._fields))),
-        np.zeros((prepared.count, records, n, len(columns))),
-        columns,
-        every,
-    )
-
-
 def _run_block(
-    prepared: Cases, block: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
-) -> None:
-    runs, (plan, moves) = prepared.runs(block), prepared.plan(block, *bands)
-    own = results._replace(
-        tallies=np.full((len(block), *results.tallies.shape[1:]), np.nan),
-        totals=np.zeros((len(block), *results.totals.shape[1:])),
-        traces=np.zeros((len(block), *results.traces.shape[1:])),
-    )
-    own.totals[:, DIVERGED] = np.nan
-    for first in range(0, len(block), WIDTH):
+    prepared: Cases, rows: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
+) -> int:
+    block = block_of(prepared, rows, bands, results)
+    for first in range(0, len(rows), WIDTH):
         watch = new_watch(WIDTH)
-        run_lanes(prepared.template, first, runs, plan, moves, timing, own, watch)
-    count = min(len(block), prepared.count - int(block[0]))
-    place = slice(int(block[0]), int(block[0]) + count)
-    results.tallies[place], results.totals[place] = own.tallies[:count], own.totals[:count]
-    results.traces[place] = own.traces[:count]
+        run_lanes(prepared.template, first, block.runs, block.plan, block.moves, timing, block.results, watch)
+    return keep(results, block.results, int(rows[0]))

@@ -1,0 +1,136 @@
+"""Many runs at once on a CUDA device: a thread a run, with the loop and the laws that the processor has.
+
+Runs go to the device in chunks: while it works on one, the next is prepared here.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from functools import cache
+from importlib.util import find_spec
+from math import ceil
+from typing import Any, cast
+
+import numpy as np
+from numba import cuda as _cuda
+from numpy.typing import NDArray
+
+from layflat.errors import InputError
+from layflat.jit import config, device_kernel, on_device
+from layflat.sim.ensemble.block import Block, block_of, keep
+from layflat.sim.ensemble.cases import Cases, mapped
+from layflat.sim.ensemble.kernel import run_lanes
+from layflat.sim.ensemble.watch import Results, new_watch, one_lane
+from layflat.sim.kernel import Timing
+
+cuda: Any = _cuda
+
+THREADS = 64
+"""Threads of a block on the device: few, since a run takes as many registers as a thread can have."""
+
+CHUNK = 512 * 2**20
+"""Bytes that a chunk of runs may bring along and leave behind."""
+
+run_one = on_device(run_lanes)
+
+
+def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: Any, watch: Any) -> None:
+    """Put every run, in the thread of its number, through its scenario."""
+    i = cuda.grid(1)
+    if i < runs.scenario.shape[0]:
+        run_one(case, i, runs, plan, moves, timing, results, one_lane(watch, i))
+
+
+@cache
+def _kernel() -> Any:
+    return device_kernel(run_each)
+
+
+def run_on_device(prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results) -> Iterator[int]:
+    """Run all runs and fill in their results; yields how many are done each time that some are.
+
+    Raises:
+        InputError: no device can be used.
+    """
+    check_device()
+    under_way: list[tuple[Results, int]] = []
+    for rows in _chunks(prepared, results):
+        block = block_of(prepared, rows, bands, results)
+        under_way.append((_launched(prepared, block, timing), int(rows[0])))
+        if len(under_way) > 1:
+            yield _collected(results, *under_way.pop(0))
+    for launched in under_way:
+        yield _collected(results, *launched)
+
+
+def check_device() -> None:
+    """Try the device with a kernel of one line.
+
+    Raises:
+        InputError: the packages it needs are missing, there is no device, or its driver is too old for them.
+    """
+    if config.ENABLE_CUDASIM:
+        if not config.DISABLE_JIT:
+            raise InputError(
+                "the CUDA simulator runs plain Python", where="device", right="set NUMBA_DISABLE_JIT=1 too"
+            )
+    elif find_spec("numba_cuda") is None:
+        raise InputError("numba-cuda is missing", where="device", right="pip install 'layflat[gpu]'")
+    try:
+        tried = cuda.to_device(np.zeros(1))
+        _start(cuda.jit(_try), 1, tried)
+        works = tried.copy_to_host()[0] == 1.0
+    except Exception as error:  # the compiler's and the driver's have no class in common
+        reason = str(error).strip().partition("\n")[0]
+        raise InputError(
+            f"no CUDA device can be used ({reason})", where="device", right='see nvidia-smi, or use "cpu"'
+        ) from error
+    if not works:
+        raise InputError("the CUDA device computes nothing", where="device", right='use "cpu"')
+
+
+def _try(number: Any) -> None:
+    """Write a number; all threads write the same."""
+    number[0] = 1.0
+
+
+def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
+    """Numbers of the runs of every chunk."""
+    noisy = any(scenario.noise for scenario in prepared.scenarios)
+    brought = len(prepared.numbers) + 2 * noisy * prepared.cycles * len(prepared.base.joints)
+    left = (results.tallies.size + results.totals.size + results.traces.size) // prepared.count
+    size = THREADS * max(1, CHUNK // (8 * (brought + left) * THREADS))
+    for first in range(0, prepared.count, size):
+        yield np.arange(first, min(first + size, prepared.count))
+
+
+def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any, ...]:
+    """What `run_each` takes to run a block."""
+    watch = new_watch(len(block.runs.scenario))
+    return prepared.template, block.runs, block.plan, block.moves, timing, block.results, watch
+
+
+def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
+    """Set a block of runs going; returns its results on the device."""
+    there = mapped(kernel_arguments(prepared, block, timing), _moved)
+    _start(_kernel(), len(block.runs.scenario), *there)
+    *_, results, _ = there
+    return cast(Results, results)
+
+
+def _start(kernel: Any, count: int, *args: Any) -> None:
+    """Start so many threads, and no wait for them."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Grid size")  # few runs use a device badly: no mistake
+        kernel[ceil(count / THREADS), THREADS](*args)
+
+
+def _moved(leaf: Any) -> Any:
+    return cuda.to_device(np.ascontiguousarray(leaf)) if isinstance(leaf, np.ndarray) else leaf
+
+
+def _collected(results: Results, there: Any, first: int) -> int:
+    """Wait for the runs from number `first` on and keep their results; returns how many they are."""
+    tallies, totals, traces = (array.copy_to_host() for array in (there.tallies, there.totals, there.traces))
+    return keep(results, there._replace(tallies=tallies, totals=totals, traces=traces), first)

@@ -1,0 +1,141 @@
+"""The ensemble on a CUDA device: in the simulator, through the device's compilers, and where there is a device."""
+
+import os
+import re
+import subprocess
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+import xarray
+
+from layflat.errors import InputError
+from layflat.machine import load
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+
+config: Any = numba.config
+
+SIMULATED = """
+import sys
+
+import numpy as np
+
+from layflat.sim import Scenario
+from layflat.sim.ensemble import cuda, ensemble
+
+cuda.THREADS, cuda.CHUNK = 2, 1  # so that even few runs are several chunks
+done = []
+cases = [Scenario(demand=[("0 s", -0.1), ("0.03 s", 0.1)], duration="0.1 s", seed=2),
+         Scenario(demand=0.05, duration="0.1 s", load=[("0.05 s", "2 N m")], noise=False)]
+many = ensemble(sys.argv[1], cases, {"scenario": [0, 1, 0], "arm.payload": [0.5, 1.0, 1.5]}, step="1 ms",
+                traces=["angle", "pressure_a", "voltage"], every=3, device=sys.argv[2], progress=done.append)
+assert sum(done) == 3, done
+many.to_netcdf(sys.argv[3], engine="h5netcdf")
+"""
+
+BY_COMPILER = pytest.mark.skipif(find_spec("numba_cuda") is None, reason="needs the compilers of layflat[gpu]")
+
+
+def simulated(name: str, device: str, folder: Path, **environment: str) -> xarray.Dataset:
+    """Three runs of a machine, made by a Python of their own."""
+    out = folder / f"{device}.nc"
+    subprocess.run(
+        [sys.executable, "-c", SIMULATED, name, device, str(out)], env={**os.environ, **environment}, check=True
+    )
+    with xarray.open_dataset(out, engine="h5netcdf") as data:
+        return data.load()
+
+
+@pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint"])
+def test_in_the_simulator_a_thread_is_a_lane(name: str, tmp_path: Path) -> None:
+    here = simulated(name, "cpu", tmp_path)
+    there = simulated(name, "cuda", tmp_path, NUMBA_ENABLE_CUDASIM="1", NUMBA_DISABLE_JIT="1")
+    assert float(abs(here.angle).max()) > 0.05
+    xarray.testing.assert_allclose(there, here, rtol=1e-9, atol=0.0)
+    for trace in ("angle", "pressure_a", "voltage"):
+        assert np.array_equal(there[trace], here[trace])
+
+
+@BY_COMPILER
+@pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "earlier-actuator"])
+def test_the_loop_becomes_machine_code_of_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    cubin, ptx = assembled(name, monkeypatch)
+    assert len(cubin) > 10_000
+    assert re.search(r"^\s*call", ptx, re.MULTILINE) is None, "not every law is inlined"
+
+
+def assembled(name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[bytes, str]:
+    """Machine code and assembly of the kernel for a machine. No device is needed, but one has to be named."""
+    nvjitlink = pytest.importorskip("cuda.bindings.nvjitlink")
+    compiler: Any = import_module("numba.cuda")
+    from layflat.jit import device_kernel
+    from layflat.sim.ensemble import cuda as ours
+    from layflat.sim.ensemble.block import block_of, room_for_results
+    from layflat.sim.ensemble.cases import cases
+    from layflat.sim.run import STEP, timing_of
+
+    monkeypatch.setattr("numba.cuda.dispatcher.get_current_device", lambda: SimpleNamespace(compute_capability=(8, 0)))
+    machine = load(name)
+    opening = None if all(joint.gains for joint in machine.joint.values()) else 0.0
+    prepared = cases(machine, [Scenario(duration="0.1 s", opening=opening)], {"seed": np.arange(3.0)}, None)
+    block = block_of(prepared, np.arange(3), (1e-3, 1e-3), room_for_results(prepared, np.array([0]), 1))
+    timing = timing_of(prepared.cycle, STEP, 1, closed_loop=True)
+    types = tuple(map(numba.typeof, ours.kernel_arguments(prepared, block, timing)))
+    device_kernel(ours.run_each)
+    ptx, _ = compiler.compile_ptx(ours.run_each, types, cc=(8, 0))
+    linker = nvjitlink.create(1, ["-arch=sm_80"])
+    nvjitlink.add_data(linker, nvjitlink.InputType.PTX, ptx.encode(), len(ptx), "kernel.ptx")
+    nvjitlink.complete(linker)
+    cubin = bytearray(nvjitlink.get_linked_cubin_size(linker))
+    nvjitlink.get_linked_cubin(linker, cubin)
+    return bytes(cubin), ptx
+
+
+def has_device() -> bool:
+    """Whether there is a real device, and what it needs."""
+    if find_spec("numba_cuda") is None or config.ENABLE_CUDASIM or config.DISABLE_JIT:
+        return False
+    return bool(import_module("numba.cuda").is_available())
+
+
+@pytest.mark.gpu
+@pytest.mark.skipif(not has_device(), reason="needs a CUDA device")
+@pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint"])
+def test_on_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    from layflat.sim.ensemble import cuda
+
+    monkeypatch.setattr(cuda, "CHUNK", 2**20)
+    case = Scenario(demand=[("0 s", -0.3), ("0.2 s", 0.3)], duration="1.5 s")
+    vary = {"arm.payload": np.linspace(0.0, 2.0, 1000), "seed": np.arange(1000.0)}
+    here, there = (ensemble(name, case, vary, traces=["angle"], every=5, device=device) for device in ("cpu", "cuda"))
+    assert float(np.degrees(abs(there.angle - here.angle)).max()) < 1e-6
+    assert np.array_equal(there.settling, here.settling)
+    for metric in ("overshoot", "steady_error", "tip_error", "air_used"):
+        assert np.allclose(there[metric], here[metric], rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.skipif(has_device(), reason="there is a device")
+def test_no_device_is_one_line() -> None:
+    with pytest.raises(
+        InputError, match=r"^device: (numba-cuda is missing; pip|no CUDA device can be used \()"
+    ) as caught:
+        ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="cuda")
+    assert "\n" not in str(caught.value)
+
+
+def test_the_simulator_alone_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(config, "ENABLE_CUDASIM", 1)
+    with pytest.raises(InputError, match="NUMBA_DISABLE_JIT=1"):
+        ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="cuda")
+
+
+def test_another_device_says_which_there_are() -> None:
+    with pytest.raises(InputError, match='\'tpu\' is no device; use "cpu" or "cuda"'):
+        ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="tpu")
