@@ -105,7 +105,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
         tuple(gains_of(machine, name, closed_loop=timing.closed_loop) for name in machine.joints),
         parameters.surroundings(machine),
         start_angles(scenario, machine, acting.demand),
-        np.tile(start_pressures(scenario, FILLED * machine.supply.pressure), (len(joints), 1)),
+        np.tile(start_pressures(scenario, FILLED * acting.supply[0]), (len(joints), 1)),
         acting,
         timing,
     )
@@ -143,7 +143,7 @@ def start_angles(scenario: Scenario, machine: Machine, demand: NDArray[np.float6
 
 
 FILLED = 0.75
-"""Pressure over supply where equal leaks to supply and exhaust balance when choked."""
+"""Pressure over that of the supply at the start, where equal leaks to supply and exhaust balance when choked."""
 
 
 def start_pressures(scenario: Scenario, usual: float) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 """A run of an ensemble is the rollout, bit for bit, whatever runs beside it."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -82,6 +83,16 @@ def test_joints_alone(name: str) -> None:
 
 def with_gains(machine: Machine) -> Machine:
     return changed(machine, "joint.small.gains", ARM.joint["small"].gains)
+
+
+def test_a_scenario_s_supply_has_filled_the_hoses() -> None:
+    still = Scenario(demand=0.2, duration="1 s", noise=False)
+    many = ensemble(ARM, still, {"scenario.supply": [4e5, 2e5]})
+    steps = Scenario(demand=0.2, duration="1 s", noise=False, supply=[(0.0, 2e5), (0.5, 3e5)])
+    for i, case in enumerate([replace(still, supply=4e5), replace(still, supply=2e5)]):
+        assert_same(rollout(ARM, scenario=case), many.isel(run=i))
+        assert float(many.air_used[i]) > 0.3
+    assert_same(rollout(ARM, scenario=steps), ensemble(ARM, steps).isel(run=0))
 
 
 def test_one_joint_starts_at_its_own_pressure() -> None:

@@ -83,10 +83,14 @@ class Cases:
         return first
 
     @cached_property
+    def _shapes(self) -> list[Shapes]:
+        """What happens in each scenario."""
+        return [shapes(scenario, self.base, self.cycle) for scenario in self.scenarios]
+
+    @cached_property
     def moves(self) -> list[list[tuple[int, int]]]:
         """First and last record of every move of every scenario."""
-        demands = [shapes(scenario, self.base, self.cycle).demand for scenario in self.scenarios]
-        return [move_windows(np.concatenate([demand, demand[-1:]])) for demand in demands]
+        return [move_windows(np.concatenate([each.demand, each.demand[-1:]])) for each in self._shapes]
 
     @cached_property
     def most_moves(self) -> int:
@@ -141,7 +145,7 @@ class Cases:
         return plan, Moves(ends, goals, tips, band, tip_band)
 
     def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
-        each: list[Shapes] = [shapes(self.scenarios[s], self.base, self.cycle) for s in distinct]
+        each = [self._shapes[s] for s in distinct]
         plan = Plan(
             np.array([np.stack([e.demand, e.opening, e.brake, e.load, e.drift], axis=-1) for e in each]),
             np.array([np.stack([e.supply, e.payload], axis=-1) for e in each]),
@@ -156,10 +160,12 @@ class Cases:
 
     @cached_property
     def _starts(self) -> list[Array]:
-        return [start_angles(s, self.base, shapes(s, self.base, self.cycle).demand) for s in self.scenarios]
+        return [start_angles(s, self.base, e.demand) for s, e in zip(self.scenarios, self._shapes, strict=True)]
 
     def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
-        usual = np.broadcast_to(FILLED * np.asarray(self.machine.supply.pressure), self.count)[rows]
+        given = np.array([each.supply[0] for each in self._shapes])[own]
+        gauge = np.where(np.isnan(given), self.at(rows, "scenario.supply", self.machine.supply.pressure_gauge), given)
+        usual = FILLED * (gauge + np.broadcast_to(self.machine.supply.ambient_pressure, self.count)[rows])
         pairs = [start_pressures(self.scenarios[s], p) for s, p in zip(own, usual, strict=True)]
         return np.ascontiguousarray(np.broadcast_to(np.array(pairs).T, (n, 2, len(rows))))
 
