@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import json
-from importlib.resources import files
 from math import isfinite
 from pathlib import Path
-from typing import Any
-
-import jinja2
-from markupsafe import Markup
 
 import layflat
 from layflat.experiments.claim import Claim
@@ -17,6 +12,7 @@ from layflat.experiments.figures import figures
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import whole_file
 from layflat.machine.listing import Line
+from layflat.plot.page import page
 
 
 def number(value: float) -> str:
@@ -58,15 +54,14 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path) -> Path:
     Raises:
         OutputError: it can't be written there.
     """
-    template = (files("layflat.experiments") / "report.html.j2").read_text(encoding="utf-8")
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
-    drawn: list[dict[str, Any]] = [{**vars(figure), "svg": Markup(figure.svg)} for figure in figures(found)]
-    html = environment.from_string(template).render(
+    html = page(
+        "layflat.experiments",
+        "report.html.j2",
         machine=found.bench.arm.title,
         version=layflat.__version__,
         agreed=sum(claim.agrees for claim in found.claims),
         claims=[{**vars(claim), "lines": lines(claim)} for claim in found.claims],
-        figures=drawn,
+        figures=list(figures(found)),
         assumed=assumed,
     )
     with whole_file(path) as temporary:
