@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, Out, app, print_table
+from layflat.cli.app import WIDTH, MachineName, Out, app, print_table
 
 if TYPE_CHECKING:
     from layflat.tune import Progress, Tuning
@@ -49,7 +50,7 @@ def tune(
     before = verdict(tuning.base) if tuning.has_gains else None
     after = verdict(tuned)
     print_table(["settling within 0.3 deg", "before", "after"], figures_of(tuning.machine, before, after), tuned.name)
-    typer.echo(STATEMENT)
+    typer.echo(fill(STATEMENT, WIDTH))
     if tuning.kept:
         typer.echo("no better gains were found: those that were there stay")
     typer.echo(f"wrote {write_page(tuning, tuned, before, after, out / 'tuning.html')}")

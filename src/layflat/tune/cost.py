@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from layflat.tune.conditions import Conditions
 
 STATEMENT = (
-    "Cost: seconds until moves settle within 0.3 deg; the mean over all conditions, half the mean of the worst twentieth, "
-    "and the slowest move under nominal conditions, with a surcharge for moves that never settle and for overshoot."
+    "The cost: seconds until moves settle within 0.3 deg, as a mean over all conditions, plus half the mean of the "
+    "worst twentieth, plus the slowest move under nominal conditions; moves that never settle or overshoot cost more."
 )
 """The same in a sentence, for people."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from layflat.errors import MachineError
 from layflat.machine import Machine
 from layflat.machine.change import changed, value_at
-from layflat.machine.parts import JointGains, PhaseGains, Threshold
+from layflat.machine.parts import JointGains
 
 Array = NDArray[np.float64]
 
@@ -107,26 +108,19 @@ def _ends(knobs: Sequence[Knob]) -> tuple[Array, Array]:
 
 
 def with_gains(machine: Machine) -> Machine:
-    """The machine with neutral gains in those of its joints that have none."""
+    """The machine with neutral gains in those of its joints that have none.
+
+    Raises:
+        MachineError: it has no controller.
+    """
     if machine.valve is None or machine.controller is None:
-        raise MachineError(
-            "has no controller to be tuned", where=machine.origin, right="`layflat tune paper-arm` shows how it is done"
-        )
-    neutral = {gain.path: gain.neutral * gain.si for gain in _GAINS}
+        right = "add the parts `valve` and `controller`; `layflat show paper-arm` has both"
+        raise MachineError("has no controller to be tuned", where=machine.origin, right=right)
+    neutral: dict[str, Any] = {"integral_limit": f"{INTEGRAL_LIMIT * machine.valve.volts_to_full!r} V"}
+    for gain in _GAINS:
+        table, _, key = gain.path.rpartition(".")
+        (neutral.setdefault(table, {}) if table else neutral)[key] = f"{gain.neutral:g} {gain.unit}"
     for name, joint in machine.joints.items():
-        if joint.gains is not None:
-            continue
-        near, close = (
-            Threshold.model_construct(**{of: neutral[f"{below}_below.{of}"] for of in ("error", "speed")})
-            for below in ("near", "close")
-        )
-        phases = {
-            phase: PhaseGains.model_construct(**{of: neutral[f"{phase}.{of}"] for of in ("error", "pressure")})
-            for phase in PHASES
-        }
-        limit = INTEGRAL_LIMIT * machine.valve.volts_to_full
-        gains = JointGains.model_construct(
-            **phases, near_below=near, close_below=close, integral=neutral["integral"], integral_limit=limit
-        )
-        machine = changed(machine, f"joint.{name}.gains", gains)
+        if joint.gains is None:
+            machine = changed(machine, f"joint.{name}.gains", JointGains.model_validate(neutral))
     return machine

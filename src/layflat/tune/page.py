@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import degrees, isfinite
+from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 import layflat
 from layflat.errors import DivergedError
@@ -16,7 +19,7 @@ from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim import rollout
 from layflat.sim.metrics import BAND
-from layflat.tune.conditions import REST
+from layflat.tune.conditions import POSTURES, REST
 from layflat.tune.cost import STATEMENT
 from layflat.tune.knobs import values_of
 from layflat.tune.tuning import Tuning
@@ -30,23 +33,34 @@ Row = list[str]
 
 def figures_of(machine: Machine, before: Verdict | None, after: Verdict) -> list[Row]:
     """What is compared: its name, before, after."""
-    names, by = list(machine.joints), fresh(machine)
-    step = ", ".join(f"{degrees(machine.joint[name].stops.working_stroke) / 3:.0f} deg" for name in names[:1])
-    # The nominal sequence moves one joint after the other; of one joint alone, there and a little on.
-    moves = [f"step of {step}, {name} joint" for name in names] if len(names) > 1 else [f"step of {step}", "small step"]
+    by = fresh(machine)
 
     def row(name: str, of: Callable[[Verdict], str]) -> Row:
         return [name, "none" if before is None else of(before), of(after)]
 
     return [
         *(
-            row(f"nominal, {machine.arm.payload:g} kg: {name}", lambda v, i=i: _seconds(v.nominal[i]))
-            for i, name in enumerate(moves)
+            row(f"nominal, {machine.arm.payload:g} kg: {move}", partial(_nominal, i))
+            for i, move in enumerate(nominal_moves(machine))
         ),
         row(f"worst over {by.runs} runs", lambda v: _seconds(v.worst)),
         row(f"moves not settled in {LIMIT:g} s", lambda v: f"{v.late} of {v.settling.size}"),
         row("cost", lambda v: _seconds(v.cost)),
     ]
+
+
+def nominal_moves(machine: Machine) -> list[str]:
+    """What is moved under nominal conditions, and how far, in words."""
+    halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
+    moved = np.degrees(np.diff(np.array(POSTURES[len(halves)][0]), axis=0) * halves)
+    return [
+        " and ".join(f"{name} joint by {by:.3g} deg" for name, by in zip(machine.joints, step, strict=True) if by)
+        for step in moved
+    ]
+
+
+def _nominal(move: int, of: Verdict) -> str:
+    return _seconds(of.nominal[move])
 
 
 def write_page(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdict, path: Path) -> Path:

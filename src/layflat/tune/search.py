@@ -146,4 +146,4 @@ def need_cma() -> ModuleType:
         import cma  # noqa: PLC0415  # needed to tune only
     except ImportError:
         raise InputError("cma is not installed", where="tune", right="pip install 'layflat[tune]'") from None
-    return cma  # type: ignore[no-any-return]
+    return cma
