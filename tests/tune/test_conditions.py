@@ -3,7 +3,7 @@ from math import radians
 import numpy as np
 import pytest
 
-from layflat.machine import load
+from layflat.machine import changed, load
 from layflat.sim.ensemble import ensemble
 from layflat.sim.scenario import shapes
 from layflat.tune.conditions import Spread, conditions
@@ -11,41 +11,47 @@ from layflat.tune.conditions import Spread, conditions
 ARM = load("paper-arm")
 
 
-def test_the_first_condition_is_nominal_and_the_rest_fill_the_spread() -> None:
-    found = conditions(ARM, 32, seed=2)
+def test_the_first_runs_are_nominal_and_the_rest_fill_the_spread() -> None:
+    found = conditions(ARM, 64, seed=2)
     supply, usual = found.vary["supply.pressure_gauge"], ARM.supply.pressure_gauge
-    assert found.vary["arm.payload"][0] == ARM.arm.payload
-    assert supply[0] == usual
-    assert found.vary["scenario.drift.small"][0] == 0.0
+    assert found.nominal == 8
+    assert np.all(found.vary["arm.payload"][:8] == ARM.arm.payload)
+    assert np.all(supply[:8] == usual)
+    assert np.all(found.vary["scenario.drift.small"][:8] == 0.0)
+    assert np.all(found.vary["scenario"][:8] == 0)
     assert found.vary["arm.payload"].min() == 0.0
-    assert found.vary["arm.payload"].max() == 2.0
+    assert found.vary["arm.payload"].max() == pytest.approx(2.0)
     assert (supply.min(), supply.max()) == pytest.approx((0.9 * usual, 1.1 * usual))
     shares = found.vary["joint.large.hose.loss_share"] / ARM.joint["large"].hose.loss_share
     assert (shares.min(), shares.max()) == pytest.approx((0.7, 1.3))
-    assert len(set(found.vary["seed"])) == 32
+    assert len(set(found.vary["seed"])) == 64
+
+
+def test_payloads_follow_what_the_machine_carries() -> None:
+    heavy = conditions(changed(ARM, "arm.payload", 6.0), 32)
+    assert heavy.vary["arm.payload"].max() == pytest.approx(8.0)
 
 
 def test_no_spread_is_nominal_everywhere() -> None:
-    still = Spread(payload=ARM.arm.payload, supply=0.0, losses=0.0, drift=0.0)
-    found = conditions(ARM, 4, still)
+    found = conditions(ARM, 4, Spread(supply=0.0, losses=0.0, drift=0.0))
     for path in ("supply.pressure_gauge", "joint.small.hose.loss_share", "scenario.drift.large"):
         assert np.ptp(found.vary[path]) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_every_condition_meets_every_sequence_of_moves() -> None:
-    found = conditions(ARM, 4)
+def test_every_candidate_meets_the_same_runs() -> None:
+    found = conditions(ARM, 16)
     vary = found.of(3)
-    runs = 4 * len(found.scenarios)
-    assert found.runs == runs
-    pairs = list(zip(vary["seed"], vary["scenario"], strict=True))
-    assert len(set(pairs)) == runs
-    assert pairs[:runs] == pairs[runs : 2 * runs] == pairs[2 * runs :]
+    assert set(vary["scenario"]) == set(range(len(found.scenarios)))
+    for values in vary.values():
+        first, second, third = values.reshape(3, found.runs)
+        assert np.array_equal(first, second)
+        assert np.array_equal(first, third)
 
 
 @pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint"])
 def test_moves_stay_in_the_stroke_and_are_measured_one_by_one(name: str) -> None:
     machine = load(name)
-    found = conditions(machine, 2)
+    found = conditions(machine, 8)
     runs = ensemble(machine, found.scenarios, found.of(1))
     assert runs.sizes["move"] == 2
     assert not np.isnan(runs.settling).any()

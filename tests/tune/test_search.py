@@ -1,22 +1,22 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from layflat.machine import Machine, changed, load
-from layflat.tune.conditions import Conditions, Spread, conditions
-from layflat.tune.knobs import gain_knobs, neutral_gains, values_of
-from layflat.tune.search import Found, judge, search
+from layflat.tune import search as s
+from layflat.tune.conditions import conditions
+from layflat.tune.knobs import PHASES, from_shares, gain_knobs, neutral_gains, rounded, to_shares, values_of
+from layflat.tune.methods import parts
+from layflat.tune.search import Found, Part, Stage, judge, search
 
 JOINT = load("paper-small-joint")
 KNOBS = gain_knobs("small")
+NEUTRAL = neutral_gains(1)
+ALL = Part("all", tuple(range(len(KNOBS))), 12, (Stage(6, 8),))
 
 
-@pytest.fixture(scope="module")
-def few() -> Conditions:
-    found = conditions(JOINT, 2, Spread(window=1.0), seed=1)
-    scenario = found.scenarios[0]
-    return replace(found, scenarios=[scenario])
+@pytest.fixture(autouse=True)
+def _small_panel(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(s, "PANEL", 16)
 
 
 def test_knobs_read_and_write_what_stands_in_the_machine() -> None:
@@ -33,38 +33,57 @@ def test_neutral_gains_lie_within_their_ranges() -> None:
         assert knob.low < value < knob.high
 
 
-def test_candidates_are_judged_one_by_one(few: Conditions) -> None:
-    both = np.array([neutral_gains(1), values_of(JOINT, KNOBS)])
-    together = judge(JOINT, KNOBS, both, few)
-    assert [float(judge(JOINT, KNOBS, one[None], few)[0]) for one in both] == together.tolist()
+def test_shares_of_a_range_count_factors_and_stay_inside() -> None:
+    assert from_shares(KNOBS, to_shares(KNOBS, NEUTRAL)) == pytest.approx(NEUTRAL)
+    low, high = (from_shares(KNOBS, np.full(len(KNOBS), share)) for share in (0.0, 1.0))
+    assert from_shares(KNOBS, np.full(len(KNOBS), 0.5)) == pytest.approx(np.sqrt(low * high))
+    assert to_shares(KNOBS, np.zeros(len(KNOBS))).tolist() == [0.0] * len(KNOBS)
+
+
+def test_candidates_are_judged_one_by_one() -> None:
+    both, by = np.array([NEUTRAL, values_of(JOINT, KNOBS)]), conditions(JOINT, 8)
+    together = judge(JOINT, KNOBS, both, by)
+    assert [float(judge(JOINT, KNOBS, one[None], by)[0]) for one in both] == together.tolist()
     assert together[1] < together[0]
 
 
-def test_a_search_finds_better_gains_and_repeats_itself(few: Conditions) -> None:
-    start = neutral_gains(1)
-    before = float(judge(JOINT, KNOBS, start[None], few)[0])
-    one, two = (search(JOINT, KNOBS, start, [(8, few)]) for _ in range(2))
-    assert one.cost < 0.8 * before
+def test_a_search_finds_better_gains_and_repeats_itself() -> None:
+    seen: list[Found] = []
+    one = search(JOINT, KNOBS, NEUTRAL, [ALL], progress=lambda found, *_: seen.append(found))
+    two = search(JOINT, KNOBS, NEUTRAL, [ALL])
+    assert one.cost < 0.9 * seen[0].cost
     assert np.array_equal(one.values, two.values)
-    assert float(judge(JOINT, KNOBS, one.values[None], few)[0]) == one.cost
+    assert np.array_equal(one.values, rounded(one.values))
+    assert float(judge(JOINT, KNOBS, one.values[None], s.panel(JOINT))[0]) == one.cost
+    assert [f.cost for f in seen] == sorted((f.cost for f in seen), reverse=True)
+    assert len(seen) == 1 + 6
     for knob, value in zip(KNOBS, one.values, strict=True):
         assert knob.low <= value <= knob.high
 
 
-def test_a_search_stops_when_told_with_the_best_so_far(few: Conditions) -> None:
-    seen: list[Found] = []
+def test_each_phase_turns_its_own_gains_of_one_joint_only() -> None:
+    arm = load("paper-arm")
+    knobs = [*gain_knobs("large"), *gain_knobs("small")]
+    wanted = parts(arm, "phases", 6)
+    order = [f"{joint} joint, phase {phase}" for joint in ("large", "small") for phase in ("far", "near", "close")]
+    assert [part.name for part in wanted] == order
+    for part, (joint, phase) in zip(wanted, ((j, p) for j in arm.joints for p in PHASES), strict=True):
+        names = {knobs[place].paths[0].removeprefix(f"joint.{joint}.gains.") for place in part.knobs}
+        belongs = {f"{phase}.error", f"{phase}.pressure", f"{phase}_below.error", f"{phase}_below.speed", "integral"}
+        assert names <= belongs
+    assert sorted(place for part in wanted for place in part.knobs) == list(range(len(knobs)))
 
-    def until_three(found: Found) -> bool:
-        seen.append(found)
-        return len(seen) < 3
-
-    found = search(JOINT, KNOBS, neutral_gains(1), [(50, few)], progress=until_three)
-    assert len(seen) == 3
-    assert found == seen[-1]
-    assert [f.cost for f in seen] == sorted((f.cost for f in seen), reverse=True)
+    part = Part("small joint, phase near", wanted[4].knobs, 8, (Stage(2, 8),))
+    before = values_of(arm, knobs)
+    found = search(arm, knobs, before, [part])
+    turned = set(np.flatnonzero(found.values != rounded(before)))
+    assert turned <= set(part.knobs)
 
 
-def test_a_later_stage_judges_the_best_anew(few: Conditions) -> None:
-    nominal = replace(few, vary={path: values[:1] for path, values in few.vary.items()})
-    found = search(JOINT, KNOBS, neutral_gains(1), [(3, nominal), (3, few)])
-    assert float(judge(JOINT, KNOBS, found.values[None], few)[0]) == found.cost
+@pytest.mark.parametrize("wanted", [1, 2, 7, 50, 110, 333])
+def test_generations_are_what_was_asked_for(wanted: int) -> None:
+    arm = load("paper-arm")
+    (part,) = parts(arm, "global", wanted)
+    assert sum(stage.generations for stage in part.stages) == wanted
+    if wanted >= 6:
+        assert sum(stage.generations for part in parts(arm, "phases", wanted) for stage in part.stages) == wanted

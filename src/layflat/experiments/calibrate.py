@@ -34,6 +34,7 @@ from layflat.sim.metrics import BAND, settling_time
 from layflat.sim.run import prepare
 from layflat.sim.sweep import sweep
 from layflat.tune.knobs import PER_DEG, Knob, gain_knobs, values_of
+from layflat.tune.search import need_cma
 
 Array = NDArray[np.float64]
 AT, LAST = 0.5, 3.0
@@ -184,13 +185,9 @@ def arm_cost(knobs: list[Knob], arm: Machine, values: Array) -> float:
 
 def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, rounds: int, seed: int) -> Array:
     """Least cost over the knobs' ranges by CMA-ES, from `start` (in the knobs' units); two candidates at a time."""
-    import cma  # noqa: PLC0415  # needed to calibrate only
-
     low, high = np.array([k.low for k in knobs]), np.array([k.high for k in knobs])
     options = {"seed": seed, "popsize": 24, "maxiter": rounds, "bounds": [0.0, 1.0], "verbose": -9}
-    evolution: Any = cma.CMAEvolutionStrategy(  # type: ignore[attr-defined]
-        np.clip((start - low) / (high - low), 0.02, 0.98), 0.15, options
-    )
+    evolution: Any = need_cma().CMAEvolutionStrategy(np.clip((start - low) / (high - low), 0.02, 0.98), 0.15, options)
     with ThreadPoolExecutor(2) as pool:
         while not evolution.stop():
             candidates = evolution.ask()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from layflat.experiments.axis_one import AT, SCAN
@@ -12,22 +11,13 @@ from layflat.experiments.reproduction import Reproduction
 from layflat.plot.cam import cam_procedure
 from layflat.plot.curves import average_response, settling_over_inertia, valve_sweeps
 from layflat.plot.loops import loops
+from layflat.plot.page import Drawn
 from layflat.plot.runs import angles, arm_steps
 from layflat.plot.style import to_svg
 from layflat.sim.metrics import BAND
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """A figure of the report."""
-
-    id: str
-    title: str
-    caption: str
-    svg: str
 
 
 def figures(found: Reproduction) -> Iterator[Drawn]:

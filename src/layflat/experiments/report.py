@@ -4,13 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from importlib.resources import files
 from math import isfinite
 from pathlib import Path
-from typing import Any
-
-import jinja2
-from markupsafe import Markup
 
 import layflat
 from layflat.experiments.claim import Claim
@@ -19,6 +14,7 @@ from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import whole_file
 from layflat.machine.listing import Line
+from layflat.plot.page import page
 
 
 def number(value: float) -> str:
@@ -61,17 +57,16 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: 
     Raises:
         OutputError: it can't be written there.
     """
-    template = (files("layflat.experiments") / "report.html.j2").read_text(encoding="utf-8")
-    environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
-    drawn: list[dict[str, Any]] = [{**vars(figure), "svg": Markup(figure.svg)} for figure in figures(found)]
-    html = environment.from_string(template).render(
+    html = page(
+        "layflat.experiments",
+        "report.html.j2",
         machine=found.bench.arm.title,
         version=layflat.__version__,
         agreed=sum(claim.agrees for claim in found.claims),
         claims=[{**vars(claim), "lines": lines(claim)} for claim in found.claims],
-        figures=drawn,
+        figures=list(figures(found)),
         assumed=assumed,
-        answers=[{**vars(one), "svg": Markup(one.svg)} for one in answers],
+        answers=list(answers),
     )
     with whole_file(path) as temporary:
         temporary.write_text(html, encoding="utf-8")

@@ -1,9 +1,9 @@
-"""What gains have to stand: payload, supply, losses, drift and noise that differ, and several moves."""
+"""What gains have to stand: payload, supply, losses, drift and noise that differ from run to run, and several moves."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,20 +38,23 @@ REST = 0.3
 PULL = 0.15
 """Shares of a range that count as its ends: there the worst is met."""
 
+NOMINAL = 8
+"""One run in so many is nominal."""
+
 
 @dataclass(frozen=True)
 class Spread:
     """How far conditions may be from nominal.
 
     Args:
-        payload: from nothing to this, kg.
+        payload: from nothing to this share of the nominal one: the paper's arm carries 1.5 kg, and here up to 2 kg.
         supply: share of the gauge supply pressure, either way.
         losses: share of the losses in hoses and straps, either way.
         drift: of the valves' centres, V, either way.
         window: time that a move is given, s.
     """
 
-    payload: float = 2.0
+    payload: float = 4 / 3
     supply: float = 0.1
     losses: float = 0.3
     drift: float = 0.1
@@ -60,64 +63,60 @@ class Spread:
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a candidate is judged by: every condition with every sequence of moves.
+    """What a candidate is judged by: a number of runs, each with its own conditions and one of the sequences of moves.
 
     Args:
         scenarios: the sequences.
-        vary: one number a condition, by path (see `sim.ensemble`); the first condition is the nominal one.
+        vary: one number a run, by path (see `sim.ensemble`).
+        nominal: so many runs, the first ones, are nominal; they make the first sequence.
         window: time that a move is given, s.
     """
 
     scenarios: list[Scenario]
     vary: Mapping[str, Array]
+    nominal: int
     window: float
-    runs: int = field(init=False)
-    """Of one candidate."""
 
-    def __post_init__(self) -> None:
-        """Count the runs."""
-        object.__setattr__(self, "runs", len(self.vary["seed"]) * len(self.scenarios))
+    @property
+    def runs(self) -> int:
+        """Of one candidate."""
+        return len(self.vary["seed"])
 
     def of(self, candidates: int) -> dict[str, Array]:
         """What varies over the runs of so many candidates, one candidate after the other."""
-        moves = len(self.scenarios)
-        vary = {path: np.tile(np.repeat(values, moves), candidates) for path, values in self.vary.items()}
-        return {**vary, "scenario": np.tile(np.arange(moves), self.runs // moves * candidates)}
+        return {path: np.tile(values, candidates) for path, values in self.vary.items()}
 
 
-def conditions(machine: Machine, count: int, spread: Spread | None = None, seed: int = 0) -> Conditions:
+def conditions(machine: Machine, runs: int, spread: Spread | None = None, seed: int = 0) -> Conditions:
     """Conditions that fill the spread evenly, its ends included.
 
     Args:
         machine: nominal.
-        count: of conditions; a power of two.
+        runs: how many; a power of two.
         spread: how far they go.
-        seed: of the choice, and of the first condition's noise.
+        seed: of the choice, and of the first run's noise.
     """
     from scipy.stats import qmc  # noqa: PLC0415  # takes long to import
 
-    spread, names = spread or Spread(), list(machine.joints)
-    share = qmc.Sobol(3 + len(names), seed=seed).random(count)
+    spread, names, nominal = spread or Spread(), list(machine.joints), max(1, runs // NOMINAL)
+    share = qmc.Sobol(3 + len(names), seed=seed).random(runs)
     share = np.where(share < PULL, 0.0, np.where(share > 1.0 - PULL, 1.0, share))
     about = 2.0 * share - 1.0
     vary = {
-        "arm.payload": spread.payload * share[:, 0],
+        "arm.payload": machine.arm.payload * spread.payload * share[:, 0],
         "supply.pressure_gauge": machine.supply.pressure_gauge * (1.0 + spread.supply * about[:, 1]),
-        "seed": seed + np.arange(count, dtype=float),
     }
     for j, name in enumerate(names):
         vary[f"scenario.drift.{name}"] = spread.drift * about[:, 3 + j]
         for part, usual in (("hose", machine.joint[name].hose), ("strap", machine.joint[name].strap)):
             vary[f"joint.{name}.{part}.loss_share"] = usual.loss_share * (1.0 + spread.losses * about[:, 2])
     for path, values in vary.items():
-        if path != "seed":
-            values[0] = _nominal(machine, path)
+        values[:nominal] = 0.0 if path.startswith("scenario.") else value_at(machine, path)
     scenarios = [_moves(machine, postures, spread.window) for postures in POSTURES[len(names)]]
-    return Conditions(scenarios, vary, spread.window)
-
-
-def _nominal(machine: Machine, path: str) -> float:
-    return 0.0 if path.startswith("scenario.") else float(value_at(machine, path))
+    sequence = np.arange(runs) % len(scenarios)
+    sequence[:nominal] = 0
+    vary |= {"seed": seed + np.arange(runs, dtype=float), "scenario": sequence.astype(float)}
+    return Conditions(scenarios, vary, nominal, spread.window)
 
 
 def _moves(machine: Machine, postures: tuple[tuple[float, ...], ...], window: float) -> Scenario:

@@ -1,8 +1,9 @@
-"""What a candidate costs: seconds until it settles, over all conditions and moves, the worst of them counting twice.
+"""What gains cost: seconds until moves settle, over all conditions, the worst of them and the nominal ones most.
 
 A move costs the time until the joint stays within 0.3 deg of its goal. Where it does not, it costs the whole window,
 0.3 s, and 0.1 s for every 0.3 deg that error and swing remain (2 s at most). Overshoot beyond 1 deg costs 0.05 s per
-degree. A run that diverges costs 5 s a move. To the mean of all moves comes half the mean of the worst twentieth.
+degree. A run that diverges costs 5 s a move. To the mean of all moves come half the mean of the worst twentieth, and
+the slowest move under nominal conditions.
 """
 
 from __future__ import annotations
@@ -16,6 +17,14 @@ from layflat.sim.metrics import BAND
 
 if TYPE_CHECKING:
     import xarray
+
+    from layflat.tune.conditions import Conditions
+
+STATEMENT = (
+    "The cost: seconds until moves settle within 0.3 deg, as a mean over all conditions, plus half the mean of the "
+    "worst twentieth, plus the slowest move under nominal conditions; moves that never settle or overshoot cost more."
+)
+"""The same in a sentence, for people."""
 
 Array = NDArray[np.float64]
 
@@ -34,9 +43,11 @@ def move_costs(runs: xarray.Dataset, window: float) -> Array:
     return np.where(np.isnan(settling), DIVERGED, cost)
 
 
-def candidate_costs(runs: xarray.Dataset, window: float, candidates: int) -> Array:
+def candidate_costs(runs: xarray.Dataset, by: Conditions, candidates: int) -> Array:
     """Cost of every candidate, s: its runs follow each other."""
-    costs = np.sort(move_costs(runs, window).reshape(candidates, -1), axis=1)
-    worst: Array = costs[:, -max(1, costs.shape[1] // WORST) :]
-    total: Array = costs.mean(axis=1) + WEIGHT * worst.mean(axis=1)
+    costs = move_costs(runs, by.window).reshape(candidates, by.runs, -1)
+    nominal: Array = costs[:, : by.nominal].max(axis=2).mean(axis=1)
+    ordered = np.sort(costs.reshape(candidates, -1), axis=1)
+    worst: Array = ordered[:, -max(1, ordered.shape[1] // WORST) :].mean(axis=1)
+    total: Array = ordered.mean(axis=1) + WEIGHT * worst + nominal
     return total

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.errors import MachineError
 from layflat.machine import Machine
-from layflat.machine.change import value_at
+from layflat.machine.change import changed, value_at
+from layflat.machine.parts import JointGains
 
 Array = NDArray[np.float64]
 
@@ -45,22 +48,28 @@ class _Gain:
 
 
 _GAINS = (
-    _Gain("far.error", 0.1, 1.0, 0.3, "V/deg", PER_DEG),
-    _Gain("near.error", 0.1, 2.0, 0.5, "V/deg", PER_DEG),
-    _Gain("close.error", 0.1, 4.0, 1.0, "V/deg", PER_DEG),
-    _Gain("far.pressure", 0.0, 6.0, 2.0, "V/bar", PER_BAR),
-    _Gain("near.pressure", 0.0, 6.0, 1.0, "V/bar", PER_BAR),
-    _Gain("close.pressure", 0.0, 4.0, 0.5, "V/bar", PER_BAR),
-    _Gain("near_below.error", 5.0, 30.0, 15.0, "deg", 1 / PER_DEG),
-    _Gain("near_below.speed", 10.0, 150.0, 60.0, "deg/s", 1 / PER_DEG),
-    _Gain("close_below.error", 0.3, 4.0, 2.0, "deg", 1 / PER_DEG),
-    _Gain("close_below.speed", 2.0, 30.0, 10.0, "deg/s", 1 / PER_DEG),
-    _Gain("integral", 0.0, 20.0, 2.0, "V/(deg s)", PER_DEG),
+    _Gain("far.error", 0.03, 1.0, 0.3, "V/deg", PER_DEG),
+    _Gain("far.pressure", 0.3, 10.0, 2.0, "V/bar", PER_BAR),
+    _Gain("near.error", 0.1, 4.0, 0.5, "V/deg", PER_DEG),
+    _Gain("near.pressure", 0.3, 10.0, 1.0, "V/bar", PER_BAR),
+    _Gain("near_below.error", 4.0, 40.0, 15.0, "deg", 1 / PER_DEG),
+    _Gain("near_below.speed", 10.0, 200.0, 60.0, "deg/s", 1 / PER_DEG),
+    _Gain("close.error", 0.3, 8.0, 1.0, "V/deg", PER_DEG),
+    _Gain("close.pressure", 0.1, 10.0, 0.5, "V/bar", PER_BAR),
+    _Gain("close_below.error", 0.5, 6.0, 2.0, "deg", 1 / PER_DEG),
+    _Gain("close_below.speed", 1.0, 40.0, 10.0, "deg/s", 1 / PER_DEG),
+    _Gain("integral", 0.2, 40.0, 2.0, "V/(deg s)", PER_DEG),
 )
+
+PHASES = {"far": (0, 1), "near": (2, 3, 4, 5), "close": (6, 7, 8, 9, 10)}
+"""Which of a joint's gains each phase of a move has, the threshold below which it holds included."""
+
+INTEGRAL_LIMIT = 0.4
+"""Of a joint without gains: share of full opening."""
 
 
 def gain_knobs(joint: str) -> list[Knob]:
-    """The gains of one joint."""
+    """The gains of one joint, phase by phase."""
     return [Knob((f"joint.{joint}.gains.{g.path}",), g.low, g.high, g.unit, g.si) for g in _GAINS]
 
 
@@ -72,3 +81,46 @@ def neutral_gains(joints: int) -> Array:
 def values_of(machine: Machine, knobs: Sequence[Knob]) -> Array:
     """The values that a machine has now, in the knobs' units."""
     return np.array([value_at(machine, knob.paths[0]) / knob.si for knob in knobs])
+
+
+def rounded(values: Array) -> Array:
+    """Values to the three digits with which they are written."""
+    digits: Array = np.vectorize(lambda value: float(f"{value:.3g}"), otypes=[float])(values)
+    return digits
+
+
+def to_shares(knobs: Sequence[Knob], values: Array) -> Array:
+    """Where values lie in the knobs' ranges, 0 to 1, counted in factors: a gain is looked for by its size."""
+    low, high = _ends(knobs)
+    shares: Array = np.log(np.clip(values, low, high) / low) / np.log(high / low)
+    return shares
+
+
+def from_shares(knobs: Sequence[Knob], shares: Array) -> Array:
+    """Values from where they lie in the knobs' ranges."""
+    low, high = _ends(knobs)
+    values: Array = low * (high / low) ** shares
+    return values
+
+
+def _ends(knobs: Sequence[Knob]) -> tuple[Array, Array]:
+    return np.array([knob.low for knob in knobs]), np.array([knob.high for knob in knobs])
+
+
+def with_gains(machine: Machine) -> Machine:
+    """The machine with neutral gains in those of its joints that have none.
+
+    Raises:
+        MachineError: it has no controller.
+    """
+    if machine.valve is None or machine.controller is None:
+        right = "add the parts `valve` and `controller`; `layflat show paper-arm` has both"
+        raise MachineError("has no controller to be tuned", where=machine.origin, right=right)
+    neutral: dict[str, Any] = {"integral_limit": f"{INTEGRAL_LIMIT * machine.valve.volts_to_full!r} V"}
+    for gain in _GAINS:
+        table, _, key = gain.path.rpartition(".")
+        (neutral.setdefault(table, {}) if table else neutral)[key] = f"{gain.neutral:g} {gain.unit}"
+    for name, joint in machine.joints.items():
+        if joint.gains is None:
+            machine = changed(machine, f"joint.{name}.gains", JointGains.model_validate(neutral))
+    return machine

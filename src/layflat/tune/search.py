@@ -1,86 +1,149 @@
-"""The whole population of gains in one ensemble call: CMA-ES (Hansen 2016, key hansen2016)."""
+"""The whole population of gains in one ensemble call: CMA-ES (Hansen 2016, key hansen2016).
+
+Every generation meets conditions of its own, so that none can be learnt by heart. What a generation's best costs is
+then luck in part; the middle of the search is not, so that it is this which is judged, now and then, by a panel of
+conditions that stays the same.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.errors import InputError
 from layflat.machine import Machine
+from layflat.sim import STEP
 from layflat.sim.ensemble import ensemble
-from layflat.tune.conditions import Conditions
+from layflat.tune.conditions import Conditions, conditions
 from layflat.tune.cost import candidate_costs
-from layflat.tune.knobs import Knob
+from layflat.tune.knobs import Knob, from_shares, rounded, to_shares
 
 Array = NDArray[np.float64]
 
-POPULATION = 20
-WIDTH = 0.2
+WIDTH = 0.15
 """Spread of the first generation, share of each knob's range."""
+COARSE = 1e-3
+"""Step of the plant while searching, s: it ranks gains as well as the default, and lets more be tried. The panel, and
+whatever is reported, is simulated with the default."""
+PANEL, PANEL_SEED, EVERY = 128, 1_000_000_000, 5
+"""Runs of the panel, its seed, and generations from one judgement by it to the next."""
+GENERATIONS = 10_000
+"""At most; each has a seed of its own."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """So many generations, of candidates that are each judged by so many runs (a power of two)."""
+
+    generations: int
+    runs: int
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is looked for at a time.
+
+    Args:
+        name: for people.
+        knobs: places, among all knobs, of those that are turned; the others stay as they are.
+        population: candidates of a generation.
+        stages: few runs first, more later.
+    """
+
+    name: str
+    knobs: tuple[int, ...]
+    population: int
+    stages: tuple[Stage, ...]
 
 
 @dataclass(frozen=True)
 class Found:
-    """The best values so far, in the knobs' units, their cost, and the number of generations."""
+    """The best values so far, in the knobs' units, their cost by the panel, and the generations that it took."""
 
     values: Array
     cost: float
-    generations: int
+    generation: int
 
 
-def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Conditions) -> Array:
-    """Cost of every candidate (candidates, knobs), s."""
-    # As they will be written: so that what is found is what stands in the file.
-    written = np.array([[float(f"{value:.3g}") for value in row] for row in candidates])
+def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Conditions, step: float = STEP) -> Array:
+    """Cost of every candidate (candidates, knobs), s, as it would be written."""
     vary = by.of(len(candidates))
-    for knob, values in zip(knobs, written.T, strict=True):
+    for knob, values in zip(knobs, rounded(candidates).T, strict=True):
         for path in knob.paths:
             vary[path] = np.repeat(values * knob.si, by.runs)
-    return candidate_costs(ensemble(machine, by.scenarios, vary), by.window, len(candidates))
+    return candidate_costs(ensemble(machine, by.scenarios, vary, step=step), by, len(candidates))
+
+
+def panel(machine: Machine) -> Conditions:
+    """The conditions by which the best is chosen."""
+    return conditions(machine, PANEL, seed=PANEL_SEED)
 
 
 def search(
     machine: Machine,
     knobs: Sequence[Knob],
     start: Array,
-    stages: Sequence[tuple[int, Conditions]],
+    parts: Sequence[Part],
     *,
     seed: int = 1,
-    progress: Callable[[Found], bool] | None = None,
+    progress: Callable[[Found, int, str], None] = lambda *_: None,
 ) -> Found:
-    """Least cost over the knobs' ranges.
+    """Least cost over the knobs' ranges, one part after the other; each goes on from the best of the last.
 
     Args:
         machine: to be tuned.
         knobs: what may be turned.
         start: where to begin, in the knobs' units.
-        stages: numbers of generations and what they are judged by: a few conditions first, all of them later.
+        parts: what is looked for, in order.
         seed: of the search.
-        progress: is told the best so far after every generation; the search ends when it returns False.
+        progress: is told the best so far, the generations done, and the part's name, after every generation.
 
     Raises:
-        InputError: the machine can't be simulated.
+        InputError: the machine can't be simulated, or cma is not installed.
     """
-    import cma  # noqa: PLC0415  # needed to tune only
+    cma, by = need_cma(), panel(machine)
+    done = 0
+    best = Found(rounded(start), float(judge(machine, knobs, start[None], by)[0]), 0)
+    progress(best, 0, "")
+    for part in parts:
+        places, base = list(part.knobs), best.values
+        turned = [knobs[place] for place in places]
+        options = {"seed": seed + 1, "popsize": part.population, "bounds": [0.0, 1.0], "verbose": -9}
+        first = np.clip(to_shares(turned, base[places]), 0.02, 0.98)
+        strategy: Any = cma.CMAEvolutionStrategy(first, WIDTH, options)
 
-    low, high = np.array([k.low for k in knobs]), np.array([k.high for k in knobs])
-    options = {"seed": seed, "popsize": POPULATION, "bounds": [0.0, 1.0], "verbose": -9}
-    strategy: Any = cma.CMAEvolutionStrategy(np.clip((start - low) / (high - low), 0.02, 0.98), WIDTH, options)  # type: ignore[attr-defined]
-    generation, best = 0, Found(start, np.inf, 0)
-    for number, (generations, by) in enumerate(stages):
-        if number > 0 or not np.isfinite(best.cost):
-            best = Found(best.values, float(judge(machine, knobs, best.values[None], by)[0]), generation)
-        for _ in range(generations):
+        def whole(shares: Any, base: Array = base, places: list[int] = places, turned: list[Knob] = turned) -> Array:
+            values = np.tile(base, (len(shares), 1))
+            values[:, places] = from_shares(turned, np.array(shares))
+            return values
+
+        todo = [stage.runs for stage in part.stages for _ in range(stage.generations)]
+        for left, runs in zip(reversed(range(len(todo))), todo, strict=True):
             asked = strategy.ask()
-            candidates = low + np.array(asked) * (high - low)
-            costs = judge(machine, knobs, candidates, by)
-            strategy.tell(asked, list(costs))
-            generation += 1
-            if costs.min() < best.cost:
-                best = Found(candidates[costs.argmin()], float(costs.min()), generation)
-            if progress is not None and not progress(best):
-                return best
+            met = conditions(machine, runs, seed=seed * GENERATIONS + done)
+            strategy.tell(asked, list(judge(machine, knobs, whole(asked), met, COARSE)))
+            done += 1
+            if done % EVERY == 0 or left == 0:
+                middle = rounded(whole([strategy.boundary_handler.repair(strategy.mean)]))
+                cost = float(judge(machine, knobs, middle, by)[0])
+                best = Found(middle[0], cost, done) if cost < best.cost else best
+            progress(best, done, part.name)
     return best
+
+
+def need_cma() -> ModuleType:
+    """The library that searches.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        import cma  # noqa: PLC0415  # needed to tune only
+    except ImportError:
+        raise InputError("cma is not installed", where="tune", right="pip install 'layflat[tune]'") from None
+    return cma

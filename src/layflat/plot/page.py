@@ -1,0 +1,38 @@
+"""Pages that need nothing else: one look for all, figures inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.resources import files
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A figure of a page, as SVG, with its caption."""
+
+    id: str
+    title: str
+    caption: str
+    svg: str
+
+    def __html__(self) -> str:
+        """The figure as a template puts it in: what is drawn is not escaped, and what is said is."""
+        from markupsafe import escape  # noqa: PLC0415
+
+        caption = f"<figcaption><b>{escape(self.title)}</b> {escape(self.caption)}</figcaption>"
+        return f'<figure id="{escape(self.id)}">\n{self.svg}\n{caption}\n</figure>'
+
+
+def page(package: str, template: str, **values: Any) -> str:
+    """A template of a package, which extends `page.html.j2` of this one, as HTML."""
+    import jinja2  # noqa: PLC0415
+
+    def source(name: str) -> str:
+        home = "layflat.plot" if name == "page.html.j2" else package
+        return (files(home) / name).read_text(encoding="utf-8")
+
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(source), autoescape=True, undefined=jinja2.StrictUndefined
+    )
+    return environment.get_template(template).render(**values)

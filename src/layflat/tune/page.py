@@ -1,0 +1,151 @@
+"""What a tuning did, as figures in a table and as one page that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import layflat
+from layflat.errors import DivergedError
+from layflat.files import whole_file
+from layflat.machine import Machine
+from layflat.plot.page import Drawn, page
+from layflat.plot.style import to_svg
+from layflat.plot.tuning import cost_history, responses, settled_shares
+from layflat.sim import rollout
+from layflat.sim.metrics import BAND
+from layflat.tune.conditions import POSTURES, REST
+from layflat.tune.cost import STATEMENT
+from layflat.tune.knobs import values_of
+from layflat.tune.tuning import Tuning
+from layflat.tune.verdict import LIMIT, Verdict, fresh
+
+if TYPE_CHECKING:
+    import xarray
+
+Row = list[str]
+
+
+def figures_of(machine: Machine, before: Verdict | None, after: Verdict) -> list[Row]:
+    """What is compared: its name, before, after."""
+    by = fresh(machine)
+
+    def row(name: str, of: Callable[[Verdict], str]) -> Row:
+        return [name, "none" if before is None else of(before), of(after)]
+
+    return [
+        *(
+            row(f"nominal, {machine.arm.payload:g} kg: {move}", partial(_nominal, i))
+            for i, move in enumerate(nominal_moves(machine))
+        ),
+        row(f"worst over {by.runs} runs", lambda v: _seconds(v.worst)),
+        row(f"moves not settled in {LIMIT:g} s", lambda v: f"{v.late} of {v.settling.size}"),
+        row("cost", lambda v: _seconds(v.cost)),
+    ]
+
+
+def nominal_moves(machine: Machine) -> list[str]:
+    """What is moved under nominal conditions, and how far, in words."""
+    halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
+    moved = np.degrees(np.diff(np.array(POSTURES[len(halves)][0]), axis=0) * halves)
+    return [
+        " and ".join(f"{name} joint by {by:.3g} deg" for name, by in zip(machine.joints, step, strict=True) if by)
+        for step in moved
+    ]
+
+
+def _nominal(move: int, of: Verdict) -> str:
+    return _seconds(of.nominal[move])
+
+
+def write_page(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdict, path: Path) -> Path:
+    """Write the page.
+
+    Raises:
+        OutputError: it can't be written there.
+    """
+    by = fresh(tuning.machine)
+    html = page(
+        "layflat.tune",
+        "tuning.html.j2",
+        machine=tuning.base.name,
+        title=tuning.base.title,
+        version=layflat.__version__,
+        command=tuning.command,
+        generations=len(tuning.told) - 1,
+        seconds=f"{tuning.seconds:.1f}",
+        kept=tuning.kept,
+        file=tuning.path.name,
+        figures=figures_of(tuning.machine, before, after),
+        statement=STATEMENT,
+        runs=by.runs,
+        nominal=by.nominal,
+        payload=f"{by.vary['arm.payload'].max():.3g}",
+        usual=f"{tuning.machine.arm.payload:g}",
+        drawn=_drawn(tuning, tuned, before, after),
+        gains=gains_table(tuning, tuned),
+    )
+    with whole_file(path) as temporary:
+        temporary.write_text(html, encoding="utf-8")
+    return path
+
+
+def gains_table(tuning: Tuning, tuned: Machine) -> list[Row]:
+    """Every gain: its path, and its value and source before and after."""
+    rows = []
+    now = values_of(tuning.machine, tuning.knobs)
+    for knob, was, found in zip(tuning.knobs, now, values_of(tuned, tuning.knobs), strict=True):
+        path = knob.paths[0]
+        known = path in tuning.base.provenance
+        old = [str(knob.text(was)), _source(tuning.base, path)] if known else ["none", ""]
+        rows.append([path, *old, str(knob.text(found)), _source(tuned, path)])
+    return rows
+
+
+def _source(machine: Machine, path: str) -> str:
+    known = machine.provenance[path]
+    return f"{known.source}: {known.note}" if known.note else known.source
+
+
+def _drawn(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdict) -> list[Drawn]:
+    nominal = {"before": tuning.base} if before is not None else {}
+    verdicts = {"before": before.settling} if before is not None else {}
+    runs = {label: _response(machine) for label, machine in {**nominal, "after": tuned}.items()}
+    return [
+        Drawn(
+            "responses",
+            "Steps under nominal conditions.",
+            "Each joint's angle, and below it the error enlarged; settled within the grey band.",
+            to_svg(responses(runs, band=BAND, since=REST)),
+        ),
+        Drawn(
+            "settled",
+            "How soon moves settle.",
+            f"Share of all joints' moves that have settled, over all {len(after.settling)} runs; "
+            f"the line stands at {LIMIT:g} s.",
+            to_svg(settled_shares({**verdicts, "after": after.settling}, LIMIT, fresh(tuning.machine).window)),
+        ),
+        Drawn(
+            "cost",
+            "The search.",
+            "Cost of the best gains so far, by a panel of conditions that stays the same.",
+            to_svg(cost_history([found.cost for found in tuning.told], tuning.begun)),
+        ),
+    ]
+
+
+def _response(machine: Machine) -> xarray.Dataset:
+    by = fresh(machine)
+    try:
+        return rollout(machine, scenario=by.scenarios[0], seed=int(by.vary["seed"][0]))
+    except DivergedError as error:
+        return error.run  # type: ignore[return-value]
+
+
+def _seconds(value: float) -> str:
+    return f"{value:.2f} s" if isfinite(value) else "not settled"

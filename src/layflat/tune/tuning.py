@@ -1,0 +1,160 @@
+"""A tuning from its beginning to a description with better gains. `begin` checks, `seek` searches, `keep` writes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import InputError
+from layflat.files import check_folder
+from layflat.machine import Machine, load
+from layflat.tune.knobs import Knob, neutral_gains, rounded, values_of, with_gains
+from layflat.tune.methods import knobs_of, parts
+from layflat.tune.search import Found, Part, judge, need_cma, panel, search
+from layflat.tune.tuned_file import tuned_path, write_tuned
+
+Progress = Callable[[Found, int, str], None]
+"""Told the best so far, the generations done, and what is looked for; before the first generation too."""
+
+STARTS = ("neutral", "current")
+SEEDS = 10_000
+
+
+@dataclass
+class Tuning:
+    """A search for the gains of a machine.
+
+    Args:
+        given: built-in name or file.
+        base: what it describes; its joints may have no gains.
+        machine: the same with neutral gains where it has none.
+        method, start, seed: of the search.
+        parts: what is looked for, in order.
+        path: where the tuned description is put.
+    """
+
+    given: str
+    base: Machine
+    machine: Machine
+    method: str
+    start: str
+    seed: int
+    parts: list[Part]
+    path: Path
+    told: list[Found] = field(default_factory=list)
+    """The best after every generation, the start first."""
+    seconds: float = 0.0
+    """That the search took, compilation not counted."""
+    stopped: bool = False
+    kept: bool = False
+    """Whether the gains that were there stay, since none better were found."""
+
+    @property
+    def knobs(self) -> list[Knob]:
+        """The gains of all joints."""
+        return knobs_of(self.machine)
+
+    @property
+    def generations(self) -> int:
+        """That were asked for."""
+        return sum(stage.generations for part in self.parts for stage in part.stages)
+
+    @property
+    def begun(self) -> dict[str, int]:
+        """After how many generations each part began."""
+        lengths = [sum(stage.generations for stage in part.stages) for part in self.parts]
+        since = {part.name: sum(lengths[:i]) for i, part in enumerate(self.parts)}
+        return {name: first for name, first in since.items() if first < len(self.told)}
+
+    @property
+    def has_gains(self) -> bool:
+        """Whether every joint had gains before."""
+        return all(joint.gains is not None for joint in self.base.joints.values())
+
+    @property
+    def command(self) -> str:
+        """What finds the same gains again."""
+        words = f"layflat tune {self.given} --method {self.method} --from {self.start} --seed {self.seed}"
+        return f"{words} --generations {self.generations}" + (
+            f", stopped after {len(self.told) - 1}" if self.stopped else ""
+        )
+
+    def seek(self, progress: Progress = lambda *_: None) -> None:
+        """Search until the end, or until it is interrupted: the best so far counts then.
+
+        Raises:
+            KeyboardInterrupt: before there was anything to keep.
+        """
+        begun = time.perf_counter()
+
+        def tell(best: Found, done: int, name: str) -> None:
+            nonlocal begun
+            if not self.told:
+                begun = time.perf_counter()
+            self.told.append(best)
+            self.seconds = time.perf_counter() - begun
+            progress(best, done, name)
+
+        first = neutral_gains(len(self.machine.joints)) if self.start == "neutral" else self._now()
+        try:
+            search(self.machine, self.knobs, first, self.parts, seed=self.seed, progress=tell)
+        except KeyboardInterrupt:
+            if not self.told:
+                raise
+            self.stopped = True
+
+    def keep(self) -> Machine:
+        """Write the best gains, or those that were there where no better ones were found, and load them.
+
+        Raises:
+            OutputError: they can't be written.
+        """
+        best = self.told[-1]
+        if self.has_gains and judge(self.machine, self.knobs, self._now()[None], panel(self.machine))[0] <= best.cost:
+            self.kept = True
+            return write_tuned(self.given, self.base, self.knobs, list(self._now()), self.command, self.path)
+        return write_tuned(self.given, self.base, self.knobs, list(best.values), self.command, self.path)
+
+    def _now(self) -> NDArray[np.float64]:
+        return rounded(values_of(self.machine, self.knobs))
+
+
+def begin(
+    given: str,
+    out: Path,
+    *,
+    method: str = "global",
+    start: str = "neutral",
+    seed: int = 1,
+    generations: int | None = None,
+) -> Tuning:
+    """Check everything before any work is done.
+
+    Args:
+        given: built-in machine or file.
+        out: folder for the results.
+        method: one of `METHODS`.
+        start: "neutral", gains that know nothing of the machine, or "current", its own.
+        seed: of the search.
+        generations: in all; as many as the method needs where not given.
+
+    Raises:
+        MachineError: the machine is wrong or has no controller.
+        InputError: an option is wrong, or cma is not installed.
+        OutputError: the folder can't be written to.
+    """
+    base = load(given)
+    machine = with_gains(base)
+    wanted = parts(machine, method, generations)
+    if start not in STARTS:
+        raise InputError(f"{start!r} is no beginning", where="--from", right=f"give {' or '.join(STARTS)}")
+    if not 0 <= seed < SEEDS:
+        raise InputError(f"{seed} is out of range", where="--seed", right=f"give 0 to {SEEDS - 1}")
+    need_cma()
+    path = tuned_path(given, check_folder(out))
+    return Tuning(given, base, machine, method, start, seed, wanted, path)

@@ -1,0 +1,84 @@
+"""`layflat tune` as a person uses it."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from layflat.machine import load
+
+LAYFLAT = [sys.executable, "-c", "from layflat.cli import main; main()"]
+
+
+def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*LAYFLAT, *words], capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
+
+
+def test_gains_a_table_and_a_page(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('extends = "paper-small-joint"\nname = "mine"\n', encoding="utf-8")
+    done = layflat("tune", "mine.toml", "--generations", "2", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert "2 of 2 generations in" in done.stdout
+    assert "small joint by 40 deg" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 100
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["mine-tuned.toml", "tuning.html"]
+    assert layflat("check", "out/mine-tuned.toml", cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
+def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
+    words = [*LAYFLAT, "tune", "paper-small-joint", "--generations", "5000", "--out", "out"]
+    waiting = (
+        "import sys; from layflat.tune import tuning; whole = tuning.search\n"
+        "def told(*a, progress, **k):\n"
+        "    def tell(best, done, name):\n"
+        "        progress(best, done, name); print(done, file=sys.stderr, flush=True)\n"
+        "    return whole(*a, progress=tell, **k)\n"
+        "tuning.search = told\n"
+    )
+    words[2] = waiting + words[2]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if line.strip() == "2":
+                break
+        time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=120)
+    assert process.returncode == 130, stderr
+    assert "layflat: stopped after" in stderr
+    assert "Traceback" not in stderr
+    assert "wrote out/paper-small-joint-tuned.toml" in stdout
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"paper-small-joint-tuned.toml", "tuning.html"}
+    tuned = load(tmp_path / "out" / "paper-small-joint-tuned.toml")
+    assert "stopped after" in tuned.provenance["joint.small.gains.far.error"].note
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["nowhere"], "nowhere: no such machine"),
+        (["rig-kevlar"], "rig-kevlar: has no controller to be tuned"),
+        (["paper-arm", "--method", "guess"], "--method: 'guess' is no method"),
+        (["paper-arm", "--generations", "0"], "--generations: 0 is out of range"),
+        (["paper-arm", "--out", "/proc/here"], "can't write here"),
+    ],
+)
+def test_a_mistake_gives_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+    done = layflat("tune", *words, cwd=tmp_path)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("layflat: ")
+    assert expected in line
+    assert not list(tmp_path.iterdir())
+
+
+def test_without_its_library_one_line_says_what_to_install(tmp_path: Path) -> None:
+    words = [LAYFLAT[0], "-c", f"import sys; sys.modules['cma'] = None; {LAYFLAT[2]}", "tune", "paper-arm"]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=300)
+    assert done.returncode == 2
+    assert done.stderr == "layflat: tune: cma is not installed; pip install 'layflat[tune]'\n"

@@ -1,0 +1,175 @@
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.errors import InputError, MachineError, OutputError
+from layflat.machine import load
+from layflat.tune import Tuning, begin
+from layflat.tune import search as s
+from layflat.tune import verdict as v
+from layflat.tune.knobs import neutral_gains, values_of
+from layflat.tune.page import figures_of, gains_table, write_page
+from layflat.tune.search import Found
+from layflat.tune.verdict import verdict
+
+BARE = """extends = "paper-small-joint"
+omits = ["joint.small.gains"]
+name = "bare"
+title = "A joint without gains"
+"""
+
+
+@pytest.fixture(autouse=True)
+def _small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(s, "PANEL", 16)
+    monkeypatch.setattr(v, "FRESH", 16)
+
+
+@pytest.fixture
+def bare(tmp_path: Path) -> Path:
+    path = tmp_path / "bare.toml"
+    path.write_text(BARE, encoding="utf-8")
+    return path
+
+
+def test_what_is_written_is_what_was_found(bare: Path, tmp_path: Path) -> None:
+    tuning = begin(str(bare), tmp_path / "deep" / "out", generations=2)
+    tuning.seek()
+    tuned = tuning.keep()
+    assert tuning.path == tmp_path / "deep" / "out" / "bare-tuned.toml"
+    assert np.allclose(values_of(tuned, tuning.knobs), tuning.told[-1].values, rtol=1e-12)
+    assert tuned == load(tuning.path)
+    assert tuned.joint["small"].gains is not None
+    assert tuned.joint["small"].gains.integral_limit == pytest.approx(0.4 * tuned.valve.volts_to_full)  # type: ignore[union-attr]
+    for knob in tuning.knobs:
+        source = tuned.provenance[knob.paths[0]]
+        assert (source.source, source.note) == ("calibrated", tuning.command)
+    same = load("paper-small-joint")
+    assert tuned.joint["small"].model_copy(update={"gains": None}) == same.joint["small"].model_copy(
+        update={"gains": None}
+    )
+
+
+def test_the_same_seed_writes_the_same_file_and_another_does_not(bare: Path, tmp_path: Path) -> None:
+    def gains(seed: int, out: str) -> bytes:
+        tuning = begin(str(bare), tmp_path / out, method="phases", generations=3, seed=seed)
+        tuning.seek()
+        tuning.keep()
+        return tuning.path.read_bytes()
+
+    assert gains(3, "a") == gains(3, "b") != gains(4, "c")
+
+
+def test_an_interrupted_search_keeps_the_best_so_far(bare: Path, tmp_path: Path) -> None:
+    def three(best: Found, done: int, name: str) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    tuning = begin(str(bare), tmp_path / "out", generations=50)
+    tuning.seek(three)
+    assert tuning.stopped
+    assert len(tuning.told) == 4
+    assert "stopped after 3" in tuning.command
+    assert np.allclose(values_of(tuning.keep(), tuning.knobs), tuning.told[-1].values)
+
+
+def test_an_interruption_before_the_beginning_goes_on(
+    bare: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def at_once(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("layflat.tune.tuning.search", at_once)
+    with pytest.raises(KeyboardInterrupt):
+        begin(str(bare), tmp_path / "out").seek()
+
+
+def test_gains_are_never_made_worse(tmp_path: Path) -> None:
+    tuning = begin("paper-small-joint", tmp_path, generations=1)
+    tuning.seek()
+    kept = tuning.keep()
+    assert tuning.kept
+    assert np.allclose(values_of(kept, tuning.knobs), values_of(load("paper-small-joint"), tuning.knobs), rtol=1e-9)
+
+
+class Page(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.outside: list[str] = []
+        self.figures = 0
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.outside += [v for k, v in attrs if k in {"src", "href", "xlink:href"} and v and not v.startswith("#")]
+        self.figures += tag == "figure"
+
+
+def told(tuning: Tuning) -> Tuning:
+    knobs = len(tuning.machine.joints)
+    tuning.told += [Found(neutral_gains(knobs), 3.0, 0), Found(neutral_gains(knobs), 2.5, 1)]
+    return tuning
+
+
+@pytest.mark.parametrize("name", ["paper-small-joint", "bare"])
+def test_the_page_stands_alone_and_says_what_was_found(name: str, bare: Path, tmp_path: Path) -> None:
+    tuning = told(begin(str(bare) if name == "bare" else name, tmp_path / "out", start="current"))
+    tuned = tuning.keep()
+    before = verdict(tuning.base) if tuning.has_gains else None
+    after = verdict(tuned)
+    rows = figures_of(tuning.machine, before, after)
+    assert any("small joint by 40 deg" in row[0] for row in rows)
+    assert all((row[1] == "none") == (name == "bare") for row in rows)
+    html = write_page(tuning, tuned, before, after, tmp_path / "tuning.html").read_text(encoding="utf-8")
+    page = Page()
+    page.feed(html)
+    assert page.outside == []
+    assert page.figures == 3
+    assert "The cost: seconds until moves settle" in html
+    for row in gains_table(tuning, tuned):
+        assert all(f">{cell}<" in html for cell in row if cell)
+
+
+def test_a_verdict_counts_what_never_settles_as_worst() -> None:
+    found = verdict(load("paper-small-joint"))
+    assert found.settling.shape == (16, 2, 1)
+    assert found.worst == found.settling.max()
+    assert found.late == np.count_nonzero(found.settling > 1.5)
+    assert found.nominal == pytest.approx(found.settling[:2, :, 0].mean(axis=0))
+
+
+@pytest.mark.parametrize(
+    ("given", "options", "expected"),
+    [
+        ("paper-arm", {"method": "guess"}, "--method: 'guess' is no method; give global or phases"),
+        ("paper-arm", {"generations": 0}, "--generations: 0 is out of range; give 1 to 9999"),
+        ("paper-arm", {"method": "phases", "generations": 5}, "--generations: 5 is too few; give 6 or more"),
+        ("paper-arm", {"start": "here"}, "--from: 'here' is no beginning; give neutral or current"),
+        ("paper-arm", {"seed": -1}, "--seed: -1 is out of range; give 0 to 9999"),
+    ],
+)
+def test_mistakes_are_told_before_any_work(given: str, options: dict[str, int], expected: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError) as error:
+        begin(given, tmp_path / "out", **options)  # type: ignore[arg-type]
+    assert str(error.value).startswith(expected)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_rig_has_nothing_to_tune(tmp_path: Path) -> None:
+    with pytest.raises(MachineError, match="rig-kevlar: has no controller to be tuned"):
+        begin("rig-kevlar", tmp_path)
+
+
+def test_a_file_that_would_overwrite_what_it_extends_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "mine-tuned.toml").write_text('extends = "paper-arm"\n', encoding="utf-8")
+    mine = tmp_path / "mine.toml"
+    mine.write_text('extends = "mine-tuned.toml"\n', encoding="utf-8")
+    with pytest.raises(InputError, match="would be overwritten"):
+        begin(str(mine), tmp_path)
+    begin(str(mine), tmp_path / "elsewhere")
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(OutputError):
+        begin("paper-arm", tmp_path / "file")
