@@ -31,7 +31,9 @@ def test_gains_a_table_and_a_page(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
 def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
-    words = [*LAYFLAT, "tune", "paper-small-joint", "--generations", "5000", "--out", "out"]
+    bare = 'extends = "paper-small-joint"\nname = "bare"\nomits = ["joint.small.gains"]\n'
+    (tmp_path / "bare.toml").write_text(bare, encoding="utf-8")
+    words = [*LAYFLAT, "tune", "bare.toml", "--generations", "5000", "--out", "out"]
     waiting = (
         "import sys; from layflat.tune import tuning; whole = tuning.search\n"
         "def told(*a, progress, **k):\n"
@@ -52,9 +54,9 @@ def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
     assert process.returncode == 130, stderr
     assert "layflat: stopped after" in stderr
     assert "Traceback" not in stderr
-    assert "wrote out/paper-small-joint-tuned.toml" in stdout
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"paper-small-joint-tuned.toml", "tuning.html"}
-    tuned = load(tmp_path / "out" / "paper-small-joint-tuned.toml")
+    assert "wrote out/bare-tuned.toml" in stdout
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"bare-tuned.toml", "tuning.html"}
+    tuned = load(tmp_path / "out" / "bare-tuned.toml")
     assert "stopped after" in tuned.provenance["joint.small.gains.far.error"].note
 
 

@@ -143,7 +143,6 @@ def test_a_verdict_counts_what_never_settles_as_worst() -> None:
     [
         ("paper-arm", {"method": "guess"}, "--method: 'guess' is no method; give global or phases"),
         ("paper-arm", {"generations": 0}, "--generations: 0 is out of range; give 1 to 9999"),
-        ("paper-arm", {"method": "phases", "generations": 5}, "--generations: 5 is too few; give 6 or more"),
         ("paper-arm", {"start": "here"}, "--from: 'here' is no beginning; give neutral or current"),
         ("paper-arm", {"seed": -1}, "--seed: -1 is out of range; give 0 to 9999"),
     ],

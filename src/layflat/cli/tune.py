@@ -21,7 +21,10 @@ if TYPE_CHECKING:
 def tune(
     machine: MachineName,
     method: Annotated[
-        str, typer.Option(metavar="global|phases", help="all gains at once, or the paper's way: phase by phase")
+        str,
+        typer.Option(
+            metavar="global|phases", help="all gains at once, or as the paper: joint by joint, phase by phase"
+        ),
     ] = "global",
     start: Annotated[str, typer.Option("--from", metavar="neutral|current", help="gains to begin with")] = "neutral",
     generations: Annotated[

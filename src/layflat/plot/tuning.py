@@ -38,7 +38,7 @@ def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) 
             close.set_ylim(-5.0 * wide, 5.0 * wide)
             close.set_ylabel("Error (deg)")
             close.set_xlabel("Time (s)")
-        all_axes[len(joints) - 1].legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0))
+        all_axes[0].legend(loc="best")
     return made
 
 
@@ -62,13 +62,13 @@ def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -
         axes.set_ylim(0.0, 102.0)
         axes.set_xlabel("Time since the move began (s)")
         axes.set_ylabel("Settled (% of moves)")
-        axes.legend(loc="lower right")
+        axes.legend(loc="lower right", bbox_to_anchor=(0.86, 0.0))
     return made
 
 
 def cost_history(costs: Sequence[float], parts: Mapping[str, int]) -> Figure:
-    """Best cost (s) after each generation; `parts` are what was looked for, by the generation it began after."""
-    with figure(head=True) as (made, (axes,)):
+    """Best cost (s) after each generation; `parts` are its parts, with the generation after which each began."""
+    with figure(head=len(parts) > 1) as (made, (axes,)):
         axes.step(np.arange(len(costs)), costs, where="post", **LINES[0])
         for number, begun in enumerate(parts.values()):
             if number > 0:
@@ -76,8 +76,8 @@ def cost_history(costs: Sequence[float], parts: Mapping[str, int]) -> Figure:
         if len(parts) > 1:
             for name, begun in parts.items():
                 axes.annotate(
-                    name, (begun, 1.0), xycoords=("data", "axes fraction"), xytext=(3, -3), rotation=90, fontsize=7.5,
-                    textcoords="offset points", va="top", color="#555555",
+                    name, (begun, 1.0), xycoords=("data", "axes fraction"), xytext=(2, 2),
+                    textcoords="offset points", va="bottom", fontsize=7.5, color="#555555",
                 )  # fmt: skip
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("Generation (number)")

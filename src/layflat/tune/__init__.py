@@ -1,6 +1,5 @@
-"""Find a controller's gains. A reader's way: knobs.py, conditions.py, cost.py, search.py, methods.py, tuning.py."""
+"""Find a controller's gains. A reader's way: knobs, conditions, cost, search, methods, tuning, verdict, page."""
 
-from layflat.tune.methods import METHODS
 from layflat.tune.tuning import Progress, Tuning, begin
 
-__all__ = ["METHODS", "Progress", "Tuning", "begin"]
+__all__ = ["Progress", "Tuning", "begin"]

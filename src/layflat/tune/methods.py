@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import cycle
 from math import ceil
 
 from layflat.errors import InputError
@@ -12,7 +13,7 @@ from layflat.tune.search import GENERATIONS, Part, Stage
 
 AT_ONCE = (Stage(40, 8), Stage(50, 16), Stage(20, 32))
 AT_ONCE_POPULATION = 32
-PHASE, PHASE_POPULATION = Stage(20, 16), 16
+PHASE, PHASE_POPULATION, ROUNDS = Stage(6, 16), 10, 5
 
 
 def knobs_of(machine: Machine) -> list[Knob]:
@@ -30,22 +31,24 @@ def at_once(machine: Machine, generations: int | None) -> list[Part]:
 
 
 def by_phases(machine: Machine, generations: int | None) -> list[Part]:
-    """One joint at a time, one phase of its moves after the other, from far to close. Source: the paper, section 3."""
-    phases = [(joint, phase) for joint in machine.joints for phase in PHASES]
-    wanted = PHASE.generations * len(phases) if generations is None else generations
-    if wanted < len(phases):
-        right = f"give {len(phases)} or more: one for each of three phases of {len(phases) // 3} joint(s)"
-        raise InputError(f"{wanted} is too few", where="--generations", right=right)
-    each, more = divmod(wanted, len(phases))
-    own = len(gain_knobs(""))
+    """One joint at a time, one phase of its moves after the other, from far to close; then again, joint by joint.
+
+    Source: the paper, section 3. It does not say how often one goes round: once is not enough, since while one joint is
+    looked at for the first time the other does not settle at all.
+    """
+    phases = [(joint, places) for joint in range(len(machine.joints)) for places in PHASES.items()]
+    a_round, own, names = PHASE.generations * len(phases), len(gain_knobs("")), list(machine.joints)
+    wanted = ROUNDS * a_round if generations is None else generations
     return [
         Part(
-            f"{joint} joint, phase {phase}",
-            tuple(own * (i // len(PHASES)) + place for place in PHASES[phase]),
+            f"round {number // len(phases) + 1}, {names[joint]} joint, {phase}",
+            tuple(own * joint + place for place in places),
             PHASE_POPULATION,
-            (Stage(each + (i < more), PHASE.runs),),
+            (Stage(min(PHASE.generations, wanted - number * PHASE.generations), PHASE.runs),),
         )
-        for i, (joint, phase) in enumerate(phases)
+        for number, (joint, (phase, places)) in zip(
+            range(ceil(wanted / PHASE.generations)), cycle(phases), strict=False
+        )
     ]
 
 

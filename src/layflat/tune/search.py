@@ -113,7 +113,7 @@ def search(
     for part in parts:
         places, base = list(part.knobs), best.values
         turned = [knobs[place] for place in places]
-        options = {"seed": seed + 1, "popsize": part.population, "bounds": [0.0, 1.0], "verbose": -9}
+        options = {"seed": seed + 1 + done, "popsize": part.population, "bounds": [0.0, 1.0], "verbose": -9}
         first = np.clip(to_shares(turned, base[places]), 0.02, 0.98)
         strategy: Any = cma.CMAEvolutionStrategy(first, WIDTH, options)
 

@@ -8,12 +8,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.errors import InputError
 from layflat.files import check_folder
 from layflat.machine import Machine, load
-from layflat.tune.knobs import Knob, neutral_gains, rounded, values_of, with_gains
+from layflat.tune.knobs import Knob, neutral_gains, values_of, with_gains
 from layflat.tune.methods import knobs_of, parts
 from layflat.tune.search import Found, Part, judge, need_cma, panel, search
 from layflat.tune.tuned_file import tuned_path, write_tuned
@@ -34,6 +33,7 @@ class Tuning:
         base: what it describes; its joints may have no gains.
         machine: the same with neutral gains where it has none.
         method, start, seed: of the search.
+        asked: generations, where they were given.
         parts: what is looked for, in order.
         path: where the tuned description is put.
     """
@@ -44,6 +44,7 @@ class Tuning:
     method: str
     start: str
     seed: int
+    asked: int | None
     parts: list[Part]
     path: Path
     told: list[Found] = field(default_factory=list)
@@ -66,10 +67,14 @@ class Tuning:
 
     @property
     def begun(self) -> dict[str, int]:
-        """After how many generations each part began."""
-        lengths = [sum(stage.generations for stage in part.stages) for part in self.parts]
-        since = {part.name: sum(lengths[:i]) for i, part in enumerate(self.parts)}
-        return {name: first for name, first in since.items() if first < len(self.told)}
+        """After how many generations each round began, or the search where there are none."""
+        found: dict[str, int] = {}
+        done = 0
+        for part in self.parts:
+            if done < len(self.told):
+                found.setdefault(part.name.partition(",")[0], done)
+            done += sum(stage.generations for stage in part.stages)
+        return found
 
     @property
     def has_gains(self) -> bool:
@@ -79,10 +84,10 @@ class Tuning:
     @property
     def command(self) -> str:
         """What finds the same gains again."""
-        words = f"layflat tune {self.given} --method {self.method} --from {self.start} --seed {self.seed}"
-        return f"{words} --generations {self.generations}" + (
-            f", stopped after {len(self.told) - 1}" if self.stopped else ""
-        )
+        words = f"layflat tune {self.given} --method {self.method} --seed {self.seed}"
+        words += f" --from {self.start}" if self.start != STARTS[0] else ""
+        words += f" --generations {self.generations}" if self.asked is not None else ""
+        return words + (f", stopped after {len(self.told) - 1} generations" if self.stopped else "")
 
     def seek(self, progress: Progress = lambda *_: None) -> None:
         """Search until the end, or until it is interrupted: the best so far counts then.
@@ -100,7 +105,9 @@ class Tuning:
             self.seconds = time.perf_counter() - begun
             progress(best, done, name)
 
-        first = neutral_gains(len(self.machine.joints)) if self.start == "neutral" else self._now()
+        first = (
+            neutral_gains(len(self.machine.joints)) if self.start == "neutral" else values_of(self.machine, self.knobs)
+        )
         try:
             search(self.machine, self.knobs, first, self.parts, seed=self.seed, progress=tell)
         except KeyboardInterrupt:
@@ -109,19 +116,16 @@ class Tuning:
             self.stopped = True
 
     def keep(self) -> Machine:
-        """Write the best gains, or those that were there where no better ones were found, and load them.
+        """Write the best gains and load them; where none better were found, those that were there stand as they do.
 
         Raises:
             OutputError: they can't be written.
         """
         best = self.told[-1]
-        if self.has_gains and judge(self.machine, self.knobs, self._now()[None], panel(self.machine))[0] <= best.cost:
+        if self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base))[0] <= best.cost:
             self.kept = True
-            return write_tuned(self.given, self.base, self.knobs, list(self._now()), self.command, self.path)
+            return write_tuned(self.given, self.base, [], [], self.command, self.path)
         return write_tuned(self.given, self.base, self.knobs, list(best.values), self.command, self.path)
-
-    def _now(self) -> NDArray[np.float64]:
-        return rounded(values_of(self.machine, self.knobs))
 
 
 def begin(
@@ -157,4 +161,4 @@ def begin(
         raise InputError(f"{seed} is out of range", where="--seed", right=f"give 0 to {SEEDS - 1}")
     need_cma()
     path = tuned_path(given, check_folder(out))
-    return Tuning(given, base, machine, method, start, seed, wanted, path)
+    return Tuning(given, base, machine, method, start, seed, generations, wanted, path)
