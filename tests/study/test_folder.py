@@ -142,6 +142,20 @@ def test_a_disk_without_room_is_refused_before_any_work(
     assert not (tmp_path / "out").exists()
 
 
+def test_a_study_too_large_for_disk_or_memory_is_refused_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    huge = read(written(tmp_path, SMALL.replace("points = 6", "points = 2000000000")))
+    usage = namedtuple("usage", "free")
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage(free=1e12))
+    with pytest.raises(OutputError, match=r"needs [\d,]{7,}\.\d MB, and 1,000,000\.0 MB are free"):
+        run(huge, tmp_path / "out")
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage(free=1e18))
+    with pytest.raises(InputError, match="8,000,000,000 samples are more than can be held in memory"):
+        run(huge, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_study_takes_no_more_room_than_it_asks_for(
     tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch
 ) -> None:

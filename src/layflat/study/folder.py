@@ -64,7 +64,8 @@ class Folder:
 
     def done(self) -> dict[int, int]:
         """Rows of each chunk that is there and whole."""
-        found = {number: _rows(self.chunk(number)) for number in range(self.chunks)}
+        there = (int(path.stem) for path in (self.place / "chunks").glob("*.parquet") if path.stem.isdecimal())
+        found = {number: _rows(self.chunk(number)) for number in sorted(there) if number < self.chunks}
         return {number: rows for number, rows in found.items() if rows is not None}
 
     def holds(self, content: dict[str, Any]) -> bool:

@@ -58,6 +58,9 @@ def run(
     folder = Folder(Path(out), ceil(study.rows / chunk))
     left = folder.chunks - len(folder.done())
     check_space(folder.place, min(left * chunk, study.rows), _columns(study), left)
+    if not study.fits:
+        what = f"{study.samples:,} samples are more than can be held in memory"
+        raise InputError(what, where=study.file.name, right="give fewer, or divide it into several studies")
     with opened(folder, _content(study, chunk)):
         done = folder.done()
         ran = sum(done.values())

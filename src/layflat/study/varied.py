@@ -72,6 +72,11 @@ class Varied:
             return np.clip(self.low * (self.high / self.low) ** share, self.low, self.high)
         return np.clip(self.low + share * (self.high - self.low), self.low, self.high)
 
+    @property
+    def count(self) -> int:
+        """Its values on a grid, counted."""
+        return len(self.values) or self.points or 0
+
     def grid(self) -> Array:
         """Its values on a grid."""
         return np.array(self.values) if self.values else self.at(np.linspace(0.0, 1.0, self.points or 0))
