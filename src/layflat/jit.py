@@ -23,7 +23,9 @@ from typing import Any, cast
 import numba
 import platformdirs
 from numba.core import types
-from numba.extending import overload
+from numba.core.datamodel.models import OpaqueModel
+from numba.core.imputils import lower_constant
+from numba.extending import register_model
 
 from layflat.lanes import lane_by_lane
 
@@ -120,6 +122,7 @@ def device_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     if not config.ENABLE_CUDASIM:
         extending: Any = import_module("numba.cuda.extending")
         extending.typeof_impl.register(Law)(lambda law, _: on_device(law)._numba_type_)
+        extending.typeof_impl.register(ByKind)(lambda choice, _: _choice_on_device(choice))
     return cast(Callable[..., Any], import_module("numba.cuda").jit(function))
 
 
@@ -132,20 +135,52 @@ def on_device(function: Any) -> Any:
     return import_module("numba.cuda").jit(device=True, forceinline=True)(plain)
 
 
+class _Choice(types.Callable):
+    """To the compiler: a call is one of the law for the kind of the first argument."""
+
+    def __init__(self, laws: Mapping[type, Any]) -> None:
+        self.laws = laws
+        super().__init__(name=f"Choice({', '.join(str(law) for law in laws.values())})")
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        return self.laws[args[0].instance_class].get_call_type(context, args, kws)
+
+    def get_call_signatures(self) -> Any:
+        return (), True
+
+    def get_impl_key(self, sig: Any) -> Any:
+        return self.laws[sig.args[0].instance_class].get_impl_key(sig)
+
+
+register_model(_Choice)(OpaqueModel)
+
+
+@lower_constant(_Choice)  # type: ignore[no-untyped-call,untyped-decorator]
+def _nothing(context: Any, builder: Any, kind: Any, value: Any) -> Any:  # noqa: ARG001
+    return context.get_dummy_value()
+
+
+def _choice_on_device(choice: ByKind) -> _Choice:
+    return _Choice({kind: on_device(law)._numba_type_ for kind, law in choice.kinds.items()})
+
+
+class ByKind:
+    """A law for each kind of its first argument."""
+
+    def __init__(self, kinds: Mapping[type, Callable[..., Any]]) -> None:
+        self.kinds = kinds
+        if not config.DISABLE_JIT:
+            self._numba_type_ = _Choice({kind: cast(Law, law)._numba_type_ for kind, law in kinds.items()})
+
+    def __call__(self, first: Any, *rest: Any) -> Any:
+        """Call from Python the law for the first argument."""
+        return self.kinds[type(first)](first, *rest)
+
+
 def by_kind(kinds: Mapping[type, Callable[..., Any]]) -> Callable[..., Any]:
     """A law that picks its implementation by the kind (named tuple class) of its first argument.
 
     The choice is made when a kernel is compiled, so a kernel costs nothing for the kinds it does not use. A new kind
     is one more entry in `kinds`.
     """
-
-    def choose(first: Any, *rest: Any) -> Any:
-        return kinds[type(first)](first, *rest)
-
-    # The compiler compares bare signatures: both functions take the same arguments, without types.
-    @overload(choose, jit_options=cast(Any, INLINED))
-    def choose_compiled(first, *rest):  # type: ignore[no-untyped-def]  # noqa: ARG001
-        chosen = kinds[first.instance_class]
-        return lambda first, *rest: chosen(first, *rest)  # noqa: PLW0108
-
-    return choose
+    return ByKind(kinds)
