@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.kernel import Plan, Runs
-from layflat.sim.ensemble.watch import DIVERGED, Moves, Results, Totals
+from layflat.sim.ensemble.results import DIVERGED, Moves, Results, Totals
 from layflat.sim.tally import COLUMNS
 
 

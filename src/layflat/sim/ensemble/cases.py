@@ -15,7 +15,7 @@ from layflat.machine import Machine, changed, parameters
 from layflat.machine.change import paths
 from layflat.physics.plant import tip
 from layflat.sim.ensemble.kernel import Plan, Runs
-from layflat.sim.ensemble.watch import Moves
+from layflat.sim.ensemble.results import Moves
 from layflat.sim.metrics import move_windows
 from layflat.sim.run import FILLED, gains_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, sensor_noise, shapes

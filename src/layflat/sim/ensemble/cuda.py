@@ -21,7 +21,8 @@ from layflat.jit import config, device_kernel, on_device
 from layflat.sim.ensemble.block import Block, block_of, keep
 from layflat.sim.ensemble.cases import Cases, mapped
 from layflat.sim.ensemble.kernel import run_lanes
-from layflat.sim.ensemble.watch import Results, new_watch, one_lane
+from layflat.sim.ensemble.results import Results
+from layflat.sim.ensemble.watch import new_watch, one_lane
 from layflat.sim.kernel import Timing
 
 cuda: Any = _cuda

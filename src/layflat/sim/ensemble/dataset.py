@@ -8,7 +8,7 @@ import xarray
 import layflat
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.sim.ensemble.cases import Cases
-from layflat.sim.ensemble.watch import ACCELERATION, AIR, DIVERGED, Results, Traced
+from layflat.sim.ensemble.results import ACCELERATION, AIR, DIVERGED, Results, Traced
 from layflat.sim.tally import LAST_HIGH, LAST_LOW, LAST_SUM, OVERSHOOT, SETTLED, last_records
 
 UNITS = {

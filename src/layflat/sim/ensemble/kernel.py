@@ -10,15 +10,7 @@ from layflat.lanes import in_lanes, read_lanes, select, slots, width
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valve import commanded_opening, start_wave
-from layflat.sim.ensemble.watch import (
-    NO_COURSE,
-    NO_TRACK,
-    begin_moves,
-    note,
-    note_divergence,
-    note_totals,
-    trace,
-)
+from layflat.sim.ensemble.watch import NO_COURSE, NO_TRACK, begin_moves, note, note_divergence, note_totals, trace
 from layflat.sim.kernel import sense
 
 

@@ -23,7 +23,8 @@ from layflat.machine import units as u
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
 from layflat.sim.ensemble.kernel import run_lanes
-from layflat.sim.ensemble.watch import Results, Traced, new_watch
+from layflat.sim.ensemble.results import Results, Traced
+from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
 from layflat.sim.run import STEP, timing_of

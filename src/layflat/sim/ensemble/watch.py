@@ -9,62 +9,8 @@ from layflat.jit import composition, law
 from layflat.lanes import read_lanes, select, slots, width, write_lanes
 from layflat.physics.plant import tip
 from layflat.physics.valve import net_opening
+from layflat.sim.ensemble.results import Totals, Traced
 from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
-
-
-class Moves(NamedTuple):
-    """The moves of every scenario; a scenario of fewer moves than another ends in moves from and to record -1."""
-
-    ends: np.ndarray
-    """First and last record: (scenarios, moves, 2)"""
-    goals: np.ndarray
-    """What the joints are asked for at the end, rad: (scenarios, moves, joints)"""
-    tips: np.ndarray
-    """Where that puts the tip, m: (runs, moves, 2)"""
-    band: float
-    """Within this of its goal a joint has settled, rad."""
-    tip_band: float
-    """The same of the tip, m."""
-
-
-class Results(NamedTuple):
-    """Filled in by the kernel."""
-
-    tallies: np.ndarray
-    """(runs, moves, joints and the tip, columns of a tally)"""
-    totals: np.ndarray
-    """(runs, columns of `Totals`)"""
-    traces: np.ndarray
-    """(runs, records, joints, columns)"""
-    traced: np.ndarray
-    """Which columns of `Traced` are kept"""
-    every: int
-    """Control cycles from one record of a trace to the next."""
-
-
-class Totals(NamedTuple):
-    """Numbers of a whole run."""
-
-    air_taken: float
-    """kg"""
-    peak_acceleration: float
-    """Of the tip, m/s2."""
-    diverged: float
-    """Cycle in which the run left all meaning; not a number where it did not."""
-
-
-class Traced(NamedTuple):
-    """What a trace shows of a joint."""
-
-    angle: float
-    velocity: float
-    pressure_a: float
-    pressure_b: float
-    valve_opening: float
-    voltage: float
-
-
-AIR, ACCELERATION, DIVERGED = range(3)
 
 
 class Watch(NamedTuple):
@@ -86,29 +32,37 @@ class Track(NamedTuple):
     tally: Tally
 
 
-class Course(NamedTuple):
-    """What goes on with the whole arm: its move, where the tip is to come (m), and the tip's places before."""
+class Move(NamedTuple):
+    """The arm's move: its first record, how many it has, and where the tip is to come (m)."""
 
     begin: float
-    """First record of the move."""
     records: float
-    """How many it has."""
     goal_x: float
     goal_y: float
-    tally: Tally
+
+
+class Tip(NamedTuple):
+    """Where the tip was one and two records ago (m), and its largest acceleration so far (m/s2)."""
+
     x_1: float
     y_1: float
     x_2: float
     y_2: float
-    """One and two records ago, m"""
     acceleration: float
-    """Largest so far, m/s2"""
+
+
+class Course(NamedTuple):
+    """What goes on with the whole arm; `diverged` is a cycle, or not a number."""
+
+    move: Move
+    tally: Tally
+    tip: Tip
     diverged: float
-    """Cycle, or not a number"""
 
 
+NO_MOVE = Move(0.0, 0.0, 0.0, 0.0)
 NO_TRACK = Track(0.0, 0.0, EMPTY)
-NO_COURSE = Course(0.0, 0.0, 0.0, 0.0, EMPTY, 0.0, 0.0, 0.0, 0.0, 0.0, np.nan)
+NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0), np.nan)
 """Before the first record."""
 
 
@@ -133,9 +87,8 @@ def begin_moves(watch, moves, scenarios, course, tracks, first):
         watch.end[lane] = end
         scratch[0, lane], scratch[1, lane] = begin, end - begin + 1
         scratch[2, lane], scratch[3, lane] = moves.tips[run, m, 0], moves.tips[run, m, 1]
-    begin, records, goal_x, goal_y = read_lanes((0.0, 0.0, 0.0, 0.0), scratch)
     c = course[0]
-    course[0] = Course(begin, records, goal_x, goal_y, c.tally, c.x_1, c.y_1, c.x_2, c.y_2, c.acceleration, c.diverged)
+    course[0] = Course(read_lanes(NO_MOVE, scratch), c.tally, c.tip, c.diverged)
     for j in range(moves.goals.shape[2]):
         for lane in range(width()):
             scratch[0, lane] = moves.goals[scenarios[first + lane], watch.move[lane], j]
@@ -169,26 +122,35 @@ def _end_moves(watch, results, moves, scenarios, course, tracks, first, k):
     begin_moves(watch, moves, scenarios, course, tracks, first)
 
 
+@law
+def _tracked(track, angle, begins, i, records, band):
+    error = angle - track.goal
+    way = select(begins, select(error < 0.0, 1.0, select(error > 0.0, -1.0, 0.0)), track.way)
+    return Track(track.goal, way, counted(emptied(track.tally, begins), i, records, error, way, band))
+
+
+@law
+def _followed(before, x, y, k, cycle):
+    a_x, a_y = x - 2.0 * before.x_1 + before.x_2, y - 2.0 * before.y_1 + before.y_2
+    # Two records ago there has to have been one.
+    now = select(k >= 2, 1.0 / (cycle * cycle), 0.0) * sqrt(a_x * a_x + a_y * a_y)
+    return Tip(x, y, before.x_1, before.y_1, max(before.acceleration, now))
+
+
 @composition
 def note(watch, results, moves, scenarios, arm, states, course, tracks, first, k, cycle):
     """Record k of the runs from number `first` on."""
-    c = course[0]
-    i = k - c.begin
+    move, tally, before, diverged = course[0]
+    i = k - move.begin
     begins = i == 0.0
     angles = slots(states, states[0].motion.angle)
     for j in range(moves.goals.shape[2]):
         angles[j] = states[j].motion.angle
-        goal, way, tally = tracks[j]
-        error = angles[j] - goal
-        way = select(begins, select(error < 0.0, 1.0, select(error > 0.0, -1.0, 0.0)), way)
-        tracks[j] = Track(goal, way, counted(emptied(tally, begins), i, c.records, error, way, moves.band))
+        tracks[j] = _tracked(tracks[j], angles[j], begins, i, move.records, moves.band)
     x, y = tip(arm, angles)
-    away = sqrt((x - c.goal_x) * (x - c.goal_x) + (y - c.goal_y) * (y - c.goal_y))
-    tally = counted(emptied(c.tally, begins), i, c.records, away, 1.0, moves.tip_band)
-    a_x, a_y = x - 2.0 * c.x_1 + c.x_2, y - 2.0 * c.y_1 + c.y_2
-    seen = select(k >= 2, 1.0 / (cycle * cycle), 0.0)
-    fastest = max(c.acceleration, seen * sqrt(a_x * a_x + a_y * a_y))
-    course[0] = Course(c.begin, c.records, c.goal_x, c.goal_y, tally, x, y, c.x_1, c.y_1, fastest, c.diverged)
+    away = sqrt((x - move.goal_x) * (x - move.goal_x) + (y - move.goal_y) * (y - move.goal_y))
+    tally = counted(emptied(tally, begins), i, move.records, away, 1.0, moves.tip_band)
+    course[0] = Course(move, tally, _followed(before, x, y, k, cycle), diverged)
     _end_moves(watch, results, moves, scenarios, course, tracks, first, k)
 
 
@@ -212,9 +174,7 @@ def note_divergence(state, course, k):
     sound = sane & (state.hose_a.mass > 0.0) & (state.hose_b.mass > 0.0)
     c = course[0]
     diverged = select(sound | (c.diverged <= k), c.diverged, k)
-    course[0] = Course(
-        c.begin, c.records, c.goal_x, c.goal_y, c.tally, c.x_1, c.y_1, c.x_2, c.y_2, c.acceleration, diverged
-    )
+    course[0] = Course(c.move, c.tally, c.tip, diverged)
 
 
 @composition
@@ -223,7 +183,7 @@ def note_totals(watch, results, states, course, first, n):
     air = states[0].ledger.air_taken
     for j in range(1, n):
         air = air + states[j].ledger.air_taken
-    write_lanes(watch.scratch, Totals(air, course[0].acceleration, course[0].diverged))
+    write_lanes(watch.scratch, Totals(air, course[0].tip.acceleration, course[0].diverged))
     for lane in range(width()):
         for column in range(3):
             results.totals[first + lane, column] = watch.scratch[column, lane]
