@@ -22,7 +22,7 @@ from layflat.sim.ensemble.block import Block, block_of, keep
 from layflat.sim.ensemble.cases import Cases, mapped
 from layflat.sim.ensemble.kernel import run_lanes
 from layflat.sim.ensemble.results import Results
-from layflat.sim.ensemble.watch import new_watch, one_lane
+from layflat.sim.ensemble.watch import new_watch, some_lanes
 from layflat.sim.kernel import Timing
 
 cuda: Any = _cuda
@@ -40,7 +40,7 @@ def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: 
     """Put every run, in the thread of its number, through its scenario."""
     i = cuda.grid(1)
     if i < runs.scenario.shape[0]:
-        run_one(case, i, runs, plan, moves, timing, results, one_lane(watch, i))
+        run_one(case, i, runs, plan, moves, timing, results, some_lanes(watch, i))
 
 
 @cache

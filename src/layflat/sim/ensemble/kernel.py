@@ -10,7 +10,16 @@ from layflat.lanes import in_lanes, read_lanes, select, slots, width
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valve import commanded_opening, start_wave
-from layflat.sim.ensemble.watch import NO_COURSE, NO_TRACK, begin_moves, note, note_divergence, note_totals, trace
+from layflat.sim.ensemble.watch import (
+    NO_COURSE,
+    NO_TRACK,
+    begin_moves,
+    note,
+    note_divergence,
+    note_totals,
+    some_lanes,
+    trace,
+)
 from layflat.sim.kernel import sense
 
 
@@ -135,7 +144,7 @@ def _drive(joint, held, asked):
     return Drive(opening, held.brake * joint.brake_torque, held.load), voltage
 
 
-@kernel
+@composition
 def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     """Run runs side by side, as many as there are lanes, from number `first` on, through their scenarios from rest.
 
@@ -174,3 +183,10 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
         for j in range(n):
             note_divergence(states[j], course, k)
     note_totals(watch, results, states, course, first, n)
+
+
+@kernel
+def run_block(case, runs, plan, moves, timing, results, watch):
+    """Run all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
+    for first in range(0, len(runs.scenario), width()):
+        run_lanes(case, first, runs, plan, moves, timing, results, some_lanes(watch, first))

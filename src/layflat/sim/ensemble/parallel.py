@@ -22,7 +22,7 @@ from layflat.machine import Machine, load
 from layflat.machine import units as u
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
-from layflat.sim.ensemble.kernel import run_lanes
+from layflat.sim.ensemble.kernel import run_block
 from layflat.sim.ensemble.results import Results, Traced
 from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
@@ -135,7 +135,5 @@ def _run_block(
     prepared: Cases, rows: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
 ) -> int:
     block = block_of(prepared, rows, bands, results)
-    for first in range(0, len(rows), WIDTH):
-        watch = new_watch(WIDTH)
-        run_lanes(prepared.template, first, block.runs, block.plan, block.moves, timing, block.results, watch)
+    run_block(prepared.template, block.runs, block.plan, block.moves, timing, block.results, new_watch(len(rows)))
     return keep(results, block.results, int(rows[0]))

@@ -71,10 +71,11 @@ def new_watch(lanes: int) -> Watch:
     return Watch(np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((8, lanes)))
 
 
-@law
-def one_lane(watch, lane):
-    """The part of a watch that is over a single lane."""
-    return Watch(watch.move[lane : lane + 1], watch.end[lane : lane + 1], watch.scratch[:, lane : lane + 1])
+@composition
+def some_lanes(watch, first):
+    """The part of a watch that is over the lanes that go side by side from number `first` on."""
+    last = first + width()
+    return Watch(watch.move[first:last], watch.end[first:last], watch.scratch[:, first:last])
 
 
 @composition
