@@ -14,6 +14,7 @@ from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import BLOCK
 from layflat.sim.metrics import air_used, moves_of, peak_tip_acceleration, tip_settling
+from layflat.sim.sweep import sweep
 
 ARM = load("paper-arm")
 MOVES = Scenario(demand=[(0.0, (-0.3, -0.3)), (0.2, (0.3, -0.3)), (0.9, (0.3, 0.3))], duration="1.5 s")
@@ -57,6 +58,18 @@ def test_open_loop_is_the_rollout() -> None:
     for brake, run in zip((0.0, 1.0), many.angle, strict=True):
         alone = rollout(ARM, scenario=case, brake=brake).angle[:-1]
         assert np.abs(np.degrees(alone - run.to_numpy())).max() <= 1e-6
+
+
+def test_hysteresis_is_that_of_a_slow_sweep() -> None:
+    shares, brakes, supplies = [0.05, 0.1, 0.2], [0.0, 3.0, 6.0], [2e5, 4e5, 6e5]
+    vary = {"joint.large.hose.loss_share": shares, "joint.large.brake.torque": brakes}
+    short = Scenario(duration="0.1 s")
+    many = ensemble(ARM, short, {**vary, "supply.pressure_gauge": supplies})
+    for i in range(3):
+        machine = changed(changed(ARM, "joint.large.hose.loss_share", shares[i]), "joint.large.brake.torque", brakes[i])
+        for joint in ("large", "small"):
+            expected = sweep(machine, joint, supplies[i]).hysteresis
+            assert float(many.hysteresis[i].sel(joint=joint)) == pytest.approx(expected, rel=2e-3)
 
 
 def test_valves_that_switch() -> None:

@@ -79,8 +79,7 @@ class Cases:
     @cached_property
     def template(self) -> tuple[Any, ...]:
         """The first run's `case`."""
-        first: tuple[Any, ...] = mapped(self.case, lambda leaf: float(np.ravel(leaf)[0]))
-        return first
+        return first_of(self.case)
 
     @cached_property
     def _shapes(self) -> list[Shapes]:
@@ -105,9 +104,6 @@ class Cases:
         """What differs between these runs; their scenarios are numbered within `plan`."""
         names, n = list(self.base.joints), len(self.base.joints)
         own = self.which[rows]
-        numbers = np.empty((len(self.numbers), len(rows)))
-        for place, number in zip(numbers, self.numbers, strict=True):
-            place[:] = number[rows] if isinstance(number, np.ndarray) else number
         usual = np.empty((n, len(ON_TOP), len(rows)))
         for j, name in enumerate(names):
             for i, (key, nothing) in enumerate(ON_TOP.items()):
@@ -117,7 +113,7 @@ class Cases:
             self.at(rows, "scenario.payload", self.machine.arm.payload),
         ]
         return Runs(
-            numbers,
+            columns(self.case, rows),
             np.searchsorted(np.unique(own), own),
             np.ascontiguousarray(np.array([self._starts[s] for s in own]).T),
             self._pressures(rows, own, n),
@@ -236,6 +232,21 @@ def _leaves(value: Any) -> Iterator[Any]:
             yield from _leaves(item)
     else:
         yield value
+
+
+def columns(case: tuple[Any, ...], rows: NDArray[np.int64]) -> Array:
+    """Every number of a nested tuple in order, a column a run: (numbers, runs)."""
+    leaves = list(_leaves(case))
+    numbers = np.empty((len(leaves), len(rows)))
+    for place, number in zip(numbers, leaves, strict=True):
+        place[:] = number[rows] if isinstance(number, np.ndarray) else number
+    return numbers
+
+
+def first_of(case: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A nested tuple with the numbers of the first run."""
+    first: tuple[Any, ...] = mapped(case, lambda leaf: float(np.ravel(leaf)[0]))
+    return first
 
 
 def mapped(value: Any, function: Callable[[Any], Any]) -> Any:

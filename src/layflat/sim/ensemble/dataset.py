@@ -8,6 +8,7 @@ import xarray
 import layflat
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.sim.ensemble.cases import Cases
+from layflat.sim.ensemble.loops import hysteresis
 from layflat.sim.ensemble.results import ACCELERATION, AIR, DIVERGED, Results, Traced
 from layflat.sim.tally import LAST_HIGH, LAST_LOW, LAST_SUM, OVERSHOOT, SETTLED, last_records
 
@@ -19,6 +20,7 @@ UNITS = {
     "tip_settling": ("s", "time until the tip stays within its band; infinite where it does not"),
     "tip_error": ("m", "largest distance of the tip from its goal over the last fifth of the move"),
     "air_used": ("l", "air taken from the supply, normal litres"),
+    "hysteresis": ("1", "loop height over greatest torque of a slow sweep at supply pressure, brake on"),
     "peak_acceleration": ("m/s^2", "largest acceleration of the payload, from its position at control cycles"),
     "diverged": ("s", "when the run left all meaning; not a number where it did not"),
 }
@@ -58,6 +60,8 @@ def measured(prepared: Cases, results: Results, cycle: float) -> xarray.Dataset:
             value[~np.isnan(diverged)] = np.nan
         unit, meaning = UNITS[name]
         data[name] = (("run", "move", "joint")[: value.ndim], value, {"units": unit, "long_name": meaning})
+    unit, meaning = UNITS["hysteresis"]
+    data["hysteresis"] = (("run", "joint"), hysteresis(prepared), {"units": unit, "long_name": meaning})
     for key, array in prepared.vary.items():
         data = data.assign_coords({key: ("run", array)})
     for column, number in enumerate(results.traced):
