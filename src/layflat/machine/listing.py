@@ -28,7 +28,7 @@ def listing(machine: str | Path) -> list[Line]:
     plain, sources = tables(machine)
     used = {f"joint.{name}" for name in plain.get("arm", {}).get("joints", [])}
     lines = []
-    for path, value in _walk(plain, ""):
+    for path, value in leaves(plain):
         parts = path.split(".")
         if path in {"name", "title"} or (parts[0] == "joint" and ".".join(parts[:2]) not in used):
             continue
@@ -38,11 +38,12 @@ def listing(machine: str | Path) -> list[Line]:
     return lines
 
 
-def _walk(table: Plain, prefix: str) -> Iterator[tuple[str, Any]]:
+def leaves(table: Plain, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted path and value of everything in nested tables."""
     for key, value in table.items():
         path = f"{prefix}.{key}" if prefix else key
         if isinstance(value, dict):
-            yield from _walk(value, path)
+            yield from leaves(value, path)
         else:
             yield path, value
 

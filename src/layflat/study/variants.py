@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from layflat.errors import InputError
 from layflat.machine import Machine, changed, load
 from layflat.machine.change import paths, value_at
+from layflat.machine.listing import leaves
 from layflat.machine.loader import build, laid_over, tables
 from layflat.machine.provenance import split
 from layflat.study.description import StudyFile, VariantTable
@@ -58,7 +57,7 @@ def _varied(table: VariantTable, usual: str, folder: Path, where: str) -> Machin
     over, own = split(table.set, f"{where}.set")
     machine = build(laid_over(plain, over), sources | own, f"{where}.set" if over else place)
     known = set(paths(machine))
-    for path, factor in _leaves(table.times):
+    for path, factor in leaves(table.times):
         key = f"{where}.times.{path}"
         if isinstance(factor, bool) or not isinstance(factor, (int, float)) or factor < 0:
             raise InputError(f"{factor!r} is no factor", where=key, right="give a number such as 2.0")
@@ -67,12 +66,3 @@ def _varied(table: VariantTable, usual: str, folder: Path, where: str) -> Machin
             raise InputError("is no number", where=key, right="name a single number of the machine")
         machine = changed(machine, path, value_at(machine, path) * factor)
     return build(machine.model_dump(mode="json"), sources | own, f"{where}.times") if table.times else machine
-
-
-def _leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        path = f"{prefix}.{key}" if prefix else key
-        if isinstance(value, dict):
-            yield from _leaves(value, path)
-        else:
-            yield path, value
