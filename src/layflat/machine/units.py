@@ -7,6 +7,7 @@ unknown unit is refused with an example of what is right.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
@@ -174,3 +175,15 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
         raise InputError(
             f"{value!r} {error}", where=where, right=f'give {kind.article} such as "{kind.example}"'
         ) from None
+
+
+def alike(example: object, value: float, unit: str) -> str | float:
+    """An SI value as it could stand in a file, in the unit of an example from there, or in `unit` without one.
+
+    A value without unit ("1") is a number.
+    """
+    if unit == "1":
+        return float(f"{value:.7g}")
+    found = re.match(r"\s*[-+\d.]+(?:[eE][-+]?\d+)?\s*(.*\S)", example) if isinstance(example, str) else None
+    own = found[1] if found else unit
+    return f"{float(_registry().Quantity(value, unit).to(own).magnitude):.7g} {own}"
