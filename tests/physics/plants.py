@@ -30,10 +30,10 @@ NO_STOPS = Stops(1e3, 0.0, 1e3, 0.0, 0.0)
 NO_LOSS = Loss(*[0.0] * 9)
 RIGID = Chamber(1.2e-4, 0.0, 1.0)
 VALVE = SpoolValve(
-    Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0
+    Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0, 0.0
 )
 PAIR = SwitchingPair(
-    Switch(1.5e-3, 1e-3, 1e-3, 0.8e-3), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 5.0, 5.0, 70.0, 0.01, 1.5e-3
+    Switch(1.5e-3, 1e-3, 1e-3, 0.8e-3), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 5.0, 5.0, 70.0, 0.01, 1.5e-3, 0.0
 )
 ANGLE_SENSOR = Sensor(-radians(75.0), radians(75.0), radians(150.0) / 4096, 0.0, 0.0)
 PRESSURE_SENSOR = Sensor(-5e5, 5e5, 1e6 / 4096, 0.0, 0.0)

@@ -9,6 +9,7 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 from layflat.machine import units as u
 from layflat.machine.parts import Joint, Part
 from layflat.machine.provenance import Provenance
+from layflat.physics.delay import LONGEST
 
 
 class Supply(Part):
@@ -40,6 +41,7 @@ class Valve(Part):
     leakage: u.ConductanceOrZero = Field(description="sonic conductance of a closed path")
     centre_voltage: u.Voltage
     volts_to_full: u.PositiveVoltage = Field(description="from the centre to full opening")
+    delay: u.TimeOrZero = Field(default=0.0, description="from the command to the driver, at most three control cycles")
 
     @model_validator(mode="after")
     def _closes(self) -> Self:
@@ -156,6 +158,10 @@ class Machine(Part):
             raise ValueError(
                 f"arm.joints names {missing[0]!r}, which is no joint here; joints are {sorted(self.joint)}"
             )
+        if self.valve is not None and self.controller is not None:
+            longest = LONGEST * self.controller.cycle
+            if self.valve.delay > longest:
+                raise ValueError(f"valve.delay is longer than three control cycles, {1000 * longest:g} ms")
         return self
 
     def __eq__(self, other: object) -> bool:

@@ -40,6 +40,9 @@ class Hose(Part):
     wall_conductance: u.HeatConductance = Field(description="heat flow from wall to air per kelvin")
     areal_mass: u.AreaDensity = Field(description="mass of one layer of hose per area")
     loss_share: u.Share = Field(description="loop height / torque, with a free outer surface, at reference pressure")
+    torque_factor: u.Ratio = Field(
+        default=1.0, description="measured torque over that of Eq. (1); of its volume likewise"
+    )
     folded: bool = Field(
         default=True,
         description="folded back on itself, or of a single thickness: no difference in loss",

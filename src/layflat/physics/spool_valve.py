@@ -29,6 +29,8 @@ class SpoolValve(NamedTuple):
     volts_to_full: float
     dither_amplitude: float
     dither_frequency: float
+    delay: float
+    """From the command to the spool, s."""
 
 
 class SpoolState(NamedTuple):

@@ -47,6 +47,8 @@ class SwitchingPair(NamedTuple):
     """Command up to which no pulse is given, share of full opening."""
     least_pulse: float
     """Length of the pulse at the edge of the dead band, s."""
+    delay: float
+    """From the command to the driver's pulses, s."""
 
 
 class SwitchState(NamedTuple):

@@ -9,6 +9,7 @@ from layflat.control.gains import Measurement, Status
 from layflat.jit import kernel, law
 from layflat.lanes import write_row
 from layflat.physics.chamber import temperature
+from layflat.physics.delay import NOTHING_ASKED, delayed
 from layflat.physics.joint import Drive, Surroundings, joint_at_rest
 from layflat.physics.loss import stored_energy
 from layflat.physics.plant import advance
@@ -155,6 +156,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
     statuses = [Status(angles[j], 0.0, 0.0, 0.0, 0.0, 0.0) for j in range(n)]
     voltages = [gains[j].null for j in range(n)]
     drives = [Drive(0.0, 0.0, 0.0) for j in range(n)]
+    lines = [NOTHING_ASKED for j in range(n)]
     waves = [start_wave(joints[j].valve, 0.0, h) for j in range(n)]
     row = 0
     for k in range(cycles):
@@ -171,7 +173,8 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
             valve = joints[j].valve
             if not timing.closed_loop:
                 voltages[j] = valve.centre_voltage + valve.volts_to_full * signals.opening[k, j]
-            opening = commanded_opening(valve, voltages[j] - signals.drift[k, j])
+            asked = commanded_opening(valve, voltages[j] - signals.drift[k, j])
+            opening, lines[j] = delayed(lines[j], asked, valve.delay / timing.cycle)
             drives[j] = Drive(opening, signals.brake[k, j], signals.load[k, j])
             waves[j] = start_wave(valve, timing.cycle * k, h)
         for _ in range(timing.records):

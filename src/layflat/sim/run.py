@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -96,7 +97,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
         InputError: a machine, scenario or option is wrong.
     """
     cycle = machine.controller.cycle if machine.controller is not None else 0.005
-    timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records, scenario.opening is None)
+    timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records, scenario.closed_loop)
     joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)
     return Prepared(
@@ -105,7 +106,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
         tuple(gains_of(machine, name, closed_loop=timing.closed_loop) for name in machine.joints),
         parameters.surroundings(machine),
         start_angles(scenario, machine, acting.demand),
-        np.tile(start_pressures(scenario, FILLED * acting.supply[0]), (len(joints), 1)),
+        start_pressures(scenario, machine, FILLED * acting.supply[0]),
         acting,
         timing,
     )
@@ -146,15 +147,21 @@ FILLED = 0.75
 """Pressure over that of the supply at the start, where equal leaks to supply and exhaust balance when choked."""
 
 
-def start_pressures(scenario: Scenario, usual: float) -> NDArray[np.float64]:
-    """Absolute pressures of the hoses A and B at the start, Pa; `usual` for both where the scenario gives none.
+def start_pressures(scenario: Scenario, machine: Machine, usual: float) -> NDArray[np.float64]:
+    """Absolute pressures of hoses A and B at the start, Pa, (joints, 2); `usual` where the scenario gives none.
 
     Raises:
-        InputError: they are not above vacuum.
+        InputError: they are not above vacuum, or of a joint that is not there.
     """
-    if scenario.pressures is None:
-        return np.full(2, usual)
-    pair = np.array([u.quantity(value, u.PRESSURE, "pressures") for value in scenario.pressures])
-    if min(pair) <= 0.0:
-        raise InputError(f"{min(pair):g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
-    return pair
+    given, names = scenario.pressures, list(machine.joints)
+    each = dict(given) if isinstance(given, Mapping) else dict.fromkeys(names, given)
+    unknown = sorted(set(each) - set(names))
+    if unknown:
+        raise InputError(f"{unknown[0]!r} is no joint here", where="pressures", right=f"joints are {', '.join(names)}")
+    pairs = [each.get(name) or (usual, usual) for name in names]
+    pressures = np.array([[u.quantity(value, u.PRESSURE, "pressures") for value in pair] for pair in pairs])
+    if pressures.min() <= 0.0:
+        raise InputError(
+            f"{pressures.min():g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"'
+        )
+    return pressures

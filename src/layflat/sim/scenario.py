@@ -23,6 +23,9 @@ Steps = Sequence[tuple[Value, Angles]]
 Signal = Angles | Steps | Callable[[float], Angles] | NDArray[np.float64]
 """A constant, steps of (time, values), a function of time, or one row of numbers per control cycle."""
 
+Pair = tuple[Value, Value]
+"""Of the hoses A and B."""
+
 Times = NDArray[np.floating[Any]]
 
 
@@ -37,12 +40,14 @@ class Scenario:
         duration: s.
         start: angles at which the arm rests at first; the first demand where not given.
         opening: valve openings, -1..1, in place of the controller: an open-loop run.
+        voltage: control voltages in place of the controller, V: a run that follows a log.
         brake: share of the brake's torque.
         load: external torque on each joint, N m.
         drift: shift of each valve's centre, V.
         supply: gauge pressure of the supply, Pa; the machine's where not given.
         payload: kg; the machine's where not given.
-        pressures: absolute pressures of the hoses A and B at the start, Pa; at equal leakage where not given.
+        pressures: absolute pressures of the hoses A and B at the start, Pa, of all joints or by joint; at equal leakage
+            where not given.
         noise: whether the sensors are noisy.
         seed: of the noise.
     """
@@ -51,14 +56,20 @@ class Scenario:
     duration: Value = 2.0
     start: Angles | None = None
     opening: Signal | None = None
+    voltage: Signal | None = None
     brake: Signal = 1.0
     load: Signal = 0.0
     drift: Signal = 0.0
     supply: Signal | None = None
     payload: Signal | None = None
-    pressures: tuple[Value, Value] | None = None
+    pressures: Pair | Mapping[str, Pair] | None = None
     noise: bool = True
     seed: int = 0
+
+    @property
+    def closed_loop(self) -> bool:
+        """Whether the controller drives the valves."""
+        return self.opening is None and self.voltage is None
 
     def cycles(self, cycle: float) -> int:
         """Number of control cycles."""
@@ -74,7 +85,9 @@ class Shapes(NamedTuple):
     demand: NDArray[np.float64]
     """rad, (cycles, joints)"""
     opening: NDArray[np.float64]
-    """-1..1, (cycles, joints); not a number where the controller drives"""
+    """-1..1, (cycles, joints); not a number where the controller or a voltage drives"""
+    voltage: NDArray[np.float64]
+    """V, (cycles, joints); not a number where the controller or an opening drives"""
     brake: NDArray[np.float64]
     """Share of the brake's torque, (cycles, joints)"""
     load: NDArray[np.float64]
@@ -118,9 +131,11 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     _check(payload >= 0.0, payload, "payload", 'a mass of zero or more, such as "1.5 kg"')
     brake = expand(scenario.brake, None, "brake", 1.0)
     _check(brake >= 0.0, brake, "brake", "a share of zero or more, such as 1.0")
-    opening = expand(scenario.opening, None, "opening")
+    if scenario.opening is not None and scenario.voltage is not None:
+        raise InputError("stands beside a voltage", where="opening", right="give one or the other")
+    opening, voltage = expand(scenario.opening, None, "opening"), expand(scenario.voltage, u.VOLTAGE, "voltage")
     load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
-    return Shapes(demand, opening, brake, load, drift, supply, payload)
+    return Shapes(demand, opening, voltage, brake, load, drift, supply, payload)
 
 
 def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
@@ -134,7 +149,7 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     gauge = np.where(np.isnan(own.supply), machine.supply.pressure_gauge, own.supply)
     return Signals(
         own.demand,
-        np.nan_to_num(own.opening),
+        np.nan_to_num(_opening(own, machine)),
         own.brake * brakes,
         own.load,
         own.drift,
@@ -142,6 +157,13 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
         np.where(np.isnan(own.payload), machine.arm.payload, own.payload),
         sensor_noise(scenario.seed if scenario.noise else None, *own.demand.shape),
     )
+
+
+def _opening(own: Shapes, machine: Machine) -> NDArray[np.float64]:
+    """Openings asked for; not a number where the controller drives."""
+    if machine.valve is None or np.isnan(own.voltage).all():
+        return own.opening
+    return (own.voltage - machine.valve.centre_voltage) / machine.valve.volts_to_full
 
 
 def sensor_noise(seed: int | None, cycles: int, joints: int) -> NDArray[np.float64]:

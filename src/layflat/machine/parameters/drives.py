@@ -33,6 +33,7 @@ def spool_valve(described: SpoolValve) -> SpoolLaw:
         described.volts_to_full,
         described.dither.amplitude,
         described.dither.frequency,
+        described.delay,
     )
 
 
@@ -55,6 +56,7 @@ def switching_pair(described: SwitchingValves) -> SwitchingPair:
         described.frequency,
         described.dead_band,
         described.least_pulse,
+        described.delay,
     )
 
 

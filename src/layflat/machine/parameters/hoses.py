@@ -34,7 +34,8 @@ def full_travel(joint: parts.Joint) -> float:
 def travel_volume(joint: parts.Joint) -> float:
     """Volume that one hose sweeps over its full travel, m3."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    return each(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
+    swept = each(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
+    return hose.torque_factor * swept
 
 
 def each(law: Callable[..., float], *args: float) -> float:
@@ -52,7 +53,8 @@ def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
     hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
     t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
     alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
-    K = np.array([each(roller_torque, 1.0, R, r, hose.width / pi, hose.wrap, alpha) for alpha in alphas])
+    each_torque = [each(roller_torque, 1.0, R, r, hose.width / pi, hose.wrap, alpha) for alpha in alphas]
+    K = hose.torque_factor * np.array(each_torque)
     return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
 
 

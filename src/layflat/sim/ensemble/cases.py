@@ -26,6 +26,10 @@ ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
 
+STARTS = ("angle", "pressure_a", "pressure_b")
+"""What every joint of a run may begin with in place of the scenario's."""
+
+
 @dataclass(frozen=True)
 class Cases:
     """An ensemble before it runs.
@@ -63,7 +67,7 @@ class Cases:
     @cached_property
     def case(self) -> tuple[Any, ...]:
         """Arm, joints, gains and surroundings; numbers that differ from run to run are arrays."""
-        closed_loop = all(scenario.opening is None for scenario in self.scenarios)
+        closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
         return (
             parameters.arm(self.machine),
             parameters.joints(self.machine),
@@ -115,8 +119,8 @@ class Cases:
         return Runs(
             columns(self.case, rows),
             np.searchsorted(np.unique(own), own),
-            np.ascontiguousarray(np.array([self._starts[s] for s in own]).T),
-            self._pressures(rows, own, n),
+            self._angles(rows, own),
+            self._pressures(rows, own),
             usual,
             np.stack(shared),
             self._noise(rows, own, n),
@@ -143,7 +147,7 @@ class Cases:
     def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
         each = [self._shapes[s] for s in distinct]
         plan = Plan(
-            np.array([np.stack([e.demand, e.opening, e.brake, e.load, e.drift], axis=-1) for e in each]),
+            np.array([np.stack([e.demand, e.opening, e.voltage, e.brake, e.load, e.drift], axis=-1) for e in each]),
             np.array([np.stack([e.supply, e.payload], axis=-1) for e in each]),
         )
         ends = np.full((len(each), self.most_moves, 2), -1)
@@ -158,12 +162,28 @@ class Cases:
     def _starts(self) -> list[Array]:
         return [start_angles(s, self.base, e.demand) for s, e in zip(self.scenarios, self._shapes, strict=True)]
 
-    def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
+    def _angles(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
+        """Angles at the start, (joints, runs)."""
+        usual = np.array([self._starts[s] for s in own])
+        return np.array([self._begun(rows, f"angle.{name}", usual[:, j]) for j, name in enumerate(self.base.joints)])
+
+    def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
+        """Pressures at the start, (joints, 2, runs)."""
         given = np.array([each.supply[0] for each in self._shapes])[own]
         gauge = np.where(np.isnan(given), self.at(rows, "scenario.supply", self.machine.supply.pressure_gauge), given)
         usual = FILLED * (gauge + np.broadcast_to(self.machine.supply.ambient_pressure, self.count)[rows])
-        pairs = [start_pressures(self.scenarios[s], p) for s, p in zip(own, usual, strict=True)]
-        return np.ascontiguousarray(np.broadcast_to(np.array(pairs).T, (n, 2, len(rows))))
+        pairs = np.array([start_pressures(self.scenarios[s], self.base, p) for s, p in zip(own, usual, strict=True)])
+        return np.array(
+            [
+                [self._begun(rows, f"pressure_{hose}.{name}", pairs[:, j, i]) for i, hose in enumerate("ab")]
+                for j, name in enumerate(self.base.joints)
+            ]
+        )
+
+    def _begun(self, rows: NDArray[np.int64], key: str, usual: Array) -> Array:
+        """What some runs begin with, from `vary` or as usual in them."""
+        given = self.vary.get(f"start.{key}")
+        return usual if given is None else given[rows]
 
     def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
         if not any(self.scenarios[s].noise for s in own):
@@ -213,7 +233,8 @@ def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayL
 def _settings(machine: Machine) -> set[str]:
     """Keys of `vary` that are no paths of the machine."""
     on_top = {f"scenario.{key}{suffix}" for key in ON_TOP for suffix in ("", *(f".{name}" for name in machine.joints))}
-    return on_top | {"scenario", "seed", "scenario.supply", "scenario.payload"}
+    begun = {f"start.{key}.{name}" for key in STARTS for name in machine.joints}
+    return on_top | begun | {"scenario", "seed", "scenario.supply", "scenario.payload"}
 
 
 def _checked(key: str, values: ArrayLike) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 from layflat.control.controller import start, step
 from layflat.jit import composition, kernel, law
 from layflat.lanes import in_lanes, read_lanes, select, slots, width
+from layflat.physics.delay import NOTHING_ASKED, delayed
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valve import commanded_opening, start_wave
@@ -27,7 +28,7 @@ class Plan(NamedTuple):
     """Scenarios over control cycles; not a number: as usual in the run."""
 
     shapes: np.ndarray
-    """Demand, opening, brake, load, drift: (scenarios, cycles, joints, 5)"""
+    """Demand, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 6)"""
     shared: np.ndarray
     """Gauge supply pressure and payload: (scenarios, cycles, 2)"""
 
@@ -56,6 +57,7 @@ class Held(NamedTuple):
 
     demand: float
     opening: float
+    voltage: float
     brake: float
     load: float
     drift: float
@@ -71,7 +73,7 @@ class Usual(NamedTuple):
     drift: float
 
 
-NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 NO_DRIVE = Drive(0.0, 0.0, 0.0)
 
 
@@ -91,14 +93,15 @@ def _held(scratch, runs, plan, usual, first, j, k):
     for lane in range(width()):
         run = first + lane
         scenario, sample = runs.scenario[run], k % runs.noise.shape[1]
-        for i in range(5):
+        for i in range(6):
             scratch[i, lane] = plan.shapes[scenario, k, j, i]
         for i in range(2):
-            scratch[5 + i, lane] = runs.noise[run, sample, j, i]
+            scratch[6 + i, lane] = runs.noise[run, sample, j, i]
     held = read_lanes(NONE_HELD, scratch)
     return Held(
         held.demand,
         held.opening,
+        held.voltage,
         held.brake * usual.brake,
         held.load + usual.load,
         held.drift + usual.drift,
@@ -135,13 +138,16 @@ def _calm(joint, state, cycle, zero):
 
 
 @composition
-def _drive(joint, held, asked):
-    """Drive of a joint for a control cycle, and the voltage behind it; `asked` is the controller's."""
+def _drive(joint, line, held, asked, cycle):
+    """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it.
+
+    `asked` is the controller's; an opening or a voltage that is a number stands in its place.
+    """
     valve = joint.valve
-    # An opening that is a number is an open-loop run.
     voltage = select(_is_number(held.opening), valve.centre_voltage + valve.volts_to_full * held.opening, asked)
-    opening = commanded_opening(valve, voltage - held.drift)
-    return Drive(opening, held.brake * joint.brake_torque, held.load), voltage
+    voltage = select(_is_number(held.voltage), held.voltage, voltage)
+    opening, line = delayed(line, commanded_opening(valve, voltage - held.drift), valve.delay / cycle)
+    return Drive(opening, held.brake * joint.brake_torque, held.load), voltage, line
 
 
 @composition
@@ -159,6 +165,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     states = slots(all_joints, _at_rest(joints[0], runs, first, 0, around))
     memories = slots(all_joints, _calm(joints[0], states[0], timing.cycle, zero))
     drives = slots(all_joints, in_lanes(NO_DRIVE, zero))
+    lines = slots(all_joints, in_lanes(NOTHING_ASKED, zero))
     waves = slots(all_joints, start_wave(joints[0].valve, 0.0, h))
     course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(all_joints, in_lanes(NO_TRACK, zero))
     usual = slots(all_joints, _usual(runs, first, 0))
@@ -176,7 +183,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
             held = _held(watch.scratch, runs, plan, usual[j], first, j, k)
             measured = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
             memories[j], asked, _ = step(gains[j], memories[j], measured, held.demand)
-            drives[j], voltage = _drive(joints[j], held, asked)
+            drives[j], voltage, lines[j] = _drive(joints[j], lines[j], held, asked, timing.cycle)
             waves[j] = start_wave(joints[j].valve, timing.cycle * k, h)
             trace(watch, results, states[j], voltage, first, j, k)
         advance(arm, joints, states, drives, waves, around, h, timing.steps)

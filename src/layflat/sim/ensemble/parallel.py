@@ -23,7 +23,7 @@ from layflat.machine import units as u
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
 from layflat.sim.ensemble.kernel import run_block
-from layflat.sim.ensemble.results import Results, Traced
+from layflat.sim.ensemble.results import DIVERGED, Results, Traced
 from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
@@ -63,7 +63,9 @@ def ensemble(
         vary: one number a run (SI) by what it changes: a path of the machine, such as "joint.small.brake.torque";
             "scenario.payload" (kg) and "scenario.supply" (gauge, Pa) where the scenario leaves them as usual;
             "scenario.brake" (factor), "scenario.load" (N m) and "scenario.drift" (V), which come on top, for all joints
-            or for one ("scenario.drift.small"); "scenario" (number of the scenario); "seed" (of the noise).
+            or for one ("scenario.drift.small"); what runs begin with, "start.angle.small" (rad),
+            "start.pressure_a.small" and "start.pressure_b.small" (absolute, Pa); "scenario" (number of the scenario);
+            "seed" (of the noise).
         runs: how many; only needed where nothing varies.
         step: of the plant; rounded so that a control cycle is a whole number of steps.
         band: within this of its goal a joint has settled.
@@ -85,14 +87,46 @@ def ensemble(
     given = [scenario or Scenario()] if scenario is None or isinstance(scenario, Scenario) else list(scenario)
     prepared = cases(load(machine), given, vary or {}, runs)
     bands = u.quantity(band, u.ANGLE, "band"), u.quantity(tip_band, u.LENGTH, "tip_band")
-    timing = timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
     if every < 1:
         raise InputError(f"{every} is out of range", where="every", right="give 1 or more")
+    timing = _timing(prepared, step)
     results = room_for_results(prepared, _columns(traces), every)
     for done in _runner(device, threads)(prepared, timing, bands, results):
         if progress is not None:
             progress(done)
     return measured(prepared, results, timing.cycle)
+
+
+def traced(
+    machine: Machine,
+    scenario: Scenario,
+    vary: Mapping[str, ArrayLike],
+    traces: Sequence[str],
+    *,
+    step: Value = STEP,
+    threads: int | None = None,
+) -> NDArray[np.float64]:
+    """As `ensemble`, but nothing is measured: signals of all runs at the beginning of every control cycle.
+
+    Returns:
+        (runs, cycles, joints, signals); not numbers from where a run diverged.
+
+    Raises:
+        InputError: as `ensemble`.
+    """
+    prepared = cases(machine, [scenario], vary, None)
+    results = room_for_results(prepared, _columns(traces), 1)
+    for _ in _run_on_threads(
+        threads or os.cpu_count() or 1, prepared, _timing(prepared, step), (BAND, TIP_BAND), results
+    ):
+        pass
+    begun = np.arange(prepared.cycles) > results.totals[:, DIVERGED, None]
+    results.traces[begun] = np.nan
+    return results.traces
+
+
+def _timing(prepared: Cases, step: Value) -> Timing:
+    return timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
 
 
 def _runner(device: str, threads: int | None) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:

@@ -1,0 +1,115 @@
+"""How sure a fitted value is: from the Jacobian, and from a bootstrap over blocks of time.
+
+| symbol | meaning |
+|---|---|
+| r, J | residuals at the optimum, their Jacobian by the unknowns |
+| H_k, g_k | sum of J'J and of J'r over block k |
+| P | what is known beforehand |
+
+White residuals of known size have the covariance (J'J + P)^-1. Measured ones are neither: quantisation at rest and what
+a model leaves out stay the same for many samples. Blocks longer than this memory are drawn with replacement, and each
+draw moves the optimum by one Gauss-Newton step, -(H + P)^-1 g, which needs no further simulation (kunsch1989).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify.fit.residuals import VAGUENESS
+from layflat.identify.model import Model
+
+Array = NDArray[np.float64]
+
+DRAWS = 1000
+"""Bootstrap samples."""
+
+MOST_BLOCKS, LEAST_BLOCKS = 100, 20
+"""Blocks in all logs together."""
+
+MEMORIES = 5.0
+"""Length of a block over the residuals' memory."""
+
+NORMAL = 1.959964
+"""Standard deviations in 95 %."""
+
+
+def covariance(jacobian: Array, residuals: Array) -> Array:
+    """Of the shares, from residuals as large as they are, but not smaller than their scale says."""
+    size = max(1.0, float(residuals @ residuals) / max(len(residuals) - jacobian.shape[1], 1))
+    return _inverse(jacobian.T @ jacobian / size + _beforehand(jacobian.shape[1]))
+
+
+def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed: int) -> Array:
+    """Moves of the optimum, (draws, unknowns), from blocks (the number of each sample's) drawn with replacement."""
+    count, n = int(blocks.max()) + 1, jacobian.shape[1]
+    order = np.argsort(blocks, kind="stable")
+    edges = np.searchsorted(blocks[order], np.arange(count + 1))
+    H, g = np.empty((count, n, n)), np.empty((count, n))
+    for k in range(count):
+        rows = order[edges[k] : edges[k + 1]]
+        H[k], g[k] = jacobian[rows].T @ jacobian[rows], jacobian[rows].T @ residuals[rows]
+    # At the optimum, what is known beforehand pulls as hard as all blocks together: spread over them.
+    g -= g.mean(axis=0)
+    drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1.0 / count), size=DRAWS)
+    moves = np.empty((DRAWS, n))
+    for i, times in enumerate(drawn):
+        moves[i] = -_inverse(np.tensordot(times, H, 1) + _beforehand(n)) @ (times @ g)
+    return moves
+
+
+def blocks_of(model: Model, residuals: Array) -> NDArray[np.int64]:
+    """Number of the block of time of every fitted sample; outputs of a log share their blocks."""
+    used = model.used
+    memory = max(_memory(part, dt) for part, dt in _parts(model, residuals))
+    logs = list(dict.fromkeys(output.log for output in model.outputs))
+    spans = {log: max(float(o.time[-1] - o.time[0]) for o in model.outputs if o.log == log) for log in logs}
+    total = sum(spans.values())
+    length = min(max(MEMORIES * memory, total / MOST_BLOCKS), total / LEAST_BLOCKS)
+    numbers, first = np.empty(len(used), dtype=np.int64), 0
+    for log in logs:
+        for place, output in zip(model.slices, model.outputs, strict=True):
+            if output.log == log:
+                numbers[place] = first + ((output.time - output.time[0]) / length).astype(np.int64)
+        first += int(spans[log] / length) + 1
+    return np.unique(numbers[used], return_inverse=True)[1]
+
+
+def interval(shares: Array, spread: Array, moves: Array) -> tuple[Array, Array]:
+    """Low and high ends of 95 % in shares: the wider of both ways."""
+    half = NORMAL * np.sqrt(np.diag(spread))
+    low, high = np.percentile(moves, [2.5, 97.5], axis=0)
+    return shares - np.maximum(half, -low), shares + np.maximum(half, high)
+
+
+def _parts(model: Model, residuals: Array) -> Sequence[tuple[Array, float]]:
+    """Residuals of every output by themselves, with their period."""
+    used, parts, first = model.used, [], 0
+    for place, output in zip(model.slices, model.outputs, strict=True):
+        count = int(used[place].sum())
+        if count > 1:
+            parts.append((residuals[first : first + count], float(np.median(np.diff(output.time)))))
+        first += count
+    return parts
+
+
+def _memory(residuals: Array, period: float) -> float:
+    """How long residuals resemble themselves, s: until their autocorrelation falls below 1/e."""
+    r = residuals - residuals.mean()
+    n = len(r)
+    if not np.any(r):
+        return 0.0
+    power = np.abs(np.fft.rfft(r, 2 * n)) ** 2
+    alike = np.fft.irfft(power)[:n]
+    below = np.flatnonzero(alike < alike[0] / np.e)
+    return float(below[0] if len(below) else n) * period
+
+
+def _beforehand(n: int) -> Array:
+    return np.eye(n) / VAGUENESS**2
+
+
+def _inverse(H: Array) -> Array:
+    return np.asarray(np.linalg.pinv(H, hermitian=True), dtype=np.float64)

@@ -1,0 +1,142 @@
+"""Search for the values that predict best: several starts, each refined a little, the best of them to the end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify.fit.certainty import blocks_of, bootstrap, covariance, interval
+from layflat.identify.fit.residuals import Residuals
+from layflat.identify.fit.result import ALIKE, Estimate, Fit
+from layflat.identify.model import Model
+
+Array = NDArray[np.float64]
+
+Progress = Callable[[float, str], None]
+"""Told the share of the work that is done at most, and what is under way."""
+
+STARTS, REFINED = 32, 3
+"""Starts that are drawn, and how many of them are refined."""
+
+SPREAD = 0.25
+"""Every other start lies at most so far from the guess, as a share of the way between the bounds; the rest anywhere."""
+
+SHORT, LONG = 6, 60
+"""Steps of a start's refinement, and of the last one."""
+
+EDGE = 2e-3
+"""A share within this of 0 or 1 is at its bound."""
+
+TOLERANCE = 1e-6
+"""The search ends where the cost falls by less than this in a step, relative."""
+
+
+def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
+    """Find the unknowns of a model from its fitted samples.
+
+    Args:
+        model: what is fitted; its guess is the first start.
+        starts: how many more are drawn around it, besides those that the model gives.
+        seed: of starts and bootstrap.
+        progress: is told how far it is.
+
+    Returns:
+        Best values with 95 % intervals, and what they predict.
+
+    Raises:
+        InputError: an unknown's bounds leave no room.
+    """
+    search = _Search(model, progress)
+    shares = search.begin(starts, seed)
+    shares, converged = search.refine(shares, LONG, "fitting")
+    for _ in range(2):
+        # Outputs count by how well they can be predicted at all.
+        search.weigh(shares)
+        shares, converged = search.refine(shares, LONG, "weighing")
+    search.tell(0.95, "intervals")
+    return search.result(shares, converged, seed)
+
+
+class _Search:
+    def __init__(self, model: Model, progress: Progress | None) -> None:
+        self.model, self.residuals = model, Residuals(model)
+        self.progress, self.done, self.simulations = progress, 0.0, 0
+
+    def tell(self, share: float, text: str) -> None:
+        self.done = max(self.done, share)
+        if self.progress is not None:
+            self.progress(self.done, text)
+
+    def begin(self, starts: int, seed: int) -> Array:
+        """The best of several starts after a few steps."""
+        scaled, guess = self.residuals.scaled, self.residuals.prior
+        given = np.clip(scaled.shares(self.model.starts(seed)), 0.0, 1.0)
+        tried = np.vstack([guess, given, self._drawn(starts, seed)])
+        self.simulations += len(tried)
+        self.tell(0.02, f"{len(tried)} starts")
+        costs = self.residuals.costs(tried)
+        best = np.argsort(costs, kind="stable")[:REFINED]
+        if 0 not in best:
+            best = np.concatenate([[0], best[: REFINED - 1]])
+        if len(tried) == 1:
+            return np.asarray(guess)
+        refined = [self.refine(tried[i], SHORT, f"start {k + 1} of {len(best)}")[0] for k, i in enumerate(best)]
+        return refined[int(np.argmin(self.residuals.costs(np.array(refined))))]
+
+    def _drawn(self, starts: int, seed: int) -> Array:
+        from scipy.stats import qmc  # noqa: PLC0415  # scipy.stats takes long to import
+
+        n = len(self.model.unknowns)
+        if starts == 0:
+            return np.empty((0, n))
+        drawn = qmc.Sobol(n, rng=np.random.default_rng(seed)).random(1 << (starts - 1).bit_length())[:starts]
+        drawn[::2] = np.clip(self.residuals.prior + SPREAD * (2.0 * drawn[::2] - 1.0), 0.0, 1.0)
+        return np.asarray(drawn)
+
+    def refine(self, shares: Array, steps: int, text: str) -> tuple[Array, bool]:
+        """Least squares from a start, and whether it came to an end within so many steps."""
+        from scipy.optimize import least_squares  # noqa: PLC0415  # scipy.optimize takes long to import
+
+        def residuals(at: Array) -> Array:
+            self.simulations += 1
+            self.tell(self.done + 0.03 * (0.95 - self.done), text)
+            return self.residuals(at)
+
+        def jacobian(at: Array) -> Array:
+            self.simulations += 2 * len(at)
+            return self.residuals.jacobian(at)
+
+        inside = np.clip(shares, 1e-6, 1.0 - 1e-6)
+        found = least_squares(
+            residuals, inside, jacobian, bounds=(0.0, 1.0), max_nfev=steps, ftol=TOLERANCE, xtol=1e-8, gtol=1e-8
+        )
+        return np.asarray(found.x), bool(found.status > 0)
+
+    def weigh(self, shares: Array) -> None:
+        """Scale every output by its error, where that is larger than what its scale says."""
+        found = self.model.simulate(self.residuals.scaled.values(shares[None]))[0]
+        for i, (place, output) in enumerate(zip(self.model.slices, self.model.outputs, strict=True)):
+            chosen = self.model.used[place]
+            if chosen.any():
+                rms = float(np.sqrt(np.mean((found[place][chosen] - output.measured[chosen]) ** 2)))
+                self.residuals.scales[i] = max(output.scale, rms) if np.isfinite(rms) else output.scale
+
+    def result(self, shares: Array, converged: bool, seed: int) -> Fit:
+        """Estimates with their intervals."""
+        scaled, model = self.residuals.scaled, self.model
+        J, r = self.residuals.data_jacobian(shares), self.residuals.data(shares[None])[0]
+        self.simulations += 2 * len(shares) + 2
+        spread = covariance(J, r)
+        low, high = interval(shares, spread, bootstrap(J, r, blocks_of(model, r), seed))
+        values, lows, highs = scaled.values(shares), scaled.values(low), scaled.values(high)
+        sizes = np.sqrt(np.diag(spread))
+        alike = np.abs(spread / np.outer(sizes, sizes)) - 2.0 * np.eye(len(shares))
+        estimates = []
+        for i, unknown in enumerate(model.unknowns):
+            partner = int(np.argmax(alike[i]))
+            together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
+            at_bound = not EDGE < shares[i] < 1.0 - EDGE
+            estimates.append(Estimate(unknown, float(values[i]), float(lows[i]), float(highs[i]), at_bound, together))
+        return Fit(model, tuple(estimates), model.simulate(values[None])[0], converged, self.simulations)

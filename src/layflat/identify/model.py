@@ -1,0 +1,86 @@
+"""What is fitted: measured signals, what is to be found, and a simulation of the one from the other."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify.unknown import Unknown
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A measured signal that is compared with the simulated one.
+
+    Args:
+        name: such as "angle large".
+        unit: SI.
+        log: the log that it was read from.
+        time: s, (samples,).
+        measured: (samples,), not a number where nothing was measured.
+        fitted: (samples,), whether a sample is fitted; else it is judged.
+        scale: what an error is divided by: the noise, or how large an error matters.
+    """
+
+    name: str
+    unit: str
+    log: str
+    time: Array
+    measured: Array
+    fitted: Flags
+    scale: float
+
+
+class Model(ABC):
+    """A bench that can be simulated for any values of what is unknown.
+
+    `unknowns` and `outputs` are fixed once it is made.
+    """
+
+    unknowns: tuple[Unknown, ...]
+    outputs: tuple[Output, ...]
+
+    @abstractmethod
+    def simulate(self, values: Array) -> Array:
+        """Run freely from what the logs begin with: only inputs of the logs are given.
+
+        Args:
+            values: of the unknowns in SI, a candidate a row: (candidates, unknowns).
+
+        Returns:
+            All outputs, one after the other, (candidates, samples); not numbers where a candidate diverged.
+        """
+
+    def starts(self, seed: int) -> Array:  # noqa: ARG002  (for those that draw)
+        """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
+        return np.empty((0, len(self.unknowns)))
+
+    @cached_property
+    def guess(self) -> Array:
+        """Guessed values, (unknowns,)."""
+        return np.array([unknown.guess for unknown in self.unknowns])
+
+    @cached_property
+    def measured(self) -> Array:
+        """All that was measured, one output after the other."""
+        return np.concatenate([output.measured for output in self.outputs])
+
+    @cached_property
+    def used(self) -> Flags:
+        """Which samples are fitted."""
+        return np.concatenate([output.fitted & np.isfinite(output.measured) for output in self.outputs])
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """Where each output stands among all samples."""
+        ends = np.cumsum([len(output.measured) for output in self.outputs])
+        return tuple(
+            slice(int(end) - len(output.measured), int(end)) for end, output in zip(ends, self.outputs, strict=True)
+        )

@@ -1,0 +1,62 @@
+"""Models for the tests of fitting, small enough to know the answer."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify import Model, Output, Unknown
+
+Array = NDArray[np.float64]
+
+TIME = np.linspace(0.0, 4.0, 401)
+
+
+class Decay(Model):
+    """y = height exp(-rate t) + level: all told, unless the log ends too early."""
+
+    def __init__(self, truth: Array, noise: float, seed: int, until: float = 4.0, bounds: float = 4.0) -> None:
+        self.unknowns = (
+            Unknown("height", "V", 1.0, 1.0 / bounds, bounds, excitation="a start away from rest"),
+            Unknown("rate", "1/s", 1.0, 1.0 / bounds, bounds, excitation="a log that lasts until rest"),
+            Unknown("level", "V", 0.0, -1.0, 1.0, log=False, excitation="a log that lasts until rest"),
+        )
+        self.time = TIME[until >= TIME]
+        exact = self.simulate(truth[None])[0]
+        measured = exact + noise * np.random.default_rng(seed).standard_normal(len(self.time))
+        fitted = self.time <= 0.75 * until
+        self.outputs = (Output("y", "V", "log", self.time, measured, fitted, noise),)
+
+    def simulate(self, values: Array) -> Array:
+        height, rate, level = values.T[:, :, None]
+        return np.asarray(height * np.exp(-rate * self.time) + level)
+
+
+class Product(Model):
+    """y = a b t: only the product of a and b is told."""
+
+    unknowns = (Unknown("a", "1", 1.0, 0.2, 5.0), Unknown("b", "1", 1.0, 0.2, 5.0))
+
+    def __init__(self) -> None:
+        measured = 2.0 * TIME + 0.01 * np.random.default_rng(0).standard_normal(len(TIME))
+        self.outputs = (Output("y", "1", "log", TIME, measured, np.ones(len(TIME), bool), 0.01),)
+
+    def simulate(self, values: Array) -> Array:
+        return np.asarray(values[:, 0, None] * values[:, 1, None] * TIME)
+
+
+class TwoTones(Model):
+    """y = sin(w t): many minima over w; the guess lies in a wrong one."""
+
+    unknowns = (Unknown("w", "rad/s", 3.0, 1.0, 20.0),)
+
+    def __init__(self, given: bool) -> None:
+        measured = np.sin(9.0 * TIME) + 0.05 * np.random.default_rng(0).standard_normal(len(TIME))
+        self.outputs = (Output("y", "1", "log", TIME, measured, np.ones(len(TIME), bool), 0.05),)
+        self.given = given
+
+    def simulate(self, values: Array) -> Array:
+        found = np.sin(values[:, :1] * TIME)
+        found[values[:, 0] > 15.0] = np.nan
+        return np.asarray(found)
+
+    def starts(self, seed: int) -> Array:
+        return np.linspace(1.5, 19.0, 60)[:, None] if self.given else super().starts(seed)

@@ -1,0 +1,105 @@
+"""Fitting: the truth within the intervals as often as they say, and what a log can't tell called so."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from models import TIME, Decay, Product, TwoTones
+
+from layflat.errors import InputError
+from layflat.identify import fit
+
+TRUTH = np.array([1.7, 0.6, 0.2])
+
+
+def test_a_clean_log_gives_the_truth() -> None:
+    found = fit(Decay(TRUTH, 1e-6, 0), starts=0)
+    assert found.values == pytest.approx(TRUTH, rel=1e-4)
+    assert found.trusted
+    assert all(estimate.told for estimate in found.estimates)
+
+
+def test_intervals_hold_as_often_as_they_say() -> None:
+    held = [
+        [e.low <= t <= e.high for e, t in zip(fit(Decay(TRUTH, 0.05, seed), starts=0).estimates, TRUTH, strict=True)]
+        for seed in range(60)
+    ]
+    assert 0.9 <= np.mean(held) <= 1.0
+
+
+def test_intervals_hold_where_errors_last_long() -> None:
+    # Errors that stay the same for 20 samples: the Jacobian alone would be sure by far too much.
+    held = []
+    for seed in range(40):
+        model = Decay(TRUTH, 0.05, seed)
+        (output,) = model.outputs
+        exact = model.simulate(TRUTH[None])[0]
+        lasting = np.repeat(np.random.default_rng(seed).standard_normal(len(TIME) // 20 + 1), 20)[: len(TIME)]
+        model.outputs = (replace(output, measured=exact + 0.05 * lasting),)
+        held.append([e.low <= t <= e.high for e, t in zip(fit(model, starts=0).estimates, TRUTH, strict=True)])
+    assert np.mean(held) >= 0.85
+
+
+def test_what_a_log_ends_too_early_for_is_not_told() -> None:
+    found = fit(Decay(TRUTH, 0.02, 0, until=0.2), starts=0)
+    assert not found.of("level").told
+    assert not found.of("rate").told
+    assert found.of("rate").partner is not None
+
+
+def test_a_product_is_told_but_not_its_factors() -> None:
+    found = fit(Product(), starts=4)
+    a, b = found.estimates
+    assert a.value * b.value == pytest.approx(2.0, rel=1e-3)
+    assert not a.told
+    assert a.partner == "b"
+
+
+def test_a_value_at_its_bound_is_said_to_be() -> None:
+    found = fit(Decay(np.array([9.0, 0.6, 0.2]), 0.05, 0), starts=0)
+    assert found.of("height").at_bound
+    assert not found.of("height").told
+    assert not found.trusted
+
+
+def test_more_starts_find_a_minimum_that_the_guess_misses() -> None:
+    assert fit(TwoTones(given=False), starts=0).values[0] != pytest.approx(9.0, rel=0.05)
+    assert fit(TwoTones(given=False), starts=64).values[0] == pytest.approx(9.0, rel=1e-2)
+    assert fit(TwoTones(given=True), starts=0).values[0] == pytest.approx(9.0, rel=1e-2)
+
+
+def test_the_same_seed_gives_the_same_fit() -> None:
+    first, second = (fit(Decay(TRUTH, 0.05, 3), seed=5) for _ in range(2))
+    assert first.estimates == second.estimates
+
+
+def test_quality_is_told_apart_for_what_was_fitted_and_what_was_not() -> None:
+    found = fit(Decay(TRUTH, 0.05, 0), starts=0)
+    fitted, judged = found.qualities()
+    assert (fitted.judged, judged.judged) == (False, True)
+    assert fitted.samples + judged.samples == len(TIME)
+    assert fitted.rms == pytest.approx(0.05, rel=0.15)
+    assert judged.rms == pytest.approx(0.05, rel=0.25)
+    assert abs(fitted.memory) < 0.2
+
+
+def test_samples_that_were_not_measured_do_not_count() -> None:
+    model = Decay(TRUTH, 0.05, 0)
+    (output,) = model.outputs
+    measured = np.where((output.time > 1.0) & (output.time < 1.5), np.nan, output.measured)
+    model.outputs = (replace(output, measured=measured),)
+    assert fit(model, starts=0).values == pytest.approx(TRUTH, abs=0.1)
+
+
+def test_progress_grows_and_stays_below_one() -> None:
+    told: list[float] = []
+    fit(Decay(TRUTH, 0.05, 0), progress=lambda share, _: told.append(share))
+    assert told == sorted(told)
+    assert 0.0 < told[0] <= told[-1] <= 1.0
+
+
+def test_bounds_without_room_are_refused() -> None:
+    model = Decay(TRUTH, 0.05, 0)
+    model.unknowns = (replace(model.unknowns[0], guess=9.0), *model.unknowns[1:])
+    with pytest.raises(InputError, match="height: 9 V: lies outside what is searched"):
+        fit(model)

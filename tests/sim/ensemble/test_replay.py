@@ -1,0 +1,80 @@
+"""Runs that follow a log: its voltages, from the state that it begins with."""
+
+from math import radians
+
+import numpy as np
+import pytest
+
+from layflat.errors import InputError
+from layflat.machine import changed, load
+from layflat.sim import Scenario, rollout
+from layflat.sim.ensemble import ensemble
+from layflat.sim.ensemble.parallel import traced
+
+ARM = load("paper-arm")
+MOVES = Scenario(demand=[("0 s", "0 deg"), ("0.2 s", {"large": "30 deg", "small": "-20 deg"})], duration="1.5 s")
+
+
+def test_a_run_s_own_voltages_give_the_run_again() -> None:
+    run = rollout(ARM, scenario=MOVES)
+    followed = Scenario(voltage=run.voltage.to_numpy()[:-1], start=0.0, duration="1.5 s", noise=False)
+    again = rollout(ARM, scenario=followed)
+    assert np.abs(np.degrees(again.angle - run.angle)).max() < 1e-6
+    many = traced(ARM, followed, {"scenario.payload": [1.5, 1.5, 0.5]}, ("angle", "pressure_a"))
+    assert np.abs(np.degrees(many[0, :, :, 0] - run.angle.to_numpy()[:-1])).max() < 1e-6
+    assert np.array_equal(many[0], many[1])
+    assert not np.array_equal(many[0], many[2])
+
+
+def test_a_voltage_means_more_to_a_valve_that_needs_less() -> None:
+    pulled = Scenario(voltage=("6 V", "5 V"), duration="0.3 s", noise=False)
+    run = traced(ARM, pulled, {"valve.volts_to_full": [5.0, 2.5], "valve.centre_voltage": [5.0, 5.5]}, ("angle",))
+    other = rollout(changed(ARM, "valve.volts_to_full", 2.5), scenario=pulled).angle[:-1, 0]
+    assert run[0, -1, 0, 0] > radians(1.0)
+    shifted = changed(changed(ARM, "valve.volts_to_full", 2.5), "valve.centre_voltage", 5.5)
+    assert np.abs(run[1, :, :, 0] - rollout(shifted, scenario=pulled).angle.to_numpy()[:-1]).max() < 1e-8
+    assert abs(float(other[-1]) - run[0, -1, 0, 0]) > radians(1.0)
+
+
+def test_openings_and_voltages_do_not_stand_side_by_side() -> None:
+    with pytest.raises(InputError, match="opening: stands beside a voltage"):
+        rollout(ARM, opening=0.1, voltage=5.0)
+
+
+def test_every_joint_begins_where_it_is_put() -> None:
+    vary = {
+        "start.angle.small": [radians(10.0), radians(-10.0)],
+        "start.pressure_a.large": [2e5, 3e5],
+        "start.pressure_b.large": [2e5, 3e5],
+    }
+    still = Scenario(duration="0.05 s", opening=0.0, pressures={"small": ("3 bar", "2.5 bar")}, noise=False)
+    run = traced(ARM, still, vary, ("angle", "pressure_a", "pressure_b"))[:, 0]
+    assert run[:, 1, 0] == pytest.approx([radians(10.0), radians(-10.0)])
+    assert run[:, 0, 0] == pytest.approx(0.0)
+    assert run[:, 0, 1] == pytest.approx([2e5, 3e5])
+    assert run[:, 1, 1:] == pytest.approx(np.array([[3e5, 2.5e5]] * 2))
+    with pytest.raises(InputError, match=r"'wrist' is no joint here; joints are large, small"):
+        rollout(ARM, pressures={"wrist": ("3 bar", "3 bar")})
+
+
+def test_a_late_command_is_late_in_both_loops() -> None:
+    late = changed(ARM, "valve.delay", 7e-3)
+    run = rollout(late, scenario=MOVES)
+    many = ensemble(late, MOVES, runs=1, traces=["angle"])
+    assert np.array_equal(run.angle[:-1], many.angle[0])
+    prompt = rollout(ARM, scenario=MOVES)
+    assert not np.array_equal(run.angle, prompt.angle)
+    calm = changed(ARM, "valve.dither.amplitude", 0.0)
+    step = Scenario(opening=[("0 s", 0.0), ("0.1 s", 0.5)], start=0.0, duration="0.3 s", noise=False)
+    moved = [
+        rollout(machine, scenario=step).pressure_a[:, 0].to_numpy()
+        for machine in (calm, changed(calm, "valve.delay", 1e-2))
+    ]
+    assert moved[1][2:] == pytest.approx(moved[0][:-2], rel=2e-3)
+
+
+def test_a_run_that_diverges_is_no_numbers_from_there() -> None:
+    case = Scenario(load=1e5, opening=0.0, duration="0.5 s", noise=False)
+    angles = traced(ARM, case, {"seed": [0.0]}, ("angle",))[0, :, 0, 0]
+    assert np.isfinite(angles[0])
+    assert np.isnan(angles[-1])
