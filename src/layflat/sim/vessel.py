@@ -14,13 +14,13 @@ from layflat.jit import kernel, law
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 from layflat.physics.gas import IdealAir, RealGas, contents, state_of
-from layflat.physics.vessel import Filling, Outside, Path, Vessel, fastest_rate, rates
+from layflat.physics.vessel import Filling, Outside, Path, Vessel, fastest_rates, rates
 from layflat.physics.wall import Wall
 
 Array = NDArray[np.float64]
 
-FLOW_STEP, HEAT_STEP = 1.0, 0.1
-"""Longest steps, in units of the shortest time in which flow next to equal pressures, and heat, end a difference."""
+FLOW_STEP, STEP = 1.0, 0.1
+"""Longest steps over the shortest times in which flow next to equal pressures, and all else, would end a difference."""
 
 MOST_STEPS = 100_000
 """Between two samples; a candidate that needs more counts as diverged."""
@@ -98,9 +98,9 @@ def step_vessel(gas, vessel, state, before, middle, after, opening, h):
 @law
 def steps_for(gas, vessel, state, outside, opening, time, refined):
     """Number of steps in which to go through a time, s; 0 if no number will do."""
-    flow, heat = fastest_rate(gas, vessel, state, outside, opening)
-    count = refined * (1.0 + time * (flow / FLOW_STEP + heat / HEAT_STEP))
-    return int(count) if count < MOST_STEPS else 0
+    flow, rest = fastest_rates(gas, vessel, state, outside, opening)
+    count = refined * time * (flow / FLOW_STEP + rest / STEP)
+    return int(count) + 1 if count < MOST_STEPS else 0
 
 
 @kernel

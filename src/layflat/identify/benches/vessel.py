@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from layflat.errors import InputError
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
-from layflat.machine.rigs.vessel import VesselRig
+from layflat.machine.rigs.vessel import Place, VesselRig
 from layflat.physics.flow import sonic_conductance
-from layflat.physics.gas import GASES, IDEAL_AIR
+from layflat.physics.gas import GASES, IDEAL_AIR, is_gas
 from layflat.sim.vessel import Candidates, Course, simulate_vessels
 
 if TYPE_CHECKING:
@@ -113,6 +113,7 @@ def vessel_model(
     find: Collection[str] = tuple(BLOCKS),
     volume: bool = False,
     added_volumes: Mapping[str, float] | None = None,
+    judged: Collection[str] = (),
     fitted_share: float = 1.0,
     fitted_signals: Collection[str] = ("pressure",),
 ) -> VesselModel:
@@ -124,15 +125,20 @@ def vessel_model(
         find: blocks of `BLOCKS` that are found.
         volume: whether the vessel's volume is found too, in the block "gas".
         added_volumes: known volumes that were joined to the vessel, m3, by the log's name.
-        fitted_share: of each log's time, from its start, that is fitted; the rest is judged.
+        judged: names of logs that are only predicted.
+        fitted_share: of the time of each other log, from its start, that is fitted; the rest is judged.
         fitted_signals: of `SIGNALS`; others are judged.
 
     Raises:
-        InputError: a log without pressure or with gaps in what acts, or an option that fits no log.
+        InputError: a log without pressure or with gaps in what acts, an option that fits no log, or a gas that would
+            condense.
     """
+    _check_gas(rig, rig.start, "start")
+    _check_gas(rig, rig.outside, "outside")
     added = added_volumes or {}
     _check(added, logs, "added_volumes")
     _check(find, BLOCKS, "find")
+    _check(judged, logs, "judged")
     _check(fitted_signals, SIGNALS, "fitted_signals")
     if not logs:
         raise InputError("there is none", where="logs", right="give one or more")
@@ -140,7 +146,7 @@ def vessel_model(
         raise InputError(f"{fitted_share:g} is out of range", where="fitted_share", right="give 0.67, or 1 for all")
     read = tuple(_read(name, log, added.get(name, 0.0)) for name, log in logs.items())
     outputs = tuple(
-        _output(one, logs[one.name], signal, fitted_share, signal in fitted_signals)
+        _output(one, logs[one.name], signal, fitted_share, signal in fitted_signals and one.name not in judged)
         for one in read
         for signal in one.picked
     )
@@ -159,6 +165,15 @@ def value_at(rig: VesselRig, path: str) -> Any:
     for key in path.split("."):
         part = getattr(part, key)
     return part
+
+
+def _check_gas(rig: VesselRig, place: Place, where: str) -> None:
+    if not is_gas(GASES[rig.gas.name], place.pressure, place.temperature):
+        raise InputError(
+            f"{rig.gas.name} is no gas at {place.pressure / 1e5:g} bar and {place.temperature:g} K",
+            where=f"{rig.name}: {where}",
+            right="give a lower pressure or a higher temperature",
+        )
 
 
 def _check(given: Collection[str], known: Collection[str], where: str) -> None:
