@@ -24,7 +24,7 @@ from layflat.physics.gas import (
     state_of,
     stream,
 )
-from layflat.physics.vessel import Filling, Outside, Path, Vessel, rates
+from layflat.physics.vessel import Filling, Outside, Path, Vessel, exchange, rates
 from layflat.physics.wall import Wall
 
 gases = st.sampled_from([GASES[name] for name in ("air", "nitrogen", "hydrogen", "helium", "argon")])
@@ -100,7 +100,9 @@ def test_choked_flow_of_ideal_air_is_that_of_the_conductance() -> None:
     p, T = 6e5, 310.0
     flow = orifice(C, 0.3, laminar_slope(0.3), p, T, 1e5, T)[0]
     assert flow == pytest.approx(0.8 * area * choking(GAMMA) * p / sqrt(GAS_CONSTANT * T), rel=1e-9)
-    assert pytest.approx(0.2, rel=0.01) == CONDUCTANCE_PER_AREA * 1e-6 * 1e8  # dm3/(s bar) for 1 mm2: ISO 6358's C = A/5
+    assert (
+        pytest.approx(0.2, rel=0.01) == CONDUCTANCE_PER_AREA * 1e-6 * 1e8
+    )  # dm3/(s bar) for 1 mm2: ISO 6358's C = A/5
 
 
 @given(st.floats(2e4, 9e5), st.floats(2e4, 9e5), temperatures)
@@ -109,7 +111,8 @@ def test_a_vessel_of_ideal_air_takes_the_flow_of_the_plant(p: float, beyond: flo
     path = Path(1e-8, 0.35, laminar_slope(0.35))
     vessel = Vessel(chamber, Wall(0.1, 0.1, 0.0, 0.0, np.inf, 0.0), path)
     E, m = contents(IDEAL_AIR, chamber, p, T, 1e5)
-    rate = rates(IDEAL_AIR, vessel, Filling(E, m, 300.0), Outside(beyond, 290.0, 1e5, 293.0), 1.0)
+    state, outside = Filling(E, m, 300.0), Outside(beyond, 290.0, 1e5, 293.0)
+    rate = rates(vessel, state, outside, exchange(IDEAL_AIR, vessel, state, outside, 1.0))
     flow, enthalpy = orifice(path.conductance, 0.35, path.laminar_slope, beyond, 290.0, p, T)
     assert rate.mass == pytest.approx(flow, rel=1e-9, abs=1e-15)
     assert rate.energy == pytest.approx(enthalpy + 0.4 * (300.0 - T), rel=1e-9, abs=1e-9)

@@ -32,9 +32,11 @@ LAMINAR_RATIO = 0.999
 """Above this pressure ratio the flow is linear in the pressure difference, so that its slope stays finite."""
 
 
-CONDUCTANCE_PER_AREA = sqrt(GAMMA / (GAS_CONSTANT * REFERENCE_TEMPERATURE)) / REFERENCE_DENSITY * (
-    2.0 / (GAMMA + 1.0)
-) ** ((GAMMA + 1.0) / (2.0 * (GAMMA - 1.0)))
+CONDUCTANCE_PER_AREA = (
+    sqrt(GAMMA / (GAS_CONSTANT * REFERENCE_TEMPERATURE))
+    / REFERENCE_DENSITY
+    * (2.0 / (GAMMA + 1.0)) ** ((GAMMA + 1.0) / (2.0 * (GAMMA - 1.0)))
+)
 """C of a frictionless nozzle over its area, m/(s Pa): choked ideal gas (ISO 6358-1). Derived in docs/derivations.md."""
 
 

@@ -10,9 +10,9 @@
 | n | isentropic exponent, -(v/p) (dp/dv) at constant entropy | 1 |
 | psi | choked flow over area times sqrt(p rho) | 1 |
 
-p = R T rho/(1 - b rho) - a rho^2/(sqrt(T) (1 + b rho)), from the critical point alone (redlich1949). It gives the density
-of nitrogen, air, hydrogen, oxygen and argon at 150 bar and 288 K within 2 %, of helium within 3 %. The heat capacity at
-low pressure is taken as constant, and nothing condenses. Derived in docs/derivations.md.
+p = R T rho/(1 - b rho) - a rho^2/(sqrt(T) (1 + b rho)), from the critical point alone (redlich1949). It gives the
+density of nitrogen, air, hydrogen, oxygen and argon at 150 bar and 288 K within 2 %, of helium within 3 %. The heat
+capacity at low pressure is taken as constant, and nothing condenses. Derived in docs/derivations.md.
 """
 
 from math import log1p, sqrt
@@ -131,7 +131,7 @@ def is_gas(gas, p, T):
     critical = (gas.attraction / (4.934 * gas.constant * gas.covolume)) ** (2.0 / 3.0)
     rho = gas_density(gas, p, T)
     thin = gas.covolume * rho < 0.26 and gas_stiffness(gas, T, rho)[0] > 0.0
-    return T > critical or (thin and abs(gas_pressure(gas, T, rho) - p) < 1e-6 * p)
+    return critical < T or (thin and abs(gas_pressure(gas, T, rho) - p) < 1e-6 * p)
 
 
 @law

@@ -90,22 +90,21 @@ def exchange(gas, vessel, state, outside, opening):
 
 
 @law
-def rates(gas, vessel, state, outside, opening):
-    """Rates of change of a state."""
-    wall, passes = vessel.wall, exchange(gas, vessel, state, outside, opening)
+def rates(vessel, state, outside, passes):
+    """Rates of change of a state, given what passes."""
+    wall = vessel.wall
     inward = passes.heat * (state.wall_temperature - passes.temperature)
     outer = wall.outer_conductance * (outside.ambient_temperature - state.wall_temperature)
     return Filling(passes.flow * passes.enthalpy + inward, passes.flow, (outer - inward) / wall.heat_capacity)
 
 
 @law
-def fastest_rates(gas, vessel, state, outside, opening):
+def fastest_rates(vessel, state, passes):
     """Bounds, 1/s, of the rates at which flow would end a difference of pressure, and of the rest.
 
     The first is that next to equal pressures. The second is that at which gas is renewed, and at which heat would end
     differences of temperature.
     """
-    passes = exchange(gas, vessel, state, outside, opening)
     flow = (GAMMA - 1.0) * passes.specific_heat * passes.temperature * passes.steepest / vessel.chamber.dead_volume
     renewed = GAMMA * (abs(passes.flow) + passes.heat / passes.specific_heat) / state.mass
     return flow, renewed + (passes.heat + vessel.wall.outer_conductance) / vessel.wall.heat_capacity

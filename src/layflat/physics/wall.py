@@ -50,7 +50,7 @@ def film(gas, T, T_w):
 
 @law
 def natural_convection(c, gas, rho, c_p, T, T_w):
-    """h of turbulent natural convection, W/(m2 K)."""
+    """H of turbulent natural convection, W/(m2 K)."""
     T_f, mu, k = film(gas, T, T_w)
     rho_f = rho * T / T_f
     return c * k * (GRAVITY * rho_f * rho_f * c_p * abs(T_w - T) / (T_f * mu * k)) ** (1.0 / 3.0)
@@ -58,7 +58,7 @@ def natural_convection(c, gas, rho, c_p, T, T_w):
 
 @law
 def forced_convection(c_f, gas, w, d, D, T, T_w):
-    """h of a jet of mass flow w that enters through a hole of diameter d, W/(m2 K)."""
+    """H of a jet of mass flow w that enters through a hole of diameter d, W/(m2 K)."""
     _, mu, k = film(gas, T, T_w)
     return c_f * k / D * (4.0 * max(w, 0.0) / (pi * mu * d)) ** 0.67
 

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.jit import kernel, law
+from layflat.jit import composition, kernel, law
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 from layflat.physics.gas import IdealAir, RealGas, contents, state_of
-from layflat.physics.vessel import Filling, Outside, Path, Vessel, fastest_rates, rates
+from layflat.physics.vessel import Filling, Outside, Path, Vessel, exchange, fastest_rates, rates
 from layflat.physics.wall import Wall
 
 Array = NDArray[np.float64]
@@ -62,9 +62,7 @@ class Course(NamedTuple):
 @law
 def _vessel(c, i):
     chamber = Chamber(c.volume[i], c.compliance[i], c.wall_conductance[i])
-    wall = Wall(
-        c.area[i], c.diameter[i], c.natural[i], c.forced[i], c.heat_capacity[i], c.outer_conductance[i]
-    )
+    wall = Wall(c.area[i], c.diameter[i], c.natural[i], c.forced[i], c.heat_capacity[i], c.outer_conductance[i])
     b = c.critical_ratio[i]
     return Vessel(chamber, wall, Path(c.conductance[i], b, laminar_slope(b)))
 
@@ -85,22 +83,49 @@ def _moved(state, rate, h):
 
 
 @law
-def step_vessel(gas, vessel, state, before, middle, after, opening, h):
-    """State a step of h later; given what is outside at its beginning, middle and end."""
-    k_1 = rates(gas, vessel, state, before, opening)
-    k_2 = rates(gas, vessel, _moved(state, k_1, 0.5 * h), middle, opening)
-    k_3 = rates(gas, vessel, _moved(state, k_2, 0.5 * h), middle, opening)
-    k_4 = rates(gas, vessel, _moved(state, k_3, h), after, opening)
+def _rates(gas, vessel, state, outside, opening):
+    return rates(vessel, state, outside, exchange(gas, vessel, state, outside, opening))
+
+
+@law
+def step_vessel(gas, vessel, state, k_1, middle, after, opening, h):
+    """State a step of h later; given the rates at its beginning, and what is outside in its middle and at its end."""
+    k_2 = _rates(gas, vessel, _moved(state, k_1, 0.5 * h), middle, opening)
+    k_3 = _rates(gas, vessel, _moved(state, k_2, 0.5 * h), middle, opening)
+    k_4 = _rates(gas, vessel, _moved(state, k_3, h), after, opening)
     state = _moved(_moved(state, k_1, h / 6.0), k_4, h / 6.0)
     return _moved(_moved(state, k_2, h / 3.0), k_3, h / 3.0)
 
 
 @law
-def steps_for(gas, vessel, state, outside, opening, time, refined):
-    """Number of steps in which to go through a time, s; 0 if no number will do."""
-    flow, rest = fastest_rates(gas, vessel, state, outside, opening)
+def steps_for(vessel, state, passes, time, refined):
+    """Number of steps in which to go through a time (s) at the rates of now; 0 if no number will do."""
+    flow, rest = fastest_rates(vessel, state, passes)
     count = refined * time * (flow / FLOW_STEP + rest / STEP)
     return int(count) + 1 if count < MOST_STEPS else 0
+
+
+@composition
+def cross(gas, candidates, i, vessel, state, course, k, refined):
+    """State at sample k + 1, given that at sample k, and whether it came there; every step is as long as it may be."""
+    opening, time = course.opening[k], course.time[k + 1] - course.time[k]
+    first, rise = course.supply[k], course.supply[k + 1] - course.supply[k]
+    gone = 0.0
+    for _ in range(MOST_STEPS):
+        outside = _beyond(candidates, i, first + gone * rise)
+        passes = exchange(gas, vessel, state, outside, opening)
+        left = steps_for(vessel, state, passes, (1.0 - gone) * time, refined)
+        if left == 0:
+            break
+        share = (1.0 - gone) / left
+        middle = _beyond(candidates, i, first + (gone + 0.5 * share) * rise)
+        after = _beyond(candidates, i, first + (gone + share) * rise)
+        k_1 = rates(vessel, state, outside, passes)
+        state = step_vessel(gas, vessel, state, k_1, middle, after, opening, share * time)
+        if left == 1:
+            return state, True
+        gone += share
+    return state, False
 
 
 @kernel
@@ -124,16 +149,9 @@ def run_vessels(gas, candidates, course, refined, out):
             out[i, k, 0], out[i, k, 1], out[i, k, 2] = p, T, state.wall_temperature
             if k == samples - 1:
                 break
-            opening, time = course.opening[k], course.time[k + 1] - course.time[k]
-            first, last = course.supply[k], course.supply[k + 1]
-            steps = steps_for(gas, vessel, state, outside, opening, time, refined)
-            if steps == 0:
+            state, there = cross(gas, candidates, i, vessel, state, course, k, refined)
+            if not there:
                 break
-            for j in range(steps):
-                middle = _beyond(candidates, i, first + (j + 0.5) / steps * (last - first))
-                after = _beyond(candidates, i, first + (j + 1.0) / steps * (last - first))
-                state = step_vessel(gas, vessel, state, outside, middle, after, opening, time / steps)
-                outside = after
 
 
 def simulate_vessels(

@@ -1,7 +1,7 @@
 """Vessel experiments in the files of HydDown: the rig as its YAML input, the log as points read off published curves.
 
-HydDown (andreasen2021) is a calculator of vessel depressurisation and filling; its input fields are those of its manual.
-A log is a CSV file with the columns signal, time_s, value and unit; signals are gas_pressure, T_gas_..., T_wall_....
+HydDown (andreasen2021) calculates how vessels empty and fill; its input fields are those of its manual. A log is a CSV
+file with the columns signal, time_s, value and unit; signals are gas_pressure, T_gas_..., T_wall_....
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import ValidationError
 
-from layflat.errors import InputError, MachineError
+from layflat.errors import InputError
 from layflat.identify.model import Array
-from layflat.machine.rigs.vessel import FlowPath, Gas, Place, Space, VesselRig, VesselWall
+from layflat.machine.rigs import VesselRig, build_rig
 from layflat.physics.flow import sonic_conductance
 
 if TYPE_CHECKING:
@@ -48,7 +47,7 @@ CONDUCTANCE_PER_CV = 3.9e-8
 """C of a control valve with Cv = 1, m3/(s Pa): IEC 60534-2-1, choked air with x_T = 0.7."""
 
 NOZZLE, VALVE = 0.45, 0.3
-"""Critical pressure ratio that a search begins with: between a nozzle's 0.528 and a sharp edge's, and a control valve's."""
+"""Critical pressure ratio that a search begins with: of a hole, nozzle or sharp edge, and of a control valve."""
 
 UNITS = {
     "bar_abs": (1e5, 0.0),
@@ -79,30 +78,26 @@ def read_hyddown_rig(path: str | Path) -> VesselRig:
     name = FLUIDS.get(fluid, fluid)
     if name not in FLUIDS.values():
         known = ", ".join(sorted(set(FLUIDS.values())))
-        raise InputError(f"{start.get('fluid')!r} is no gas here", where=f"{where}: initial.fluid", right=f"use {known}")
+        raise InputError(
+            f"{start.get('fluid')!r} is no gas here", where=f"{where}: initial.fluid", right=f"use {known}"
+        )
     T = _number(start, "temperature", f"{where}: initial")
     around = float(heat.get("temp_ambient", T))
     space, capacity, outer = _sizes(vessel, where)
-    try:
-        return VesselRig(
-            name=Path(path).name.removesuffix(".rig.yml"),
-            title=f"{name}, {valve.get('flow', 'discharge')}",
-            gas=Gas(name=name, law="real"),  # type: ignore[arg-type]  # one of the names, as was checked
-            space=space,
-            wall=VesselWall.model_construct(
-                natural=0.13,
-                forced=0.56,
-                conductance=0.0,
-                heat_capacity=capacity,
-                outer_conductance=float(heat.get("h_outer", 0.0)) * outer,
-            ),
-            path=_path(valve, f"{where}: valve"),
-            outside=_place(_number(valve, "back_pressure", f"{where}: valve"), around),
-            ambient=_place(101325.0, around),
-            start=_place(_number(start, "pressure", f"{where}: initial"), T),
-        )
-    except ValidationError as error:
-        raise MachineError(error.errors()[0]["msg"], where=where) from None
+    wall = {"outer_conductance": f"{float(heat.get('h_outer', 0.0)) * outer!r} W/K"} | capacity
+    tables = {
+        "kind": "vessel",
+        "name": Path(path).name.removesuffix(".rig.yml"),
+        "title": f"{name}, {valve.get('flow', 'discharge')}",
+        "gas": {"name": name, "law": "real"},
+        "space": space,
+        "wall": wall,
+        "path": _path(valve, f"{where}: valve"),
+        "outside": _place(_number(valve, "back_pressure", f"{where}: valve"), around),
+        "ambient": _place(101325.0, around),
+        "start": _place(_number(start, "pressure", f"{where}: initial"), T),
+    }
+    return build_rig(tables, where)
 
 
 def read_hyddown_log(path: str | Path) -> xarray.Dataset:
@@ -134,7 +129,7 @@ def _tables(path: Path) -> dict[str, Any]:
     try:
         import yaml  # noqa: PLC0415
     except ImportError:
-        raise InputError("needs PyYAML", where=str(path), right="pip install pyyaml") from None
+        raise InputError("needs PyYAML", where=str(path), right="pip install 'layflat[hyddown]'") from None
     try:
         tables = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
@@ -159,8 +154,8 @@ def _number(table: dict[str, Any], key: str, where: str) -> float:
         raise InputError(f"{table.get(key)!r} is no number", where=f"{where}.{key}", right="give it in SI") from None
 
 
-def _sizes(vessel: dict[str, Any], where: str) -> tuple[Space, float | None, float]:
-    """Space, heat capacity of the wall (J/K) where its thickness is given, and outer area (m2)."""
+def _sizes(vessel: dict[str, Any], where: str) -> tuple[dict[str, str], dict[str, str], float]:
+    """Space, the wall's heat capacity where its thickness is given, and outer area (m2)."""
     D, L = (_number(vessel, key, f"{where}: vessel") for key in ("diameter", "length"))
     t = float(vessel.get("thickness") or 0.0)
     kind = str(vessel.get("type", "flat-end")).lower()
@@ -176,28 +171,28 @@ def _sizes(vessel: dict[str, Any], where: str) -> tuple[Space, float | None, flo
         return pi * d * length + 2.0 * by_square * d**2
 
     V, outer = volume(D, L), (D + 2.0 * t, L + 2.0 * ends)
-    capacity = None
+    capacity = {}
     if t > 0.0 and {"density", "heat_capacity"} <= set(vessel):
         density, c = (_number(vessel, key, f"{where}: vessel") for key in ("density", "heat_capacity"))
-        capacity = (volume(*outer) - V) * density * c
-    space = Space.model_construct(volume=V, compliance=0.0, area=area(D, L), diameter=D)
+        capacity = {"heat_capacity": f"{(volume(*outer) - V) * density * c!r} J/K"}
+    space = {"volume": f"{V!r} m^3", "area": f"{area(D, L)!r} m^2", "diameter": f"{D!r} m"}
     return space, capacity, area(*outer)
 
 
-def _path(valve: dict[str, Any], where: str) -> FlowPath:
+def _path(valve: dict[str, Any], where: str) -> dict[str, Any]:
     kind = valve.get("type", "orifice")
     if kind in {"orifice", "psv"}:
         d = _number(valve, "diameter", where)
         C = float(sonic_conductance(pi / 4 * d**2, float(valve.get("discharge_coef", 0.8))))
-        return FlowPath.model_construct(conductance=C, critical_ratio=NOZZLE, hole=d)
+        return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": NOZZLE, "hole": f"{d!r} m"}
     if kind == "controlvalve":
         C = CONDUCTANCE_PER_CV * _number(valve, "Cv", where)
-        return FlowPath.model_construct(conductance=C, critical_ratio=VALVE, hole=None)
+        return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": VALVE}
     raise InputError(f"{kind!r} has no conductance", where=f"{where}.type", right="use orifice, psv or controlvalve")
 
 
-def _place(pressure: float, temperature: float) -> Place:
-    return Place.model_construct(pressure=pressure, temperature=temperature)
+def _place(pressure: float, temperature: float) -> dict[str, str]:
+    return {"pressure": f"{pressure!r} Pa", "temperature": f"{temperature!r} K"}
 
 
 def _curves(path: Path) -> dict[str, tuple[Array, Array]]:

@@ -152,7 +152,7 @@ def vessel_model(
     )
     pressures = {output.log: output for output in outputs if output.name == "pressure"}
     unknowns = (
-        *_of_blocks(rig, find, volume, any(_fills(log, pressures[log.name]) for log in read)),
+        *_of_blocks(rig, find, volume, any(map(_fills, pressures.values()))),
         *_of_outside(rig, [pressures[log.name] for log in read if np.isnan(log.course.supply).any()]),
         *(_of_start(rig, output) for output in pressures.values()),
     )
@@ -203,14 +203,16 @@ def _read(name: str, log: xarray.Dataset, added_volume: float) -> VesselLog:
 def _output(log: VesselLog, data: xarray.Dataset, signal: str, fitted_share: float, fitted: bool) -> Output:
     rows, (unit, share) = log.picked[signal], SIGNALS[signal]
     time, measured = log.course.time, np.asarray(data[signal].values, dtype=np.float64)[rows]
-    until = time[0] + fitted_share * (time[-1] - time[0])
-    scale = max(share * float(np.ptp(measured)), 1e-9)
-    return Output(signal, unit, log.name, time[rows], measured, (time[rows] <= until) & fitted, scale)
+    early = time[rows] <= time[0] + fitted_share * (time[-1] - time[0])
+    # What is judged may not act on the fit, by its range neither.
+    scale = max(share * float(np.ptp(measured[early])), 1e-9) if early.any() else 1.0
+    return Output(signal, unit, log.name, time[rows], measured, early & fitted, scale)
 
 
-def _fills(log: VesselLog, pressure: Output) -> bool:
-    """Whether gas flows in at any time of a log."""
-    return bool(pressure.measured.max() > 1.02 * pressure.measured[0])
+def _fills(pressure: Output) -> bool:
+    """Whether gas flows in while a log is fitted."""
+    fitted = pressure.measured[pressure.fitted]
+    return len(fitted) > 0 and bool(fitted.max() > 1.02 * fitted[0])
 
 
 def _of_blocks(rig: VesselRig, find: Collection[str], volume: bool, fills: bool) -> list[Unknown]:

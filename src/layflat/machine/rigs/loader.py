@@ -37,13 +37,24 @@ def load_rig(rig: str | Path) -> VesselRig:
         tables, _ = split(tomllib.loads(_text(where)), where)
     except tomllib.TOMLDecodeError as error:
         raise MachineError(f"is not TOML: {error}", where=where, right='values look like volume = "10 l"') from None
+    return build_rig(tables, where)
+
+
+def build_rig(tables: dict[str, Any], where: str) -> VesselRig:
+    """Validate plain tables, quantities as text with units, into a bench.
+
+    Raises:
+        MachineError: naming `where`, the key and the value.
+    """
     kind = tables.get("kind")
     if kind not in KINDS:
         raise MachineError(f"{kind!r} is no kind of bench", where=f"{where}: kind", right=f"give {' or '.join(KINDS)}")
     try:
         return KINDS[str(kind)].model_validate(tables)
     except ValidationError as error:
-        found = sorted(error.errors(), key=lambda one: one["type"] != "extra_forbidden")  # what was misspelt is missing too
+        found = sorted(
+            error.errors(), key=lambda one: one["type"] != "extra_forbidden"
+        )  # what was misspelt is missing too
         raise _explained(found[0], where, KINDS[str(kind)]) from None
 
 
