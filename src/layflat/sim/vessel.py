@@ -19,7 +19,7 @@ from layflat.physics.wall import Wall
 
 Array = NDArray[np.float64]
 
-FLOW_STEP, STEP = 1.0, 0.1
+FLOW_STEP, STEP = 1.0, 0.3
 """Longest steps over the shortest times in which flow next to equal pressures, and all else, would end a difference."""
 
 MOST_STEPS = 100_000
