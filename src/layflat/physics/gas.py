@@ -97,11 +97,11 @@ def gas_energy(gas, T, rho):
 def gas_temperature(gas, u, rho):
     """Temperature from specific energy and density, K: the inverse of `gas_energy`.
 
-    Newton's steps rise to the root from below, as energy is concave in temperature; five are exact to rounding.
+    Newton's steps rise to the root from below, as energy is concave in temperature; six leave nothing.
     """
     c_v, w = gas.constant / (gas.gamma - 1.0), 1.5 * _attracted(gas, rho)
     T = u / c_v
-    for _ in range(5):
+    for _ in range(6):
         T -= (c_v * T - w / sqrt(T) - u) / (c_v + 0.5 * w / (T * sqrt(T)))
     return T
 
