@@ -1,0 +1,1 @@
+"""Which parameters explain what was measured."""

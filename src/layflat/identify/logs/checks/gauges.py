@@ -1,0 +1,55 @@
+"""Gauge pressures that are taken for absolute ones, and the reverse: told by what vented air and the supply have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from layflat.identify.logs.checks.bench import Bench, Channel
+from layflat.identify.logs.finding import Finding
+
+VENTED = 0.15
+"""Share of ambient pressure about which vented air is found, with all errors of sensors."""
+CLOSE = 0.04
+"""The same for a level that lasts."""
+
+
+def findings(bench: Bench) -> Iterator[Finding]:
+    """Absolute pressures that count from the wrong level."""
+    for channel in bench.filled:
+        if channel.signal.absolute:
+            finding = counts_wrong(channel, bench)
+            if finding is not None:
+                yield finding
+
+
+def pressure_span(channel: Channel, bench: Bench) -> tuple[float, float]:
+    """Range of an absolute pressure above ambient, Pa."""
+    return channel.low - bench.ambient, channel.high - bench.ambient
+
+
+def counts_wrong(channel: Channel, bench: Bench) -> Finding | None:
+    """What to say of a pressure that counts from the wrong level; None if it doesn't, or if nothing can be told."""
+    low, high = pressure_span(channel, bench)
+    ambient = bench.ambient
+    supply = bench.supply_gauge if channel.signal.name != "pressure" else None
+    gauge = bool(channel.told.get("gauge", False))
+    most = 1.1 * supply if supply is not None else np.inf
+    enough = 0.25 * supply if supply is not None else 3e4
+    span = f"goes from {channel.shown(channel.low)} to {channel.shown(channel.high)} absolute"
+    if not gauge and -1.1 * ambient < low < -VENTED * ambient and enough <= high + ambient <= most:
+        right = "it counts from ambient pressure: gauge = true would fit"
+        return Finding("error", channel.name, f"{span}: below ambient", right)
+    if not gauge:
+        return None
+    right = "it is absolute already: gauge = false would fit"
+    if supply is not None and high > most and low - ambient > -VENTED * ambient and high - ambient <= 1.02 * supply:
+        beyond = f"{span} where the supply has {channel.shown(supply + ambient)}"
+        return Finding("error", channel.name, beyond, right)
+    lowest = channel.known[np.abs(channel.known - channel.low) < 0.01 * ambient]
+    twice = abs(channel.low - 2.0 * ambient) < CLOSE * ambient
+    if twice and lowest.size >= 3 and high - low > 0.5 * ambient:
+        text = f"{span}; its lowest level is twice ambient pressure"
+        return Finding("warning", channel.name, text, f"if that is vented air, {right}")
+    return None
