@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
@@ -105,7 +105,7 @@ def arranged(cells: dict[str, Cells], units: dict[str, str]) -> tuple[dict[str, 
             numbers, dated = _numbers(values)
             if not np.isfinite(numbers).any():
                 continue
-            values, header = numbers, (Header(header.name, "s", header.gauge) if dated else header)  # noqa: PLW2901
+            values, header = numbers, (replace(header, unit="s") if dated else header)  # noqa: PLW2901
         columns[header.name] = Column(values, header)
     return columns, None
 
@@ -133,7 +133,7 @@ def _pivoted(
         header = header_of(name, "" if stated is None else str(stated[int(mine[0])]))
         columns[header.name] = Column(values[mine], header, times[mine])
     clock = headers[time]
-    return columns, Header(clock.name, "s" if dated else clock.unit)
+    return columns, replace(clock, unit="s") if dated else clock
 
 
 def _as_numbers(cells: Cells) -> tuple[Array, bool]:

@@ -55,14 +55,15 @@ def _rows(lines: list[str], delimiter: str) -> list[list[str]]:
 
 
 def _delimiter(lines: list[str]) -> str:
-    """The one that parts all lines alike, into most columns; a comma for a table of one column."""
+    """The one that parts most lines alike, into most columns; a comma for a table of one column."""
 
     def columns(delimiter: str) -> int:
         try:
-            counts = {len(row) for row in csv.reader(lines, delimiter=delimiter, skipinitialspace=True)}
+            counts = [len(row) for row in csv.reader(lines, delimiter=delimiter, skipinitialspace=True)]
         except csv.Error:
             return 0
-        return counts.pop() if len(counts) == 1 else 0
+        usual = max(counts, key=counts.count, default=0)
+        return usual if 2 * counts.count(usual) > len(counts) else 0
 
     if lines and ";" in lines[-1] and columns(";") > 1:
         return ";"  # commas beside are decimal

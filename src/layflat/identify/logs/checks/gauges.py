@@ -13,6 +13,8 @@ VENTED = 0.15
 """Share of ambient pressure about which vented air is found, with all errors of sensors."""
 CLOSE = 0.04
 """The same for a level that lasts."""
+LEVEL = 1e3
+"""Pressures so close together are one level, Pa."""
 
 
 def findings(bench: Bench) -> Iterator[Finding]:
@@ -37,19 +39,30 @@ def counts_wrong(channel: Channel, bench: Bench) -> Finding | None:
     gauge = bool(channel.told.get("gauge", False))
     most = 1.1 * supply if supply is not None else np.inf
     enough = 0.25 * supply if supply is not None else 3e4
-    span = f"goes from {channel.shown(channel.low)} to {channel.shown(channel.high)} absolute"
+    span = f"{channel.shown(channel.low)} to {channel.shown(channel.high)} absolute"
     if not gauge and -1.1 * ambient < low < -VENTED * ambient and enough <= high + ambient <= most:
         right = "it counts from ambient pressure: gauge = true would fit"
         return Finding("error", channel.name, f"{span}: below ambient", right)
     if not gauge:
-        return None
+        return _at_supply(channel, supply, span)
     right = "it is absolute already: gauge = false would fit"
     if supply is not None and high > most and low - ambient > -VENTED * ambient and high - ambient <= 1.02 * supply:
         beyond = f"{span} where the supply has {channel.shown(supply + ambient)}"
         return Finding("error", channel.name, beyond, right)
-    lowest = channel.known[np.abs(channel.known - channel.low) < 0.01 * ambient]
+    lowest = channel.known[np.abs(channel.known - channel.low) < LEVEL]
     twice = abs(channel.low - 2.0 * ambient) < CLOSE * ambient
     if twice and lowest.size >= 3 and high - low > 0.5 * ambient:
         text = f"{span}; its lowest level is twice ambient pressure"
         return Finding("warning", channel.name, text, f"if that is vented air, {right}")
     return None
+
+
+def _at_supply(channel: Channel, supply: float | None, span: str) -> Finding | None:
+    """A pressure said to be absolute whose highest level lasts and is the supply's gauge pressure to the per cent."""
+    if supply is None or channel.signal.held or channel.name == "supply":
+        return None
+    highest = np.abs(channel.known - channel.high) < LEVEL
+    if highest.sum() < 3 or abs(channel.high - supply) > 0.02 * supply:
+        return None
+    text = f"{span}; its highest level is the supply's gauge pressure"
+    return Finding("warning", channel.name, text, "if that is full supply pressure, gauge = true would fit")

@@ -20,13 +20,16 @@ BEYOND_SUPPLY = 1.1
 LITTLE = 0.2
 """Share of the supply's gauge pressure below which pressures would be strangely low."""
 
+USUAL = (1.5e5, 1.2e6)
+"""Highest gauge pressures that are usual in hoses, Pa, where the supply is not known."""
+
 KNOWN: dict[u.Quantity | None, dict[str, float]] = {
     u.PRESSURE: {"Pa": 1.0, "mbar": 100.0, "kPa": 1e3, "psi": 6894.757, "bar": 1e5, "MPa": 1e6},
-    u.ANGLE: {"mrad": 1e-3, "deg": pi / 180.0, "rad": 1.0},
+    u.ANGLE: {"deg": pi / 180.0, "rad": 1.0, "mrad": 1e-3},
     u.VOLTAGE: {"mV": 1e-3, "V": 1.0},
     None: {"%": 0.01, "1": 1.0},
 }
-"""Units that get mixed up, by kind, in SI."""
+"""Units that get mixed up, by kind, in SI; of several that would fit the first is told."""
 
 
 def findings(bench: Bench) -> Iterator[Finding]:
@@ -61,7 +64,7 @@ def slip(channel: Channel, fits: Callable[[float], bool]) -> str:
 def _angle(channel: Channel, bench: Bench) -> Iterator[Finding]:
     low, high = channel.low, channel.high
     joint = bench.machine.joints.get(str(channel.joint)) if bench.machine is not None else None
-    text = f"goes from {channel.shown(low)} to {channel.shown(high)}"
+    text = f"{channel.shown(low)} to {channel.shown(high)}"
     if joint is None:
         if max(-low, high) > 2.1 * pi:
             fits = slip(channel, lambda f: 0.05 < f * max(-low, high) <= 2.1 * pi)
@@ -107,10 +110,10 @@ def _pressure(channel: Channel, bench: Bench) -> Iterator[Finding]:
 
     def fits(factor: float) -> bool:
         least, most = scaled(factor)
-        top = supply if supply is not None else 1e6
-        return least > -0.15 * ambient and (0.3 * top if supply else 5e4) <= most <= BEYOND_SUPPLY * top
+        few, top = (0.3 * supply, BEYOND_SUPPLY * supply) if supply is not None else USUAL
+        return least > -0.15 * ambient and few <= most <= top
 
-    text = f"goes from {channel.shown(low + ambient)} to {channel.shown(high + ambient)} absolute"
+    text = f"{channel.shown(low + ambient)} to {channel.shown(high + ambient)} absolute"
     right = slip(channel, fits)
     if low < -ambient - 2e3:
         yield Finding("error", channel.name, f"{text}: below vacuum", right or "check sign, unit and offset")
@@ -144,24 +147,27 @@ def _voltage(channel: Channel, bench: Bench) -> Iterator[Finding]:
         return
     centre, full = bench.machine.valve.centre_voltage, bench.machine.valve.volts_to_full
     low, high = channel.low, channel.high
-    text = f"goes from {low:.3g} V to {high:.3g} V where the valve takes {centre - full:g} V to {centre + full:g} V"
+    text = f"{low:.3g} V to {high:.3g} V where the valve takes {centre - full:g} V to {centre + full:g} V"
     if low < centre - 2.0 * full or high > centre + 2.0 * full:
         fits = slip(channel, lambda f: centre - BEYOND * full <= f * low and f * high <= centre + BEYOND * full)
         yield Finding("error", channel.name, text, fits or "check unit, scale and offset")
-    elif abs(float(np.median(channel.known)) - centre) > 0.6 * full:
+        return
+    median = float(np.median(channel.known))
+    if abs(median - centre) > 0.6 * full:
+        fits = slip(channel, lambda f: abs(f * median - centre) < 0.2 * full)
         right = f"at rest a valve has its centre, {centre:g} V: check unit and offset"
-        yield Finding("warning", channel.name, f"{text}; its median is {np.median(channel.known):.3g} V", right)
+        yield Finding("warning", channel.name, f"{text}; its median is {median:.3g} V", fits or right)
 
 
 def _share(channel: Channel) -> Iterator[Finding]:
     low, high = channel.low, channel.high
     if low < -0.05 or high > 1.05:
         fits = slip(channel, lambda f: low >= 0.0 and f * high <= 1.05)
-        yield Finding("error", channel.name, f"goes from {low:.3g} to {high:.3g}", fits or "a share lies from 0 to 1")
+        yield Finding("error", channel.name, f"{low:.3g} to {high:.3g}", fits or "a share lies from 0 to 1")
 
 
 def _temperature(channel: Channel) -> Iterator[Finding]:
-    text = f"goes from {channel.low:.4g} K to {channel.high:.4g} K"
+    text = f"{channel.low:.4g} K to {channel.high:.4g} K"
     if channel.low < 60.0:
         yield Finding("error", channel.name, text, 'no gas is so cold: unit = "degC" would add 273.15 K')
     elif channel.low > 480.0:
