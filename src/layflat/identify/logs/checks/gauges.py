@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from layflat.identify.logs.checks.bench import Bench, Channel
+from layflat.identify.logs.checks.bench import Bench, Channel, runs
 from layflat.identify.logs.finding import Finding
 
 VENTED = 0.15
@@ -15,6 +15,8 @@ CLOSE = 0.04
 """The same for a level that lasts."""
 LEVEL = 1e3
 """Pressures so close together are one level, Pa."""
+LASTING = 0.1
+"""Time that a level has to last, s."""
 
 
 def findings(bench: Bench) -> Iterator[Finding]:
@@ -44,25 +46,29 @@ def counts_wrong(channel: Channel, bench: Bench) -> Finding | None:
         right = "it counts from ambient pressure: gauge = true would fit"
         return Finding("error", channel.name, f"{span}: below ambient", right)
     if not gauge:
-        return _at_supply(channel, supply, span)
+        return _at_supply(channel, supply, span, bench.period)
     right = "it is absolute already: gauge = false would fit"
     if supply is not None and high > most and low - ambient > -VENTED * ambient and high - ambient <= 1.02 * supply:
         beyond = f"{span} where the supply has {channel.shown(supply + ambient)}"
         return Finding("error", channel.name, beyond, right)
-    lowest = channel.known[np.abs(channel.known - channel.low) < LEVEL]
     twice = abs(channel.low - 2.0 * ambient) < CLOSE * ambient
-    if twice and lowest.size >= 3 and high - low > 0.5 * ambient:
+    if twice and _lasts(channel, channel.low, bench.period) and high - low > 0.5 * ambient:
         text = f"{span}; its lowest level is twice ambient pressure"
         return Finding("warning", channel.name, text, f"if that is vented air, {right}")
     return None
 
 
-def _at_supply(channel: Channel, supply: float | None, span: str) -> Finding | None:
+def _lasts(channel: Channel, level: float, period: float) -> bool:
+    """Whether a signal stays at a level for a while."""
+    longest = max((length for _, length in runs(np.abs(channel.values - level) < LEVEL)), default=0)
+    return longest >= 3 and longest * period >= LASTING
+
+
+def _at_supply(channel: Channel, supply: float | None, span: str, period: float) -> Finding | None:
     """A pressure said to be absolute whose highest level lasts and is the supply's gauge pressure to the per cent."""
     if supply is None or channel.signal.held or channel.name == "supply":
         return None
-    highest = np.abs(channel.known - channel.high) < LEVEL
-    if highest.sum() < 3 or abs(channel.high - supply) > 0.02 * supply:
+    if abs(channel.high - supply) > 0.02 * supply or not _lasts(channel, channel.high, period):
         return None
     text = f"{span}; its highest level is the supply's gauge pressure"
     return Finding("warning", channel.name, text, "if that is full supply pressure, gauge = true would fit")
