@@ -40,9 +40,6 @@ def test_a_run_is_checked_without_a_mapping(rig: Path) -> None:
 
 
 def test_a_guess_is_written_looked_through_and_used(rig: Path) -> None:
-    refused = layflat("log", "check", "rig.csv", cwd=rig)
-    assert refused.returncode == 2
-    assert "give a mapping file; `layflat log map` writes one to start from" in refused.stderr
     done = layflat("log", "map", "rig.csv", "--machine", "paper-small-joint", cwd=rig)
     assert done.returncode == 0, done.stderr
     assert "wrote rig-mapping.toml: a guess, correct it before you use it" in done.stdout

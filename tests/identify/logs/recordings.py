@@ -38,6 +38,11 @@ def recorded(machine: str = "paper-small-joint", joint: str = "small", **changes
     }
 
 
+def ticks(period: float, count: int, first: int = 0) -> Array:
+    """Stamps of an even clock."""
+    return period * np.arange(first, first + count, dtype=np.float64)
+
+
 def entry(column: str, signal: str, unit: str, **more: Any) -> dict[str, Any]:
     return {"from": column, "signal": signal, "unit": unit, "joint": "small", **more}
 

@@ -1,8 +1,9 @@
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from bags import header, write_json, write_ros
+from bags import Message, header, write_json, write_ros
 
 from layflat.errors import InputError
 from layflat.identify.logs import read_log, read_table
@@ -12,13 +13,14 @@ START = 1_700_000_000
 """A rig's clock: seconds since 1970."""
 
 
-def angle(time: float) -> float:
+def angle(time: Any) -> Any:
     return 0.3 * np.sin(2.0 * time)
 
 
 def rig(path: Path) -> Path:
     """Joint states at 100 Hz, a pressure at 40 Hz, and commands now and then."""
-    messages = []
+    messages: list[Message] = []
+    content: dict[str, Any]
     for i in range(301):
         time = 0.01 * i
         state = {"header": header(START + time), "name": ["shoulder", "elbow"], "position": [0.0, angle(time)]}

@@ -63,7 +63,7 @@ def tables(draw: st.DrawFn) -> Columns:
 
 
 @pytest.mark.parametrize("write", [to_csv, to_tabs, to_parquet, to_netcdf, to_mcap])
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(columns=tables())
 def test_our_own_names_come_back_from_every_file(write: Callable[[Path, Columns], Path], columns: Columns) -> None:
     with TemporaryDirectory() as folder:

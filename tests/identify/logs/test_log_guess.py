@@ -2,7 +2,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from recordings import changed, mapping, recorded, write_csv
+from recordings import changed, mapping, recorded, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, write_mapping
@@ -59,14 +59,14 @@ def test_units_from_the_range_of_values(tmp_path: Path, factor: float, unit: str
 
 @pytest.mark.parametrize(("period", "unit"), [(0.005, "s"), (5.0, "ms"), (5e3, "us"), (5e6, "ns")])
 def test_the_clock_and_its_unit(tmp_path: Path, period: float, unit: str) -> None:
-    columns = {"q": np.sin(np.arange(50.0)), "count": np.arange(50.0) % 7, "stamp": period * np.arange(50)}
+    columns = {"q": np.sin(np.arange(50.0)), "count": np.arange(50.0) % 7, "stamp": ticks(period, 50)}
     time = guess_mapping(write_csv(tmp_path / "x.csv", columns)).mapping.time
     assert time is not None
     assert (time.column, time.unit) == ("stamp", unit)
 
 
 def test_numbered_groups_go_to_the_joints_that_move(tmp_path: Path) -> None:
-    time = 0.01 * np.arange(200)
+    time = ticks(0.01, 200)
     columns = {"t": time}
     for i, swing in enumerate((0.01, 1.0, 0.02, 0.8)):
         columns |= {f"q{i}": swing * np.sin(time), f"pa{i}": 2.0 + swing * np.sin(time), f"dq{i}": np.cos(time)}
@@ -81,7 +81,7 @@ def test_numbered_groups_go_to_the_joints_that_move(tmp_path: Path) -> None:
 
 
 def test_joints_by_name_and_what_stands_there_twice(tmp_path: Path) -> None:
-    time = 0.01 * np.arange(100)
+    time = ticks(0.01, 100)
     columns = {"t": time, "Large angle": np.sin(time), "small.angle": np.cos(time), "small_theta": np.cos(time)}
     guess = guess_mapping(write_csv(tmp_path / "x.csv", columns), ["large", "small"])
     assert {e.columns[0]: e.joint for e in guess.mapping.column} == {"Large angle": "large", "small.angle": "small"}

@@ -155,6 +155,12 @@ def test_entries_that_contradict_each_other(tmp_path: Path, more: str, expected:
     assert expected in str(caught.value)
 
 
+def test_mappings_among_the_examples_are_sound() -> None:
+    examples = sorted((Path(__file__).parents[3] / "examples" / "logs").glob("*.toml"))
+    assert [path.stem for path in examples] == ["affetto", "vessel", "zillen"]
+    assert all(read_mapping(path).time is not None for path in examples)
+
+
 def test_a_mapping_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="`layflat log map` writes one to start from"):
         read_mapping(tmp_path / "none.toml")

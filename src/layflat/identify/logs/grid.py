@@ -95,7 +95,8 @@ def resampled(series: Series, grid: Grid) -> Array:
     result = np.interp(inside, time, values)
     result[np.abs(inside - grid.stamps) > slack] = np.nan
     for since, until in gaps(series):
-        result[(grid.stamps > since + slack) & (grid.stamps < until - slack)] = np.nan
+        first, end = np.searchsorted(grid.stamps, (since + slack, until - slack))
+        result[first:end] = np.nan
     return result
 
 

@@ -28,7 +28,7 @@ from collections.abc import Mapping as Table
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AliasChoices, BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from layflat.errors import InputError
@@ -65,9 +65,7 @@ class TimeColumn(_Part):
 class MappedColumn(_Part):
     """What one signal of a log is made from."""
 
-    columns: tuple[str, ...] = Field(
-        min_length=1, validation_alias=AliasChoices("from", "columns"), serialization_alias="from"
-    )
+    columns: tuple[str, ...] = Field(alias="from", min_length=1)
     signal: str
     joint: str | None = None
     unit: str
@@ -189,7 +187,7 @@ def _explained(error: ErrorDetails, where: str) -> InputError:
     if error["type"] == "extra_forbidden":
         tables: dict[str, type[BaseModel]] = {"time": TimeColumn, "column": MappedColumn}
         table = tables.get(str(error["loc"][0]), Mapping) if len(error["loc"]) > 1 else Mapping
-        known = [field.serialization_alias or name for name, field in table.model_fields.items()]
+        known = [field.alias or name for name, field in table.model_fields.items()]
         return InputError("unknown key", where=place, right=nearest(str(steps[-1]), known))
     if error["type"] == "missing":
         right = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"

