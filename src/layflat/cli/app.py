@@ -35,7 +35,9 @@ def print_table(columns: list[str], rows: list[list[str]], title: str = "") -> N
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
-    table = Table(*columns, title=title or None, title_justify="left", header_style="bold", show_edge=False)
+    table = Table(title=title or None, title_justify="left", header_style="bold", show_edge=False)
+    for column in columns:
+        table.add_column(column, overflow="fold")
     for row in rows:
         table.add_row(*row)
     console = Console(highlight=False)

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName, Out, app, print_table
-from layflat.errors import InputError
 
 if TYPE_CHECKING:
     from layflat.identify.fit.search import Progress
@@ -54,7 +53,7 @@ def identify(
     mapping: Annotated[
         Path | None, typer.Option(metavar="FILE", help="what the logs' columns are; not needed for our own names")
     ] = None,
-    starts: Annotated[int | None, typer.Option(help="of the search, besides the description's own values")] = None,
+    starts: Annotated[int, typer.Option(min=0, help="of the search, besides the description's own values")] = 32,
     seed: Annotated[int, typer.Option(help="of starts and intervals")] = 0,
     out: Out = Path("build/identify"),
 ) -> None:
@@ -65,8 +64,6 @@ def identify(
     from layflat.identify.identification import begin  # noqa: PLC0415
     from layflat.identify.page import QUALITY_COLUMNS, doubtful_row, quality_row, value_row, write_page  # noqa: PLC0415
 
-    if starts is not None and starts < 0:
-        raise InputError(f"{starts} is out of range", where="--starts", right="give 0 or more")
     with _busy("reading"):
         session = begin(logs, machine, out, blocks=fit, validate=validate or [], mapping=mapping)
     for name, findings in session.findings.items():

@@ -23,9 +23,6 @@ from layflat.machine.rigs import Rig, load_described
 if TYPE_CHECKING:
     import xarray
 
-MOVES_FIRST = 1
-"""Starts besides the description's own for a machine that moves: led along, it finds its way from there."""
-
 
 @dataclass(frozen=True)
 class Identification:
@@ -51,10 +48,9 @@ class Identification:
     model: Model
     path: Path
 
-    def fit(self, *, starts: int | None = None, seed: int = 0, progress: Progress | None = None) -> Fit:
+    def fit(self, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
         """Fit the model: see `layflat.identify.fit`."""
-        usual = MOVES_FIRST if len(self.model.ladder()) > 1 else STARTS
-        return fit(self.model, starts=usual if starts is None else starts, seed=seed, progress=progress)
+        return fit(self.model, starts=starts, seed=seed, progress=progress)
 
     @cached_property
     def checksums(self) -> dict[str, str]:

@@ -115,11 +115,11 @@ def _written(path: str, value: float, estimate: Estimate | None, before: Any) ->
     if estimate is None:
         return Written(path, u.alike(before, value, "1"), "", before, True, None, "", False)
     unit = estimate.unknown.unit
-    ends = [_short(u.alike(before, end, unit)) for end in _inside(estimate)]
+    low, high = (_number(u.alike(before, end, unit)) for end in _inside(estimate))
     return Written(
         path,
         u.alike(before, value, unit),
-        f"{ends[0].split(' ')[0]} to {ends[1]}",
+        _interval(low, high),
         before,
         estimate.told,
         estimate.partner,
@@ -134,6 +134,11 @@ def _inside(estimate: Estimate) -> tuple[float, float]:
     return max(estimate.low, unknown.low), min(estimate.high, unknown.high)
 
 
-def _short(value: str | float) -> str:
-    number, _, unit = str(value).partition(" ")
-    return f"{float(number):.4g} {unit}".rstrip()
+def _number(value: str | float) -> float:
+    return float(str(value).partition(" ")[0])
+
+
+def _interval(low: float, high: float) -> str:
+    """Both ends with as many digits as it takes to tell them apart."""
+    digits = next((n for n in range(3, 9) if f"{low:.{n}g}" != f"{high:.{n}g}"), 9)
+    return f"{low:.{digits + 1}g} to {high:.{digits + 1}g}"

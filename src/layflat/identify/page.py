@@ -91,9 +91,9 @@ QUALITY_COLUMNS = ["log", "signal", "", "rms error", "% of range", "fit %", "bia
 
 
 def short(value: str | float) -> str:
-    """A value with four digits."""
+    """A value with five digits."""
     number, _, unit = str(value).partition(" ")
-    return f"{float(number):.4g} {unit}".rstrip()
+    return f"{float(number):.5g} {unit}".rstrip()
 
 
 def drawn(found: Fit) -> list[Drawn]:

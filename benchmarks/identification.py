@@ -1,0 +1,113 @@
+"""Random machines, identified from logs that they are simulated to give: how often the truth lies within the intervals.
+
+python -m benchmarks.identification [--machine paper-arm] [--count 40] [--seed 0] [--out build/identification.json]
+
+Every number that is fitted is drawn anew for each machine, around the description that the search begins with; sensors
+are noisy and have 12 bits.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from layflat.identify import Fit, Unknown, fit
+from layflat.identify.benches.arm import ArmModel
+from layflat.identify.benches.arm_blocks import unknowns
+from layflat.identify.excite import sequence
+from layflat.machine import Machine, changed, load
+from layflat.sim import rollout
+
+BLOCKS = ("valve", "hose", "losses", "friction", "inertia")
+
+SPREAD = 0.25
+"""Logarithms of the truth lie within this of the description's; other values within this share of what is searched."""
+
+
+def drawn(machine: Machine, sought: list[Unknown], random: np.random.Generator) -> tuple[Machine, dict[str, float]]:
+    """A machine whose values are random, and these."""
+    truth = {}
+    for unknown in sought:
+        away = random.uniform(-SPREAD, SPREAD)
+        value = unknown.guess * np.exp(away) if unknown.log else unknown.guess + away * (unknown.high - unknown.low)
+        truth[unknown.path] = float(np.clip(value, unknown.low, unknown.high))
+        machine = changed(machine, unknown.path, truth[unknown.path])
+    return machine, truth
+
+
+def log_of(machine: Machine, base: Machine, seed: int) -> xarray.Dataset:
+    """What the sensors see of a machine that follows the bench sequence."""
+    times, demand = sequence(base)
+    run = rollout(machine, demand, duration=float(len(times) * (times[1] - times[0])), start=0.0, seed=seed)
+    seen = run[["measured_pressure", "voltage"]].assign(angle=run["measured_angle"])
+    return seen.isel(time=slice(0, -1))
+
+
+def judged(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
+    """For every value: whether it is told, whether the truth lies within its interval, and the error."""
+    return [
+        {
+            "path": path,
+            "told": bool(found.of(path).told),
+            "inside": bool(found.of(path).low <= value <= found.of(path).high),
+            "error": abs(found.of(path).value - value) / abs(value) if value else 0.0,
+        }
+        for path, value in truth.items()
+    ]
+
+
+def main() -> None:
+    """Identify them all, one after the other."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--machine", default="paper-arm")
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", type=Path, default=Path("build/identification.json"))
+    given = parser.parse_args()
+    base = load(given.machine)
+    sought = unknowns(base, BLOCKS)
+    rows: list[dict[str, Any]] = []
+    for number in range(given.count):
+        random = np.random.default_rng((given.seed, number))
+        machine, truth = drawn(base, sought, random)
+        log = log_of(machine, base, number)
+        begun = time.perf_counter()
+        found = fit(ArmModel(base, {"log": log}, BLOCKS), seed=number)
+        taken = time.perf_counter() - begun
+        values = judged(found, truth)
+        worst = max(quality.share for quality in found.qualities() if quality.judged)
+        rows.append({"seconds": taken, "converged": found.converged, "judged_share": worst, "values": values})
+        told = [value for value in values if value["told"]]
+        inside = sum(value["inside"] for value in told)
+        error = np.median([value["error"] for value in told]) if told else np.nan
+        print(
+            f"{number}: {inside} of {len(told)} told inside ({len(values)} sought), median error {100 * error:.2f} %, "
+            f"free run {100 * worst:.2f} % of range, {taken:.1f} s", flush=True,
+        )  # fmt: skip
+    told = [value for row in rows for value in row["values"] if value["told"]]
+    summary = {
+        "machine": given.machine,
+        "machines": given.count,
+        "told": len(told),
+        "sought": len(sought) * given.count,
+        "inside": float(np.mean([value["inside"] for value in told])),
+        "median_error": float(np.median([value["error"] for value in told])),
+        "seconds": float(np.median([row["seconds"] for row in rows])),
+        "by_path": {
+            unknown.path: float(np.mean([v["inside"] for v in told if v["path"] == unknown.path] or [np.nan]))
+            for unknown in sought
+        },
+    }
+    given.out.parent.mkdir(parents=True, exist_ok=True)
+    given.out.write_text(json.dumps({"summary": summary, "machines": rows}, indent=1))
+    print(json.dumps(summary, indent=1))
+
+
+if __name__ == "__main__":
+    main()
