@@ -49,13 +49,13 @@ class RodLog(NamedTuple):
 
 
 @law
-def shared_out(wanted, limit):
+def shared_out(wanted, limit):  # type: ignore[no-untyped-def]
     """Share of their limits that elements carry so that `wanted` is met."""
     return min(max(wanted / limit, -1.0), 1.0) if limit > 0.0 else 0.0
 
 
 @law
-def _limits(loss, p_g, share):
+def _limits(loss, p_g, share):  # type: ignore[no-untyped-def]
     """What the elements of a hose carry at a share of their limits, N m."""
     p_g = max(p_g, 0.0)
     return (

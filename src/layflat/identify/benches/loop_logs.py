@@ -61,7 +61,7 @@ def without_spikes(values: Array) -> Array:
     to and fro, and forget where the motion turned.
     """
     padded = np.concatenate([values[:1], values, values[-1:]])
-    return np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0)
+    return np.asarray(np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
 
 
 def noise(values: Array) -> float:
@@ -132,7 +132,9 @@ def check_blocks(blocks: Collection[str], known: Collection[str]) -> None:
         raise InputError(f"{unknown[0]!r} is no block", where="blocks", right=f"use {', '.join(known)}")
 
 
-def elements(where: str, unit: str, deflections: Sequence[float], weights: Sequence[float], travel: float) -> list[Unknown]:
+def elements(
+    where: str, unit: str, deflections: Sequence[float], weights: Sequence[float], travel: float
+) -> list[Unknown]:
     """Deflections of elements, and how they share the friction (see `shares_of`), as unknowns.
 
     Args:

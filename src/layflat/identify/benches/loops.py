@@ -77,7 +77,6 @@ class LoopModel(Model):
         hose_b = hose_a if described.acting == "double" else parameters.NO_HOSE
         brake = np.broadcast_to(described.brake.torque, len(values)).astype(np.float64)
         offset = values[:, self._place[OFFSET]] if OFFSET in self._place else np.zeros(len(values))
-        # What the elements carry at first depends on the torque without the sensor's offset, which differs by candidate.
         torques = []
         for log in self.logs:
             first = log.first - offset
@@ -85,13 +84,18 @@ class LoopModel(Model):
         return np.concatenate(torques, axis=1)
 
     def described(self, values: Array) -> Machine:
-        """The machine with values of the unknowns (SI) in their places; elements from the first that slips to the last."""
+        """The machine with values of the unknowns (SI) in their places; elements in the order in which they slip."""
         machine = self._with([float(value) for value in values])
         losses = machine.joint[self.joint].losses
         order = np.argsort(losses.deflections, kind="stable")
         for key, items in (("deflections", losses.deflections), ("weights", losses.weights)):
             machine = changed(machine, f"{self._at}.losses.{key}", tuple(float(items[i]) for i in order))
         return machine
+
+    @property
+    def motions(self) -> tuple[Array, ...]:
+        """Angle of every log, rad."""
+        return tuple(log.angle for log in self.logs)
 
     @property
     def _at(self) -> str:

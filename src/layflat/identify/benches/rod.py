@@ -88,7 +88,7 @@ class RodModel(Model):
         return np.concatenate([pushed_forces(rods, weights, stiffness, log) for log in self.logs], axis=1)
 
     def starts(self, seed: int) -> Array:  # noqa: ARG002
-        """A start from linear least squares, with the turns of the description: all but these enters nearly linearly."""
+        """A start from linear least squares, with deflections as described: all but these enters nearly linearly."""
         weights, stiffness = self._elements(self.guess[None])[1:]
         bare = [Rod(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)]
         rows, wanted = [], []
@@ -112,7 +112,7 @@ class RodModel(Model):
         return start[None]
 
     def described(self, values: Array) -> FrictionRig:
-        """The rig with values of the unknowns (SI) in their places; elements from the first that slips to the last."""
+        """The rig with values of the unknowns (SI) in their places; elements in the order in which they slip."""
         rig = self.rig
         for path, place in self._place.items():
             if ".split." not in path:
@@ -122,6 +122,11 @@ class RodModel(Model):
         deflections = tuple(float(rig.friction.deflections[i]) for i in order)
         rig = _changed(rig, "friction.deflections", deflections)
         return _changed(rig, "friction.weights", tuple(float(weights[i]) for i in order))
+
+    @property
+    def motions(self) -> tuple[Array, ...]:
+        """Position of every log, m."""
+        return tuple(log.position for log in self.logs)
 
     @property
     def _place(self) -> dict[str, int]:
@@ -183,7 +188,9 @@ class RodModel(Model):
     def _viscous(self) -> list[Unknown]:
         size = self._scales
         most = size.reach / size.speed
-        return [of_range(PATHS[6], "N*s/m", self.rig.friction.viscous, 0.0, most, "speeds that differ at each pressure")]
+        return [
+            of_range(PATHS[6], "N*s/m", self.rig.friction.viscous, 0.0, most, "speeds that differ at each pressure")
+        ]
 
 
 def _changed(rig: FrictionRig, path: str, value: Any) -> FrictionRig:

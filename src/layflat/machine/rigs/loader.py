@@ -43,7 +43,9 @@ def load_rig(rig: str | Path) -> FrictionRig:
     try:
         return KINDS[str(kind)].model_validate(tables)
     except ValidationError as error:
-        found = sorted(error.errors(), key=lambda one: one["type"] != "extra_forbidden")  # what was misspelt is missing too
+        found = sorted(
+            error.errors(), key=lambda one: one["type"] != "extra_forbidden"
+        )  # what was misspelt is missing too
         raise _explained(found[0], where, KINDS[str(kind)]) from None
 
 
