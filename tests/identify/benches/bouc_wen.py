@@ -29,7 +29,7 @@ class BoucWen:
 
         def rate(t: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
             v, size = amplitude * w * np.cos(w * t) / self.turn, np.abs(z)
-            return v - self.beta * np.abs(v) * size ** (self.n - 1) * z - (1 - self.beta) * v * size**self.n
+            return np.asarray(v - self.beta * np.abs(v) * size ** (self.n - 1) * z - (1 - self.beta) * v * size**self.n)
 
         z = solve_ivp(rate, (time[0], time[-1]), [0.0], t_eval=time, max_step=0.02, rtol=1e-6, atol=1e-8).y[0]
         q = amplitude * np.sin(w * time)

@@ -63,7 +63,7 @@ def test_what_a_machine_shows_is_found_again() -> None:
     assert loop_errors(model, found.simulated)[-1].raw < 0.01
 
 
-@pytest.mark.parametrize(("n", "beta"), [(1.0, 0.5), (1.5, 0.8), (2.0, 0.5), (2.0, 1.3)])
+@pytest.mark.parametrize(("n", "beta"), [(1.0, 0.5), (2.0, 1.3)])
 def test_loops_of_another_law_are_predicted_at_other_amplitudes_and_speeds(n: float, beta: float) -> None:
     loss = BoucWen(n, beta, turn=radians(1.0))
     logs = {
@@ -113,3 +113,11 @@ def test_a_wrong_option_is_named(change: dict[str, object], said: str) -> None:
 def test_a_log_without_torque_is_refused() -> None:
     with pytest.raises(InputError, match="monday: has no torque; map a column"):
         LoopModel(BRAKED, {"monday": turned(BRAKED, 2e5, seed=0).drop_vars("torque")})
+
+
+def test_a_loop_inside_the_springs_is_beyond_elements_that_slip() -> None:
+    """The limit that the documentation states: half the turn at which this loss slips, and a loop that is too high."""
+    loss = BoucWen(1.0, 0.5, turn=radians(4.0))
+    logs = {f"{a} deg": measured(RIG, "small", loss, radians(a), 8.0, seed=a) for a in (5, 20)}
+    model = LoopModel(RIG, logs, {"2 deg": measured(RIG, "small", loss, radians(2), 8.0, seed=2)})
+    assert loop_errors(model, fit(model, starts=0).simulated)[-1].raw > 0.10
