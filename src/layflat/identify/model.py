@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,6 +28,7 @@ class Output:
         measured: (samples,), not a number where nothing was measured.
         fitted: (samples,), whether a sample is fitted; else it is judged.
         scale: what an error is divided by: the noise, or how large an error matters.
+        driven_by: the input that moves it most, (samples,); errors of a good model have nothing to do with it.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Output:
     measured: Array
     fitted: Flags
     scale: float
+    driven_by: Array | None = None
 
 
 class Model(ABC):
@@ -61,6 +64,18 @@ class Model(ABC):
     def starts(self, seed: int) -> Array:  # noqa: ARG002  (for those that draw)
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))
+
+    def ladder(self) -> Sequence[Model]:
+        """Models of the same unknowns and outputs by which the values are found, from the easiest on.
+
+        The last gives values and intervals. What the values predict is simulated by this model itself.
+        """
+        return (self,)
+
+    def written(self, values: Array) -> dict[str, float]:
+        """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""
+        found = zip(self.unknowns, values, strict=True)
+        return {unknown.path: float(value) for unknown, value in found if not unknown.nuisance}
 
     @cached_property
     def guess(self) -> Array:

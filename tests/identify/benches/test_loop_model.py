@@ -7,6 +7,7 @@ from bouc_wen import AMBIENT, BoucWen, measured
 
 from layflat.errors import InputError
 from layflat.identify import fit
+from layflat.identify.benches.kinds import ARM, LOOPS, bench_of
 from layflat.identify.benches.loop_errors import loop_errors
 from layflat.identify.benches.loops import LoopModel
 from layflat.machine import Machine, changed, load
@@ -57,8 +58,10 @@ def test_what_a_machine_shows_is_found_again() -> None:
     assert described.hose.torque_factor == pytest.approx(0.9, rel=0.01)
     assert described.losses.pressure_free == pytest.approx(0.4, abs=0.1)
     assert described.brake.torque == pytest.approx(1.2, rel=0.15)
+    written = model.written(found.values)
+    assert [written[f"joint.small.losses.weights.{j}"] for j in range(3)] == list(described.losses.weights)
     assert sum(described.losses.weights) == pytest.approx(1.0)
-    assert described.losses.deflections == pytest.approx(joint.losses.deflections, rel=0.25)
+    assert sorted(described.losses.deflections) == pytest.approx(joint.losses.deflections, rel=0.25)
     assert described.hose.loss_share == pytest.approx(joint.hose.loss_share, rel=0.15)
     assert loop_errors(model, found.simulated)[-1].raw < 0.01
 
@@ -121,3 +124,9 @@ def test_a_loop_inside_the_springs_is_beyond_elements_that_slip() -> None:
     logs = {f"{a} deg": measured(RIG, "small", loss, radians(a), 8.0, seed=a) for a in (5, 20)}
     model = LoopModel(RIG, logs, {"2 deg": measured(RIG, "small", loss, radians(2), 8.0, seed=2)})
     assert loop_errors(model, fit(model, starts=0).simulated)[-1].raw > 0.10
+
+
+def test_a_machine_with_torques_and_without_voltages_is_a_loop_bench() -> None:
+    log = turned(BRAKED, 2e5, seed=0)
+    assert bench_of(BRAKED, {"log": log}) is LOOPS
+    assert bench_of(BRAKED, {"log": log.assign(voltage=log["torque"])}) is ARM

@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -7,11 +8,11 @@ import xarray
 from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.loop_errors import loop_errors
-from layflat.identify.benches.loop_logs import noise, shares_of, split_of, without_spikes
+from layflat.identify.benches.loop_logs import noise, rounded, shares_of, split_of, without_spikes
 from layflat.identify.benches.rod import RodModel
 from layflat.machine.rigs import FrictionRig, load_rig
 
-RIG = load_rig("friction-rig")
+RIG = cast(FrictionRig, load_rig("friction-rig"))
 DATA = Path(__file__).parents[3].parent / "shared" / "data" / "zillen"
 
 REAL = RIG.model_copy(
@@ -48,8 +49,11 @@ def test_what_a_rig_shows_is_found_again() -> None:
     assert described.piston.area_slope == pytest.approx(-2e-3, rel=0.05)
     assert described.friction.base == pytest.approx(11.0, rel=0.02)
     assert described.friction.slope == pytest.approx(4e-5, rel=0.02)
-    assert described.friction.deflections == pytest.approx(REAL.friction.deflections, rel=0.15)
-    assert described.friction.weights == pytest.approx(REAL.friction.weights, abs=0.03)
+    found_elements = sorted(zip(described.friction.deflections, described.friction.weights, strict=True))
+    deflections, weights = zip(*found_elements, strict=True)
+    assert deflections == pytest.approx(REAL.friction.deflections, rel=0.15)
+    assert weights == pytest.approx(REAL.friction.weights, abs=0.03)
+    assert model.written(found.values)["friction.weights.2"] == described.friction.weights[2]
     assert found.trusted
     assert loop_errors(model, found.simulated)[-1].raw < 0.005
 
@@ -99,6 +103,15 @@ def test_weights_and_how_they_are_split() -> None:
         weights = rng.dirichlet(np.ones(count))
         assert shares_of(split_of(weights)) == pytest.approx(weights)
     assert shares_of(split_of(np.array([1.0, 0.0, 0.0]))) == pytest.approx([1.0, 0.0, 0.0])
+
+
+def test_rounded_weights_add_up_to_one() -> None:
+    rng = np.random.default_rng(0)
+    for count in (1, 2, 3, 7):
+        for _ in range(50):
+            weights = rounded(rng.dirichlet(np.ones(count)))
+            assert abs(sum(weights) - 1.0) < 1e-12
+            assert [float(f"{weight:.7g}") for weight in weights] == list(weights)
 
 
 def test_a_median_of_three_leaves_a_way_as_it_is() -> None:

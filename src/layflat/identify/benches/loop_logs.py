@@ -33,6 +33,9 @@ LEAST, MOST = 1e-6, 2.0
 The least is far below what any log tells, so that friction which slips at once does not end at a bound.
 """
 
+DECIMALS = 6
+"""Of weights in a description."""
+
 NOISES = 6.0
 """A brake gives by so many standard deviations of the motion's noise."""
 
@@ -158,6 +161,14 @@ def shares_of(split: Array) -> Array:
     left = np.cumprod(1.0 - split, axis=-1)
     one = np.ones((*split.shape[:-1], 1))
     return np.asarray(np.concatenate([split, one], axis=-1) * np.concatenate([one, left], axis=-1))
+
+
+def rounded(weights: Array) -> tuple[float, ...]:
+    """Weights with six decimals that still add up to 1, as they can stand in a file."""
+    found = np.round(weights, DECIMALS)
+    largest = int(np.argmax(found))
+    found[largest] = round(1.0 - float(np.delete(found, largest).sum()), DECIMALS)
+    return tuple(float(one) for one in found)
 
 
 def split_of(weights: Array) -> Array:

@@ -14,10 +14,11 @@ import numpy as np
 
 from layflat.errors import InputError
 from layflat.identify.benches import loop_logs
-from layflat.identify.benches.loop_logs import Logs, elements, of_range, shares_of
+from layflat.identify.benches.loop_logs import Logs, elements, of_range, rounded, shares_of
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Joint, Machine, changed, parameters
+from layflat.machine.change import value_at
 from layflat.sim.loops import TurnedLog, turned_torques
 
 if TYPE_CHECKING:
@@ -84,13 +85,18 @@ class LoopModel(Model):
         return np.concatenate(torques, axis=1)
 
     def described(self, values: Array) -> Machine:
-        """The machine with values of the unknowns (SI) in their places; elements in the order in which they slip."""
+        """The machine with values of the unknowns (SI) in their places."""
         machine = self._with([float(value) for value in values])
-        losses = machine.joint[self.joint].losses
-        order = np.argsort(losses.deflections, kind="stable")
-        for key, items in (("deflections", losses.deflections), ("weights", losses.weights)):
-            machine = changed(machine, f"{self._at}.losses.{key}", tuple(float(items[i]) for i in order))
-        return machine
+        weights = np.array(machine.joint[self.joint].losses.weights)
+        return changed(machine, f"{self._at}.losses.weights", rounded(weights)) if "losses" in self.blocks else machine
+
+    def written(self, values: Array) -> dict[str, float]:
+        """What was found, by its path in the description: weights in place of how they are split."""
+        machine = self.described(values)
+        paths = [u.path for u in self.unknowns if ".split." not in u.path and not u.nuisance]
+        if "losses" in self.blocks:
+            paths += [f"{self._at}.losses.weights.{j}" for j in range(3)]
+        return {path: float(value_at(machine, path)) for path in paths}
 
     @property
     def motions(self) -> tuple[Array, ...]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from layflat.errors import InputError
 from layflat.identify.benches import loop_logs
-from layflat.identify.benches.loop_logs import Logs, elements, of_range, shares_of
+from layflat.identify.benches.loop_logs import Logs, elements, of_range, rounded, shares_of
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine.change import changed, value_at
@@ -112,16 +112,20 @@ class RodModel(Model):
         return start[None]
 
     def described(self, values: Array) -> FrictionRig:
-        """The rig with values of the unknowns (SI) in their places; elements in the order in which they slip."""
+        """The rig with values of the unknowns (SI) in their places."""
         rig = self.rig
         for path, place in self._place.items():
             if ".split." not in path:
                 rig = _changed(rig, path, float(values[place]))
-        weights = self._weights(values[None])[0]
-        order = np.argsort(rig.friction.deflections, kind="stable")
-        deflections = tuple(float(rig.friction.deflections[i]) for i in order)
-        rig = _changed(rig, "friction.deflections", deflections)
-        return _changed(rig, "friction.weights", tuple(float(weights[i]) for i in order))
+        return _changed(rig, "friction.weights", rounded(self._weights(values[None])[0]))
+
+    def written(self, values: Array) -> dict[str, float]:
+        """What was found, by its path in the description: weights in place of how they are split."""
+        rig = self.described(values)
+        paths = [path for path in self._place if ".split." not in path]
+        if "friction.base" in self._place:
+            paths += [f"friction.weights.{j}" for j in range(len(rig.friction.weights))]
+        return {path: float(value_at(cast(Any, rig), path)) for path in paths}
 
     @property
     def motions(self) -> tuple[Array, ...]:

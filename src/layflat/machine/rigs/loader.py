@@ -6,16 +6,22 @@ import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from layflat.errors import MachineError
+from layflat.machine.loader import Plain, Sources, load, names
+from layflat.machine.model import Machine
 from layflat.machine.provenance import split
 from layflat.machine.rigs.friction import FrictionRig
+from layflat.machine.rigs.vessel import VesselRig
 
-KINDS: dict[str, type[FrictionRig]] = {"friction rig": FrictionRig}
+Rig: TypeAlias = VesselRig | FrictionRig
+"""A bench that is no machine."""
+
+KINDS: dict[str, type[Rig]] = {"vessel": VesselRig, "friction rig": FrictionRig}
 """Descriptions by the `kind` at the top of their files."""
 
 BUILT_IN = files("layflat.machine.rigs") / "builtin"
@@ -26,17 +32,45 @@ def rig_names() -> tuple[str, ...]:
     return tuple(sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir()))
 
 
-def load_rig(rig: str | Path) -> FrictionRig:
+def load_described(where: str | Path) -> Machine | Rig:
+    """A machine or a bench, from its built-in name or from a TOML file.
+
+    Raises:
+        MachineError: in one line, which file, key and value is wrong and what would be right.
+    """
+    place = str(where)
+    own = place in rig_names() or (place not in names() and Path(place).is_file() and "kind" in rig_tables(place)[0])
+    return load_rig(place) if own else load(place)
+
+
+def load_rig(rig: str | Path) -> Rig:
     """A bench from its built-in name or from a TOML file.
 
     Raises:
         MachineError: in one line, which file, key and value is wrong and what would be right.
     """
+    return build_rig(rig_tables(rig)[0], str(rig))
+
+
+def rig_tables(rig: str | Path) -> tuple[Plain, Sources]:
+    """The plain values of a bench as they are written, and where they come from.
+
+    Raises:
+        MachineError: the file is missing or broken.
+    """
     where = str(rig)
     try:
-        tables, _ = split(tomllib.loads(_text(where)), where)
+        return split(tomllib.loads(_text(where)), where)
     except tomllib.TOMLDecodeError as error:
-        raise MachineError(f"is not TOML: {error}", where=where, right='values look like area = "5 cm^2"') from None
+        raise MachineError(f"is not TOML: {error}", where=where, right='values look like volume = "10 l"') from None
+
+
+def build_rig(tables: Plain, where: str) -> Rig:
+    """Validate plain tables, quantities as text with units, into a bench.
+
+    Raises:
+        MachineError: naming `where`, the key and the value.
+    """
     kind = tables.get("kind")
     if kind not in KINDS:
         raise MachineError(f"{kind!r} is no kind of bench", where=f"{where}: kind", right=f"give {' or '.join(KINDS)}")
