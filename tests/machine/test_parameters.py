@@ -105,3 +105,15 @@ def test_angles_outside_the_stroke() -> None:
         parameters.check_inside_stroke(ARM, "large", radians(61), "x")
     with pytest.raises(MachineError):
         parameters.check_inside_stroke(ARM, "large", float("nan"), "x")
+
+
+@pytest.mark.parametrize("name", ["rig-polyester", "paper-small-joint"])
+def test_a_torque_factor_that_differs_from_run_to_run(name: str) -> None:
+    factors = np.array([0.8, 1.0, 1.3])
+    many = changed(load(name), "joint.small.hose.torque_factor", factors)
+    found = parameters.hose(many.joint["small"])
+    for i, factor in enumerate(factors):
+        one = parameters.hose(changed(load(name), "joint.small.hose.torque_factor", float(factor)).joint["small"])
+        for part, own in ((found.stroke, one.stroke), (found.loss, one.loss)):
+            numbers = [float(np.broadcast_to(number, 3)[i]) for number in part]
+            assert numbers == pytest.approx(list(own), rel=1e-12)

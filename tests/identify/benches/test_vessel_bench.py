@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -45,7 +46,7 @@ def chamber(values: Mapping[str, float]) -> VesselRig:
             "critical_ratio": values["path.critical_ratio"],
         },
     }
-    return build_rig(tables | dict.fromkeys(("outside", "ambient", "start"), ROOM), "chamber")
+    return cast(VesselRig, build_rig(tables | dict.fromkeys(("outside", "ambient", "start"), ROOM), "chamber"))
 
 
 def simulated(seed: int, added: float = 0.0) -> xarray.Dataset:
@@ -92,7 +93,7 @@ def test_one_volume_does_not_tell_volume_and_conductance() -> None:
 
 def blow_down(**parts: object) -> tuple[VesselRig, xarray.Dataset]:
     """The built-in vessel, its pressure and temperature read off now and then."""
-    rig = load_rig("blow-down-vessel").model_copy(update=parts)
+    rig = cast(VesselRig, load_rig("blow-down-vessel")).model_copy(update=parts)
     time = np.linspace(0.0, 60.0, 25)
     empty = {name: ("time", np.full(25, 300.0)) for name in ("pressure", "temperature")}
     model = vessel_model(rig, {"log": xarray.Dataset(empty, {"time": time})})

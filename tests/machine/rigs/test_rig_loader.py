@@ -4,7 +4,7 @@ import pytest
 
 from layflat.errors import MachineError
 from layflat.machine.provenance import SOURCES, split
-from layflat.machine.rigs import load_rig, rig_names
+from layflat.machine.rigs import VesselRig, load_rig, rig_names
 from layflat.machine.rigs.loader import BUILT_IN
 from layflat.physics.flow import sonic_conductance
 
@@ -24,6 +24,7 @@ def test_built_in_rigs_are_sound_and_say_where_each_value_comes_from() -> None:
 
 def test_the_built_in_vessel_is_consistent() -> None:
     rig = load_rig("blow-down-vessel")
+    assert isinstance(rig, VesselRig)
     assert rig.space.volume == pytest.approx(3.14159 / 4 * rig.space.diameter**2 * 0.32, rel=0.01)
     assert rig.path.hole is not None
     assert rig.path.conductance == pytest.approx(sonic_conductance(3.14159 / 4 * rig.path.hole**2, 0.72), rel=0.01)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 from math import pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -97,7 +97,7 @@ def read_hyddown_rig(path: str | Path) -> VesselRig:
         "ambient": _place(101325.0, around),
         "start": _place(_number(start, "pressure", f"{where}: initial"), T),
     }
-    return build_rig(tables, where)
+    return cast(VesselRig, build_rig(tables, where))
 
 
 def read_hyddown_log(path: str | Path) -> xarray.Dataset:

@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from layflat.errors import InputError
 from layflat.identify.benches.arm import ArmModel
 from layflat.identify.benches.arm_blocks import BLOCKS as ARM_BLOCKS
+from layflat.identify.benches.loops import BLOCKS as LOOP_BLOCKS
+from layflat.identify.benches.loops import LoopModel
+from layflat.identify.benches.rod import BLOCKS as ROD_BLOCKS
+from layflat.identify.benches.rod import RodModel
 from layflat.identify.benches.vessel import BLOCKS as VESSEL_BLOCKS
 from layflat.identify.benches.vessel import vessel_model
 from layflat.identify.model import Model
 from layflat.machine import Machine
-from layflat.machine.rigs import Rig, VesselRig
+from layflat.machine.rigs import FrictionRig, Rig, VesselRig
 
 if TYPE_CHECKING:
     import xarray
@@ -39,10 +43,22 @@ def _vessel(rig: VesselRig, logs: Logs, blocks: Sequence[str], judged: Logs) -> 
 ARM = Bench(ARM_BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), ArmModel)
 VESSEL = Bench(tuple(VESSEL_BLOCKS), tuple(VESSEL_BLOCKS), _vessel)
 
+LOOPS = Bench(
+    LOOP_BLOCKS,
+    ("torque", "losses"),
+    lambda machine, logs, blocks, judged: LoopModel(machine, logs, judged, blocks=blocks),
+)
+ROD = Bench(
+    ROD_BLOCKS, ("piston", "friction"), lambda rig, logs, blocks, judged: RodModel(rig, logs, judged, blocks=blocks)
+)
+
 
 def bench_of(described: Machine | Rig, logs: Logs) -> Bench:
     """The bench of a description whose logs these are."""
-    return ARM if isinstance(described, Machine) else VESSEL
+    if isinstance(described, Machine):
+        loops = all("torque" in log and "voltage" not in log for log in logs.values())
+        return LOOPS if loops else ARM
+    return ROD if isinstance(described, FrictionRig) else VESSEL
 
 
 def chosen(bench: Bench, fitted: str | None) -> list[str]:

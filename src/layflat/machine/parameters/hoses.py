@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from math import pi
 
 import numpy as np
@@ -53,8 +54,8 @@ def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
     hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
     t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
     alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
-    each_torque = [each(roller_torque, 1.0, R, r, hose.width / pi, hose.wrap, alpha) for alpha in alphas]
-    K = hose.torque_factor * np.array(each_torque)
+    one = partial(each, roller_torque, 1.0, R, r, hose.width / pi, hose.wrap)
+    K = np.array([hose.torque_factor * one(alpha) for alpha in alphas])
     return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
 
 
@@ -63,8 +64,8 @@ def torque_constant(joint: parts.Joint) -> float:
     curve = stroke(joint)
     if isinstance(curve, EvenStroke):
         return curve.k0
-    s = np.multiply.outer(np.linspace(0.0, 1.0, 101), full_travel(joint))
-    return np.max(sum(k * s**i for i, k in enumerate(curve)), axis=0)  # type: ignore[no-any-return]
+    S, t = full_travel(joint), np.linspace(0.0, 1.0, 101)
+    return np.max(sum(np.multiply.outer(t**i, k * S**i) for i, k in enumerate(curve)), axis=0)  # type: ignore[no-any-return]
 
 
 def loss_share(joint: parts.Joint) -> float:

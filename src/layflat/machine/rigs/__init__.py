@@ -1,6 +1,17 @@
 """Benches as people describe them: a file says at its top what `kind` of bench it is."""
 
+from layflat.machine.rigs.friction import FrictionRig
 from layflat.machine.rigs.loader import KINDS, Rig, build_rig, load_described, load_rig, rig_names, rig_tables
 from layflat.machine.rigs.vessel import VesselRig
 
-__all__ = ["KINDS", "Rig", "VesselRig", "build_rig", "load_described", "load_rig", "rig_names", "rig_tables"]
+__all__ = [
+    "KINDS",
+    "FrictionRig",
+    "Rig",
+    "VesselRig",
+    "build_rig",
+    "load_described",
+    "load_rig",
+    "rig_names",
+    "rig_tables",
+]

@@ -15,12 +15,13 @@ from layflat.errors import MachineError
 from layflat.machine.loader import Plain, Sources, load, names
 from layflat.machine.model import Machine
 from layflat.machine.provenance import split
+from layflat.machine.rigs.friction import FrictionRig
 from layflat.machine.rigs.vessel import VesselRig
 
-Rig: TypeAlias = VesselRig
+Rig: TypeAlias = VesselRig | FrictionRig
 """A bench that is no machine."""
 
-KINDS: dict[str, type[Rig]] = {"vessel": VesselRig}
+KINDS: dict[str, type[Rig]] = {"vessel": VesselRig, "friction rig": FrictionRig}
 """Descriptions by the `kind` at the top of their files."""
 
 BUILT_IN = files("layflat.machine.rigs") / "builtin"
