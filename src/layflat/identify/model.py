@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -61,6 +62,13 @@ class Model(ABC):
     def starts(self, seed: int) -> Array:  # noqa: ARG002  (for those that draw)
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))
+
+    def ladder(self) -> Sequence[Model]:
+        """Models of the same unknowns and outputs by which the values are found, from the easiest on.
+
+        The last gives values and intervals. What the values predict is simulated by this model itself.
+        """
+        return (self,)
 
     @cached_property
     def guess(self) -> Array:

@@ -18,6 +18,7 @@ class Unknown:
         log: whether it is searched on a logarithmic scale; then `low` is above zero.
         excitation: what a log has to contain to tell it, in one clause.
         nuisance: whether it is found only because the rest depends on it, as the state that a log begins in.
+        floor: whether the lower bound is an end by nature, as no delay is, where a value may well lie.
     """
 
     path: str
@@ -28,3 +29,4 @@ class Unknown:
     log: bool = True
     excitation: str = ""
     nuisance: bool = False
+    floor: bool = False

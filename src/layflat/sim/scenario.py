@@ -36,7 +36,7 @@ class Scenario:
     A disturbance given as steps is as usual before the first of them; a demand is there from the start.
 
     Args:
-        demand: angles asked for (rad); must lie inside the working stroke.
+        demand: angles asked for (rad); must lie inside the working stroke where the controller drives.
         duration: s.
         start: angles at which the arm rests at first; the first demand where not given.
         opening: valve openings, -1..1, in place of the controller: an open-loop run.
@@ -120,7 +120,7 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
         return np.ascontiguousarray(spread(signal, times, [where], kind, where, nan)[:, 0])
 
     demand = spread(scenario.demand, times, names, u.ANGLE, "demand")
-    for j, name in enumerate(names):
+    for j, name in enumerate(names if scenario.closed_loop else ()):
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand")
     supply = shared(scenario.supply, u.PRESSURE, "supply")

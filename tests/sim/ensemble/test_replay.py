@@ -10,9 +10,11 @@ from layflat.machine import changed, load
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import traced
+from layflat.sim.scenario import Steps
 
 ARM = load("paper-arm")
-MOVES = Scenario(demand=[("0 s", "0 deg"), ("0.2 s", {"large": "30 deg", "small": "-20 deg"})], duration="1.5 s")
+STEPS: Steps = [("0 s", "0 deg"), ("0.2 s", {"large": "30 deg", "small": "-20 deg"})]
+MOVES = Scenario(demand=STEPS, duration="1.5 s")
 
 
 def test_a_run_s_own_voltages_give_the_run_again() -> None:

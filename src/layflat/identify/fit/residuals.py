@@ -10,8 +10,11 @@ from layflat.identify.model import Model
 
 Array = NDArray[np.float64]
 
-STEP = 1e-3
-"""Half the width of a difference, as a share of the way between the bounds."""
+STEP, WIDEST = 1e-3, 0.1
+"""Half the width of a difference, as a share of the way between the bounds: at least and at most."""
+
+NOTICED = 2.0
+"""A difference is as wide as it takes to change the residuals by so much in all, within these limits."""
 
 VAGUENESS = 0.5
 """Standard deviation of what is known beforehand about an unknown, as a share of the way between its bounds.
@@ -30,6 +33,7 @@ class Residuals:
         self.model, self.scaled = model, Scaled(model.unknowns)
         self.prior = self.scaled.shares(model.guess)
         self.scales = [output.scale for output in model.outputs]
+        self._axes, self._strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
     @property
     def scale(self) -> Array:
@@ -44,7 +48,7 @@ class Residuals:
         used = self.model.used
         found = self.model.simulate(self.scaled.values(shares))[:, used]
         error = (found - self.model.measured[used]) / self.scale
-        return np.asarray(np.where(np.isfinite(error), np.clip(error, -LOST, LOST), LOST))
+        return np.asarray(np.where(np.isfinite(error), np.clip(error, -LOST, LOST), LOST), dtype=np.float64)
 
     def __call__(self, shares: Array) -> Array:
         """Residuals of one candidate."""
@@ -56,17 +60,25 @@ class Residuals:
 
     def costs(self, shares: Array) -> Array:
         """Half the sum of squares of each candidate."""
-        return np.array([0.5 * (r @ r) for r in self.data(shares)]) + 0.5 * np.sum(self.beforehand(shares) ** 2, axis=1)
+        data, known = self.data(shares), self.beforehand(shares)
+        return np.asarray(0.5 * (np.sum(data**2, axis=1) + np.sum(known**2, axis=1)))
 
     def data_jacobian(self, shares: Array) -> Array:
-        """How the residuals of the data change, (fitted samples, unknowns); differences across bounds are one-sided."""
-        n = len(shares)
-        up, down = np.minimum(shares + STEP, 1.0), np.maximum(shares - STEP, 0.0)
-        candidates = np.tile(shares, (2 * n, 1))
-        candidates[np.arange(n), np.arange(n)] = up
-        candidates[n + np.arange(n), np.arange(n)] = down
-        found = self.data(candidates)
-        return np.asarray(((found[:n] - found[n:]) / (up - down)[:, None]).T)
+        """How the residuals of the data change, (fitted samples, unknowns).
+
+        A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
+        the last Jacobian, and the wider the less an axis changes: what the log hardly tells is then seen to be so, and
+        not covered by roughness. They are one-sided at a bound.
+        """
+        steps = np.clip(NOTICED / self._strengths, STEP, WIDEST)[:, None] * self._axes
+        up, down = np.clip(shares + steps, 0.0, 1.0), np.clip(shares - steps, 0.0, 1.0)
+        found = self.data(np.vstack([up, down]))
+        jacobian = np.linalg.lstsq(up - down, found[: len(up)] - found[len(up) :])[0].T
+        _, values, self._axes = np.linalg.svd(
+            np.vstack([jacobian, np.eye(len(shares)) / VAGUENESS]), full_matrices=False
+        )
+        self._strengths = values
+        return np.asarray(jacobian)
 
     def jacobian(self, shares: Array) -> Array:
         """How the residuals change, (rows, unknowns)."""

@@ -26,6 +26,12 @@ SPREAD = 0.25
 SHORT, LONG = 6, 60
 """Steps of a start's refinement, and of the last one."""
 
+ROUNDS = 2
+"""Refinements of every model; the outputs are weighed after each."""
+
+PASSES = 4
+"""Jacobians one after the other at the end: each finds the axes better."""
+
 EDGE = 2e-3
 """A share within this of 0 or 1 is at its bound."""
 
@@ -49,20 +55,27 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
         InputError: an unknown's bounds leave no room.
     """
     search = _Search(model, progress)
-    shares = search.begin(starts, seed)
-    shares, converged = search.refine(shares, LONG, "fitting")
-    for _ in range(2):
-        # Outputs count by how well they can be predicted at all.
-        search.weigh(shares)
-        shares, converged = search.refine(shares, LONG, "weighing")
+    ladder = model.ladder()
+    search.take(ladder[0])
+    shares, converged = search.begin(starts, seed), False
+    for number, rung in enumerate(ladder):
+        search.take(rung)
+        for _ in range(ROUNDS):
+            shares, converged = search.refine(shares, LONG, f"fit {number + 1} of {len(ladder)}")
+            # Outputs count by how well they can be predicted at all.
+            search.weigh(shares)
     search.tell(0.95, "intervals")
-    return search.result(shares, converged, seed)
+    return search.result(model, shares, converged, seed)
 
 
 class _Search:
     def __init__(self, model: Model, progress: Progress | None) -> None:
-        self.model, self.residuals = model, Residuals(model)
+        self.model = model
         self.progress, self.done, self.simulations = progress, 0.0, 0
+
+    def take(self, model: Model) -> None:
+        """Go on with a model of the same unknowns."""
+        self.model, self.residuals = model, Residuals(model)
 
     def tell(self, share: float, text: str) -> None:
         self.done = max(self.done, share)
@@ -123,11 +136,13 @@ class _Search:
                 rms = float(np.sqrt(np.mean((found[place][chosen] - output.measured[chosen]) ** 2)))
                 self.residuals.scales[i] = max(output.scale, rms) if np.isfinite(rms) else output.scale
 
-    def result(self, shares: Array, converged: bool, seed: int) -> Fit:
-        """Estimates with their intervals."""
+    def result(self, free: Model, shares: Array, converged: bool, seed: int) -> Fit:
+        """Estimates with their intervals, and what they predict by the model that runs freely."""
         scaled, model = self.residuals.scaled, self.model
-        J, r = self.residuals.data_jacobian(shares), self.residuals.data(shares[None])[0]
-        self.simulations += 2 * len(shares) + 2
+        for _ in range(PASSES):
+            J = self.residuals.data_jacobian(shares)
+        r = self.residuals.data(shares[None])[0]
+        self.simulations += 2 * PASSES * len(shares) + 2
         spread = covariance(J, r)
         low, high = interval(shares, spread, bootstrap(J, r, blocks_of(model, r), seed))
         values, lows, highs = scaled.values(shares), scaled.values(low), scaled.values(high)
@@ -137,6 +152,6 @@ class _Search:
         for i, unknown in enumerate(model.unknowns):
             partner = int(np.argmax(alike[i]))
             together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
-            at_bound = not EDGE < shares[i] < 1.0 - EDGE
+            at_bound = shares[i] > 1.0 - EDGE or (shares[i] < EDGE and not unknown.floor)
             estimates.append(Estimate(unknown, float(values[i]), float(lows[i]), float(highs[i]), at_bound, together))
-        return Fit(model, tuple(estimates), model.simulate(values[None])[0], converged, self.simulations)
+        return Fit(free, tuple(estimates), free.simulate(values[None])[0], converged, self.simulations)

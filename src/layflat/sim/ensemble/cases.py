@@ -22,7 +22,7 @@ from layflat.sim.scenario import Scenario, Shapes, sensor_noise, shapes
 
 Array = NDArray[np.float64]
 
-ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0}
+ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
 

@@ -45,7 +45,7 @@ class Runs(NamedTuple):
     pressures: np.ndarray
     """At the start, Pa, (joints, 2, runs)"""
     usual: np.ndarray
-    """What multiplies the scenario's brake, and what comes on top of its load and drift: (joints, 3, runs)"""
+    """The numbers of `Usual`: (joints, 4, runs)"""
     usual_shared: np.ndarray
     """Gauge supply pressure and payload where the scenario gives none: (2, runs)"""
     noise: np.ndarray
@@ -66,11 +66,15 @@ class Held(NamedTuple):
 
 
 class Usual(NamedTuple):
-    """What a run adds to its scenario: a factor of the brake, and what comes on top of load and drift."""
+    """What a run adds to its scenario: a factor of the brake, what comes on top of load and drift, and a lead.
+
+    The lead (V/rad) draws a joint that follows given voltages towards the demand.
+    """
 
     brake: float
     load: float
     drift: float
+    lead: float
 
 
 NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -84,7 +88,7 @@ def _is_number(given):
 
 @composition
 def _usual(runs, first, j):
-    return read_lanes(Usual(0.0, 0.0, 0.0), runs.usual[j, :, first:])
+    return read_lanes(Usual(0.0, 0.0, 0.0, 0.0), runs.usual[j, :, first:])
 
 
 @composition
@@ -138,14 +142,14 @@ def _calm(joint, state, cycle, zero):
 
 
 @composition
-def _drive(joint, line, held, asked, cycle):
+def _drive(joint, angle, line, held, asked, lead, cycle):
     """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it.
 
     `asked` is the controller's; an opening or a voltage that is a number stands in its place.
     """
     valve = joint.valve
     voltage = select(_is_number(held.opening), valve.centre_voltage + valve.volts_to_full * held.opening, asked)
-    voltage = select(_is_number(held.voltage), held.voltage, voltage)
+    voltage = select(_is_number(held.voltage), held.voltage + lead * (held.demand - angle), voltage)
     opening, line = delayed(line, commanded_opening(valve, voltage - held.drift), valve.delay / cycle)
     return Drive(opening, held.brake * joint.brake_torque, held.load), voltage, line
 
@@ -183,7 +187,9 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
             held = _held(watch.scratch, runs, plan, usual[j], first, j, k)
             measured = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
             memories[j], asked, _ = step(gains[j], memories[j], measured, held.demand)
-            drives[j], voltage, lines[j] = _drive(joints[j], lines[j], held, asked, timing.cycle)
+            drives[j], voltage, lines[j] = _drive(
+                joints[j], states[j].motion.angle, lines[j], held, asked, usual[j].lead, timing.cycle
+            )
             waves[j] = start_wave(joints[j].valve, timing.cycle * k, h)
             trace(watch, results, states[j], voltage, first, j, k)
         advance(arm, joints, states, drives, waves, around, h, timing.steps)
