@@ -88,13 +88,10 @@ class RegulatedModel(Model):
             output for log in self.logs for output in _outputs(rig, log, logs[log.name], log.name not in judged)
         )
 
-    def approaches(self) -> Sequence[Model]:
-        """The joint as measured, then the pressures as measured."""
-        return [
-            _as_measured(self, given)
-            for given, blocks in ((MOTION, {"valve", "gas"}), (PRESSURES, {"motion"}))
-            if blocks & set(self.blocks)
-        ]
+    def ladder(self) -> Sequence[Model]:
+        """The joint as measured, the pressures as measured, then neither."""
+        easier = ((MOTION, {"valve", "gas"}), (PRESSURES, {"motion"}))
+        return [*(_as_measured(self, given) for given, told in easier if told & set(self.blocks)), self]
 
     def simulate(self, values: Array) -> Array:
         """All outputs of candidates, one after the other, (candidates, samples)."""
