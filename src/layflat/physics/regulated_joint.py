@@ -124,10 +124,11 @@ def breathe(joint, state, travel, asked, air, shares, h):
     s = state.set_point + shares.set_point * (asked - state.set_point)
     C_in, C_out = regulator_conductances(joint.valve, s, state.pressure)
     volume = joint.chamber.dead_volume + joint.torque_per_pressure * travel
-    swell = volume - state.volume
-    p, stiffness = pressure_after_swelling(joint.chamber, state.energy, volume, swell, state.pressure, p_a)
+    # Half of the work at the pressure before, half at that after: no damping by the step.
+    half = 0.5 * (volume - state.volume)
+    stored = state.energy - state.pressure * half
+    p, stiffness = pressure_after_swelling(joint.chamber, stored, volume, half, state.pressure, p_a)
     T, per_T = temperature_both_ways(joint.chamber, p, state.mass, volume, p_a)
     flow, heat, _ = chamber_flow(joint.valve, C_in, C_out, p, warmth(T, per_T), air.supply_pressure, supply, p_a)
     gained = h * (heat + wall_heat(joint.chamber, T, air.temperature))
-    stored = state.energy - p * swell + gained
-    return ChamberState(s, stored, state.mass + h * flow, volume, p + gained * stiffness)
+    return ChamberState(s, stored - p * half + gained, state.mass + h * flow, volume, p + gained * stiffness)
