@@ -2,8 +2,8 @@
 
     python examples/identify_affetto.py FOLDER [--judge 006,010] [--joint 5] [--out build/examples]
 
-FOLDER holds motion_data_*.csv of the project affetto-nn-ctrl (Osaka University, MIT licence): 30 Hz, angles in % of their
-range, gauge pressures in kPa, commands from 0 to 255 for 0 to 600 kPa. Writes a figure and all values as JSON.
+FOLDER holds motion_data_*.csv of the project affetto-nn-ctrl (Osaka University, MIT licence): 30 Hz, angles in % of
+their range, gauge pressures in kPa, commands from 0 to 255 for 0 to 600 kPa. Writes a figure and all values as JSON.
 """
 
 import argparse
@@ -85,6 +85,7 @@ def tables(logs: dict[str, dict[str, float | bool]], found: Fit) -> list[Table]:
 
 
 def main() -> None:
+    """Fit, tell, draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--judge", default="006,010", help="logs that are only predicted, by their numbers")
