@@ -165,7 +165,8 @@ def test_the_example_tells_in_one_line_what_is_missing(tmp_path: Path) -> None:
     script = Path(__file__).parents[3] / "examples" / "identify_affetto.py"
     (tmp_path / "motion_data_000.csv").write_text("t,rq5\n0,1\n1,2\n", encoding="utf-8")
     for folder, told in ((tmp_path / "nowhere", "nowhere"), (tmp_path, "rpa5")):
-        done = subprocess.run([sys.executable, str(script), str(folder)], capture_output=True, text=True, timeout=120)
+        command = [sys.executable, str(script), str(folder)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
         assert done.returncode == 2
         assert told in done.stderr
         assert done.stderr.count("\n") == 1
