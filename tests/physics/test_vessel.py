@@ -1,4 +1,4 @@
-from math import pi, sqrt
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
-from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber, air_mass, energy, pressure, temperature, wall_heat
-from layflat.physics.flow import laminar_slope, orifice
+from layflat.physics.flow import laminar_slope, orifice, sonic_conductance
 
 VOLUME = pi / 4 * 0.2**2 * 0.515
 START, OUTSIDE, WARMTH = 7.9e5, 1e5, 298.0
@@ -18,16 +17,10 @@ CRITICAL_RATIO = 0.528
 """Of an ideal nozzle."""
 
 
-def conductance(discharge: float) -> float:
-    """Sonic conductance of a hole with this discharge coefficient, m3/(s Pa)."""
-    choked = sqrt(GAMMA) * (2 / (GAMMA + 1)) ** ((GAMMA + 1) / (2 * (GAMMA - 1)))
-    return discharge * HOLE * float(choked) / (REFERENCE_DENSITY * sqrt(GAS_CONSTANT * REFERENCE_TEMPERATURE))
-
-
 def blow_down(discharge: float, wall: float, times: NDArray[np.float64]) -> NDArray[np.float64]:
     """Pressure at these times, Pa, by our laws of chamber and flow."""
     vessel = Chamber(VOLUME, 0.0, wall)
-    C, slope = conductance(discharge), laminar_slope(CRITICAL_RATIO)
+    C, slope = sonic_conductance(HOLE, discharge), laminar_slope(CRITICAL_RATIO)
 
     def rates(_t: float, state: NDArray[np.float64]) -> list[float]:
         E, m = float(state[0]), float(state[1])

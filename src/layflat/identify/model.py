@@ -28,6 +28,7 @@ class Output:
         measured: (samples,), not a number where nothing was measured.
         fitted: (samples,), whether a sample is fitted; else it is judged.
         scale: what an error is divided by: the noise, or how large an error matters.
+        driven_by: the input that moves it most, (samples,); errors of a good model have nothing to do with it.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Output:
     measured: Array
     fitted: Flags
     scale: float
+    driven_by: Array | None = None
 
 
 class Model(ABC):

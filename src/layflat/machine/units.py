@@ -7,6 +7,7 @@ unknown unit is refused with an example of what is right.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any
@@ -103,9 +104,11 @@ INERTIA = Quantity("moment of inertia", "kg*m^2", "0.02 kg m^2")
 TIME = Quantity("time", "s", "5 ms")
 FREQUENCY = Quantity("frequency", "Hz", "50 Hz")
 VOLUME = Quantity("volume", "m^3", "120 ml")
+AREA = Quantity("area", "m^2", "0.4 m^2")
 COMPLIANCE = Quantity("volume per pressure", "m^3/Pa", "2 ml/bar")
 CONDUCTANCE = Quantity("sonic conductance", "m^3/s/Pa", "1.2 dm^3/(s bar)")
 HEAT_CONDUCTANCE = Quantity("heat flow per temperature", "W/K", "1.2 W/K")
+HEAT_CAPACITY = Quantity("heat capacity", "J/K", "12 kJ/K")
 TEMPERATURE = Quantity("temperature", "K", "20 degC")
 STRESS = Quantity("stress", "Pa", "1.8 GPa")
 DENSITY = Quantity("density", "kg/m^3", "2700 kg/m^3")
@@ -137,10 +140,12 @@ Time = Annotated[float, TIME, Gt(0)]
 TimeOrZero = Annotated[float, TIME, Ge(0)]
 Frequency = Annotated[float, FREQUENCY, Gt(0)]
 Volume = Annotated[float, VOLUME, Gt(0)]
+Area = Annotated[float, AREA, Gt(0)]
 Compliance = Annotated[float, COMPLIANCE, Ge(0)]
 Conductance = Annotated[float, CONDUCTANCE, Gt(0)]
 ConductanceOrZero = Annotated[float, CONDUCTANCE, Ge(0)]
 HeatConductance = Annotated[float, HEAT_CONDUCTANCE, Ge(0)]
+HeatCapacity = Annotated[float, HEAT_CAPACITY, Gt(0)]
 Temperature = Annotated[float, TEMPERATURE, Gt(150), Le(500)]
 Stress = Annotated[float, STRESS, Gt(0)]
 Density = Annotated[float, DENSITY, Gt(0)]
@@ -177,3 +182,15 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
         raise InputError(
             f"{value!r} {error}", where=where, right=f'give {kind.article} such as "{kind.example}"'
         ) from None
+
+
+def alike(example: object, value: float, unit: str) -> str | float:
+    """An SI value as it could stand in a file, in the unit of an example from there, or in `unit` without one.
+
+    A value without unit ("1") is a number.
+    """
+    if unit == "1":
+        return float(f"{value:.7g}")
+    found = re.match(r"\s*[-+\d.]+(?:[eE][-+]?\d+)?\s*(.*\S)", example) if isinstance(example, str) else None
+    own = found[1] if found else unit
+    return f"{float(_registry().Quantity(value, unit).to(own).magnitude):.7g} {own}"

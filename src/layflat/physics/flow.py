@@ -10,6 +10,7 @@
 | phi | flow relative to choked flow | 1 |
 | s | slope of phi next to r = 1 | 1 |
 | T0 | reference temperature | K |
+| C_d | discharge coefficient: choked flow over that of a frictionless nozzle as large | 1 |
 """
 
 from math import sqrt
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.lanes import select
-from layflat.physics.air import CP, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
+from layflat.physics.air import CP, GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 
 
 class Warmth(NamedTuple):
@@ -29,6 +30,26 @@ class Warmth(NamedTuple):
 
 LAMINAR_RATIO = 0.999
 """Above this pressure ratio the flow is linear in the pressure difference, so that its slope stays finite."""
+
+
+CONDUCTANCE_PER_AREA = (
+    sqrt(GAMMA / (GAS_CONSTANT * REFERENCE_TEMPERATURE))
+    / REFERENCE_DENSITY
+    * (2.0 / (GAMMA + 1.0)) ** ((GAMMA + 1.0) / (2.0 * (GAMMA - 1.0)))
+)
+"""C of a frictionless nozzle over its area, m/(s Pa): choked ideal gas (ISO 6358-1). Derived in docs/derivations.md."""
+
+
+@law
+def sonic_conductance(area, C_d):
+    """C of a hole (m2), m3/(s Pa)."""
+    return C_d * area * CONDUCTANCE_PER_AREA
+
+
+@law
+def effective_area(C):
+    """Area of the frictionless nozzle that has this C, m2; over that of a hole it is C_d."""
+    return C / CONDUCTANCE_PER_AREA
 
 
 @law

@@ -12,10 +12,11 @@ import numpy as np
 from layflat.errors import InputError
 from layflat.files import check_folder
 from layflat.machine import Machine, load
+from layflat.machine.derived import derived_path
 from layflat.tune.knobs import Knob, neutral_gains, values_of, with_gains
 from layflat.tune.methods import knobs_of, parts
 from layflat.tune.search import Found, Part, judge, need_cma, panel, search
-from layflat.tune.tuned_file import tuned_path, write_tuned
+from layflat.tune.tuned_file import write_tuned
 
 Progress = Callable[[Found, int, str], None]
 """Told the best so far, the generations done, and what is looked for; before the first generation too."""
@@ -160,5 +161,5 @@ def begin(
     if not 0 <= seed < SEEDS:
         raise InputError(f"{seed} is out of range", where="--seed", right=f"give 0 to {SEEDS - 1}")
     need_cma()
-    path = tuned_path(given, check_folder(out))
+    path = derived_path(given, check_folder(out), "tuned")
     return Tuning(given, base, machine, method, start, seed, generations, wanted, path)

@@ -26,7 +26,8 @@ TRUTH = {
 
 
 def rig() -> RegulatedRig:
-    return load_rig("regulated-elbow")
+    described: RegulatedRig = load_rig("regulated-elbow")
+    return described
 
 
 def commands(seconds: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -182,6 +182,14 @@ class _Record:
         return found
 
     @cached_property
+    def voltage(self) -> Array:
+        """Of every valve, (samples, joints)."""
+        found = self.signal("voltage")
+        if found is None:
+            raise InputError("has no voltage", where=self.name, right="map a column to the signal voltage")
+        return found
+
+    @cached_property
     def first(self) -> dict[str, Array]:
         """What the log begins with, (joints,)."""
         return {name: np.nanmean(values[:FIRST], axis=0) for name, values in self.measured.items()}
@@ -199,14 +207,12 @@ class _Record:
             values = self.signal(name)
             return None if values is None else values[:samples]
 
-        voltage, brake, load, supply, payload = map(first, ("voltage", "brake", "load", "supply", "payload"))
-        if voltage is None:
-            raise InputError("has no voltage", where=self.name, right="map a column to the signal voltage")
+        brake, load, supply, payload = map(first, ("brake", "load", "supply", "payload"))
         ambient = self.machine.supply.ambient_pressure
         return Scenario(
             duration=samples * self._cycle,
             demand=self._followed[:samples],
-            voltage=voltage,
+            voltage=self.voltage[:samples],
             start=dict(zip(self.joints, self._angles, strict=True)),
             pressures={name: (a, b) for name, a, b in zip(self.joints, *self._pressures, strict=True)},
             supply=None if supply is None else supply - ambient,
@@ -266,12 +272,12 @@ class _Record:
     def outputs(self) -> list[Output]:
         _, angle, pressure = parameters.drive_parts(self.machine)
         scales = {"angle": ("rad", _noise(angle))}
-        found = []
+        voltage, found = self.voltage, []
         for signal, values in self.measured.items():
             unit, scale = scales.get(signal, ("Pa", _noise(pressure)))
             for j, name in enumerate(self.joints):
                 label = f"{signal} {name}" if len(self.joints) > 1 else signal
-                found.append(Output(label, unit, self.name, self.time, values[:, j], self.fitted, scale))
+                found.append(Output(label, unit, self.name, self.time, values[:, j], self.fitted, scale, voltage[:, j]))
         return found
 
     def simulate(

@@ -68,9 +68,9 @@ def _sensor_span(machine: Machine) -> float:
 
 
 VALVE = (
-    Sought("conductance", "m3/(s Pa)", times(3.0), FILLING),
+    Sought("conductance", "m^3/(s Pa)", times(3.0), FILLING),
     Sought("critical_ratio", "1", between(0.05, 0.9), "filling from low pressure and venting to it"),
-    Sought("leakage", "m3/(s Pa)", times(20.0, 1e-9), PAUSES),
+    Sought("leakage", "m^3/(s Pa)", times(20.0, 1e-9), PAUSES),
     Sought("centre_voltage", "V", around(lambda machine: 0.2 * _span(machine)), PAUSES),
     Sought("volts_to_full", "V", times(2.0), "voltages beyond full opening"),
     Sought("delay", "s", up_to(_longest_delay), "steps, and chirps up to 3 Hz"),
@@ -86,8 +86,8 @@ SWITCHING = (
 )
 HOSE = (
     Sought("hose.torque_factor", "1", times(2.0), "fast moves of a known payload"),
-    Sought("hose.dead_volume", "m3", times(3.0), FILLING),
-    Sought("hose.compliance", "m3/Pa", times(10.0, 1e-10), "filling from low pressure"),
+    Sought("hose.dead_volume", "m^3", times(3.0), FILLING),
+    Sought("hose.compliance", "m^3/Pa", times(10.0, 1e-10), "filling from low pressure"),
     Sought("hose.wall_conductance", "W/K", times(10.0, 10.0), "fast filling, then pauses of seconds"),
 )
 LOSSES = (
@@ -101,7 +101,7 @@ FRICTION = (
     Sought("brake.torque", "N m", times(5.0, 5.0), SLOW),
     Sought("brake.viscous", "N m s/rad", times(20.0, 1.0), "chirps up to 3 Hz"),
 )
-INERTIA = (Sought("link.inertia", "kg m2", times(10.0, 0.1), "chirps up to 3 Hz without payload"),)
+INERTIA = (Sought("link.inertia", "kg m^2", times(3.0, 0.1), "chirps up to 3 Hz without payload"),)
 PAYLOAD = Sought("arm.payload", "kg", up_to(lambda _, guess: max(3.0 * guess, 2.0)), "chirps up to 3 Hz")
 SENSORS = Sought(
     "pressure_sensor.offset", "Pa", around(lambda machine: 0.02 * _sensor_span(machine)), "both pressures by themselves"

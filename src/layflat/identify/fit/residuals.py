@@ -22,7 +22,7 @@ VAGUENESS = 0.5
 It is worth less than one good sample, and keeps what the log does not tell near the description.
 """
 
-LOST = 1e3
+LOST = 1e4
 """What stands for a residual where a candidate diverged, in units of the scale."""
 
 
@@ -48,7 +48,7 @@ class Residuals:
         used = self.model.used
         found = self.model.simulate(self.scaled.values(shares))[:, used]
         error = (found - self.model.measured[used]) / self.scale
-        return np.asarray(np.where(np.isfinite(error), np.clip(error, -LOST, LOST), LOST), dtype=np.float64)
+        return np.asarray(np.where(np.isfinite(error), error, LOST), dtype=np.float64)
 
     def __call__(self, shares: Array) -> Array:
         """Residuals of one candidate."""

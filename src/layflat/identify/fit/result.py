@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.identify.fit.quality import Quality, quality
 from layflat.identify.model import Model
 from layflat.identify.unknown import Unknown
 
@@ -51,35 +52,6 @@ class Estimate:
 
 
 @dataclass(frozen=True)
-class Quality:
-    """How well an output is predicted.
-
-    Args:
-        output: its name.
-        unit: SI.
-        log: which log.
-        judged: over samples that were not fitted.
-        samples: how many.
-        rms: of the error, in `unit`.
-        share: rms over the range of what was measured.
-        fit: 1 - rms / standard deviation of what was measured.
-        memory: correlation of an error with the one before it.
-        bias: mean error, in `unit`.
-    """
-
-    output: str
-    unit: str
-    log: str
-    judged: bool
-    samples: int
-    rms: float
-    share: float
-    fit: float
-    memory: float
-    bias: float
-
-
-@dataclass(frozen=True)
 class Fit:
     """A fitted model.
 
@@ -118,25 +90,5 @@ class Fit:
             for judged in (False, True):
                 chosen = (output.fitted != judged) & np.isfinite(output.measured)
                 if chosen.any():
-                    measured = output.measured[chosen]
-                    error = self.simulated[place][chosen] - measured
-                    found.append(_quality(output.name, output.unit, output.log, judged, measured, error))
+                    found.append(quality(output, chosen, self.simulated[place], judged=judged))
         return found
-
-
-def _quality(name: str, unit: str, log: str, judged: bool, measured: Array, error: Array) -> Quality:
-    rms, spread, reach = float(np.sqrt(np.mean(error**2))), float(np.std(measured)), float(np.ptp(measured))
-    e = error - error.mean()
-    power = float(e @ e)
-    return Quality(
-        name,
-        unit,
-        log,
-        judged,
-        len(error),
-        rms,
-        rms / reach if reach > 0.0 else np.inf,
-        1.0 - rms / spread if spread > 0.0 else -np.inf,
-        float(e[1:] @ e[:-1]) / power if power > 0.0 else 0.0,
-        float(error.mean()),
-    )

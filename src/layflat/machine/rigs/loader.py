@@ -14,8 +14,9 @@ from pydantic_core import ErrorDetails
 from layflat.errors import MachineError
 from layflat.machine.provenance import split
 from layflat.machine.rigs.regulated import RegulatedRig
+from layflat.machine.rigs.vessel import VesselRig
 
-KINDS: dict[str, type[RegulatedRig]] = {"regulated joint": RegulatedRig}
+KINDS: dict[str, type[BaseModel]] = {"vessel": VesselRig, "regulated joint": RegulatedRig}
 """Descriptions by the `kind` at the top of their files."""
 
 BUILT_IN = files("layflat.machine.rigs") / "builtin"
@@ -26,8 +27,8 @@ def rig_names() -> tuple[str, ...]:
     return tuple(sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir()))
 
 
-def load_rig(rig: str | Path) -> RegulatedRig:
-    """A bench from its built-in name or from a TOML file.
+def load_rig(rig: str | Path) -> Any:
+    """A bench from its built-in name or from a TOML file, of the class for its kind.
 
     Raises:
         MachineError: in one line, which file, key and value is wrong and what would be right.
@@ -40,8 +41,8 @@ def load_rig(rig: str | Path) -> RegulatedRig:
     return build_rig(tables, where)
 
 
-def build_rig(tables: dict[str, Any], where: str) -> RegulatedRig:
-    """Validate plain tables, quantities as text with units, into a bench.
+def build_rig(tables: dict[str, Any], where: str) -> Any:
+    """Validate plain tables, quantities as text with units, into a bench of the class for its kind.
 
     Raises:
         MachineError: naming `where`, the key and the value.

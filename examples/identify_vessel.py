@@ -1,0 +1,121 @@
+"""What logs of vessels that fill or empty tell of them: python examples/identify_vessel.py FOLDER.
+
+Fits every NAME.csv with NAME.rig.yml beside it (the files of HydDown) in FOLDER; without one, a simulated blow-down of
+the built-in vessel with some noise. Each is fitted whole, and then its first two thirds, which have to predict the
+rest. Writes build/examples/identify_vessel-NAME.png and identify_vessel.json.
+"""
+
+import json
+import sys
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+
+from layflat.identify import Fit, fit
+from layflat.identify.benches.hyddown import read_hyddown_log, read_hyddown_rig
+from layflat.identify.benches.vessel import vessel_model
+from layflat.machine.rigs import VesselRig, load_rig
+from layflat.physics.flow import effective_area
+from layflat.plot.style import LINES, QUIET, figure, save
+
+OUT = Path("build/examples")
+
+
+def simulated(rig: VesselRig) -> xarray.Dataset:
+    """A log of a vessel as it is described, with 1 kPa of noise."""
+    time = np.linspace(0.0, 60.0, 61)
+    blank = xarray.Dataset({name: ("time", np.full(61, 3e5)) for name in ("pressure", "temperature")}, {"time": time})
+    model = vessel_model(rig, {"log": blank})
+    truth = [rig.start.pressure if one.path.startswith("start.") else one.guess for one in model.unknowns]
+    pressure, temperature, _ = model.run(model.logs[0], np.array([truth]))[0].T
+    noise = 1e3 * np.random.default_rng(1).standard_normal(61)
+    return blank.assign(pressure=("time", pressure + noise), temperature=("time", temperature))
+
+
+def draw(whole: Fit, early: Fit, path: Path) -> None:
+    """Pressure, its error and the temperatures: measured, fitted to all, and fitted left of the grey line."""
+    with figure(3, 1, width=6.4, height=7.2, share_x=True, beside=0.1) as (made, (pressures, errors, temperatures)):
+        for place, one in zip(early.model.slices, early.model.outputs, strict=True):
+            axes, unit = (pressures, 1e5) if one.name == "pressure" else (temperatures, 1.0)
+            wall = one.name == "wall_temperature"
+            look = {"marker": "s", "mfc": "none"} if wall else {"marker": "o"}
+            axes.plot(one.time, one.measured / unit, "k", ls="", ms=3, label="wall" if wall else "measured", **look)
+            for order, (found, label) in enumerate(((whole, "fitted to all"), (early, "fitted to two thirds"))):
+                axes.plot(one.time, found.simulated[place] / unit, label=None if wall else label, **LINES[order])
+                if one.name == "pressure":
+                    error = (found.simulated[place] - one.measured) / 1e3
+                    errors.plot(one.time, error, marker="o", ms=3, **LINES[order])
+                    errors.axvline(early.model.outputs[0].time[early.model.outputs[0].fitted][-1], **QUIET)
+        pressures.set_ylabel("Pressure (bar)")
+        errors.set_ylabel("Error of pressure (kPa)")
+        temperatures.set_ylabel("Temperature (K)")
+        temperatures.set_xlabel("Time (s)")
+        pressures.legend()
+        if len(early.model.outputs) > 2:
+            temperatures.legend(ncols=2, fontsize=8)
+    save(made, path)
+
+
+def figures(found: Fit, rig: VesselRig) -> dict[str, Any]:
+    """Values with their intervals, and rms errors."""
+    values = {
+        one.unknown.path: {
+            "value": one.value, "low": one.low, "high": one.high, "unit": one.unknown.unit, "told": bool(one.told),
+        }
+        for one in found.estimates
+    }  # fmt: skip
+    if rig.path.hole is not None:
+        C = found.of("path.conductance")
+        of_hole = pi / 4 * rig.path.hole**2
+        low, value, high = (float(effective_area(one) / of_hole) for one in (C.low, C.value, C.high))
+        values["discharge coefficient"] = {"value": value, "low": low, "high": high, "unit": "1", "told": bool(C.told)}
+    quality = {
+        f"{one.output} {'judged' if one.judged else 'fitted'}": {
+            "rms": one.rms,
+            "unit": one.unit,
+            "samples": one.samples,
+        }
+        for one in found.qualities()
+    }
+    return {"values": values, "errors": quality}
+
+
+def main(folder: Path | None) -> None:
+    """Fit, draw and tell."""
+    if folder is None:
+        rig = load_rig("blow-down-vessel")
+        cases = {rig.name: (rig, simulated(rig))}
+    else:
+        pairs = [(path, path.with_name(f"{path.stem}.rig.yml")) for path in sorted(folder.glob("*.csv"))]
+        cases = {p.stem: (read_hyddown_rig(rig), read_hyddown_log(p)) for p, rig in pairs if rig.exists()}
+    told = {}
+    for name, (rig, log) in cases.items():
+        whole = fit(vessel_model(rig, {name: log}))
+        early = fit(vessel_model(rig, {name: log}, fitted_share=2 / 3))
+        told[name] = {"all": figures(whole, rig), "first two thirds": figures(early, rig)}
+        draw(whole, early, OUT / f"identify_vessel-{name}.png")
+        start = whole.of(f"start.pressure.{name}").value
+        print(f"{name}: {rig.title}, from {start / 1e5:.2f} bar")
+        for found, text in ((whole, "fitted to all"), (early, "fitted to the first two thirds")):
+            print(f"  {text}: {', '.join(rms_errors(found))} (rms)")
+        for path, one in told[name]["all"]["values"].items():
+            known = "" if one["told"] else "  not told by this log"
+            print(f"    {path:32s} {one['value']:10.4g} ({one['low']:.4g} to {one['high']:.4g}) {one['unit']}{known}")
+    OUT.mkdir(parents=True, exist_ok=True)
+    (OUT / "identify_vessel.json").write_text(json.dumps(told, indent=2))
+
+
+def rms_errors(found: Fit) -> list[str]:
+    """Rms error of every signal, as text."""
+    return [
+        f"{one.output} {'predicted' if one.judged else 'fitted'} "
+        + (f"{one.rms / 1e3:.2f} kPa" if one.unit == "Pa" else f"{one.rms:.1f} {one.unit}")
+        for one in found.qualities()
+    ]
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]) if len(sys.argv) > 1 else None)

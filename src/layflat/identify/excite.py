@@ -1,0 +1,121 @@
+"""A bench sequence from which a machine can be identified: what to ask of its controller while the log is taken.
+
+Steps fill and vent with the valve wide open; chirps show inertia, lag and delay; slow ramps both ways show friction and
+losses; small moves show what lies about the valve's centre; pauses show leakage and heat. The first two thirds hold all
+of it, to be fitted; the last third holds it again in other sizes, to be judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import chirp
+
+from layflat.errors import InputError
+from layflat.machine import Machine
+
+Array = NDArray[np.float64]
+
+REACH = 0.3
+"""Largest angle from the middle, as a share of the working stroke."""
+
+SPEED = 5.0
+"""Greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows."""
+
+WHOLE, AGAIN = 28.0, 14.0
+"""Length of what is fitted, and of what is judged, s."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the sequence.
+
+    Args:
+        share: of the whole time.
+        angle: from its time (s) and duration (s) and a source of random numbers, angles in shares of the reach.
+    """
+
+    share: float
+    angle: Callable[[Array, float, np.random.Generator], Array]
+
+
+def _steps(t: Array, duration: float, random: np.random.Generator) -> Array:
+    """Steps of all sizes, with pauses."""
+    count = max(3, round(duration / 0.9))
+    levels = np.append(random.permutation(np.linspace(-1.0, 1.0, count - 1)), 0.0)
+    return levels[np.minimum((count * t / duration).astype(int), count - 1)]
+
+
+def _chirp(t: Array, duration: float, random: np.random.Generator) -> Array:
+    """A swept sine, 0.3 to 3 Hz."""
+    return 0.3 * random.uniform(0.8, 1.2) * np.asarray(chirp(t, 0.3, duration, 3.0, method="logarithmic", phi=-90))
+
+
+def _ramps(t: Array, duration: float, random: np.random.Generator) -> Array:
+    """Slow sweeps over most of the reach and over half of it, both ways."""
+    corners = np.array([0.0, 0.9, -0.9, 0.45, -0.45, 0.0]) * random.choice([-1.0, 1.0])
+    ways = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))])
+    return np.interp(t / duration, ways / ways[-1], corners)
+
+
+def _small(t: Array, duration: float, random: np.random.Generator) -> Array:
+    """Moves of a few degrees and less, with pauses."""
+    levels = np.array([0.1, -0.1, 0.04, -0.04, 0.0]) * random.choice([-1.0, 1.0])
+    return levels[np.minimum((len(levels) * t / duration).astype(int), len(levels) - 1)]
+
+
+def _pause(t: Array, duration: float, random: np.random.Generator) -> Array:  # noqa: ARG001  (as all parts)
+    return np.zeros_like(t)
+
+
+PARTS = (Part(0.05, _pause), Part(0.26, _steps), Part(0.25, _chirp), Part(0.3, _ramps), Part(0.14, _small))
+
+
+def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, seed: int = 0) -> tuple[Array, Array]:
+    """Times (s, (cycles,)) and demands (rad, (cycles, joints)) for a machine's controller.
+
+    Args:
+        machine: what is excited.
+        reach: largest angle from the middle, as a share of the working stroke.
+        speed: greatest rate of the demand, rad/s.
+        seed: of sizes and order, which differ from joint to joint.
+
+    Raises:
+        InputError: no controller follows demands, or a limit leaves no room.
+    """
+    if machine.controller is None or any(joint.gains is None for joint in machine.joints.values()):
+        where = f"{machine.origin}: controller"
+        raise InputError("has no gains to follow a sequence with", where=where, right="tune it first: `layflat tune`")
+    if not 0.02 <= reach <= 0.45:
+        raise InputError(f"{reach:g} is out of range", where="reach", right="give a share of the stroke, 0.02 to 0.45")
+    if not speed > 0.0:
+        raise InputError(f"{speed:g} rad/s is out of range", where="speed", right='give more than zero: "300 deg/s"')
+    cycle = machine.controller.cycle
+    columns = [
+        reach
+        * joint.stops.working_stroke
+        * np.concatenate([_played(WHOLE, cycle, seed, j), _played(AGAIN, cycle, seed, j, 1)])
+        for j, joint in enumerate(machine.joints.values())
+    ]
+    demand = _limited(np.stack(columns, axis=1), speed * cycle)
+    return np.asarray(cycle * np.arange(len(demand)), dtype=np.float64), demand
+
+
+def _played(duration: float, cycle: float, *seeds: int) -> Array:
+    random = np.random.default_rng(seeds)
+    parts = []
+    for part in PARTS:
+        count = round(part.share * duration / cycle)
+        parts.append(part.angle(np.asarray(cycle * np.arange(count), dtype=np.float64), cycle * count, random))
+    return np.concatenate(parts)
+
+
+def _limited(demand: Array, most: float) -> Array:
+    """The same with at most so much change from one row to the next."""
+    limited = demand.copy()
+    for k in range(1, len(demand)):
+        limited[k] = limited[k - 1] + np.clip(demand[k] - limited[k - 1], -most, most)
+    return limited

@@ -1,0 +1,87 @@
+"""Descriptions that a search wrote: what it found, laid over the description that it began with."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from layflat.errors import InputError
+from layflat.files import whole_file
+from layflat.machine.listing import to_toml
+from layflat.machine.loader import load, names, tables
+from layflat.machine.model import Machine
+from layflat.machine.provenance import Provenance
+
+
+def derived_path(given: str, folder: Path, suffix: str) -> Path:
+    """Where a description derived from a built-in machine or a file is put, such as NAME-tuned.toml.
+
+    Raises:
+        InputError: the file can't be extended from there.
+    """
+    path = folder / f"{Path(given).stem}-{suffix}.toml"
+    if given in names():
+        return path
+    if Path(given).suffix != ".toml":
+        raise InputError("can't be extended", where=given, right="give it a name that ends in .toml")
+    if path.resolve() in _ancestry(Path(given)):
+        raise InputError("would be overwritten, and extends it", where=str(path), right="give another folder")
+    return path
+
+
+def write_derived(
+    given: str, title: str, values: Mapping[str, Any], sources: Mapping[str, Provenance], path: Path
+) -> Machine:
+    """Write what differs, and load what was written.
+
+    Args:
+        given: built-in name or file of the base.
+        title: of the description.
+        values: as they stand in a file, by dotted path; items of a list by their number ("....deflections.0").
+        sources: of these values; of a list, that of its last item is kept.
+        path: from `derived_path`.
+
+    Raises:
+        OutputError: it can't be written there.
+    """
+    base, _ = tables(given)
+    plain: dict[str, Any] = {
+        "extends": given if given in names() else os.path.relpath(Path(given).resolve(), path.parent.resolve()),
+        "name": path.stem,
+        "title": title,
+    }
+    noted = {}
+    for key, value in values.items():
+        *parts, last = key.split(".")
+        if last.isdigit():
+            items = _at(plain, parts) or _at(base, parts)
+            kept = [value if i == int(last) else item for i, item in enumerate(items)]
+            *parts, last = parts
+        else:
+            kept = value
+        table = plain
+        for part in parts:
+            table = table.setdefault(part, {})
+        table[last] = kept
+        noted[".".join([*parts, last])] = sources[key]
+    with whole_file(path) as temporary:
+        temporary.write_text(to_toml(plain, noted), encoding="utf-8")
+    return load(path)
+
+
+def _at(table: Any, keys: list[str]) -> Any:
+    """What stands in nested tables, or None."""
+    for key in keys:
+        table = table.get(key) if isinstance(table, dict) else None
+    return table
+
+
+def _ancestry(path: Path) -> list[Path]:
+    """A file that loads, and the files that it extends."""
+    found = [path.resolve()]
+    base = tomllib.loads(path.read_text(encoding="utf-8")).get("extends", "")
+    below = path.parent / base
+    return found + (_ancestry(below) if below.suffix == ".toml" else [])

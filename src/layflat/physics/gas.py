@@ -1,0 +1,203 @@
+"""What fills a vessel: air as the plant has it, or a real gas by Redlich and Kwong's equation of state.
+
+| symbol | meaning | unit |
+|---|---|---|
+| p, T, rho | absolute pressure, temperature, density | Pa, K, kg/m3 |
+| R | specific gas constant | J/(kg K) |
+| gamma | ratio of specific heats at low pressure | 1 |
+| a, b | attraction and covolume | Pa m6 K^0.5/kg2, m3/kg |
+| c_v, u, h | specific heat at constant volume, specific energy and enthalpy | J/(kg K), J/kg |
+| n | isentropic exponent, -(v/p) (dp/dv) at constant entropy | 1 |
+| psi | choked flow over area times sqrt(p rho) | 1 |
+
+p = R T rho/(1 - b rho) - a rho^2/(sqrt(T) (1 + b rho)), from the critical point alone (redlich1949). It gives the
+density of nitrogen, air, hydrogen, oxygen and argon at 150 bar and 288 K within 2 %, of helium within 3 %. The heat
+capacity at low pressure is taken as constant, and nothing condenses. Derived in docs/derivations.md.
+"""
+
+from math import log1p, sqrt
+from typing import NamedTuple
+
+from layflat.jit import by_kind, law
+from layflat.physics.air import CP, GAMMA, GAS_CONSTANT, REFERENCE_TEMPERATURE
+from layflat.physics.chamber import air_mass, energy, pressure, temperature
+from layflat.physics.flow import warmth
+
+
+class IdealAir(NamedTuple):
+    """Air by the laws of `chamber` and `flow`, in a wall that may stretch."""
+
+    viscosity: float
+    """At T0, Pa s."""
+    conductivity: float
+    """Of heat, at T0, W/(m K)."""
+
+
+class RealGas(NamedTuple):
+    """Any gas, in a rigid vessel."""
+
+    viscosity: float
+    conductivity: float
+    constant: float
+    gamma: float
+    attraction: float
+    covolume: float
+
+
+def real_gas(
+    constant: float,
+    gamma: float,
+    critical_temperature: float,
+    critical_pressure: float,
+    viscosity: float,
+    conductivity: float,
+) -> RealGas:
+    """A gas from its constants and its critical point (K, Pa)."""
+    a = 0.42748 * constant**2 * critical_temperature**2.5 / critical_pressure
+    b = 0.08664 * constant * critical_temperature / critical_pressure
+    return RealGas(viscosity, conductivity, constant, gamma, a, b)
+
+
+GASES = {
+    "air": real_gas(GAS_CONSTANT, GAMMA, 132.5, 37.86e5, 1.82e-5, 0.0257),
+    "nitrogen": real_gas(296.80, 1.400, 126.19, 33.96e5, 1.76e-5, 0.0255),
+    "oxygen": real_gas(259.84, 1.395, 154.58, 50.43e5, 2.03e-5, 0.0263),
+    "hydrogen": real_gas(4124.2, 1.405, 33.15, 12.96e5, 0.88e-5, 0.183),
+    "helium": real_gas(2077.1, 1.667, 5.195, 2.276e5, 1.96e-5, 0.154),
+    "argon": real_gas(208.13, 1.667, 150.69, 48.63e5, 2.23e-5, 0.0175),
+    "methane": real_gas(518.28, 1.305, 190.56, 45.99e5, 1.10e-5, 0.0336),
+    "carbon dioxide": real_gas(188.92, 1.293, 304.13, 73.77e5, 1.47e-5, 0.0164),
+}
+"""By name; constants and critical points of the NIST Chemistry WebBook, the rest at 1 bar and 293 K, rounded."""
+
+IDEAL_AIR = IdealAir(GASES["air"].viscosity, GASES["air"].conductivity)
+
+
+@law
+def gas_pressure(gas, T, rho):
+    """Pressure by Redlich and Kwong, Pa."""
+    x = gas.covolume * rho
+    return rho * (gas.constant * T / (1.0 - x) - gas.attraction * rho / (sqrt(T) * (1.0 + x)))
+
+
+@law
+def _attracted(gas, rho):
+    # Energy by which molecules attract each other, times sqrt(T) and over 1.5, J K^0.5/kg.
+    x = gas.covolume * rho
+    return gas.attraction * rho if x < 1e-12 else gas.attraction / gas.covolume * log1p(x)
+
+
+@law
+def gas_energy(gas, T, rho):
+    """Specific energy, J/kg, counted from the ideal gas at 0 K."""
+    return gas.constant / (gas.gamma - 1.0) * T - 1.5 * _attracted(gas, rho) / sqrt(T)
+
+
+@law
+def gas_temperature(gas, u, rho):
+    """Temperature from specific energy and density, K: the inverse of `gas_energy`.
+
+    Newton's steps rise to the root from below, as energy is concave in temperature; six leave nothing.
+    """
+    c_v, w = gas.constant / (gas.gamma - 1.0), 1.5 * _attracted(gas, rho)
+    T = u / c_v
+    for _ in range(6):
+        T -= (c_v * T - w / sqrt(T) - u) / (c_v + 0.5 * w / (T * sqrt(T)))
+    return T
+
+
+@law
+def gas_stiffness(gas, T, rho):
+    """(dp/drho) at constant temperature, J/kg, and (dp/dT) at constant density, Pa/K."""
+    x = gas.covolume * rho
+    root = sqrt(T)
+    by_density = gas.constant * T / (1.0 - x) ** 2 - gas.attraction * rho * (2.0 + x) / (root * (1.0 + x) ** 2)
+    by_temperature = rho * gas.constant / (1.0 - x) + 0.5 * gas.attraction * rho * rho / (T * root * (1.0 + x))
+    return by_density, by_temperature
+
+
+@law
+def gas_density(gas, p, T):
+    """Density from pressure and temperature, kg/m3: the inverse of `gas_pressure`, on the side of the gas."""
+    rho = min(p / (gas.constant * T), 0.5 / gas.covolume)
+    for _ in range(8):
+        rho -= (gas_pressure(gas, T, rho) - p) / gas_stiffness(gas, T, rho)[0]
+    return rho
+
+
+@law
+def is_gas(gas, p, T):
+    """Whether it is a gas there: hotter than the critical point, or thinner (b rho = 0.26 there) and stable."""
+    critical = (gas.attraction / (4.934 * gas.constant * gas.covolume)) ** (2.0 / 3.0)
+    rho = gas_density(gas, p, T)
+    thin = gas.covolume * rho < 0.26 and gas_stiffness(gas, T, rho)[0] > 0.0
+    return critical < T or (thin and abs(gas_pressure(gas, T, rho) - p) < 1e-6 * p)
+
+
+@law
+def isentropic_exponent(gas, T, rho):
+    """The exponent n at a state; gamma where the pressure is low."""
+    by_density, by_temperature = gas_stiffness(gas, T, rho)
+    c_v = gas.constant / (gas.gamma - 1.0) + 0.75 * _attracted(gas, rho) / (T * sqrt(T))
+    return rho / gas_pressure(gas, T, rho) * (by_density + T * (by_temperature / rho) ** 2 / c_v)
+
+
+@law
+def choking(n):
+    """Choked mass flow through a frictionless nozzle over its area times sqrt(p rho): ISO 4126-7, ISO 6358-1 annex."""
+    return sqrt(n) * (2.0 / (n + 1.0)) ** ((n + 1.0) / (2.0 * (n - 1.0)))
+
+
+@law
+def _air_contents(gas, chamber, p, T, p_a):  # noqa: ARG001  (as all kinds of gas)
+    V = chamber.dead_volume
+    return energy(chamber, p, V, p_a), air_mass(chamber, p, T, V, p_a)
+
+
+@law
+def _gas_contents(gas, chamber, p, T, p_a):  # noqa: ARG001
+    rho = gas_density(gas, p, T)
+    m = rho * chamber.dead_volume
+    return m * gas_energy(gas, T, rho), m
+
+
+@law
+def _air_state(gas, chamber, E, m, p_a):  # noqa: ARG001
+    V = chamber.dead_volume
+    p = pressure(chamber, E, V, p_a)
+    return p, temperature(chamber, p, m, V, p_a)
+
+
+@law
+def _gas_state(gas, chamber, E, m, p_a):  # noqa: ARG001
+    rho = m / chamber.dead_volume
+    T = gas_temperature(gas, E / m, rho)
+    return gas_pressure(gas, T, rho), T
+
+
+@law
+def _air_stream(gas, p, T):  # noqa: ARG001
+    return warmth(T, 1.0 / T).per_root, CP * T, p / (GAS_CONSTANT * T), CP
+
+
+@law
+def _gas_stream(gas, p, T):
+    rho = gas_density(gas, p, T)
+    n = max(isentropic_exponent(gas, T, rho), 1.01)
+    factor = choking(n) / choking(GAMMA) * sqrt(REFERENCE_TEMPERATURE * GAS_CONSTANT * rho / p)
+    c_p = gas.gamma / (gas.gamma - 1.0) * gas.constant
+    return factor, gas_energy(gas, T, rho) + p / rho, rho, c_p
+
+
+contents = by_kind({IdealAir: _air_contents, RealGas: _gas_contents})
+"""Energy (J) and mass (kg) of what fills a chamber at p and T: `contents(gas, chamber, p, T, p_a)`."""
+
+state_of = by_kind({IdealAir: _air_state, RealGas: _gas_state})
+"""Pressure (Pa) and temperature (K) of what fills a chamber: `state_of(gas, chamber, E, m, p_a)`."""
+
+stream = by_kind({IdealAir: _air_stream, RealGas: _gas_stream})
+"""What flows out of a place at p and T: `stream(gas, p, T)`.
+
+Gives the mass flow through a path over that of air at T0 through it, specific enthalpy (J/kg), density (kg/m3) and
+specific heat at constant pressure and low density (J/(kg K)).
+"""
