@@ -1,9 +1,9 @@
 """What explains the elbow of a pneumatic android: fit its logs together, predict others from their commands alone.
 
-    python examples/identify_affetto.py FOLDER [--judge 006,010] [--joint 5] [--out build/examples]
+    python examples/identify_affetto.py FOLDER [--judge 006,010] [--out build/examples]
 
-FOLDER holds motion_data_*.csv of the project affetto-nn-ctrl (Osaka University, MIT licence): 30 Hz, angles in % of
-their range, gauge pressures in kPa, commands from 0 to 255 for 0 to 600 kPa. Writes a figure and all values as JSON.
+FOLDER holds motion_data_*.csv of the project affetto-nn-ctrl (Osaka University, MIT licence); logs/affetto.toml says
+what their columns are. Writes a figure, and all errors and values as JSON.
 """
 
 import argparse
@@ -13,7 +13,6 @@ import time
 from pathlib import Path
 
 import numpy as np
-import xarray
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
@@ -22,30 +21,12 @@ from layflat.errors import InputError, LayflatError
 from layflat.files import whole_file
 from layflat.identify import Fit, fit
 from layflat.identify.benches.regulated import RegulatedModel
-from layflat.machine.rigs import RegulatedRig, load_rig
+from layflat.identify.logs import read_log
+from layflat.machine.rigs import load_rig
 from layflat.plot.free_run import Shown, free_runs
 from layflat.plot.style import save
 
-FULL_COMMAND, FULL_PRESSURE = 255.0, 600e3
-
-
-def read_log(path: Path, joint: int, rig: RegulatedRig) -> xarray.Dataset:
-    """A log of one joint in SI, from the columns that were not filtered."""
-    table = np.genfromtxt(path, delimiter=",", names=True)
-    wanted = ("t", f"rq{joint}", f"rpa{joint}", f"rpb{joint}", f"ca{joint}", f"cb{joint}")
-    missing = [name for name in wanted if name not in (table.dtype.names or ())]
-    if missing:
-        raise InputError(f"has no column {missing[0]!r}", where=str(path), right=f"it needs {', '.join(wanted)}")
-    t, angle, p_a, p_b, command_a, command_b = (table[name] for name in wanted)
-    ambient, scale = rig.supply.ambient_pressure, FULL_PRESSURE / FULL_COMMAND
-    signals = {
-        "angle": (0.01 * angle - 0.5) * rig.stroke.reading,
-        "pressure_a": ambient + 1e3 * p_a,
-        "pressure_b": ambient + 1e3 * p_b,
-        "setpoint_a": ambient + scale * command_a,
-        "setpoint_b": ambient + scale * command_b,
-    }
-    return xarray.Dataset({key: ("time", values) for key, values in signals.items()}, coords={"time": t - t[0]})
+MAPPING = Path(__file__).parent / "logs" / "affetto.toml"
 
 
 def errors(found: Fit, reading: float) -> dict[str, dict[str, float | bool]]:
@@ -89,14 +70,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--judge", default="006,010", help="logs that are only predicted, by their numbers")
-    parser.add_argument("--joint", type=int, default=5)
     parser.add_argument("--out", type=Path, default=Path("build/examples"))
     given = parser.parse_args()
     rig = load_rig("regulated-elbow")
     paths = sorted(given.folder.glob("motion_data_*.csv"))
     if not paths:
         raise InputError("holds no motion_data_*.csv", where=str(given.folder), right="give the folder of the logs")
-    logs = {path.stem.rsplit("_", 1)[-1]: read_log(path, given.joint, rig) for path in paths}
+    logs = {path.stem.rsplit("_", 1)[-1]: read_log(path, MAPPING) for path in paths}
     judged = given.judge.split(",") if given.judge else []
     model = RegulatedModel(rig, logs, judged=judged)
     began = time.perf_counter()
@@ -108,7 +88,10 @@ def main() -> None:
     console = Console(width=100)
     for table in tables(by_log, found):
         console.print(table)
-    titles = {name: f"{name}, predicted from its commands" for name in judged or list(logs)[:2]}
+    titles = {
+        name: f"{name}, {'predicted' if name in judged else 'fitted'}: {by_log[name]['angle_percent']:.1f} % of range"
+        for name in judged or list(logs)[:2]
+    }
     picture = free_runs(
         {title: shown(model, found, name) for name, title in titles.items()}, rig.supply.ambient_pressure
     )

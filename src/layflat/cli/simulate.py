@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import xarray
 
     from layflat.machine import Machine
-    from layflat.sim.scenario import Scenario
+    from layflat.sim.scenario import Scenario, Signal
 
 
 @app.command()
@@ -63,8 +63,11 @@ def simulate(
         list[str] | None,
         typer.Option(help='demand: "40 deg", "40 deg, 20 deg" or "large=40 deg", with "@ 2 s" for later; repeatable'),
     ] = None,
+    demand: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="demands over time, as `layflat excite` writes them")
+    ] = None,
     opening: Annotated[str | None, typer.Option(help='open loop: valve openings, such as "0.1, 0"')] = None,
-    duration: Annotated[str, typer.Option(help="of the run")] = "3 s",
+    duration: Annotated[str | None, typer.Option(help="of the run; 3 s, or that of the file, where not given")] = None,
     start: Annotated[str | None, typer.Option(help="angles at the start; zero where not given")] = None,
     payload: Annotated[list[str] | None, typer.Option(help='such as "2 kg @ 1 s"; repeatable')] = None,
     supply: Annotated[list[str] | None, typer.Option(help='gauge, such as "0 bar @ 1 s"; repeatable')] = None,
@@ -89,9 +92,12 @@ def simulate(
     still: dict[str, str | float] = dict.fromkeys(names, 0.0)
     begin = timed([start] if start else [], still, "--start")[-1][1]
     moves = timed(move or [], begin, "--move")
+    asked: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
+    if demand is not None:
+        asked, duration = _from_file(described, demand, moves[1:], duration)
     scenario = Scenario(
-        demand=[(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]],
-        duration=duration,
+        demand=asked,
+        duration=duration or "3 s",
         start=begin,
         opening=timed([opening], still, "--opening", bare=True) if opening else None,
         payload=timed(payload or [], {"payload": described.arm.payload}, "--payload"),
@@ -108,6 +114,19 @@ def simulate(
         raise
     _print_metrics(described, run, scenario)
     _write_run(described, run, out)
+
+
+def _from_file(machine: Machine, demand: Path, moves: Sequence[object], duration: str | None) -> tuple[Signal, str]:
+    """Demands of a file, and how long they last."""
+    from layflat.sim.demand_file import read_demand  # noqa: PLC0415
+
+    if moves or duration:
+        right = "leave --move and --duration out"
+        raise InputError("says it all", where=f"--demand {demand}", right=right)
+    if machine.controller is None:
+        raise InputError("has no controller", where=machine.origin, right="give a machine that follows demands")
+    rows = read_demand(machine, demand, machine.controller.cycle)
+    return rows, f"{len(rows) * machine.controller.cycle!r} s"
 
 
 def _waiting(what: str, work: Callable[[], Any]) -> Any:

@@ -46,25 +46,26 @@ def _steps(t: Array, duration: float, random: np.random.Generator) -> Array:
     """Steps of all sizes, with pauses."""
     count = max(3, round(duration / 0.9))
     levels = np.append(random.permutation(np.linspace(-1.0, 1.0, count - 1)), 0.0)
-    return levels[np.minimum((count * t / duration).astype(int), count - 1)]
+    return np.asarray(levels[np.minimum((count * t / duration).astype(int), count - 1)])
 
 
 def _chirp(t: Array, duration: float, random: np.random.Generator) -> Array:
     """A swept sine, 0.3 to 3 Hz."""
-    return 0.3 * random.uniform(0.8, 1.2) * np.asarray(chirp(t, 0.3, duration, 3.0, method="logarithmic", phi=-90))
+    swept = chirp(t, 0.3, duration, 3.0, method="logarithmic", phi=-90)
+    return np.asarray(0.3 * random.uniform(0.8, 1.2) * swept)
 
 
 def _ramps(t: Array, duration: float, random: np.random.Generator) -> Array:
     """Slow sweeps over most of the reach and over half of it, both ways."""
     corners = np.array([0.0, 0.9, -0.9, 0.45, -0.45, 0.0]) * random.choice([-1.0, 1.0])
     ways = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))])
-    return np.interp(t / duration, ways / ways[-1], corners)
+    return np.asarray(np.interp(t / duration, ways / ways[-1], corners))
 
 
 def _small(t: Array, duration: float, random: np.random.Generator) -> Array:
     """Moves of a few degrees and less, with pauses."""
     levels = np.array([0.1, -0.1, 0.04, -0.04, 0.0]) * random.choice([-1.0, 1.0])
-    return levels[np.minimum((len(levels) * t / duration).astype(int), len(levels) - 1)]
+    return np.asarray(levels[np.minimum((len(levels) * t / duration).astype(int), len(levels) - 1)])
 
 
 def _pause(t: Array, duration: float, random: np.random.Generator) -> Array:  # noqa: ARG001  (as all parts)

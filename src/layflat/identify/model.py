@@ -72,6 +72,11 @@ class Model(ABC):
         """
         return (self,)
 
+    def written(self, values: Array) -> dict[str, float]:
+        """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""
+        found = zip(self.unknowns, values, strict=True)
+        return {unknown.path: float(value) for unknown, value in found if not unknown.nuisance}
+
     @cached_property
     def guess(self) -> Array:
         """Guessed values, (unknowns,)."""

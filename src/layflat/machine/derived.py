@@ -53,29 +53,37 @@ def write_derived(
         "name": path.stem,
         "title": title,
     }
-    noted = {}
-    for key, value in values.items():
-        *parts, last = key.split(".")
-        if last.isdigit():
-            items = _at(plain, parts) or _at(base, parts)
-            kept = [value if i == int(last) else item for i, item in enumerate(items)]
-            *parts, last = parts
-        else:
-            kept = value
-        table = plain
-        for part in parts:
-            table = table.setdefault(part, {})
-        table[last] = kept
-        noted[".".join([*parts, last])] = sources[key]
+    noted = {with_value(plain, base, key, value): sources[key] for key, value in values.items()}
     with whole_file(path) as temporary:
         temporary.write_text(to_toml(plain, noted), encoding="utf-8")
     return load(path)
 
 
-def _at(table: Any, keys: list[str]) -> Any:
-    """What stands in nested tables, or None."""
+def with_value(plain: dict[str, Any], base: dict[str, Any], path: str, value: Any) -> str:
+    """Put a value into nested tables; of a list, what `plain` does not have is taken from `base`.
+
+    Returns:
+        Where it stands: the path, without the number of an item.
+    """
+    *parts, last = path.split(".")
+    if last.isdigit():
+        items = at_path(plain, parts) or at_path(base, parts)
+        value = [value if i == int(last) else item for i, item in enumerate(items)]
+        *parts, last = parts
+    table = plain
+    for part in parts:
+        table = table.setdefault(part, {})
+    table[last] = value
+    return ".".join([*parts, last])
+
+
+def at_path(table: Any, keys: list[str]) -> Any:
+    """What stands in nested tables and lists, or None."""
     for key in keys:
-        table = table.get(key) if isinstance(table, dict) else None
+        if isinstance(table, list):
+            table = table[int(key)]
+        else:
+            table = table.get(key) if isinstance(table, dict) else None
     return table
 
 

@@ -58,6 +58,7 @@ class RegulatedModel(Model):
         logs: by name: time from 0, and `SIGNALS` in SI; from rest.
         blocks: what to find, of `BLOCKS`.
         judged: names of logs that are only predicted.
+        fitted_share: of the time of each other log, from its start, that is fitted; the rest is judged.
 
     Raises:
         InputError: a log lacks a signal or begins with none, or a block or log is unknown.
@@ -70,11 +71,15 @@ class RegulatedModel(Model):
         *,
         blocks: Collection[str] = tuple(BLOCKS),
         judged: Collection[str] = (),
+        fitted_share: float = 1.0,
     ) -> None:
         if not logs:
             raise InputError("there is none", where="logs", right="give one or more")
         _check(blocks, BLOCKS, "blocks")
         _check(judged, logs, "judged")
+        if not 0.0 < fitted_share <= 1.0:
+            raise InputError(f"{fitted_share:g} is out of range", where="fitted_share", right="give 0.67, or 1 for all")
+        logs = {name: _of_one_joint(name, log) for name, log in logs.items()}
         self.rig, self.given, self.blocks = rig, NOTHING, tuple(blocks)
         self.logs = tuple(_read(rig, name, log) for name, log in logs.items())
         fitted = [log for log in self.logs if log.name not in judged] or list(self.logs)
@@ -85,7 +90,9 @@ class RegulatedModel(Model):
         ]
         self.unknowns = unknowns_of(rig, self.blocks, ends)
         self.outputs = tuple(
-            output for log in self.logs for output in _outputs(rig, log, logs[log.name], log.name not in judged)
+            output
+            for log in self.logs
+            for output in _outputs(rig, log, logs[log.name], 0.0 if log.name in judged else fitted_share)
         )
 
     def ladder(self) -> Sequence[Model]:
@@ -156,6 +163,15 @@ def _turn(time: Array, angle: Array) -> Array:
     return np.asarray(np.where(earlier >= 0, angle - angle[..., np.maximum(earlier, 0)], np.nan))
 
 
+def _of_one_joint(name: str, log: xarray.Dataset) -> xarray.Dataset:
+    """A log without the dimension `joint`."""
+    if "joint" not in log.dims:
+        return log
+    if log.sizes["joint"] != 1:
+        raise InputError(f"has {log.sizes['joint']} joints", where=name, right="map the columns of one joint")
+    return log.isel(joint=0)
+
+
 def _read(rig: RegulatedRig, name: str, data: xarray.Dataset) -> Log:
     """The signals of a log; gaps in what was measured are bridged, as only the easier ways use them."""
     for signal in SIGNALS:
@@ -181,9 +197,9 @@ def _read(rig: RegulatedRig, name: str, data: xarray.Dataset) -> Log:
     return Log(name, Course(time=time, **columns), bool(first <= close - half), bool(first >= half - close))
 
 
-def _outputs(rig: RegulatedRig, log: Log, data: xarray.Dataset, fitted: bool) -> list[Output]:
+def _outputs(rig: RegulatedRig, log: Log, data: xarray.Dataset, share: float) -> list[Output]:
     time, reading = log.course.time, rig.stroke.reading
-    flags = np.full(len(time), fitted)
+    flags = time < time[0] + share * (time[-1] - time[0]) if share < 1.0 else np.ones(len(time), dtype=bool)
     angle = np.asarray(data["angle"].values, dtype=np.float64)
     measured = {"angle": angle, "turn": _turn(time, angle)}
     found = [

@@ -225,9 +225,9 @@ def _of_blocks(rig: VesselRig, find: Collection[str], volume: bool, fills: bool)
     fast = "a fill or blow-down that is fast for the size of the vessel"
     G = wall.conductance
     unknowns = (
-        Unknown("path.conductance", "m3/(s Pa)", C, low, high, True, "a fill or blow-down over a wide range"),
+        Unknown("path.conductance", "m^3/(s Pa)", C, low, high, True, "a fill or blow-down over a wide range"),
         Unknown("path.critical_ratio", "1", b, min(0.05, b), max(0.7, b), False, "flow down to nearly equal pressures"),
-        Unknown("space.volume", "m3", V, V / 10.0, V * 10.0, True, "a second log with a known volume joined to it"),
+        Unknown("space.volume", "m^3", V, V / 10.0, V * 10.0, True, "a second log with a known volume joined to it"),
         Unknown("wall.natural", "1", wall.natural, min(0.01, wall.natural), 1.0, True, fast),
         Unknown("wall.forced", "1", wall.forced, min(0.02, wall.forced), 10.0, True, f"{fast}: a fill"),
         Unknown("wall.conductance", "W/K", G, G / 30.0, G * 30.0, True, fast),

@@ -1,7 +1,17 @@
 """Benches as people describe them: a file says at its top what `kind` of bench it is."""
 
-from layflat.machine.rigs.loader import KINDS, build_rig, load_rig, rig_names
+from layflat.machine.rigs.loader import KINDS, Rig, build_rig, load_described, load_rig, rig_names, rig_tables
 from layflat.machine.rigs.regulated import RegulatedRig
 from layflat.machine.rigs.vessel import VesselRig
 
-__all__ = ["KINDS", "RegulatedRig", "VesselRig", "build_rig", "load_rig", "rig_names"]
+__all__ = [
+    "KINDS",
+    "RegulatedRig",
+    "Rig",
+    "VesselRig",
+    "build_rig",
+    "load_described",
+    "load_rig",
+    "rig_names",
+    "rig_tables",
+]

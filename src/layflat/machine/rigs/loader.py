@@ -6,17 +6,22 @@ import tomllib
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from layflat.errors import MachineError
+from layflat.machine.loader import Plain, Sources, load, names
+from layflat.machine.model import Machine
 from layflat.machine.provenance import split
 from layflat.machine.rigs.regulated import RegulatedRig
 from layflat.machine.rigs.vessel import VesselRig
 
-KINDS: dict[str, type[BaseModel]] = {"vessel": VesselRig, "regulated joint": RegulatedRig}
+Rig: TypeAlias = VesselRig | RegulatedRig
+"""A bench that is no machine."""
+
+KINDS: dict[str, type[Rig]] = {"vessel": VesselRig, "regulated joint": RegulatedRig}
 """Descriptions by the `kind` at the top of their files."""
 
 BUILT_IN = files("layflat.machine.rigs") / "builtin"
@@ -27,22 +32,42 @@ def rig_names() -> tuple[str, ...]:
     return tuple(sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir()))
 
 
+def load_described(where: str | Path) -> Machine | Rig:
+    """A machine or a bench, from its built-in name or from a TOML file.
+
+    Raises:
+        MachineError: in one line, which file, key and value is wrong and what would be right.
+    """
+    place = str(where)
+    own = place in rig_names() or (place not in names() and Path(place).is_file() and "kind" in rig_tables(place)[0])
+    described: Machine | Rig = load_rig(place) if own else load(place)
+    return described
+
+
 def load_rig(rig: str | Path) -> Any:
     """A bench from its built-in name or from a TOML file, of the class for its kind.
 
     Raises:
         MachineError: in one line, which file, key and value is wrong and what would be right.
     """
+    return build_rig(rig_tables(rig)[0], str(rig))
+
+
+def rig_tables(rig: str | Path) -> tuple[Plain, Sources]:
+    """The plain values of a bench as they are written, and where they come from.
+
+    Raises:
+        MachineError: the file is missing or broken.
+    """
     where = str(rig)
     try:
-        tables, _ = split(tomllib.loads(_text(where)), where)
+        return split(tomllib.loads(_text(where)), where)
     except tomllib.TOMLDecodeError as error:
         raise MachineError(f"is not TOML: {error}", where=where, right='values look like volume = "10 l"') from None
-    return build_rig(tables, where)
 
 
-def build_rig(tables: dict[str, Any], where: str) -> Any:
-    """Validate plain tables, quantities as text with units, into a bench of the class for its kind.
+def build_rig(tables: Plain, where: str) -> Any:
+    """Validate plain tables, quantities as text with units, into a bench, of the class for its kind.
 
     Raises:
         MachineError: naming `where`, the key and the value.

@@ -1,0 +1,114 @@
+"""Commands about bench logs: log check, log map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import app, print_table
+from layflat.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from layflat.machine import Machine
+
+logs = typer.Typer(help="Bench logs: what is in them, and whether they are sound.", no_args_is_help=True)
+app.add_typer(logs, name="log")
+
+LogFile = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, NetCDF or MCAP")]
+MappingFile = Annotated[
+    Path | None, typer.Option("--mapping", metavar="FILE", help="what its columns are; not needed for our own names")
+]
+OfMachine = Annotated[
+    str | None, typer.Option("--machine", metavar="NAME|FILE", help="the machine that it was recorded on")
+]
+
+
+@logs.command("check")
+def check_log(
+    log: LogFile,
+    mapping: MappingFile = None,
+    machine: OfMachine = None,
+    cycle: Annotated[str | None, typer.Option(help="period to resample to; the log's own where not given")] = None,
+) -> None:
+    """Check a log: its channels, and what is wrong with them. Exit status 2 if no fit would make sense."""
+    from layflat.identify.logs import check, read_log, refuse  # noqa: PLC0415
+
+    described = _machine(machine)
+    with _busy("reading"):
+        data = read_log(log, mapping, joints=_joints(described), cycle=cycle)
+        findings = check(data, described)
+    period = data.attrs["log_period"]
+    title = f"{log.name}: {data.sizes['time']} instants, one every {period * 1e3:.4g} ms"
+    print_table(["signal", "joint", "column", "unit", "from", "to", "samples", "missing"], _channels(data), title)
+    if findings:
+        typer.echo()
+        rows = [[f.severity, f.channel, f.text, f.right] for f in findings]
+        print_table(["severity", "channel", "found", "what is right, or follows"], rows)
+    refuse(findings, str(log))
+    typer.echo(f"{log}: sound" if not findings else f"{log}: no errors")
+
+
+@logs.command("map")
+def map_log(
+    log: LogFile,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="[LOG's name]-mapping.toml")] = None,
+    machine: OfMachine = None,
+) -> None:
+    """Guess what a log's columns are, and write a mapping file to look through and correct."""
+    from layflat.identify.logs import guess_mapping, write_mapping  # noqa: PLC0415
+
+    place = out or Path(f"{log.stem}-mapping.toml")
+    if place.exists():
+        raise InputError("is there already", where=str(place), right="give another name with --out, or remove it")
+    with _busy("reading"):
+        guess = guess_mapping(log, _joints(_machine(machine)))
+    rows = [
+        [", ".join(entry.columns), entry.channel, entry.unit, guess.notes.get(entry.columns[0], "")]
+        for entry in guess.mapping.column
+    ]
+    print_table(["column", "taken for", "unit", "why"], rows)
+    left = len([name for name in guess.notes if name]) - len(rows)
+    head = f"Guessed from {log.name} by `layflat log map`: look through every entry before you use it."
+    typer.echo(f"{left} columns are left out" if left != 1 else "1 column is left out")
+    typer.echo(f"wrote {write_mapping(guess.mapping, place, guess.notes, head)}: a guess, correct it before you use it")
+
+
+def _machine(name: str | None) -> Machine | None:
+    from layflat.machine import load  # noqa: PLC0415
+
+    return load(name) if name is not None else None
+
+
+def _joints(machine: Machine | None) -> list[str] | None:
+    return list(machine.joints) if machine is not None else None
+
+
+def _channels(data: xarray.Dataset) -> list[list[str]]:
+    """A row for each channel: where it comes from, and its range in units that people read."""
+    from layflat.identify.logs.checks.bench import SHOWN, bench_of  # noqa: PLC0415
+
+    rows = []
+    for channel in bench_of(data, None).channels.values():
+        factor, unit = SHOWN.get(channel.signal.kind, (1.0, channel.signal.unit))
+        known = channel.known / factor
+        ends = [f"{known.min():.4g}", f"{known.max():.4g}"] if known.size else ["", ""]
+        absent = channel.values.size - known.size
+        share = f"{100 * absent / channel.values.size:.2g} %" if absent else ""
+        column, samples = str(channel.told.get("column", "")), str(channel.told.get("samples", ""))
+        rows.append([channel.signal.name, channel.joint or "", column, unit, *ends, samples, share])
+    return rows
+
+
+@contextmanager
+def _busy(what: str) -> Iterator[None]:
+    """A sign of life on stderr, on a terminal."""
+    from rich.console import Console  # noqa: PLC0415
+
+    with Console(stderr=True).status(what):
+        yield

@@ -1,0 +1,147 @@
+"""An identification from files to files: logs and a description in, a fitted description and what it is worth out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from layflat.errors import InputError
+from layflat.files import check_folder, whole_file
+from layflat.identify.benches.kinds import bench_of, chosen
+from layflat.identify.fit import Fit, fit
+from layflat.identify.fit.search import STARTS, Progress
+from layflat.identify.identified_file import Written, identified_path, plain_of, write_identified, written_values
+from layflat.identify.logs import Finding, check, read_log, refuse
+from layflat.identify.model import Model
+from layflat.machine import Machine
+from layflat.machine.rigs import Rig, load_described
+
+if TYPE_CHECKING:
+    import xarray
+
+MOVES_FIRST = 1
+"""Starts besides the description's own for a machine that moves: led along, it finds its way from there."""
+
+
+@dataclass(frozen=True)
+class Identification:
+    """Logs and a description, ready to be fitted.
+
+    Args:
+        given: built-in name or file of the description.
+        described: what it says.
+        logs: to fit, by name.
+        judged: logs that are only predicted.
+        findings: what is doubtful in each log.
+        blocks: what is fitted.
+        model: that is fitted.
+        path: where the description that is found is put.
+    """
+
+    given: str
+    described: Machine | Rig
+    logs: Mapping[str, xarray.Dataset]
+    judged: Mapping[str, xarray.Dataset]
+    findings: Mapping[str, Sequence[Finding]]
+    blocks: Sequence[str]
+    model: Model
+    path: Path
+
+    def fit(self, *, starts: int | None = None, seed: int = 0, progress: Progress | None = None) -> Fit:
+        """Fit the model: see `layflat.identify.fit`."""
+        usual = MOVES_FIRST if len(self.model.ladder()) > 1 else STARTS
+        return fit(self.model, starts=usual if starts is None else starts, seed=seed, progress=progress)
+
+    @cached_property
+    def checksums(self) -> dict[str, str]:
+        """Of the fitted logs, by name."""
+        return {name: str(log.attrs.get("log_sha256", "unknown")) for name, log in self.logs.items()}
+
+    def values(self, found: Fit) -> list[Written]:
+        """What was found, in the units of the description."""
+        return written_values(found, plain_of(self.given, self.described))
+
+    def keep(self, found: Fit) -> Machine | Rig:
+        """Write the description, and beside it all figures as JSON.
+
+        Raises:
+            OutputError: they can't be written there.
+        """
+        kept = write_identified(self.given, self.described, found, self.checksums, self.path)
+        with whole_file(self.path.with_suffix(".json")) as temporary:
+            temporary.write_text(json.dumps(self.figures(found), indent=2), encoding="utf-8")
+        return kept
+
+    def figures(self, found: Fit) -> dict[str, Any]:
+        """All figures of a fit, SI."""
+        return {
+            "description": self.given,
+            "blocks": list(self.blocks),
+            "logs": self.checksums,
+            "converged": found.converged,
+            "trusted": found.trusted,
+            "simulations": found.simulations,
+            "values": {
+                e.unknown.path: {
+                    "unit": e.unknown.unit,
+                    "value": e.value,
+                    "low": e.low,
+                    "high": e.high,
+                    "told": bool(e.told),
+                    "at_bound": bool(e.at_bound),
+                    "partner": e.partner,
+                }
+                for e in found.estimates
+            },
+            "errors": [vars(quality) for quality in found.qualities()],
+        }
+
+
+def begin(
+    logs: Sequence[str | Path],
+    described: str | Path,
+    out: Path,
+    *,
+    blocks: str | None = None,
+    validate: Sequence[str | Path] = (),
+    mapping: str | Path | None = None,
+) -> Identification:
+    """Read and check everything before any work is done.
+
+    Args:
+        logs: files to fit.
+        described: built-in name or file of a machine or a bench.
+        out: folder for the results.
+        blocks: what to fit, such as "valve, hose"; what is usual for the bench where not given.
+        validate: logs that are only predicted; without any, the last third of each log is.
+        mapping: what the logs' columns are.
+
+    Raises:
+        InputError: in one line, what is wrong with a log, the description or an option.
+    """
+    check_folder(out)
+    bench_described = load_described(described)
+    path = identified_path(str(described), bench_described, out)
+    machine = bench_described if isinstance(bench_described, Machine) else None
+    joints = list(machine.joints) if machine is not None else None
+    cycle = machine.controller.cycle if machine is not None and machine.controller is not None else None
+    files = [Path(log) for log in (*logs, *validate)]
+    names = [file.stem for file in files]
+    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    if twice is not None:
+        raise InputError("is given twice", where=twice, right="give every log once, under a name of its own")
+    read, findings = {}, {}
+    for name, file in zip(names, files, strict=True):
+        read[name] = read_log(file, mapping, joints=joints, cycle=cycle)
+        findings[name] = check(read[name], machine)
+        refuse(findings[name], str(file))
+    fitted = {name: read[name] for name in names[: len(logs)]}
+    judged = {name: read[name] for name in names[len(logs) :]}
+    bench = bench_of(bench_described, fitted)
+    fitted_blocks = chosen(bench, blocks)
+    model = bench.model(bench_described, fitted, fitted_blocks, judged)
+    return Identification(str(described), bench_described, fitted, judged, findings, fitted_blocks, model, path)

@@ -1,0 +1,122 @@
+"""MCAP files: messages of ROS 2 or in JSON, flattened to columns, each with the log time of its messages."""
+
+from __future__ import annotations
+
+import json
+import struct
+from array import array
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from layflat.errors import InputError
+from layflat.identify.logs.headers import Header, header_of
+from layflat.identify.logs.table import Column
+
+if TYPE_CHECKING:
+    from mcap.records import Channel, Schema
+
+LARGEST = 64
+"""Items of an array that become columns; longer ones are images and scans."""
+
+CLOCK = Header("log_time", "s", None, "log_time")
+
+Decoder = Callable[[bytes], Any]
+
+
+def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
+    """Columns "topic.field" of an MCAP file; times are seconds since the first message.
+
+    Arrays become "topic.field.0" and so on, or go by name where `name` or `names` stands beside them, as in
+    sensor_msgs/JointState. Topics in other encodings are left out.
+
+    Raises:
+        InputError: it is none, nothing in it can be decoded, or the packages are not installed.
+    """
+    try:
+        from mcap.exceptions import McapError  # noqa: PLC0415
+    except ImportError:
+        raise InputError("needs mcap", where=str(path), right="pip install 'layflat[logs]'") from None
+    samples: dict[str, tuple[list[int], list[float]]] = {}
+    try:
+        for topic, stamp, message in _messages(path):
+            for field, value in flattened(message):
+                stamps, values = samples.setdefault(f"{topic}.{field}" if field else topic, ([], []))
+                stamps.append(stamp)
+                values.append(value)
+    except (McapError, ValueError, NotImplementedError, struct.error) as error:
+        what = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right="give a whole MCAP file") from None
+    if not samples:
+        raise InputError(
+            "holds no messages with numbers", where=str(path), right="give messages of ROS 2 (CDR) or in JSON"
+        )
+    first = min(stamps[0] for stamps, _ in samples.values())
+    columns = {}
+    for name, (stamps, values) in samples.items():
+        since = (np.array(stamps, dtype=np.int64) - first).astype(np.float64) * 1e-9
+        columns[name] = Column(np.array(values, dtype=np.float64), header_of(name), since)
+    return columns, CLOCK
+
+
+def _messages(path: Path) -> Iterator[tuple[str, int, Any]]:
+    """Topic, log time (ns) and content of the messages that can be decoded, in the order of their log times."""
+    from mcap.reader import make_reader  # noqa: PLC0415
+
+    decoders: dict[int, Decoder | None] = {}
+    with path.open("rb") as file:
+        for schema, channel, message in make_reader(file).iter_messages():
+            if channel.id not in decoders:
+                decoders[channel.id] = _decoder(schema, channel)
+            decode = decoders[channel.id]
+            if decode is not None:
+                yield channel.topic.lstrip("/"), message.log_time, decode(message.data)
+
+
+def _decoder(schema: Schema | None, channel: Channel) -> Decoder | None:
+    if channel.message_encoding == "json":
+        return json.loads
+    try:
+        from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
+    except ImportError:
+        raise ValueError("mcap-ros2-support is not installed: pip install 'layflat[logs]'") from None
+    return DecoderFactory().decoder_for(channel.message_encoding, schema)
+
+
+def flattened(message: Any, prefix: str = "") -> Iterator[tuple[str, float]]:
+    """Dotted names and values of all numbers in a message; a time of seconds and nanoseconds is one number."""
+    fields = _fields(message)
+    if fields is None:
+        if isinstance(message, (bool, int, float)):
+            yield prefix, float(message)
+        return
+    if set(fields) == {"sec", "nanosec"}:
+        yield prefix, fields["sec"] + 1e-9 * fields["nanosec"]
+        return
+    names = fields.get("name", fields.get("names"))
+    for key, value in fields.items():
+        place = f"{prefix}.{key}" if prefix else key
+        if isinstance(value, (list, tuple, array)):
+            if len(value) <= LARGEST:
+                yield from _items(value, names, place)
+        else:
+            yield from flattened(value, place)
+
+
+def _items(values: Any, names: Any, place: str) -> Iterator[tuple[str, float]]:
+    named = isinstance(names, list) and len(names) == len(values) and all(isinstance(name, str) for name in names)
+    for i, value in enumerate(values):
+        yield from flattened(value, f"{place}.{names[i] if named else i}")
+
+
+def _fields(message: Any) -> dict[str, Any] | None:
+    """Fields of a message; None for what is no message."""
+    if isinstance(message, dict):
+        return message
+    if isinstance(message, SimpleNamespace) or hasattr(message, "__slots__"):
+        slots = getattr(message, "__slots__", None) or vars(message)
+        return {name: getattr(message, name) for name in slots if not name.startswith("_")}
+    return None

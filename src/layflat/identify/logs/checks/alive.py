@@ -1,0 +1,73 @@
+"""Sensors that don't follow: dead channels, and those that stand at a rail."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from layflat.identify.logs.checks.bench import Array, Bench, Channel, noise, quantum, runs
+from layflat.identify.logs.finding import Finding
+
+RAIL_SHARE = 0.005
+RAIL_SAMPLES = 8
+"""Share and number of the samples at exactly one extreme from which it may be a rail."""
+RAIL_RUN = 3
+"""Samples on end at it."""
+ABRUPT = 0.25
+"""Speed of arriving at it, as a share of a fast speed of the signal: what comes to rest by itself slows down before."""
+
+
+def findings(bench: Bench) -> Iterator[Finding]:
+    """Constant channels and rails, of what was measured."""
+    for channel in bench.filled:
+        if channel.signal.held or channel.name == "supply":
+            continue
+        if np.ptp(channel.known) == 0.0:
+            yield _constant(channel, bench)
+        else:
+            yield from _rails(channel, bench)
+
+
+def _constant(channel: Channel, bench: Bench) -> Finding:
+    beside = [other for other in bench.filled if other.joint == channel.joint and other is not channel]
+    moving = next((other for other in beside if _moves(other)), None)
+    text = f"is exactly {channel.shown(float(channel.known[0]))} all the time"
+    if moving is None:
+        return Finding("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
+    return Finding("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
+
+
+def _moves(channel: Channel) -> bool:
+    return bool(np.ptp(channel.known) > 10.0 * noise(channel.known)) and quantum(channel.known) > 0.0
+
+
+def _rails(channel: Channel, bench: Bench) -> Iterator[Finding]:
+    values = channel.values
+    if np.unique(channel.known).size < 20:
+        return
+    for extreme, word in ((np.nanmin(values), "low"), (np.nanmax(values), "high")):
+        at = values == extreme
+        stays = [(first, length) for first, length in runs(at) if length >= RAIL_RUN]
+        count = sum(length for _, length in stays)
+        if count < max(RAIL_SAMPLES, RAIL_SHARE * values.size) or not any(
+            _abrupt(values, first, length) for first, length in stays
+        ):
+            continue
+        first = stays[0][0]
+        text = (
+            f"stands at its {word}est value, {channel.shown(float(extreme))}, for {100 * count / values.size:.2g} % "
+            f"of the samples, first from {bench.time[first]:.3f} s"
+        )
+        right = "a sensor at its rail, or a joint at its stop: use a wider range, or leave these times out"
+        yield Finding("warning", channel.name, text, right)
+
+
+def _abrupt(values: Array, first: int, length: int) -> bool:
+    """Whether a signal runs into a standstill, or out of it, at speed."""
+    steps = np.abs(np.diff(values[np.isfinite(values)]))
+    fast = float(np.percentile(steps[steps > 0.0], 90.0))
+    into = np.diff(values[max(first - 3, 0) : first])
+    out = np.diff(values[first + length : first + length + 3])
+    limit = max(ABRUPT * fast, 3.0 * quantum(values[np.isfinite(values)]))
+    return any(side.size == 2 and np.isfinite(side).all() and abs(side.mean()) > limit for side in (into, out))

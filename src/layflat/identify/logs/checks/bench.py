@@ -1,0 +1,169 @@
+"""A log as the checks see it: its channels, and what is known of the bench."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name
+from layflat.machine import Machine
+from layflat.machine import units as u
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+TAIL = 0.5
+"""Per cent of the samples at both ends that don't count for a range: single wild samples."""
+
+SHOWN: dict[u.Quantity | None, tuple[float, str]] = {
+    u.ANGLE: (np.pi / 180.0, "deg"), u.PRESSURE: (1e5, "bar"), u.LENGTH: (1e-3, "mm"), None: (0.01, "%"),
+}  # fmt: skip
+"""Units that people read, by kind; SI for the others."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One signal of one joint.
+
+    Attributes:
+        name: signal and joint in one word.
+        values: (samples,), SI, NaN where there is none.
+        told: what the log's attributes say of its column.
+    """
+
+    name: str
+    signal: Signal
+    joint: str | None
+    values: Array
+    told: dict[str, Any]
+
+    @property
+    def known(self) -> Array:
+        """The samples that there are."""
+        return self.values[np.isfinite(self.values)]
+
+    @property
+    def low(self) -> float:
+        """Low end of the range, single wild samples left out."""
+        return float(np.percentile(self.known, TAIL))
+
+    @property
+    def high(self) -> float:
+        """High end of the range, single wild samples left out."""
+        return float(np.percentile(self.known, 100.0 - TAIL))
+
+    def shown(self, value: float) -> str:
+        """A value with a unit that people read."""
+        factor, unit = SHOWN.get(self.signal.kind, (1.0, self.signal.unit))
+        return f"{value / factor:.3g} {unit}"
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A log, and what is known of where it was made.
+
+    Attributes:
+        channels: by name; those without any sample are left out of `filled`.
+        period: of the grid, s.
+        clocks: what the log's attributes say of its clocks.
+        machine: None where nothing is known.
+    """
+
+    channels: dict[str, Channel]
+    time: Array
+    period: float
+    joints: tuple[str, ...]
+    clocks: list[dict[str, Any]]
+    machine: Machine | None
+
+    @property
+    def filled(self) -> list[Channel]:
+        """Channels with two samples or more."""
+        return [channel for channel in self.channels.values() if channel.known.size > 1]
+
+    def of(self, signal: str, joint: str | None = None) -> Channel | None:
+        """A channel with samples; None where there is none."""
+        channel = self.channels.get(channel_name(signal, joint))
+        return channel if channel is not None and channel.known.size > 1 else None
+
+    @property
+    def ambient(self) -> float:
+        """Absolute, Pa."""
+        if self.machine is not None:
+            return self.machine.supply.ambient_pressure
+        told = [float(c.told["ambient"]) for c in self.channels.values() if "ambient" in c.told]
+        return told[0] if told else AMBIENT
+
+    @property
+    def supply_gauge(self) -> float | None:
+        """Pressure of the supply above ambient, Pa: the machine's, else the log's."""
+        if self.machine is not None:
+            return self.machine.supply.pressure_gauge
+        supply = self.of("supply")
+        gauge = float(np.median(supply.known)) - self.ambient if supply is not None else 0.0
+        return gauge if gauge > 0.0 else None
+
+    def difference(self, joint: str | None) -> Array | None:
+        """Pressure of hose A less hose B, Pa, (samples,): from both, else as it was measured."""
+        a, b = self.of("pressure_a", joint), self.of("pressure_b", joint)
+        if a is not None and b is not None:
+            return a.values - b.values
+        measured = self.of("measured_pressure", joint)
+        return measured.values if measured is not None else None
+
+
+def bench_of(log: xarray.Dataset, description: object | None) -> Bench:
+    """Channels of a log with what its attributes and a description say."""
+    told = json.loads(log.attrs.get("log_columns", "{}"))
+    joints = tuple(str(name) for name in log["joint"].values) if "joint" in log.coords else ()
+    channels = {}
+    for signal in SIGNALS.values():
+        if signal.name not in log:
+            continue
+        values = log[signal.name]
+        columns: dict[str | None, Any] = {None: values}
+        if "joint" in values.dims:
+            columns = {name: values.isel(joint=i) for i, name in enumerate(joints)}
+        for joint, column in columns.items():
+            name = channel_name(signal.name, joint)
+            if told and name not in told:
+                continue  # of another joint only
+            numbers = np.asarray(column.values, dtype=np.float64)
+            channels[name] = Channel(name, signal, joint, numbers, told.get(name, {}))
+    time = np.asarray(log["time"].values, dtype=np.float64)
+    period = float(log.attrs.get("log_period", np.median(np.diff(time)) if time.size > 1 else 0.0))
+    machine = description if isinstance(description, Machine) else None
+    return Bench(channels, time, period, joints, json.loads(log.attrs.get("log_clocks", "[]")), machine)
+
+
+def smoothed(values: Array, samples: int) -> Array:
+    """Moving average, (size - samples + 1,)."""
+    return np.convolve(values, np.full(samples, 1.0 / samples), "valid") if samples > 1 else values
+
+
+def noise(values: Array) -> float:
+    """Standard deviation of the noise of a signal that moves slowly beside its samples, from second differences."""
+    if values.size < 3:
+        return 0.0
+    spread = np.median(np.abs(np.diff(values, 2))) * 1.4826 / np.sqrt(6.0)
+    return float(max(spread, quantum(values) / 2.0))
+
+
+def quantum(values: Array) -> float:
+    """The smallest step between samples: that of a converter, if there is one; rounding of the last digits is none."""
+    steps = np.abs(np.diff(values))
+    steps = steps[steps > 1e-9 * max(float(np.abs(values).max(initial=0.0)), 1e-300)]
+    return float(steps.min(initial=np.inf)) if steps.size else 0.0
+
+
+def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First sample and length of each run of true flags."""
+    edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
+    firsts, ends = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
+    return [(int(first), int(end - first)) for first, end in zip(firsts, ends, strict=True)]

@@ -1,0 +1,74 @@
+"""Gauge pressures that are taken for absolute ones, and the reverse: told by what vented air and the supply have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from layflat.identify.logs.checks.bench import Bench, Channel, runs
+from layflat.identify.logs.finding import Finding
+
+VENTED = 0.15
+"""Share of ambient pressure about which vented air is found, with all errors of sensors."""
+CLOSE = 0.04
+"""The same for a level that lasts."""
+LEVEL = 1e3
+"""Pressures so close together are one level, Pa."""
+LASTING = 0.1
+"""Time that a level has to last, s."""
+
+
+def findings(bench: Bench) -> Iterator[Finding]:
+    """Absolute pressures that count from the wrong level."""
+    for channel in bench.filled:
+        if channel.signal.absolute:
+            finding = counts_wrong(channel, bench)
+            if finding is not None:
+                yield finding
+
+
+def pressure_span(channel: Channel, bench: Bench) -> tuple[float, float]:
+    """Range of an absolute pressure above ambient, Pa."""
+    return channel.low - bench.ambient, channel.high - bench.ambient
+
+
+def counts_wrong(channel: Channel, bench: Bench) -> Finding | None:
+    """What to say of a pressure that counts from the wrong level; None if it doesn't, or if nothing can be told."""
+    low, high = pressure_span(channel, bench)
+    ambient = bench.ambient
+    supply = bench.supply_gauge if channel.signal.name != "pressure" else None
+    gauge = bool(channel.told.get("gauge", False))
+    most = 1.1 * supply if supply is not None else np.inf
+    enough = 0.25 * supply if supply is not None else 3e4
+    span = f"{channel.shown(channel.low)} to {channel.shown(channel.high)} absolute"
+    if not gauge and -1.1 * ambient < low < -VENTED * ambient and enough <= high + ambient <= most:
+        right = "it counts from ambient pressure: gauge = true would fit"
+        return Finding("error", channel.name, f"{span}: below ambient", right)
+    if not gauge:
+        return _at_supply(channel, supply, span, bench.period)
+    right = "it is absolute already: gauge = false would fit"
+    if supply is not None and high > most and low - ambient > -VENTED * ambient and high - ambient <= 1.02 * supply:
+        beyond = f"{span} where the supply has {channel.shown(supply + ambient)}"
+        return Finding("error", channel.name, beyond, right)
+    twice = abs(channel.low - 2.0 * ambient) < CLOSE * ambient
+    if twice and _lasts(channel, channel.low, bench.period) and high - low > 0.5 * ambient:
+        text = f"{span}; its lowest level is twice ambient pressure"
+        return Finding("warning", channel.name, text, f"if that is vented air, {right}")
+    return None
+
+
+def _lasts(channel: Channel, level: float, period: float) -> bool:
+    """Whether a signal stays at a level for a while."""
+    longest = max((length for _, length in runs(np.abs(channel.values - level) < LEVEL)), default=0)
+    return longest >= 3 and longest * period >= LASTING
+
+
+def _at_supply(channel: Channel, supply: float | None, span: str, period: float) -> Finding | None:
+    """A pressure said to be absolute whose highest level lasts and is the supply's gauge pressure to the per cent."""
+    if supply is None or channel.signal.held or channel.name == "supply":
+        return None
+    if abs(channel.high - supply) > 0.02 * supply or not _lasts(channel, channel.high, period):
+        return None
+    text = f"{span}; its highest level is the supply's gauge pressure"
+    return Finding("warning", channel.name, text, "if that is full supply pressure, gauge = true would fit")

@@ -1,0 +1,92 @@
+"""What a column's header says of it: a name, and often a unit."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_UNITS = {
+    "pa": "Pa", "hpa": "hPa", "kpa": "kPa", "mpa": "MPa", "bar": "bar", "mbar": "mbar", "psi": "psi",
+    "rad": "rad", "mrad": "mrad", "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
+    "v": "V", "mv": "mV", "volt": "V", "volts": "V",
+    "s": "s", "sec": "s", "seconds": "s", "ms": "ms", "us": "us", "µs": "us", "ns": "ns", "min": "min",
+    "nm": "N m", "n m": "N m", "n*m": "N m", "n·m": "N m", "n": "N", "kn": "kN",
+    "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um",
+    "k": "K", "degc": "degC", "°c": "degC", "degf": "degF", "kg": "kg", "g": "g", "%": "%", "1": "1",
+}  # fmt: skip
+"""How units are written in headers, in small letters, and how they are written here."""
+
+_AS_WORD = {"mpa": "MPa", "nm": "N m"}
+_TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°"}
+"""Not taken for a unit at the end of a name: the k of "torque_k" is none."""
+
+_BRACKETS = re.compile(r"^(?P<stem>.*?)\s*[\[({](?P<unit>[^\[\](){}]*)[\])}]\s*$")
+_GAUGE = re.compile(r"^(?P<unit>[a-zA-Z]+?)[\s_]*\(?(?P<kind>gauge|abs|absolute|g|a)\)?$")
+_PRESSURES = {"Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi"}
+
+
+@dataclass(frozen=True)
+class Header:
+    """What is said of a column.
+
+    Attributes:
+        name: as the file has it; this is how a mapping names the column.
+        unit: as pint knows it; empty where the file doesn't say.
+        gauge: whether a pressure counts from ambient; None where the file doesn't say.
+        stem: the name without its unit.
+    """
+
+    name: str
+    unit: str = ""
+    gauge: bool | None = None
+    stem: str = ""
+
+
+def written_unit(text: str) -> tuple[str, bool | None]:
+    """A unit such as "bar_abs", "kPag" or "deg" as pint knows it, and whether it is a gauge pressure.
+
+    What is no unit gives an empty text.
+    """
+    plain = text.strip()
+    if plain.lower() in _UNITS:
+        return _UNITS[plain.lower()], None
+    found = _GAUGE.match(plain)
+    unit = _UNITS.get(found["unit"].lower(), "") if found else ""
+    if found and unit in _PRESSURES:
+        return unit, found["kind"] in {"gauge", "g"}
+    return "", None
+
+
+def header_of(name: str, stated: str = "") -> Header:
+    """Name and unit of a header such as "p_A [kPa]", "theta_deg" or "time (ms)".
+
+    Args:
+        name: the header.
+        stated: unit that the file gives elsewhere.
+    """
+    name = name.strip()
+    stem, unit, gauge = name, "", None
+    bracketed = _BRACKETS.match(name)
+    if bracketed:
+        stem = bracketed["stem"]
+        unit, gauge = written_unit(bracketed["unit"])
+    else:
+        stem, unit, gauge = _suffixed(name)
+    if stated:
+        said, said_gauge = written_unit(stated)
+        unit, gauge = said or stated.strip(), gauge if said_gauge is None else said_gauge
+    return Header(name, unit, gauge, stem or name)
+
+
+def _suffixed(name: str) -> tuple[str, str, bool | None]:
+    """A unit behind the last underscore, or the last two: "p_a_bar_abs"."""
+    for count in (2, 1):
+        parts = re.split(r"[_\s]", name)
+        if len(parts) <= count:
+            continue
+        tail = " ".join(parts[-count:])
+        unit, gauge = written_unit(tail.replace(" ", "_") if count == 2 else tail)
+        short = tail.lower() in _TOO_SHORT and not (tail.lower() == "s" and parts[0].lower() in {"t", "time"})
+        if unit and not short:
+            return name[: len(name) - len(tail) - 1], unit, gauge
+    return name, "", None

@@ -1,0 +1,239 @@
+"""The mapping file: which column of a log is which signal, in which unit, turned which way.
+
+    ambient = "1.013 bar"          # what gauge pressures count from; a standard atmosphere where not given
+
+    [time]
+    column = "t"                   # not needed where each column has times of its own
+    unit = "s"
+
+    [[column]]
+    from = "rpa5"                  # or a list of columns that measure the same: their mean
+    signal = "pressure_a"
+    joint = "elbow"
+    unit = "kPa"
+    gauge = true                   # counts from ambient pressure; must be said of absolute pressures
+    sign = 1
+    offset = 0.0                   # in the column's own numbers
+    scale = 1.0
+    optional = false               # true: no mistake if the log has no such column
+
+A sample becomes sign x (raw - offset) x scale x unit, and then ambient pressure is added if it counts from there. A
+unit may have a number, so that an angle in per cent of 60 degrees is `unit = "0.6 deg"`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping as Table
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from layflat.errors import InputError
+from layflat.files import whole_file
+from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion, nearest
+from layflat.machine import units as u
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class TimeColumn(_Part):
+    """The clock: a column, and its unit."""
+
+    column: str | None = None
+    unit: str
+
+    @field_validator("unit")
+    @classmethod
+    def _is_time(cls, unit: str) -> str:
+        try:
+            u.TIME.parse(f"1 {unit}")
+        except ValueError:
+            raise _wrong(f"{unit!r} is no unit of a time", 'give one such as "s" or "ms"') from None
+        return unit
+
+    @property
+    def seconds(self) -> float:
+        """The unit in s."""
+        return u.TIME.parse(f"1 {self.unit}")
+
+
+class MappedColumn(_Part):
+    """What one signal of a log is made from."""
+
+    columns: tuple[str, ...] = Field(alias="from", min_length=1)
+    signal: str
+    joint: str | None = None
+    unit: str
+    gauge: bool | None = None
+    sign: Literal[1, -1] = 1
+    offset: float = 0.0
+    scale: Annotated[float, Field(gt=0.0)] = 1.0
+    optional: bool = False
+
+    @field_validator("columns", mode="before")
+    @classmethod
+    def _one_or_several(cls, value: Any) -> Any:
+        return (value,) if isinstance(value, str) else value
+
+    @model_validator(mode="after")
+    def _makes_sense(self) -> MappedColumn:
+        signal = SIGNALS.get(self.signal)
+        if signal is None:
+            raise _wrong(f"{self.signal!r} is no signal", nearest(self.signal, list(SIGNALS)))
+        try:
+            conversion(self.unit, signal)
+        except ValueError as error:
+            raise _wrong(*str(error).split("; ")) from None
+        if self.gauge is not None and not signal.absolute:
+            raise _wrong(f"gauge is said of {self.signal}, which is no absolute pressure", "leave gauge out")
+        if self.gauge is None and signal.absolute:
+            raise _wrong(
+                f"{self.signal} does not say what it counts from",
+                "say gauge = true (from ambient pressure) or gauge = false (absolute)",
+            )
+        if self.joint is not None and not signal.by_joint:
+            raise _wrong(f"{self.signal} belongs to no joint", "leave joint out")
+        if len(set(self.columns)) < len(self.columns):
+            raise _wrong(f"from has {self.columns[0]!r} twice", "name each column once")
+        return self
+
+    @property
+    def channel(self) -> str:
+        """Signal and joint in one word."""
+        return channel_name(self.signal, self.joint)
+
+
+class Mapping(_Part):
+    """What the columns of a log are."""
+
+    ambient: u.PositivePressure = AMBIENT
+    time: TimeColumn | None = None
+    column: tuple[MappedColumn, ...] = Field(min_length=1)
+
+
+def _wrong(what: str, right: str) -> PydanticCustomError:
+    return PydanticCustomError("mapping", "{what}; {right}", {"what": what, "right": right})
+
+
+def read_mapping(path: str | Path) -> Mapping:
+    """A mapping from its file.
+
+    Raises:
+        InputError: in one line, which file, entry and value is wrong and what would be right.
+    """
+    where = str(path)
+    try:
+        plain = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        right = "give a mapping file; `layflat log map` writes one to start from"
+        raise InputError(f"can't be read ({error.strerror})", where=where, right=right) from None
+    except UnicodeDecodeError:
+        raise InputError("is not a text file in UTF-8", where=where, right="give a TOML file") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"is not TOML: {error}", where=where, right='values look like unit = "kPa"') from None
+    return mapping_of(plain, where)
+
+
+def mapping_of(plain: Table[str, Any], where: str = "mapping") -> Mapping:
+    """A mapping from plain tables, as they stand in its file.
+
+    Raises:
+        InputError: in one line, which entry and value is wrong and what would be right.
+    """
+    try:
+        mapping = Mapping.model_validate(plain)
+    except ValidationError as error:
+        raise _explained(error.errors()[0], where) from None
+    _check_together(mapping, where)
+    return mapping
+
+
+def _check_together(mapping: Mapping, where: str) -> None:
+    """Entries that are right alone can contradict each other."""
+    taken: dict[str, MappedColumn] = {}
+    used: dict[str, str] = {} if mapping.time is None or mapping.time.column is None else {mapping.time.column: "time"}
+    for entry in mapping.column:
+        other = taken.setdefault(entry.channel, entry)
+        if other is not entry and not (other.optional and entry.optional):
+            raise InputError(
+                f"{', '.join(other.columns)} and {', '.join(entry.columns)} are both {entry.channel}",
+                where=where,
+                right="keep one, or put both in one list as from = [...] if they measure the same",
+            )
+        for column in entry.columns:
+            if used.setdefault(column, entry.channel) != entry.channel:
+                raise InputError(
+                    f"column {column!r} is both {used[column]} and {entry.channel}", where=where, right="keep one"
+                )
+
+
+def _explained(error: ErrorDetails, where: str) -> InputError:
+    """One line for the first thing that pydantic found wrong."""
+    value, message = error["input"], error["msg"].removeprefix("Value error, ")
+    steps = list(error["loc"])
+    if len(steps) > 1 and steps[0] == "column" and isinstance(steps[1], int):
+        steps = [f"column {steps[1] + 1}", *steps[2:]]
+    if isinstance(value, dict) and isinstance(value.get("from"), str):
+        steps.append(value["from"])
+    place = ": ".join([where, ".".join(str(step) for step in steps)]) if steps else where
+    if error["type"] in {"mapping", "quantity"}:
+        problem, _, right = message.partition("; ")
+        return InputError(problem if error["type"] == "mapping" else f"{value!r} {problem}", where=place, right=right)
+    if error["type"] == "extra_forbidden":
+        tables: dict[str, type[BaseModel]] = {"time": TimeColumn, "column": MappedColumn}
+        table = tables.get(str(error["loc"][0]), Mapping) if len(error["loc"]) > 1 else Mapping
+        known = [field.alias or name for name, field in table.model_fields.items()]
+        return InputError("unknown key", where=place, right=nearest(str(steps[-1]), known))
+    if error["type"] == "missing":
+        right = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
+        return InputError("is missing", where=place, right=right)
+    right = message[0].lower() + message[1:]
+    return InputError(f"{value!r} is out of range", where=place, right=right.replace("input ", "it "))
+
+
+def mapping_text(mapping: Mapping, notes: Table[str, str] | None = None, head: str = "") -> str:
+    """A mapping as TOML, with a note before each entry.
+
+    Args:
+        mapping: to be written.
+        notes: comments by column; those of columns that the mapping doesn't have stand at the end; "" is the clock's.
+        head: comment at the top.
+    """
+    import tomli_w  # noqa: PLC0415
+
+    left = dict(notes or {})
+    parts = [_comment(head)] if head else []
+    if mapping.ambient != AMBIENT:
+        parts.append(tomli_w.dumps({"ambient": f"{mapping.ambient!r} Pa"}))
+    if mapping.time is not None:
+        plain = mapping.time.model_dump(exclude_none=True)
+        parts.append(_comment(left.pop("", "")) + tomli_w.dumps({"time": plain}))
+    for entry in mapping.column:
+        plain = entry.model_dump(by_alias=True, exclude_none=True, exclude_defaults=True)
+        plain["from"] = entry.columns[0] if len(entry.columns) == 1 else list(entry.columns)
+        told = "; ".join(filter(None, (left.pop(column, "") for column in entry.columns)))
+        parts.append(_comment(told) + "[[column]]\n" + tomli_w.dumps(plain))
+    if left:
+        parts.append(_comment("Left out:\n" + "\n".join(f"  {column}: {note}" for column, note in left.items())))
+    return "\n".join(parts)
+
+
+def _comment(text: str) -> str:
+    return "".join(f"# {line}\n" for line in text.splitlines())
+
+
+def write_mapping(mapping: Mapping, path: str | Path, notes: Table[str, str] | None = None, head: str = "") -> Path:
+    """Write a mapping file that `read_mapping` takes back; `notes` and `head` become comments.
+
+    Raises:
+        OutputError: it can't be written there.
+    """
+    path = Path(path)
+    with whole_file(path) as temporary:
+        temporary.write_text(mapping_text(mapping, notes, head), encoding="utf-8")
+    return path

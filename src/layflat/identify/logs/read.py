@@ -1,0 +1,227 @@
+"""From a log's file to a data set over an even clock, in SI, with the standard names."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from layflat.errors import InputError
+from layflat.identify.logs.clock import Array, Clock, clock_of
+from layflat.identify.logs.grid import Grid, Series, gaps, grid_over, resampled
+from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
+from layflat.identify.logs.own import foreign, own_mapping
+from layflat.identify.logs.signals import SIGNALS, conversion, nearest
+from layflat.identify.logs.table import Column, Table, read_table
+from layflat.machine import units as u
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def read_log(
+    path: str | Path,
+    mapping: Mapping | str | Path | None = None,
+    *,
+    joints: Sequence[str] | None = None,
+    cycle: float | str | None = None,
+) -> xarray.Dataset:
+    """Read a bench log.
+
+    Args:
+        path: CSV, Parquet, NetCDF or MCAP.
+        mapping: what the columns are, or its file; not needed where their names are our own.
+        joints: those of the machine, in its order. A log without joints is taken for that of the only one.
+        cycle: period of the grid; the log's own where not given.
+
+    Returns:
+        Dims `time` (s, from 0) and `joint` where there are joints; SI, absolute pressures. The attributes tell of the
+        file (`log_name`, `log_sha256`), the grid (`log_period`, `log_start`), and, as JSON, of each column and clock.
+
+    Raises:
+        InputError: in one line, what is wrong with the file, the mapping or an option.
+    """
+    table = read_table(path)
+    plan = read_mapping(mapping) if isinstance(mapping, (str, Path)) else mapping or own_mapping(table)
+    if plan is None:
+        raise foreign(table)
+    where = str(mapping) if isinstance(mapping, (str, Path)) else str(path)
+    period = None if cycle is None else u.quantity(cycle, u.TIME, "cycle")
+    if period is not None and period <= 0.0:
+        raise InputError(f"{period:g} s is out of range", where="cycle", right='give a time such as "5 ms"')
+    series = _series(table, plan, list(joints) if joints is not None else None, where)
+    return _dataset(table, series, grid_over([one.clock for one in series], period, str(path)))
+
+
+def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -> list[Series]:
+    """All mapped columns in SI over their clocks."""
+    clocks = _Clocks(table, plan, where)
+    series: list[Series] = []
+    taken: dict[str, MappedColumn] = {}
+    for entry in plan.column:
+        missing = [name for name in entry.columns if name not in table.columns]
+        if missing and entry.optional:
+            continue
+        if missing:
+            right = nearest(missing[0], list(table.columns))
+            raise InputError(f"no column {missing[0]!r} in {table.path.name}", where=where, right=right)
+        other = taken.setdefault(entry.channel, entry)
+        if other is not entry:
+            raise InputError(
+                f"{', '.join(other.columns)} and {', '.join(entry.columns)} are both {entry.channel}", where=where,
+                right="both are in this log: keep one",
+            )  # fmt: skip
+        joint = _joint(entry, plan, joints, where)
+        series += [_one(table.columns[name], entry, joint, plan.ambient, clocks) for name in entry.columns]
+    if not series:
+        right = nearest(plan.column[0].columns[0], list(table.columns))
+        raise InputError(f"none of its columns is in {table.path.name}", where=where, right=right)
+    return series
+
+
+def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: str) -> str | None:
+    """The joint that an entry belongs to, which may go without saying."""
+    if not SIGNALS[entry.signal].by_joint:
+        return None
+    if entry.joint is None:
+        if joints is not None and len(joints) == 1:
+            return joints[0]
+        if joints or any(other.joint is not None for other in plan.column):
+            known = joints or [str(other.joint) for other in plan.column if other.joint is not None]
+            raise InputError(
+                f"{entry.signal} from {entry.columns[0]!r} does not say of which joint", where=where,
+                right=f"say joint = {' or '.join(map(repr, dict.fromkeys(known)))}",
+            )  # fmt: skip
+        return None
+    if joints is not None and entry.joint not in joints:
+        raise InputError(
+            f"{entry.joint!r} is no joint of the machine", where=where, right=f"its joints are {', '.join(joints)}"
+        )
+    return entry.joint
+
+
+def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float, clocks: _Clocks) -> Series:
+    clock = clocks.of(column)
+    factor, shift = conversion(entry.unit, SIGNALS[entry.signal])
+    raw = np.where(np.isfinite(column.values), column.values, np.nan)[clock.rows]
+    values = entry.sign * (raw - entry.offset) * entry.scale * factor + shift + (ambient if entry.gauge else 0.0)
+    source: dict[str, object] = {"column": column.header.name, "unit": entry.unit, "sign": entry.sign}
+    if entry.gauge is not None:
+        source |= {"gauge": entry.gauge, "ambient": ambient}
+    return Series(entry.signal, joint, clock, values, source)
+
+
+class _Clocks:
+    """The clock of each column; columns with the same stamps share theirs."""
+
+    def __init__(self, table: Table, plan: Mapping, where: str) -> None:
+        self._place = str(table.path)
+        self._made: dict[bytes, Clock] = {}
+        self._common: Array | None = None
+        time = plan.time
+        if table.clock is not None:
+            if time is not None and time.column not in {None, table.clock.name}:
+                raise InputError(
+                    f"no clock {time.column!r} in {table.path.name}", where=f"{where}: time.column",
+                    right=f"its samples have {table.clock.name!r}",
+                )  # fmt: skip
+            self._unit = time.seconds if time is not None else _stated_seconds(table.clock.unit)
+            return
+        if time is None or time.column is None:
+            raise InputError(
+                "does not say which column is the clock", where=where, right='give [time] with column = "t", unit = "s"'
+            )
+        if time.column not in table.columns:
+            right = nearest(time.column, list(table.columns))
+            raise InputError(
+                f"no column {time.column!r} in {table.path.name}", where=f"{where}: time.column", right=right
+            )
+        self._unit, self._common = time.seconds, table.columns[time.column].values
+
+    def of(self, column: Column) -> Clock:
+        stamps = column.stamps if column.stamps is not None else self._common
+        assert stamps is not None
+        key = stamps.tobytes()
+        if key not in self._made:
+            self._made[key] = clock_of(stamps * self._unit, self._place)
+        return self._made[key]
+
+
+def _stated_seconds(unit: str) -> float:
+    return u.TIME.parse(f"1 {unit or 's'}")
+
+
+def _dataset(table: Table, series: list[Series], grid: Grid) -> xarray.Dataset:
+    import xarray  # noqa: PLC0415  # takes long to import
+
+    names = list(dict.fromkeys(one.joint for one in series if one.joint is not None))
+    log = xarray.Dataset(coords={"time": ("time", grid.time, {"units": "s"})})
+    if names:
+        log = log.assign_coords(joint=names)
+    for signal in SIGNALS.values():
+        mine = [one for one in series if one.signal == signal.name]
+        about = {"units": signal.unit, "long_name": signal.meaning}
+        if mine and mine[0].joint is not None:
+            columns = [_mean([one for one in mine if one.joint == joint], grid) for joint in names]
+            log[signal.name] = (("time", "joint"), np.stack(columns, axis=1), about)
+        elif mine:
+            log[signal.name] = (("time",), _mean(mine, grid), about)
+    log.attrs = {
+        "log_name": table.path.name,
+        "log_sha256": table.sha256,
+        "log_period": grid.period,
+        "log_start": grid.start,
+        "log_columns": json.dumps({channel: _told(of, grid) for channel, of in _by_channel(series).items()}),
+        "log_clocks": json.dumps(_clocks(series, grid)),
+    }
+    return log
+
+
+def _mean(series: list[Series], grid: Grid) -> Array:
+    """Of columns that measure the same, on the grid; NaN where one of them knows nothing, or where there is none."""
+    if not series:
+        return np.full(grid.size, np.nan)
+    mean: Array = np.mean([resampled(one, grid) for one in series], axis=0)
+    return mean
+
+
+def _by_channel(series: list[Series]) -> dict[str, list[Series]]:
+    channels: dict[str, list[Series]] = {}
+    for one in series:
+        channels.setdefault(one.channel, []).append(one)
+    return channels
+
+
+def _told(series: list[Series], grid: Grid) -> dict[str, Any]:
+    """What is kept of a channel's columns: where it comes from, its samples, and the gaps in s of the grid."""
+    first = series[0]
+    open_gaps = [[since - grid.start, until - grid.start] for since, until in gaps(first)]
+    return {
+        **first.source,
+        "column": ", ".join(str(one.source["column"]) for one in series),
+        "samples": int(np.isfinite(first.values).sum()),
+        "missing": int((~np.isfinite(first.values)).sum()),
+        "gaps": len(open_gaps),
+        "longest_gap": max(open_gaps, key=lambda gap: gap[1] - gap[0], default=None),
+    }
+
+
+def _clocks(series: list[Series], grid: Grid) -> list[dict[str, Any]]:
+    """What is kept of each clock: who goes by it, and what was wrong with it."""
+    made = {id(one.clock): one.clock for one in series}
+    return [
+        {
+            "channels": list(dict.fromkeys(one.channel for one in series if one.clock is clock)),
+            "period": clock.period,
+            "jitter": clock.jitter,
+            "duplicates": clock.duplicates,
+            "undated": clock.undated,
+            "reset": None if clock.reset is None else [stamp - grid.start for stamp in clock.reset],
+            "cut": clock.cut,
+            "samples": clock.time.size,
+        }
+        for clock in made.values()
+    ]

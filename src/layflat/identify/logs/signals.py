@@ -1,0 +1,102 @@
+"""The standard signals of a log: their names, what they measure, and how they are treated in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from layflat.machine import units as u
+
+FORCE = u.Quantity("force", "N", "12 N")
+
+AMBIENT = 101325.0
+"""Pressure of a standard atmosphere, Pa: gauge pressures count from it where nothing else is said."""
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One of the standard signals.
+
+    Attributes:
+        name: as in a log's data set.
+        kind: of quantity; None is a share, without unit.
+        meaning: for people.
+        by_joint: each joint has its own.
+        held: what is commanded, and holds until the next sample; all else is measured.
+        absolute: an absolute pressure inside, so that a log has to say whether it counts from ambient pressure.
+    """
+
+    name: str
+    kind: u.Quantity | None
+    meaning: str
+    by_joint: bool = True
+    held: bool = False
+    absolute: bool = False
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        return "1" if self.kind is None else self.kind.unit.replace("*", " ")
+
+
+SIGNALS = {
+    signal.name: signal
+    for signal in (
+        Signal("angle", u.ANGLE, "joint angle"),
+        Signal("pressure_a", u.PRESSURE, "absolute pressure in hose A", absolute=True),
+        Signal("pressure_b", u.PRESSURE, "absolute pressure in hose B", absolute=True),
+        Signal("measured_pressure", u.PRESSURE, "differential pressure, hose A less hose B"),
+        Signal("torque", u.TORQUE, "torque at the joint"),
+        Signal("voltage", u.VOLTAGE, "control voltage", held=True),
+        Signal("demand", u.ANGLE, "angle asked for", held=True),
+        Signal("setpoint_a", u.PRESSURE, "absolute pressure asked for in hose A", held=True, absolute=True),
+        Signal("setpoint_b", u.PRESSURE, "absolute pressure asked for in hose B", held=True, absolute=True),
+        Signal("brake", None, "share of the brake's torque", held=True),
+        Signal("supply", u.PRESSURE, "absolute supply pressure", by_joint=False, absolute=True),
+        Signal("payload", u.MASS, "payload", by_joint=False, held=True),
+        Signal("position", u.LENGTH, "position of what moves in a line", by_joint=False),
+        Signal("force", FORCE, "force on what moves in a line", by_joint=False),
+        Signal("pressure", u.PRESSURE, "absolute pressure of a chamber", by_joint=False, absolute=True),
+        Signal("temperature", u.TEMPERATURE, "temperature of the gas in a chamber", by_joint=False),
+    )
+}
+"""By name, in the order in which they are listed."""
+
+_SHARES = {"1": 1.0, "share": 1.0, "%": 0.01, "percent": 0.01}
+
+
+def conversion(unit: str, signal: Signal) -> tuple[float, float]:
+    """Factor and shift that turn numbers in a unit, such as "kPa", "1.2 deg" or "degC", into SI: x factor + shift.
+
+    Raises:
+        ValueError: in one clause, what is wrong with the unit.
+    """
+    text = unit.strip()
+    if signal.kind is None:
+        if text not in _SHARES:
+            raise ValueError(f"{unit!r} is no unit of a share; give one of {', '.join(map(repr, _SHARES))}")
+        return _SHARES[text], 0.0
+    try:
+        if text[:1].isdigit() or text[:1] == ".":
+            factor, shift = signal.kind.parse(text), 0.0
+        else:
+            shift = signal.kind.parse(f"0 {text}")
+            factor = signal.kind.parse(f"1 {text}") - shift
+    except ValueError:
+        article, unit_of_it = signal.kind.article, signal.kind.example.partition(" ")[2]
+        raise ValueError(f'{unit!r} is no unit of {article}; give one such as "{unit_of_it}"') from None
+    if factor <= 0.0:
+        raise ValueError(f"{unit!r} is not positive; turn a signal round with sign = -1")
+    return factor, shift
+
+
+def nearest(name: str, known: list[str]) -> str:
+    """What to say after something that is not known: the nearest, or all there are."""
+    near = get_close_matches(name, known, n=1)
+    shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
+    return f"nearest is {near[0]!r}" if near else f"there are {shown}"
+
+
+def channel_name(signal: str, joint: str | None) -> str:
+    """How one signal of one joint is called: "angle.elbow", or "force" where there is no joint."""
+    return f"{signal}.{joint}" if joint else signal

@@ -1,0 +1,82 @@
+"""`layflat log` as a person uses it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.sim import rollout
+from layflat.sim.dataset import save
+
+
+def layflat(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a log that needs a mapping, and a run."""
+    folder = tmp_path_factory.mktemp("rig")
+    moves = [("0 s", "0 deg"), ("0.4 s", "35 deg"), ("1.4 s", "-40 deg")]
+    run = rollout("paper-small-joint", moves, duration="2.5 s")
+    save(run, folder / "run.nc")
+    one = run.sel(joint="small")
+    table = np.stack([1e3 * run["time"], np.degrees(one["measured_angle"]), one["voltage"]], axis=1)
+    header = "t [ms],theta [deg],valve [V]"
+    np.savetxt(folder / "rig.csv", table, delimiter=",", header=header, comments="", fmt="%.9g")
+    return folder
+
+
+def test_a_run_is_checked_without_a_mapping(rig: Path) -> None:
+    done = layflat("log", "check", "run.nc", "--machine", "paper-small-joint", cwd=rig)
+    assert done.returncode == 0, done.stderr
+    assert "run.nc: 501 instants, one every 5 ms" in done.stdout
+    assert "measured_angle.small" in done.stdout
+    assert done.stdout.rstrip().endswith("run.nc: sound")
+    assert max(map(len, done.stdout.splitlines())) <= 100
+
+
+def test_a_guess_is_written_looked_through_and_used(rig: Path) -> None:
+    done = layflat("log", "map", "rig.csv", "--machine", "paper-small-joint", cwd=rig)
+    assert done.returncode == 0, done.stderr
+    assert "wrote rig-mapping.toml: a guess, correct it before you use it" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 100
+    again = layflat("log", "map", "rig.csv", cwd=rig)
+    assert again.returncode == 2
+    assert again.stderr.startswith("layflat: rig-mapping.toml: is there already")
+    words = ("log", "check", "rig.csv", "--mapping", "rig-mapping.toml", "--machine", "paper-small-joint")
+    checked = layflat(*words, "--cycle", "10 ms", cwd=rig)
+    assert checked.returncode == 0, checked.stderr
+    assert "251 instants, one every 10 ms" in checked.stdout
+
+
+def test_errors_are_listed_and_refuse_the_log(rig: Path) -> None:
+    text = (
+        '[time]\ncolumn = "t [ms]"\nunit = "ms"\n'
+        '[[column]]\nfrom = "theta [deg]"\nsignal = "angle"\njoint = "small"\nunit = "rad"\n'
+    )
+    (rig / "wrong.toml").write_text(text, encoding="utf-8")
+    words = ("log", "check", "rig.csv", "--mapping", "wrong.toml", "--machine", "paper-small-joint")
+    done = layflat(*words, cwd=rig)
+    assert done.returncode == 2
+    assert "angle.small" in done.stdout
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1
+    assert lines[0].startswith("layflat: rig.csv: angle.small: ")
+    assert lines[0].endswith('unit = "deg" instead of "rad" would fit (factor 0.01745)')
+    assert max(map(len, done.stdout.splitlines())) <= 100
+
+
+def test_help_of_the_group_loads_nothing_heavy() -> None:
+    code = (
+        "import sys; from layflat import cli\n"
+        "try: cli.app(['log', '--help'], standalone_mode=False)\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'numba', 'numpy', 'xarray', 'mcap', 'pyarrow'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip().splitlines()[-1] == "[]"
+    assert "check" in done.stdout

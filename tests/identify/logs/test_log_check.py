@@ -1,0 +1,247 @@
+"""Good logs pass; each mistake that is made in one is found, named, and told how to right."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from recordings import Array, changed, mapping, recorded, run, told, write_csv
+
+from layflat.errors import InputError
+from layflat.identify.logs import Finding, check, read_log, refuse, save
+from layflat.identify.logs.mapping import mapping_of
+from layflat.machine import load
+
+SMALL = load("paper-small-joint")
+Change = Callable[[Array], Array]
+
+
+def checked(folder: Path, columns: dict[str, Array], plan: Any = None, *, known: bool = True) -> list[Finding]:
+    log = read_log(write_csv(folder / "rig.csv", columns), plan or mapping(), joints=["small"])
+    return check(log, SMALL if known else None)
+
+
+@pytest.mark.parametrize("changes", [{}, {"brake": 0.0}, {"payload": "4 kg"}, {"noise": False}, {"supply": "3 bar"}])
+@pytest.mark.parametrize("known", [True, False])
+def test_a_good_log_passes_without_a_word(tmp_path: Path, changes: dict[str, Any], known: bool) -> None:
+    findings = checked(tmp_path, recorded(**changes), known=known)
+    assert [f for f in findings if f.severity != "note"] == []
+
+
+def test_a_simulated_run_passes(tmp_path: Path) -> None:
+    assert check(read_log(save(run(), tmp_path / "run.nc")), SMALL) == []
+    assert [f for f in check(run(), SMALL) if f.severity == "error"] == []
+    arm = run("paper-arm")
+    assert check(read_log(save(arm, tmp_path / "arm.nc")), load("paper-arm")) == []
+
+
+def scaled(factor: float) -> Change:
+    return lambda x: factor * x
+
+
+def both(columns: dict[str, Array], change: Change) -> dict[str, Array]:
+    return changed(changed(columns, "pA", change), "pB", change)
+
+
+PSI = 14.50377
+
+
+@pytest.mark.parametrize(
+    ("label", "factor", "severity", "right"),
+    [
+        ("bar", PSI, "error", 'unit = "psi" instead of "bar" would fit (factor 0.06895)'),
+        ("bar", 100.0, "error", 'unit = "kPa" instead of "bar" would fit (factor 0.01)'),
+        ("psi", 100.0, "error", 'unit = "kPa" instead of "psi" would fit (factor 0.145)'),
+        ("MPa", 1.0, "error", 'unit = "bar" instead of "MPa" would fit (factor 0.1)'),
+        ("kPa", 1.0, "warning", 'unit = "bar" instead of "kPa" would fit (factor 100)'),
+        ("kPa", PSI, "warning", 'unit = "psi" instead of "kPa" would fit (factor 6.895)'),
+        ("psi", 1.0, "warning", 'unit = "bar" instead of "psi" would fit (factor 14.5)'),
+    ],
+)
+def test_slips_of_pressure_units(tmp_path: Path, label: str, factor: float, severity: str, right: str) -> None:
+    plan = mapping(pA={"unit": label}, pB={"unit": label})
+    findings = checked(tmp_path, both(recorded(), scaled(factor)), plan)
+    assert right in told(findings, severity, "pressure_a.small")
+
+
+def vented(x: Array) -> Array:
+    """A pressure that begins vented."""
+    return np.where(np.arange(x.size) < 40, 0.0, x)
+
+
+def test_gauge_and_absolute(tmp_path: Path) -> None:
+    gauge = both(recorded(), vented)
+    absolute = both(gauge, lambda x: x + 1.01325)
+    as_absolute = mapping(pA={"gauge": False}, pB={"gauge": False})
+    for known in (True, False):
+        assert not [f for f in checked(tmp_path, gauge, known=known) if f.severity == "error"]
+        findings = checked(tmp_path, gauge, as_absolute, known=known)
+        assert "below ambient; it counts from ambient pressure: gauge = true would fit" in told(
+            findings, "error", "pressure_a.small"
+        )
+    findings = checked(tmp_path, absolute)
+    expected = "where the supply has 5.01 bar; it is absolute already: gauge = false would fit"
+    assert expected in told(findings, "error", "pressure_b.small")
+    findings = checked(tmp_path, absolute, known=False)
+    expected = "its lowest level is twice ambient pressure; if that is vented air, it is absolute already"
+    assert expected in told(findings, "warning", "pressure_b.small")
+
+
+def test_slips_of_angle_units(tmp_path: Path) -> None:
+    wrong = mapping(theta={"unit": "rad"})
+    for known in (True, False):
+        findings = checked(tmp_path, recorded(), wrong, known=known)
+        expected = 'unit = "deg" instead of "rad" would fit (factor 0.01745)'
+        assert expected in told(findings, "error", "angle.small")
+    findings = checked(tmp_path, changed(recorded(), "theta", np.radians))
+    assert 'unit = "rad" instead of "deg" would fit (factor 57.3)' in told(findings, "warning", "angle.small")
+    shifted = checked(tmp_path, changed(recorded(), "theta", lambda x: x + 60.0))
+    assert "zero is the middle of the stroke: set offset" in told(shifted, "error", "angle.small")
+
+
+def test_an_angle_in_another_unit_than_its_demand(tmp_path: Path) -> None:
+    time = 0.01 * np.arange(500)
+    columns = {"time": time, "angle": 0.01 * np.sin(time), "demand": 0.5 * np.sin(time + 0.1)}
+    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    expected = "moves 0.0"
+    assert expected in told(findings, "error", "angle")
+    assert "one of them is in deg and the other in rad" in told(findings, "error", "angle")
+
+
+@pytest.mark.parametrize(
+    ("plan", "columns", "channel", "expected"),
+    [
+        (mapping(), changed(recorded(), "theta", np.negative), "angle.small", "turn it round with sign = -1"),
+        (mapping("valve", "ref"), changed(recorded(), "theta", np.negative), "angle.small", "or swap hoses A and B"),
+        (mapping(), changed(recorded(), "valve", lambda x: 10.0 - x), "voltage.small", "turn it round with sign = -1"),
+        (mapping(pA={"signal": "pressure_b"}, pB={"signal": "pressure_a"}), recorded(), "pressure_a.small and",
+         "rise when the voltage falls, and the joint turns against them"),
+        (mapping(), changed(recorded(), "ref", np.negative), "angle.small", "goes against demand.small"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("known", [True, False])
+def test_signs(tmp_path: Path, plan: Any, columns: dict[str, Array], channel: str, expected: str, known: bool) -> None:
+    assert expected in told(checked(tmp_path, columns, plan, known=known), "error", channel)
+
+
+def test_swapped_set_points(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    time = 0.01 * np.arange(1000)
+    asked = 2e5 + 1e5 * np.repeat(rng.random(20), 50)
+    follows = np.empty(1000)
+    level = asked[0]
+    for i, aim in enumerate(asked):
+        follows[i] = level = level + 0.1 * (aim - level)
+    noise = 100.0 * rng.normal(size=(2, 1000))
+    columns = {"time": time, "pressure_a": follows + noise[0], "pressure_b": 5e5 - follows + noise[1],
+               "setpoint_a": asked, "setpoint_b": 5e5 - asked}  # fmt: skip
+    assert not check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    columns["setpoint_a"], columns["setpoint_b"] = columns["setpoint_b"], columns["setpoint_a"]
+    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert "falls when setpoint_a rises" in told(findings, "error", "pressure_a")
+
+
+def test_units_of_voltage_temperature_brake_and_time(tmp_path: Path) -> None:
+    findings = checked(tmp_path, changed(recorded(), "valve", scaled(1e3)))
+    assert 'unit = "mV" instead of "V" would fit' in told(findings, "error", "voltage.small")
+    findings = checked(tmp_path, recorded(), mapping(valve={"unit": "mV"}))
+    assert 'unit = "V" instead of "mV" would fit' in told(findings, "warning", "voltage.small")
+    findings = checked(tmp_path, recorded(), mapping(time="s"))
+    assert "check the unit of time: a factor of 0.001 would fit" in told(findings, "error", "log")
+    time = 0.1 * np.arange(100)
+    columns = {"time": time, "temperature": 20.0 + np.sin(time), "brake": 50.0 + 50.0 * np.sin(time)}
+    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert 'unit = "degC" would add 273.15 K' in told(findings, "error", "temperature")
+    assert 'unit = "%" instead of "1" would fit (factor 0.01)' in told(findings, "error", "brake")
+
+
+def frozen(x: Array) -> Array:
+    return np.full_like(x, x[0])
+
+
+def test_dead_channels(tmp_path: Path) -> None:
+    findings = checked(tmp_path, changed(recorded(), "theta", frozen))
+    assert "a dead sensor: leave the channel out" in told(findings, "error", "angle.small")
+    still = changed(changed(changed(recorded(), "theta", frozen), "valve", frozen), "ref", frozen)
+    findings = checked(tmp_path, both(still, frozen))
+    assert told(findings, "error", "log").startswith("nothing in it moves more than its noise")
+
+
+def test_what_is_clipped_and_what_only_rests(tmp_path: Path) -> None:
+    clipped = checked(tmp_path, changed(recorded(), "theta", lambda x: np.clip(x, -30.0, 20.0)))
+    assert "stands at its lowest value, -30 deg" in told(clipped, "warning", "angle.small")
+    assert "stands at its highest value, 20 deg" in told(clipped, "warning", "angle.small")
+    quiet = checked(tmp_path, recorded(noise=False))
+    assert "stands at" not in told(quiet, "warning", "angle.small")
+
+
+def test_missing_samples(tmp_path: Path) -> None:
+    def holes(x: Array) -> Array:
+        x[100:130] = np.nan
+        x[300:310] = np.nan
+        return x
+
+    findings = checked(tmp_path, changed(recorded(), "theta", holes))
+    expected = "6.7 % is missing, in 2 runs, the longest 0.15 s from 0.500 s"
+    assert expected in told(findings, "warning", "angle.small")
+
+    def most(x: Array) -> Array:
+        x[200:] = np.nan
+        return x
+
+    assert "give a whole recording" in told(
+        checked(tmp_path, changed(recorded(), "theta", most)), "error", "angle.small"
+    )
+    empty = checked(tmp_path, changed(recorded(), "theta", lambda x: np.full_like(x, np.nan)))
+    assert "holds no value" in told(empty, "error", "angle.small")
+
+
+def test_missing_channels_and_joints(tmp_path: Path) -> None:
+    path = write_csv(tmp_path / "rig.csv", recorded())
+    log = read_log(path, mapping("theta", "valve", "ref"), joints=["large", "small"])
+    findings = check(log, load("paper-arm"))
+    assert told(findings, "warning", "large").startswith("has no channel in this log")
+    assert "has no angle; map its angle" in told(findings, "warning", "small")
+    assert "has no command; map voltage" in told(findings, "warning", "small")
+    other = check(read_log(path, mapping(theta={"joint": "elbow"})), SMALL)
+    assert "is no joint of the machine; its joints are small" in told(other, "error", "elbow")
+    commands = check(read_log(path, mapping("theta", "pA", "pB")), SMALL)
+    assert "holds nothing that was measured" in told(commands, "error", "log")
+    assert "has no pressure" in told(commands, "note", "small")
+
+
+def test_a_log_that_is_too_short(tmp_path: Path) -> None:
+    few = {name: values[:8] for name, values in recorded().items()}
+    assert "holds 8 samples; give 10 at the very least" in told(checked(tmp_path, few), "error", "log")
+    short = {name: values[:200] for name, values in recorded().items()}
+    assert "lasts 0.995 s, which is shorter than a move" in told(checked(tmp_path, short), "warning", "log")
+
+
+def test_what_does_not_move(tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    time = 0.01 * np.arange(1000)
+    columns = {"time": time, "force": 5.0 + 0.1 * rng.normal(size=1000), "position": 0.1 * np.sin(time),
+               "voltage": np.full(1000, 5.0)}  # fmt: skip
+    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert "moves no more than its noise" in told(findings, "warning", "force")
+    assert "moves" not in told(findings, "warning", "position")
+    assert "voltage never change" in told(findings, "warning", "voltage")
+
+
+def test_errors_refuse_a_log_in_one_line_and_the_rest_does_not() -> None:
+    worst = [Finding("error", "angle.a", "is dead", "repair it"), Finding("error", "b", "x"), Finding("note", "c", "y")]
+    with pytest.raises(InputError) as caught:
+        refuse(worst, "rig.csv")
+    assert str(caught.value) == "rig.csv: angle.a: is dead (and 1 more error); repair it"
+    refuse(worst[2:])
+
+
+def test_a_log_of_one_joint_is_checked_beside_others(tmp_path: Path) -> None:
+    columns = recorded()
+    plan = mapping_of({"time": {"column": "time_ms", "unit": "ms"}, "column": [
+        {"from": "theta", "signal": "angle", "joint": "small", "unit": "deg"},
+        {"from": "ref", "signal": "demand", "joint": "large", "unit": "deg"},
+    ]})  # fmt: skip
+    log = read_log(write_csv(tmp_path / "x.csv", columns), plan, joints=["large", "small"])
+    assert not [f for f in check(log, load("paper-arm")) if f.severity == "error"]
