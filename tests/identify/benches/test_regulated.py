@@ -10,6 +10,7 @@ import xarray
 from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.regulated import RegulatedModel, candidates_of
+from layflat.identify.identification import begin
 from layflat.machine.rigs import RegulatedRig, load_rig
 from layflat.sim.regulated import NOTHING, Course, simulate_regulated
 
@@ -96,6 +97,38 @@ def test_a_block_that_is_not_asked_for_stays_as_described() -> None:
     model = RegulatedModel(described, {"one": log(described)}, blocks=["motion"])
     assert {one.path.split(".")[0] for one in model.unknowns} == {"load", "friction", "stroke"}
     assert len(model.ladder()) == 2
+
+
+def test_without_another_log_the_rest_of_a_log_judges() -> None:
+    described = rig()
+    model = RegulatedModel(described, {"one": log(described, 3.0)}, fitted_share=2.0 / 3.0)
+    for output in model.outputs:
+        assert output.fitted[output.time < 1.95].all()
+        assert not output.fitted[output.time > 2.05].any()
+    with pytest.raises(InputError, match="fitted_share"):
+        RegulatedModel(described, {"one": log(described, 3.0)}, fitted_share=0.0)
+
+
+def test_files_go_in_and_a_description_comes_out(tmp_path: Path) -> None:
+    described = rig()
+    made = log(described, 4.0, seed=1)
+    table = {"time": made["time"].values} | {f"{key}.elbow": made[key].values for key in made.data_vars}
+    path = tmp_path / "bench.csv"
+    np.savetxt(path, np.column_stack(list(table.values())), delimiter=",", header=",".join(table), comments="")
+    session = begin([path], "regulated-elbow", tmp_path / "out")
+    assert set(session.blocks) == {"valve", "gas", "motion"}
+    session = begin([path], "regulated-elbow", tmp_path / "out", blocks="motion")
+    kept = session.keep(session.fit(starts=0))
+    assert isinstance(kept, RegulatedRig)
+    assert kept.load.damping == pytest.approx(TRUTH["load.damping"], rel=0.5)
+    assert kept.valve == described.valve
+
+
+def test_a_log_of_several_joints_is_refused() -> None:
+    described = rig()
+    both = xarray.concat([log(described, 2.0)] * 2, dim="joint")
+    with pytest.raises(InputError, match="2 joints"):
+        RegulatedModel(described, {"one": both})
 
 
 def test_candidates_give_the_same_alone_and_side_by_side() -> None:

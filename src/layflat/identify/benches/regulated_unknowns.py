@@ -34,7 +34,7 @@ BLOCKS: dict[str, tuple[str, ...]] = {
 """Blocks of unknowns. The torque per pressure is held: pressures and angles tell all torques and volumes only by it;
 the supply is known from its gauge."""
 
-GAIN, OFFSET, DELAY = 1.3, 40e3, 0.15
+GAIN, OFFSET, DELAY = 1.5, 100e3, 0.15
 """Farthest gain (either way), offset (Pa) and delay (s) of a valve."""
 
 FAR, FARTHER = 20.0, 50.0
@@ -70,7 +70,7 @@ def _by_factor(path: str, unit: str, guess: float, factor: float, excitation: st
 
 def _valve(rig: RegulatedRig) -> list[Unknown]:
     valve = rig.valve
-    C = "m3/(s Pa)"
+    C = "m^3/s/Pa"
     return [
         _by_factor("valve.gain", "1", valve.gain, GAIN, "rests at several set-points"),
         _evenly("valve.offset", "Pa", valve.offset, OFFSET, "rests at several set-points"),
@@ -88,7 +88,7 @@ def _gas(rig: RegulatedRig) -> list[Unknown]:
     low = max(chamber.volume / FAR, 1.02 * _widest_volume(rig))
     return [
         Unknown(
-            "chamber.volume", "m3", chamber.volume, min(low, chamber.volume), chamber.volume * FAR, True, "fast moves"
+            "chamber.volume", "m^3", chamber.volume, min(low, chamber.volume), chamber.volume * FAR, True, "fast moves"
         ),
         _by_factor("chamber.wall_conductance", "W/K", chamber.wall_conductance, FARTHER, LARGE),
     ]
@@ -98,12 +98,12 @@ def _motion(rig: RegulatedRig, ends: Sequence[bool]) -> list[Unknown]:
     load, friction, stroke = rig.load, rig.friction, rig.stroke
     most, half = LOADS * rig.chamber.torque_per_pressure, 0.5 * stroke.reading
     found = [
-        _by_factor("load.inertia", "kg m2", load.inertia, FARTHER, "moves that start and stop fast"),
-        _by_factor("load.damping", "N m s/rad", load.damping, FARTHER, MOVES),
-        _evenly("load.torque", "N m", load.torque, most, HOLDS),
-        _evenly("load.stiffness", "N m/rad", load.stiffness, most / half, HOLDS),
-        _by_factor("friction.lower_end", "N m", friction.lower_end, FARTHER, HOLDS),
-        _by_factor("friction.upper_end", "N m", friction.upper_end, FARTHER, HOLDS),
+        _by_factor("load.inertia", "kg*m^2", load.inertia, FARTHER, "moves that start and stop fast"),
+        _by_factor("load.damping", "N*m*s/rad", load.damping, FARTHER, MOVES),
+        _evenly("load.torque", "N*m", load.torque, most, HOLDS),
+        _evenly("load.stiffness", "N*m/rad", load.stiffness, most / half, HOLDS),
+        _by_factor("friction.lower_end", "N*m", friction.lower_end, FARTHER, HOLDS),
+        _by_factor("friction.upper_end", "N*m", friction.upper_end, FARTHER, HOLDS),
         _by_factor("friction.lag", "s", friction.lag, FAR, "rests of different length, followed by moves"),
     ]
     reach = 2.0 * BEYOND * half
