@@ -1,4 +1,4 @@
-"""Every example runs as it stands."""
+"""Every numbered example runs as it stands."""
 
 import subprocess
 import sys

@@ -100,7 +100,8 @@ def write_identified(
         known[with_value(plain, plain, row.path, row.value)] = sources[row.path]
     with whole_file(path) as temporary:
         temporary.write_text(to_toml(plain | {"name": path.stem, "title": title}, known), encoding="utf-8")
-    return load_rig(path)
+    kept: Rig = load_rig(path)
+    return kept
 
 
 def _source(row: Written, origin: str) -> Provenance:

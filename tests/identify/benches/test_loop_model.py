@@ -7,7 +7,7 @@ from bouc_wen import AMBIENT, BoucWen, measured
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.kinds import ARM, LOOPS, bench_of
+from layflat.identify.benches.kinds import MOVING, TURNED, bench_of
 from layflat.identify.benches.loop_errors import loop_errors
 from layflat.identify.benches.loops import LoopModel
 from layflat.machine import Machine, changed, load
@@ -128,5 +128,5 @@ def test_a_loop_inside_the_springs_is_beyond_elements_that_slip() -> None:
 
 def test_a_machine_with_torques_and_without_voltages_is_a_loop_bench() -> None:
     log = turned(BRAKED, 2e5, seed=0)
-    assert bench_of(BRAKED, {"log": log}) is LOOPS
-    assert bench_of(BRAKED, {"log": log.assign(voltage=log["torque"])}) is ARM
+    assert bench_of(BRAKED, {"log": log}) is TURNED
+    assert bench_of(BRAKED, {"log": log.assign(voltage=log["torque"])}) is MOVING

@@ -15,7 +15,7 @@ def test_affetto(measured_data: Path) -> None:
         log = read_log(path, MAPPINGS / "affetto.toml", joints=["elbow"]).sel(joint="elbow")
         raw = np.genfromtxt(path, delimiter=",", names=True)
         assert log.attrs["log_period"] == pytest.approx(1.0 / 30.0)
-        assert np.degrees(log["angle"].values) == pytest.approx(raw["rq5"])
+        assert np.degrees(log["angle"].values) == pytest.approx(1.2 * (raw["rq5"] - 50.0))
         assert log["pressure_b"].values == pytest.approx(101325.0 + 1e3 * raw["rpb5"])
         total = (log["setpoint_a"] + log["setpoint_b"]).values - 2 * 101325.0
         assert total == pytest.approx(340.0 * 600e3 / 255.0, rel=1e-5)

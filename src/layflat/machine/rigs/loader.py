@@ -16,12 +16,17 @@ from layflat.machine.loader import Plain, Sources, load, names
 from layflat.machine.model import Machine
 from layflat.machine.provenance import split
 from layflat.machine.rigs.friction import FrictionRig
+from layflat.machine.rigs.regulated import RegulatedRig
 from layflat.machine.rigs.vessel import VesselRig
 
-Rig: TypeAlias = VesselRig | FrictionRig
+Rig: TypeAlias = FrictionRig | RegulatedRig | VesselRig
 """A bench that is no machine."""
 
-KINDS: dict[str, type[Rig]] = {"vessel": VesselRig, "friction rig": FrictionRig}
+KINDS: dict[str, type[Rig]] = {
+    "friction rig": FrictionRig,
+    "regulated joint": RegulatedRig,
+    "vessel": VesselRig,
+}
 """Descriptions by the `kind` at the top of their files."""
 
 BUILT_IN = files("layflat.machine.rigs") / "builtin"
@@ -40,11 +45,12 @@ def load_described(where: str | Path) -> Machine | Rig:
     """
     place = str(where)
     own = place in rig_names() or (place not in names() and Path(place).is_file() and "kind" in rig_tables(place)[0])
-    return load_rig(place) if own else load(place)
+    described: Machine | Rig = load_rig(place) if own else load(place)
+    return described
 
 
-def load_rig(rig: str | Path) -> Rig:
-    """A bench from its built-in name or from a TOML file.
+def load_rig(rig: str | Path) -> Any:
+    """A bench from its built-in name or from a TOML file, of the class for its kind.
 
     Raises:
         MachineError: in one line, which file, key and value is wrong and what would be right.
@@ -65,8 +71,8 @@ def rig_tables(rig: str | Path) -> tuple[Plain, Sources]:
         raise MachineError(f"is not TOML: {error}", where=where, right='values look like volume = "10 l"') from None
 
 
-def build_rig(tables: Plain, where: str) -> Rig:
-    """Validate plain tables, quantities as text with units, into a bench.
+def build_rig(tables: Plain, where: str) -> Any:
+    """Validate plain tables, quantities as text with units, into a bench, of the class for its kind.
 
     Raises:
         MachineError: naming `where`, the key and the value.

@@ -1,0 +1,115 @@
+"""What explains the elbow of a pneumatic android: fit its logs together, predict others from their commands alone.
+
+    python examples/identify_affetto.py FOLDER [--judge 006,010] [--out build/examples]
+
+FOLDER holds motion_data_*.csv of the project affetto-nn-ctrl (Osaka University, MIT licence); logs/affetto.toml says
+what their columns are. Writes a figure, and all errors and values as JSON.
+"""
+
+import argparse
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+from layflat.errors import InputError, LayflatError
+from layflat.files import whole_file
+from layflat.identify import Fit, fit
+from layflat.identify.benches.regulated import RegulatedModel
+from layflat.identify.logs import read_log
+from layflat.machine.rigs import load_rig
+from layflat.plot.free_run import Shown, free_runs
+from layflat.plot.style import save
+
+MAPPING = Path(__file__).parent / "logs" / "affetto.toml"
+
+
+def errors(found: Fit, reading: float) -> dict[str, dict[str, float | bool]]:
+    """Rms errors of each log: angle in % of the reading, pressures in kPa."""
+    logs: dict[str, dict[str, float | bool]] = {}
+    for quality in found.qualities():
+        own = logs.setdefault(quality.log, {"judged": quality.judged})
+        if quality.output == "angle":
+            own["angle_percent"] = 100.0 * quality.rms / reading
+        elif quality.unit == "Pa":
+            own[f"{quality.output}_kpa"] = 1e-3 * quality.rms
+    return logs
+
+
+def shown(model: RegulatedModel, found: Fit, name: str) -> Shown:
+    """A log beside what is predicted."""
+    course = next(log.course for log in model.logs if log.name == name)
+    places = {o.name: found.simulated[s] for o, s in zip(model.outputs, model.slices, strict=True) if o.log == name}
+    simulated = np.stack([places["angle"], places["pressure_a"], places["pressure_b"]], axis=1)
+    return Shown(*course, simulated=simulated)
+
+
+def tables(logs: dict[str, dict[str, float | bool]], found: Fit) -> list[Table]:
+    """Errors of the logs, and the values found."""
+    first = Table("log", "", "angle (% rms)", "pressure A (kPa rms)", "pressure B (kPa rms)")
+    for name, own in logs.items():
+        kind = "judged" if own["judged"] else "fitted"
+        numbers = [f"{own[key]:.1f}" for key in ("angle_percent", "pressure_a_kpa", "pressure_b_kpa")]
+        first.add_row(name, kind, *numbers)
+    second = Table("value", "found", "95 % interval", "unit", "")
+    for one in found.estimates:
+        remark = "" if one.told else "not told by these logs"
+        second.add_row(
+            one.unknown.path, f"{one.value:.3g}", f"{one.low:.3g} .. {one.high:.3g}", one.unknown.unit, remark
+        )
+    return [first, second]
+
+
+def main() -> None:
+    """Fit, tell, draw."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--judge", default="006,010", help="logs that are only predicted, by their numbers")
+    parser.add_argument("--out", type=Path, default=Path("build/examples"))
+    given = parser.parse_args()
+    rig = load_rig("regulated-elbow")
+    paths = sorted(given.folder.glob("motion_data_*.csv"))
+    if not paths:
+        raise InputError("holds no motion_data_*.csv", where=str(given.folder), right="give the folder of the logs")
+    logs = {path.stem.rsplit("_", 1)[-1]: read_log(path, MAPPING) for path in paths}
+    judged = given.judge.split(",") if given.judge else []
+    model = RegulatedModel(rig, logs, judged=judged)
+    began = time.perf_counter()
+    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task("fitting", total=1.0)
+        found = fit(model, progress=lambda share, text: bar.update(task, completed=share, description=text))
+    seconds = time.perf_counter() - began
+    by_log = errors(found, rig.stroke.reading)
+    console = Console(width=100)
+    for table in tables(by_log, found):
+        console.print(table)
+    titles = {
+        name: f"{name}, {'predicted' if name in judged else 'fitted'}: {by_log[name]['angle_percent']:.1f} % of range"
+        for name in judged or list(logs)[:2]
+    }
+    picture = free_runs(
+        {title: shown(model, found, name) for name, title in titles.items()}, rig.supply.ambient_pressure
+    )
+    print(f"wrote {save(picture, given.out / 'identify_affetto.png')}")
+    values = {
+        one.unknown.path: {"value": one.value, "low": one.low, "high": one.high, "unit": one.unknown.unit}
+        for one in found.estimates
+    }
+    out = given.out / "identify_affetto.json"
+    with whole_file(out) as temporary:
+        report = {"logs": by_log, "values": values, "converged": found.converged, "seconds": round(seconds, 1)}
+        temporary.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    print(f"wrote {out} after a fit of {seconds:.0f} s")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except LayflatError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
