@@ -26,6 +26,9 @@ Array = NDArray[np.float64]
 
 TRACES = ("angle", "pressure_a", "pressure_b")
 
+SMOOTHED = 9
+"""Samples over which an angle that leads is smoothed."""
+
 FIRST = 4
 """Samples of which the mean is what a log begins with: one period of the dither."""
 
@@ -46,8 +49,11 @@ class Rung(NamedTuple):
     step: float
 
 
-LADDER = (Rung(4.0, 4.0 * STEP), Rung(1.0, STEP))
-"""From afar with a coarse step, then as exactly as a run is simulated."""
+LADDER = (Rung(8.0, 4.0 * STEP), Rung(2.0, STEP), Rung(0.5, STEP))
+"""From afar with a coarse step, then as exactly as a run is simulated; led weakly in the end.
+
+What leads brings its noise along, which widens errors more than a free run's roughness does: the less the better.
+"""
 
 
 FREE = Rung(0.0, STEP)
@@ -87,8 +93,8 @@ class ArmModel(Model):
         """The same, led along the measured angles, less and less.
 
         A joint integrates what its valve lets through: over a whole log, a small error of a parameter becomes a large
-        one of the angle, and one more of stick and slip with it. Led at 1/s it forgets in a second, which is hundreds
-        of samples: errors stay small, and the right values still leave none.
+        one of the angle, and one more of stick and slip with it. Led at 0.5/s it forgets in two seconds, which is
+        hundreds of samples: errors stay small, and the right values still leave none.
         """
         return [self._on(rung) for rung in LADDER]
 
@@ -224,9 +230,13 @@ class _Record:
 
     @cached_property
     def _followed(self) -> Array:
-        """Measured angles without gaps, for a joint that is led."""
+        """Measured angles without gaps and with less noise, for a joint that is led."""
+        from scipy.signal import savgol_filter  # noqa: PLC0415  # scipy.signal takes long to import
+
         angles = self.log["angle"].interpolate_na("time", fill_value="extrapolate").sel(joint=self.joints)
-        return np.asarray(angles.transpose("time", "joint").to_numpy(), dtype=np.float64)
+        values = np.asarray(angles.transpose("time", "joint").to_numpy(), dtype=np.float64)
+        window = min(SMOOTHED, 2 * ((len(values) - 1) // 2) + 1)
+        return np.asarray(savgol_filter(values, window, 3, axis=0)) if window > 3 else values
 
     @cached_property
     def _cycle(self) -> float:

@@ -39,7 +39,7 @@ NORMAL = 1.959964
 def covariance(jacobian: Array, residuals: Array) -> Array:
     """Of the shares, from residuals as large as they are, but not smaller than their scale says."""
     size = max(1.0, float(residuals @ residuals) / max(len(residuals) - jacobian.shape[1], 1))
-    return _inverse(jacobian.T @ jacobian / size + _beforehand(jacobian.shape[1]))
+    return _inverse(jacobian.T @ jacobian / size)
 
 
 def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed: int) -> Array:
@@ -56,7 +56,7 @@ def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1.0 / count), size=DRAWS)
     moves = np.empty((DRAWS, n))
     for i, times in enumerate(drawn):
-        moves[i] = -_inverse(np.tensordot(times, H, 1) + _beforehand(n)) @ (times @ g)
+        moves[i] = -_inverse(np.tensordot(times, H, 1)) @ (times @ g)
     return moves
 
 
@@ -107,9 +107,7 @@ def _memory(residuals: Array, period: float) -> float:
     return float(below[0] if len(below) else n) * period
 
 
-def _beforehand(n: int) -> Array:
-    return np.eye(n) / VAGUENESS**2
-
-
 def _inverse(H: Array) -> Array:
-    return np.asarray(np.linalg.pinv(H, hermitian=True), dtype=np.float64)
+    """Of what the data tell, of which nothing is less than nothing, and what is known beforehand."""
+    values, vectors = np.linalg.eigh(H)
+    return np.asarray((vectors / (np.maximum(values, 0.0) + VAGUENESS**-2)) @ vectors.T, dtype=np.float64)

@@ -10,7 +10,7 @@ from layflat.identify.model import Model
 
 Array = NDArray[np.float64]
 
-STEP, WIDEST = 1e-3, 0.1
+STEP, WIDEST = 1e-3, 0.2
 """Half the width of a difference, as a share of the way between the bounds: at least and at most."""
 
 NOTICED = 2.0
@@ -33,7 +33,7 @@ class Residuals:
         self.model, self.scaled = model, Scaled(model.unknowns)
         self.prior = self.scaled.shares(model.guess)
         self.scales = [output.scale for output in model.outputs]
-        self._axes, self._strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
+        self.axes, self.strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
     @property
     def scale(self) -> Array:
@@ -68,18 +68,27 @@ class Residuals:
 
         A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
         the last Jacobian, and the wider the less an axis changes: what the log hardly tells is then seen to be so, and
-        not covered by roughness. They are one-sided at a bound.
+        not covered by roughness. They end at the bounds, where they are one-sided.
         """
-        steps = np.clip(NOTICED / self._strengths, STEP, WIDEST)[:, None] * self._axes
-        up, down = np.clip(shares + steps, 0.0, 1.0), np.clip(shares - steps, 0.0, 1.0)
+        widths = np.clip(NOTICED / self.strengths, STEP, WIDEST)
+        up, down = (_within(shares, way * self.axes, widths) for way in (1.0, -1.0))
+        blocked = np.abs(up - down).max(axis=1) < 0.1 * STEP
+        up[blocked], down[blocked] = (
+            np.clip(shares + way * STEP * self.axes[blocked], 0.0, 1.0) for way in (1.0, -1.0)
+        )
         found = self.data(np.vstack([up, down]))
         jacobian = np.linalg.lstsq(up - down, found[: len(up)] - found[len(up) :])[0].T
-        _, values, self._axes = np.linalg.svd(
-            np.vstack([jacobian, np.eye(len(shares)) / VAGUENESS]), full_matrices=False
-        )
-        self._strengths = values
+        known = np.eye(len(shares)) / VAGUENESS
+        _, self.strengths, self.axes = np.linalg.svd(np.vstack([jacobian, known]), full_matrices=False)
         return np.asarray(jacobian)
 
     def jacobian(self, shares: Array) -> Array:
         """How the residuals change, (rows, unknowns)."""
         return np.vstack([self.data_jacobian(shares), np.eye(len(shares)) / VAGUENESS])
+
+
+def _within(shares: Array, ways: Array, widths: Array) -> Array:
+    """Points so far along each way (a row), or as far as the bounds let them."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(ways > 0.0, (1.0 - shares) / ways, np.where(ways < 0.0, -shares / ways, np.inf))
+    return np.asarray(np.clip(shares + np.minimum(widths, room.min(axis=1))[:, None] * ways, 0.0, 1.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,16 @@ SHORT, LONG = 6, 60
 ROUNDS = 2
 """Refinements of every model; the outputs are weighed after each."""
 
-PASSES = 4
+OUTLYING = 2.0
+"""Residuals beyond this, in units of their scale, count less at first on every rung of a ladder."""
+
+HOPS, HOP_SIZES = 4, (1.0, 3.0, 10.0, 30.0)
+"""How often to try to leave a small valley, and how far, in standard deviations."""
+
+WORTH = 1e-4
+"""A hop goes on as long as the cost falls by more than this share."""
+
+PASSES = 6
 """Jacobians one after the other at the end: each finds the axes better."""
 
 EDGE = 2e-3
@@ -60,10 +70,15 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
     shares, converged = search.begin(starts, seed), False
     for number, rung in enumerate(ladder):
         search.take(rung)
+        text = f"fit {number + 1} of {len(ladder)}"
+        if len(ladder) > 1:
+            # A stick or slip that comes at another instant is not to draw all values its way.
+            shares, _ = search.refine(shares, LONG, text, loss="soft_l1")
         for _ in range(ROUNDS):
-            shares, converged = search.refine(shares, LONG, f"fit {number + 1} of {len(ladder)}")
+            shares, converged = search.refine(shares, LONG, text)
             # Outputs count by how well they can be predicted at all.
             search.weigh(shares)
+    shares, converged = search.hop(shares, converged, seed)
     search.tell(0.95, "intervals")
     return search.result(model, shares, converged, seed)
 
@@ -108,7 +123,26 @@ class _Search:
         drawn[::2] = np.clip(self.residuals.prior + SPREAD * (2.0 * drawn[::2] - 1.0), 0.0, 1.0)
         return np.asarray(drawn)
 
-    def refine(self, shares: Array, steps: int, text: str) -> tuple[Array, bool]:
+    def hop(self, shares: Array, converged: bool, seed: int) -> tuple[Array, bool]:
+        """Out of small valleys: candidates along the principal axes, the best of them refined, while that helps."""
+        random, best = np.random.default_rng(seed), float(self.residuals.costs(shares[None])[0])
+        for _ in range(HOPS):
+            sizes = np.repeat(HOP_SIZES, STARTS // len(HOP_SIZES))[:, None] / np.maximum(self.residuals.strengths, 1.0)
+            moves = sizes * random.standard_normal(sizes.shape) @ self.residuals.axes
+            tried = np.clip(shares + moves, 0.0, 1.0)
+            self.simulations += len(tried)
+            refined, ended = self.refine(tried[int(np.argmin(self.residuals.costs(tried)))], LONG, "polishing")
+            cost = float(self.residuals.costs(refined[None])[0])
+            if cost > best - max(1.0, WORTH * best):
+                break
+            shares, converged, best = refined, ended, cost
+            self.weigh(shares)
+            best = float(self.residuals.costs(shares[None])[0])
+        return shares, converged
+
+    def refine(
+        self, shares: Array, steps: int, text: str, loss: Literal["linear", "soft_l1"] = "linear"
+    ) -> tuple[Array, bool]:
         """Least squares from a start, and whether it came to an end within so many steps."""
         from scipy.optimize import least_squares  # noqa: PLC0415  # scipy.optimize takes long to import
 
@@ -123,7 +157,16 @@ class _Search:
 
         inside = np.clip(shares, 1e-6, 1.0 - 1e-6)
         found = least_squares(
-            residuals, inside, jacobian, bounds=(0.0, 1.0), max_nfev=steps, ftol=TOLERANCE, xtol=1e-8, gtol=1e-8
+            residuals,
+            inside,
+            jacobian,
+            bounds=(0.0, 1.0),
+            max_nfev=steps,
+            ftol=TOLERANCE,
+            xtol=1e-8,
+            gtol=1e-8,
+            loss=loss,
+            f_scale=OUTLYING,
         )
         return np.asarray(found.x), bool(found.status > 0)
 
