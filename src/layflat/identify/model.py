@@ -72,6 +72,10 @@ class Model(ABC):
         """
         return (self,)
 
+    def ladders(self) -> Sequence[Sequence[Model]]:
+        """Ladders with the same last rung, climbed one after the other until one explains the logs."""
+        return (self.ladder(),)
+
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""
         found = zip(self.unknowns, values, strict=True)

@@ -77,7 +77,7 @@ def test_the_truth_leaves_nothing_but_noise() -> None:
 def test_a_joint_that_is_led_forgets_where_it_began() -> None:
     log = log_of(SMALL, 3.0)
     model = ArmModel(SMALL, {"log": log}, ["valve"])
-    far, near = model.ladder()
+    far, near, _ = model.ladder()
     off = model.guess.copy()
     off[[u.path for u in model.unknowns].index("valve.centre_voltage")] += 0.1
     last = model.slices[0].stop - 1 - len(log.time) // 3

@@ -49,8 +49,11 @@ class Rung(NamedTuple):
     step: float
 
 
-LADDER = (Rung(8.0, 4.0 * STEP), Rung(2.0, STEP), Rung(0.5, STEP))
-"""From afar with a coarse step, then as exactly as a run is simulated; led weakly in the end.
+LEADS, COARSE = (8.0, 4.0, 12.0), 4.0 * STEP
+"""From afar with a coarse step, led strongly: which rate finds its way depends on where the search begins."""
+
+LADDER = (Rung(2.0, STEP), Rung(0.5, STEP))
+"""Then as exactly as a run is simulated, and led weakly in the end.
 
 What leads brings its noise along, which widens errors more than a free run's roughness does: the less the better.
 """
@@ -96,7 +99,11 @@ class ArmModel(Model):
         one of the angle, and one more of stick and slip with it. Led at 0.5/s it forgets in two seconds, which is
         hundreds of samples: errors stay small, and the right values still leave none.
         """
-        return [self._on(rung) for rung in LADDER]
+        return self.ladders()[0]
+
+    def ladders(self) -> Sequence[Sequence[Model]]:
+        """Ladders that begin led more or less strongly."""
+        return [[self._on(rung) for rung in (Rung(led, COARSE), *LADDER)] for led in LEADS]
 
     def _on(self, rung: Rung) -> ArmModel:
         easier = copy(self)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
@@ -29,6 +29,9 @@ SHORT, LONG = 6, 60
 
 ROUNDS = 2
 """Refinements of every model; the outputs are weighed after each."""
+
+EXPLAINED = 3.0
+"""A way up is good enough where the mean square of the residuals, in units of their scale, is below this."""
 
 OUTLYING = 2.0
 """Residuals beyond this, in units of their scale, count less at first on every rung of a ladder."""
@@ -65,19 +68,13 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
         InputError: an unknown's bounds leave no room.
     """
     search = _Search(model, progress)
-    ladder = model.ladder()
-    search.take(ladder[0])
-    shares, converged = search.begin(starts, seed), False
-    for number, rung in enumerate(ladder):
-        search.take(rung)
-        text = f"fit {number + 1} of {len(ladder)}"
-        if len(ladder) > 1:
-            # A stick or slip that comes at another instant is not to draw all values its way.
-            shares, _ = search.refine(shares, LONG, text, loss="soft_l1")
-        for _ in range(ROUNDS):
-            shares, converged = search.refine(shares, LONG, text)
-            # Outputs count by how well they can be predicted at all.
-            search.weigh(shares)
+    ways: list[tuple[float, Array]] = []
+    ladders = model.ladders()
+    for number, ladder in enumerate(ladders):
+        ways.append(search.climb(ladder, starts, seed + number))
+        if ways[-1][0] < EXPLAINED:
+            break
+    shares, converged = search.settle(ladders[0][-1], min(ways, key=lambda way: way[0])[1], led=len(ladders[0]) > 1)
     shares, converged = search.hop(shares, converged, seed)
     search.tell(0.95, "intervals")
     return search.result(model, shares, converged, seed)
@@ -96,6 +93,28 @@ class _Search:
         self.done = max(self.done, share)
         if self.progress is not None:
             self.progress(self.done, text)
+
+    def climb(self, ladder: Sequence[Model], starts: int, seed: int) -> tuple[float, Array]:
+        """Up all rungs but the last: mean square of the residuals there, and shares."""
+        self.take(ladder[0])
+        shares = self.begin(starts, seed)
+        for rung in ladder[:-1]:
+            shares, _ = self.settle(rung, shares, led=True)
+        top = Residuals(ladder[-1])
+        return float(np.mean(top.data(shares[None]) ** 2)), shares
+
+    def settle(self, rung: Model, shares: Array, *, led: bool) -> tuple[Array, bool]:
+        """The best values for a rung, from those of the one before; and whether the search came to an end."""
+        self.take(rung)
+        converged = False
+        if led:
+            # A stick or slip that comes at another instant is not to draw all values its way.
+            shares, _ = self.refine(shares, LONG, "climbing", loss="soft_l1")
+        for _ in range(ROUNDS):
+            shares, converged = self.refine(shares, LONG, "fitting")
+            # Outputs count by how well they can be predicted at all.
+            self.weigh(shares)
+        return shares, converged
 
     def begin(self, starts: int, seed: int) -> Array:
         """The best of several starts after a few steps."""
