@@ -50,7 +50,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         title=session.described.title,
         version=layflat.__version__,
         file=session.path.name,
-        given=session.given,
+        given=Path(session.given).stem,
         blocks=listed(session.blocks),
         count=len(session.logs),
         logs=session.checksums,

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from layflat.identify.fit import Fit, Quality
 from layflat.identify.identified_file import Written
 from layflat.identify.logs import Finding
-from layflat.identify.logs.finding import SEVERITIES
+from layflat.identify.logs.finding import SEVERITIES, several
 
 SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", 0.017453292519943295), "m": ("mm", 1e-3), "N*m": ("N m", 1.0)}
 """Units in which people read what is SI inside, and their size."""
@@ -37,7 +39,7 @@ def shown(unit: str) -> tuple[str, float]:
 
 def value_row(value: Written) -> Row:
     """Where it stands, what was found, its interval, and what was there before."""
-    before = "" if value.before is None else str(value.before)
+    before = "" if value.before is None else short(value.before)
     return [value.path, short(value.value), value.interval, before]
 
 
@@ -79,13 +81,17 @@ def quality_row(quality: Quality) -> Row:
 
 
 def finding_rows(findings: Mapping[str, Sequence[Finding]]) -> list[Row]:
-    """What is doubtful in the logs, the worst first; what is the same in several logs once."""
-    together: dict[Finding, list[str]] = {}
+    """What is doubtful in the logs, the worst first; what is alike in several logs once, with the numbers of the first."""
+    together: dict[tuple[str, str, str], list[tuple[str, Finding]]] = {}
     for name, found in findings.items():
         for finding in found:
-            together.setdefault(finding, []).append(name)
-    rows = sorted(together.items(), key=lambda item: SEVERITIES.index(item[0].severity))
-    return [[", ".join(logs), f.severity, f.channel, f.text, f.right] for f, logs in rows]
+            together.setdefault((finding.severity, finding.channel, finding.right), []).append((name, finding))
+    rows = sorted(together.values(), key=lambda alike: SEVERITIES.index(alike[0][1].severity))
+    return [
+        [several([log for log, _ in alike]), f.severity, f.channel, f.text, f.right]
+        for alike in rows
+        for f in [alike[0][1]]
+    ]
 
 
 def short(value: str | float) -> str:
@@ -96,7 +102,8 @@ def short(value: str | float) -> str:
 
 def predicted(found: Fit) -> str:
     """How well what was not fitted is predicted, in one sentence: of every fitted signal, its worst."""
-    fitted = {output.name for output in found.model.outputs if output.fitted.any()}
+    outputs = found.model.outputs
+    fitted = {output.name for output in outputs if output.fitted.any()}
     judged = [one for one in found.qualities() if one.judged and one.output in fitted]
     if not judged:
         return "Nothing was kept to judge it by."
@@ -105,7 +112,10 @@ def predicted(found: Fit) -> str:
         mine = [one for one in judged if one.output == name]
         worst = max(mine, key=lambda one: one.rms)
         unit, size = shown(worst.unit)
-        share = f" ({100 * worst.share:.2g} % of its range)" if worst.share < 10.0 else ""
+        reach = next(
+            np.ptp(o.measured[np.isfinite(o.measured)]) for o in outputs if (o.name, o.log) == (name, worst.log)
+        )
+        share = f" ({100 * worst.rms / reach:.2g} % of its range)" if reach > 0.0 else ""
         where = f" at worst, in {worst.log}" if len(mine) > 1 else ""
         parts.append(f"{name} within {f'{worst.rms / size:.3g} {unit}'.rstrip()} rms{share}{where}")
     return f"What was not fitted is predicted: {'; '.join(parts)}."

@@ -35,7 +35,11 @@ def test_the_built_in_vessel_is_consistent() -> None:
     [
         ('"10 l"', "10", "space.volume: 10 is a bare number; give a volume"),
         ("volume =", "volumes =", "did you mean 'volume'?"),
-        ('kind = "vessel"', 'kind = "kettle"', "'kettle' is no kind of bench; give friction rig or regulated joint or vessel"),
+        (
+            'kind = "vessel"',
+            'kind = "kettle"',
+            "'kettle' is no kind of bench; give friction rig or regulated joint or vessel",
+        ),
         ('name = { value = "air"', 'name = { value = "nitrogen"', "no error"),
         ('value = "real"', 'value = "ideal"', "no error"),
         ("value = 0.45,", "value = 1.2,", "path.critical_ratio: 1.2 is out of range"),
