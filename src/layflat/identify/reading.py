@@ -68,7 +68,7 @@ def recorded(
     given, findings = {}, {}
     for name, table in tables.items():
         found = check(whole[name], machine)
-        if NOTHING_MOVES in found:
+        if [finding for finding in found if finding.severity == "error"] == [NOTHING_MOVES]:
             _refuse_rest(described, bench, fitted, name, whole[name], str(table.path))
         refuse(found, str(table.path))
         given[name], late = _for(bench, machine, table, mapping)
@@ -132,7 +132,7 @@ def _refuse_rest(
     """Say of a log in which nothing moves what it can't tell, and what would.
 
     Raises:
-        InputError: always, unless the bench has more to say against the log.
+        InputError: always.
     """
     unknowns = [one for one in bench.model(described, {name: log}, blocks, {}).unknowns if not one.nuisance]
     told_by = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))

@@ -81,7 +81,7 @@ def quality_row(quality: Quality) -> Row:
 
 
 def finding_rows(findings: Mapping[str, Sequence[Finding]]) -> list[Row]:
-    """What is doubtful in the logs, the worst first; what is alike in several logs once, with the numbers of the first."""
+    """What is doubtful in the logs, the worst first; what is alike in several logs is said once, as of the first."""
     together: dict[tuple[str, str, str], list[tuple[str, Finding]]] = {}
     for name, found in findings.items():
         for finding in found:

@@ -47,7 +47,9 @@ def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
         for row, signal in enumerate(signals):
             both, error = axes[2 * row], axes[2 * row + 1]
             known = np.isfinite(signal.measured)
-            marked = {"marker": "o", "markersize": 3.5} if known.sum() <= FEW else {}
+            few = known.sum() <= FEW
+            marked = {"marker": "o", "markersize": 3.5} if few else {}
+            known |= not few  # between few samples a line is drawn, and none over a gap in many
             time, measured, simulated = signal.time[known], signal.measured[known], signal.simulated[known]
             both.plot(time, measured, label="measured", **{**MEASURED, **marked})
             both.plot(time, simulated, label="simulated", **{**LINES[0], "linewidth": 1.0})
