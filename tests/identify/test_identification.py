@@ -203,3 +203,37 @@ def test_the_page_says_first_what_was_fitted_and_how_well_it_predicts(tmp_path: 
     kept = json.loads(session.path.with_suffix(".json").read_text(encoding="utf-8"))
     assert kept["values"]["joint.small.brake.torque"]["value"] == pytest.approx(3.1, rel=0.05)
     assert kept["logs"]["log"] == session.checksums["log"]
+
+
+LOGS = Path(__file__).parents[2] / "examples" / "logs"
+
+
+def test_measured_loops_are_taken_sample_by_sample(measured_data: Path, tmp_path: Path) -> None:
+    """On an even grid, samples that jitter are smoothed, and the force of KDN at 5 bar is missed by a tenth more."""
+    files = [measured_data / "zillen" / f"KDN_{bar}bar.csv" for bar in (1, 5)]
+    session = begin(files[:1], "friction-rig", tmp_path, validate=files[1:], mapping=LOGS / "zillen.toml")
+    for file, log in zip(files, (session.logs["KDN_1bar"], session.judged["KDN_5bar"]), strict=True):
+        time, force = np.loadtxt(file, usecols=(0, 6), unpack=True)
+        assert log.sizes["time"] == len(np.unique(time))
+        assert set(log["force"].to_numpy()) <= set(force)
+
+
+def test_a_measured_vessel_and_its_hyddown_description(measured_data: Path, tmp_path: Path) -> None:
+    """Points read off two curves at times of their own: all are used, as examples/identify_vessel.py does."""
+    log = measured_data / "vessel" / "Air_790kPa_21mm.csv"
+    session = begin([log], log.with_suffix(".rig.yml"), tmp_path, mapping=LOGS / "vessel.toml")
+    found = session.fit(starts=2)
+    rms = {one.judged: one.rms for one in found.qualities() if one.output == "pressure"}
+    assert rms[False] < 2e3
+    assert rms[True] < 1e3
+    kept = session.keep(found)
+    assert session.path.name == "Air_790kPa_21mm-identified.toml"
+    assert type(kept) is type(session.described)
+
+
+def test_measured_runs_of_a_regulated_joint(measured_data: Path, tmp_path: Path) -> None:
+    files = [measured_data / "affetto" / f"motion_data_00{i}.csv" for i in (0, 6)]
+    session = begin(files[:1], "regulated-elbow", tmp_path, validate=files[1:], mapping=LOGS / "affetto.toml")
+    assert session.blocks == ["valve", "gas", "motion"]
+    assert list(session.judged) == ["motion_data_006"]
+    assert np.diff(session.logs["motion_data_000"]["time"]) == pytest.approx(1.0 / 30.0, rel=1e-3)

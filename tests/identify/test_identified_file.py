@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -45,6 +46,13 @@ def found(sought: tuple[Unknown, ...], shares: list[float], *, sure: float = 0.0
     return Fit(Nothing(sought), tuple(estimates), np.ones(1), True, 1)
 
 
+def small(fit: Fit, path: Path) -> Machine:
+    """What was found of the small joint, from its file."""
+    kept = write_identified("paper-small-joint", SMALL, fit, {"log": "ab" * 32}, path)
+    assert isinstance(kept, Machine)
+    return kept
+
+
 ALL = tuple(unknowns(SMALL, BLOCKS))
 
 
@@ -54,8 +62,7 @@ def test_values_come_back_to_six_digits(tmp_path_factory: pytest.TempPathFactory
     folder = tmp_path_factory.mktemp("out")
     fit = found(ALL, shares)
     path = identified_path("paper-small-joint", SMALL, folder)
-    kept = write_identified("paper-small-joint", SMALL, fit, {"log": "ab" * 32}, path)
-    assert isinstance(kept, Machine)
+    kept = small(fit, path)
     for estimate in fit.estimates:
         unknown = estimate.unknown
         near = 1e-6 * max(abs(estimate.value), 1e-3 * (unknown.high - unknown.low))
@@ -66,7 +73,7 @@ def test_values_come_back_to_six_digits(tmp_path_factory: pytest.TempPathFactory
 def test_units_of_the_base_are_kept_and_sources_say_how_sure(tmp_path: Path) -> None:
     sought = tuple(unknowns(SMALL, ["valve", "friction"]))
     path = identified_path("paper-small-joint", SMALL, tmp_path)
-    kept = write_identified("paper-small-joint", SMALL, found(sought, [0.4] * len(sought)), {"log": "ab" * 32}, path)
+    kept = small(found(sought, [0.4] * len(sought)), path)
     before, after = tables("paper-small-joint")[0], tables(path)[0]
     for section, key in (("valve", "conductance"), ("valve", "natural_frequency")):
         assert after[section][key].partition(" ")[2] == before[section][key].partition(" ")[2]
@@ -80,15 +87,11 @@ def test_units_of_the_base_are_kept_and_sources_say_how_sure(tmp_path: Path) -> 
 
 def test_what_is_not_told_and_what_is_at_a_bound_are_marked(tmp_path: Path) -> None:
     sought = tuple(unknowns(SMALL, ["friction"]))
-    vague = write_identified(
-        "paper-small-joint", SMALL, found(sought, [0.5, 0.5], sure=0.6), {"log": "ab" * 32}, tmp_path / "vague.toml"
-    )
+    vague = small(found(sought, [0.5, 0.5], sure=0.6), tmp_path / "vague.toml")
     assert vague.provenance["joint.small.brake.torque"].source == "assumed"
     assert vague.provenance["joint.small.brake.torque"].note.startswith("not told by log")
     assert vague.title.endswith(", identified")
-    ended = write_identified(
-        "paper-small-joint", SMALL, found(sought, [0.5, 0.5], at_bound=True), {"log": "ab" * 32}, tmp_path / "end.toml"
-    )
+    ended = small(found(sought, [0.5, 0.5], at_bound=True), tmp_path / "end.toml")
     assert ended.title.startswith("not to be trusted: ")
     assert ended.provenance["joint.small.brake.torque"].note.startswith("at the end of its range by log")
 
@@ -105,5 +108,5 @@ def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     )
     out = identified_path(name, rig, tmp_path)
     kept = write_identified(name, rig, found(sought, [0.5]), {"log": "ab" * 32}, out)
-    assert value_at(kept, path) == pytest.approx(1.5 * value, rel=1e-6)
+    assert value_at(cast(Any, kept), path) == pytest.approx(1.5 * value, rel=1e-6)
     assert type(described_by(str(out))) is type(rig)

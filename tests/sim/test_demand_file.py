@@ -24,7 +24,7 @@ def test_what_is_written_is_read_back(
 ) -> None:
     demand = np.array(rows)
     path = tmp_path_factory.mktemp("demand") / "demand.csv"
-    write_demand(ARM, 0.005 * np.arange(len(demand)), demand, path)
+    write_demand(ARM, 0.005 * np.arange(len(demand), dtype=np.float64), demand, path)
     assert read_demand(ARM, path, 0.005) == pytest.approx(demand, rel=1e-5, abs=1e-7)
 
 
@@ -36,7 +36,10 @@ def test_a_demand_holds_until_the_next(tmp_path: Path) -> None:
 
 def test_a_machine_follows_it(tmp_path: Path) -> None:
     path = write_demand(
-        SMALL, 0.5 * np.arange(5), np.radians([[0.0], [20.0], [20.0], [20.0], [20.0]]), tmp_path / "d.csv"
+        SMALL,
+        0.5 * np.arange(5, dtype=np.float64),
+        np.radians([[0.0], [20.0], [20.0], [20.0], [20.0]]),
+        tmp_path / "d.csv",
     )
     rows = read_demand(SMALL, path, 0.005)
     run = rollout(SMALL, rows, duration=len(rows) * 0.005, start=0.0)

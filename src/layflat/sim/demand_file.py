@@ -52,7 +52,7 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Array:
     if np.any(np.diff(time) <= 0.0) or time[0] != 0.0:
         raise InputError("does not grow from zero", where=f"{where}: {header[0]}", right="give times 0, 0.005, ...")
     at = cycle * np.arange(round(time[-1] / cycle) + 1)
-    return np.radians(values[np.searchsorted(time, at + 1e-9, side="right") - 1, 1:])
+    return np.asarray(np.radians(values[np.searchsorted(time, at + 1e-9, side="right") - 1, 1:]), dtype=np.float64)
 
 
 def _numbers(row: list[str], count: int, where: str) -> list[float]:
