@@ -46,7 +46,7 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / f"{name}.toml").write_text(REAL.format(name=name, torque=torque), encoding="utf-8")
     done = layflat("simulate", "real.toml", "--demand", "moves.csv", "--out", ".", cwd=folder)
     assert done.returncode == 0, done.stderr
-    assert "how well moves.csv is followed" in done.stdout
+    assert "rms error against moves.csv: small " in done.stdout
     far = load(folder / "far.toml")
     save(rollout(far, read_demand(far, folder / "moves.csv", 0.005), duration=4.005, start=0.0), folder / "far.nc")
     return folder

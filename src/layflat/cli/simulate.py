@@ -145,8 +145,8 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, de
 
     if demand is not None:
         missed = 57.29578 * ((run["angle"] - run["demand"]) ** 2).mean("time") ** 0.5
-        rows = [[name, f"{missed.sel(joint=name).item():.2f}"] for name in machine.joints]
-        print_table(["joint", "rms error (deg)"], rows, f"{machine.name}: how well {demand.name} is followed")
+        told = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in machine.joints)
+        typer.echo(f"rms error against {demand.name}: {told}")
     elif scenario.opening is None:
         rows = [
             [
