@@ -8,6 +8,7 @@ import pytest
 from layflat.machine import load, names
 from layflat.machine.listing import description_toml, listing, schema_text
 from layflat.machine.loader import BUILT_IN
+from layflat.machine.rigs import load_rig, rig_names
 
 
 @pytest.mark.parametrize("name", names())
@@ -40,3 +41,13 @@ def test_schema_refuses_unknown_keys_and_bare_numbers() -> None:
     assert not validator.is_valid({"supply": {"pressure": "4 bar"}})
     assert not validator.is_valid({"joint": {"a": {"hose": {"width": 160}}}})
     assert validator.is_valid({"joint": {"a": {"hose": {"width": "160 mm"}}}})
+
+
+@pytest.mark.parametrize("name", rig_names())
+def test_benches_are_listed_and_printed_as_machines_are(name: str, tmp_path: Path) -> None:
+    lines = listing(name)
+    assert not {"kind", "name", "title"} & {line.path for line in lines}
+    assert all(line.source for line in lines)
+    path = tmp_path / "copy.toml"
+    path.write_text(description_toml(name), encoding="utf-8")
+    assert load_rig(path) == load_rig(name)

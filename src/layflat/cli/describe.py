@@ -12,10 +12,13 @@ from layflat.cli.app import MachineName, app, print_findings, print_table
 
 @app.command()
 def machines() -> None:
-    """List the built-in machines."""
+    """List the built-in machines, and the benches that can be identified."""
     from layflat.machine import load, names  # noqa: PLC0415
+    from layflat.machine.rigs import load_rig, rig_names  # noqa: PLC0415
 
     print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
+    typer.echo()
+    print_table(["bench", "what it is"], [[name, load_rig(name).title] for name in rig_names()])
 
 
 @app.command()
@@ -24,13 +27,13 @@ def show(
     toml: Annotated[bool, typer.Option("--toml", help="print a description file to start from")] = False,
 ) -> None:
     """Show every value of a machine and where it comes from."""
-    from layflat.machine import load  # noqa: PLC0415
     from layflat.machine.listing import description_toml, listing  # noqa: PLC0415
+    from layflat.machine.rigs import load_described  # noqa: PLC0415
 
     if toml:
         typer.echo(description_toml(machine), nl=False)
         return
-    described = load(machine)
+    described = load_described(machine)
     rows = [[line.path, line.text, line.source, line.note] for line in listing(machine)]
     print_table(["key", "value", "source", "note"], rows, title=f"{described.name}: {described.title}")
 

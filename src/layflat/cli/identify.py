@@ -12,7 +12,9 @@ import typer
 from layflat.cli.app import MachineName, Out, app, print_table
 
 if TYPE_CHECKING:
+    from layflat.identify.fit import Fit
     from layflat.identify.fit.search import Progress
+    from layflat.identify.identification import Identification
 
 NOT_TRUSTED = 3
 """Exit status of a fit at a bound, or that came to no end."""
@@ -23,7 +25,7 @@ def excite(
     machine: MachineName,
     reach: Annotated[float, typer.Option(help="largest angle from the middle, share of the working stroke")] = 0.3,
     speed: Annotated[str, typer.Option(help="greatest rate of the demand")] = "300 deg/s",
-    seed: Annotated[int, typer.Option(help="of sizes and order")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="of sizes and order")] = 0,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="[NAME]-excite.csv")] = None,
 ) -> None:
     """Write a bench sequence from which a machine can be identified: demands for its controller."""
@@ -54,7 +56,7 @@ def identify(
         Path | None, typer.Option(metavar="FILE", help="what the logs' columns are; not needed for our own names")
     ] = None,
     starts: Annotated[int, typer.Option(min=0, help="of the search, besides the description's own values")] = 32,
-    seed: Annotated[int, typer.Option(help="of starts and intervals")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="of starts and intervals")] = 0,
     out: Out = Path("build/identify"),
 ) -> None:
     """Find the parameters that explain bench logs: a fitted description, and a page with what it is worth.
@@ -62,35 +64,40 @@ def identify(
     Exit status 3 if a value ran into the end of its range or the search came to no end: the file says so too.
     """
     from layflat.identify.identification import begin  # noqa: PLC0415
-    from layflat.identify.page import QUALITY_COLUMNS, doubtful_row, quality_row, value_row, write_page  # noqa: PLC0415
+    from layflat.identify.page import write_page  # noqa: PLC0415
 
     with _busy("reading"):
         session = begin(logs, machine, out, blocks=fit, validate=validate or [], mapping=mapping)
-    for name, findings in session.findings.items():
-        rows = [[f.severity, f.channel, f.text, f.right] for f in findings]
-        if rows:
-            print_table(["severity", "channel", "found", "what is right, or follows"], rows, name)
-            typer.echo()
     with _progress() as progress:
         found = session.fit(starts=starts, seed=seed, progress=progress)
     session.keep(found)
-    values = session.values(found)
-    told = [value_row(value) for value in values if value.told]
-    print_table(["value", "found", "95 %", "before"], told, "what the logs tell")
-    doubtful = [doubtful_row(value) for value in values if not value.told]
-    if doubtful:
-        typer.echo()
-        columns = ["value", "fits best", "95 %", "why", "what would tell it"]
-        print_table(columns, doubtful, "what they do not tell")
-    typer.echo()
-    print_table(QUALITY_COLUMNS, [quality_row(quality) for quality in found.qualities()], "how well it predicts")
+    page = write_page(session, found, session.path.with_suffix(".html"))
+    why = _print(session, found)
     typer.echo(f"wrote {session.path}")
-    typer.echo(f"wrote {write_page(session, found, session.path.with_suffix('.html'))}")
-    if not found.trusted:
-        at = [value.path for value in values if value.at_bound]
-        why = f"{at[0]} is at the end of its range" if at else "the search came to no end"
+    typer.echo(f"wrote {page}")
+    if why:
         typer.echo(f"layflat: not to be trusted: {why}; the file says so", err=True)
         raise typer.Exit(NOT_TRUSTED)
+
+
+def _print(session: Identification, found: Fit) -> str | None:
+    """Print all that the page says, and return why it is not to be trusted."""
+    from layflat.identify import told as t  # noqa: PLC0415
+
+    values = session.values(found)
+    doubtful = [value for value in values if not value.told]
+    for title, columns, rows in (
+        ("what is doubtful in the logs", t.FINDING_COLUMNS, t.finding_rows(session.findings)),
+        ("what the logs tell", t.VALUE_COLUMNS, [t.value_row(value) for value in values if value.told]),
+        ("what they do not tell", t.DOUBTFUL_COLUMNS, [t.doubtful_row(value) for value in doubtful]),
+        ("what would tell it", t.RECORD_COLUMNS, t.record_rows(values)),
+        ("how well it predicts", t.QUALITY_COLUMNS, [t.quality_row(one) for one in found.qualities()]),
+    ):
+        if rows:
+            print_table(columns, rows, title)
+            typer.echo()
+    typer.echo(f"{t.predicted(found)} {t.told(values)}")
+    return t.distrusted(found, values)
 
 
 @contextmanager

@@ -112,7 +112,7 @@ def simulate(
     except DivergedError as error:
         _write_run(described, error.run, out)  # type: ignore[arg-type]
         raise
-    _print_metrics(described, run, scenario)
+    _print_metrics(described, run, scenario, demand)
     _write_run(described, run, out)
 
 
@@ -137,13 +137,17 @@ def _waiting(what: str, work: Callable[[], Any]) -> Any:
         return work()
 
 
-def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario) -> None:
+def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, demand: Path | None) -> None:
     from layflat.sim.metrics import air_used, moves_of, peak_tip_acceleration  # noqa: PLC0415
 
     def seconds(value: float) -> str:
         return f"{value:.3f}" if value < 1e6 else "not settled"
 
-    if scenario.opening is None:
+    if demand is not None:
+        missed = 57.29578 * ((run["angle"] - run["demand"]) ** 2).mean("time") ** 0.5
+        told = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in machine.joints)
+        typer.echo(f"rms error against {demand.name}: {told}")
+    elif scenario.opening is None:
         rows = [
             [
                 f"{since:g}",

@@ -9,16 +9,22 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from layflat.errors import InputError
 from layflat.files import check_folder, whole_file
-from layflat.identify.benches.kinds import bench_of, chosen
 from layflat.identify.fit import Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
-from layflat.identify.identified_file import Written, identified_path, plain_of, write_identified, written_values
-from layflat.identify.logs import Finding, check, read_log, refuse
+from layflat.identify.identified_file import (
+    Written,
+    described_by,
+    identified_path,
+    plain_of,
+    write_identified,
+    written_values,
+)
+from layflat.identify.logs import Finding
 from layflat.identify.model import Model
+from layflat.identify.reading import recorded
 from layflat.machine import Machine
-from layflat.machine.rigs import Rig, load_described
+from layflat.machine.rigs import Rig
 
 if TYPE_CHECKING:
     import xarray
@@ -120,24 +126,10 @@ def begin(
         InputError: in one line, what is wrong with a log, the description or an option.
     """
     check_folder(out)
-    bench_described = load_described(described)
+    bench_described = described_by(str(described))
     path = identified_path(str(described), bench_described, out)
-    machine = bench_described if isinstance(bench_described, Machine) else None
-    joints = list(machine.joints) if machine is not None else None
-    cycle = machine.controller.cycle if machine is not None and machine.controller is not None else None
-    files = [Path(log) for log in (*logs, *validate)]
-    names = [file.stem for file in files]
-    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
-    if twice is not None:
-        raise InputError("is given twice", where=twice, right="give every log once, under a name of its own")
-    read, findings = {}, {}
-    for name, file in zip(names, files, strict=True):
-        read[name] = read_log(file, mapping, joints=joints, cycle=cycle)
-        findings[name] = check(read[name], machine)
-        refuse(findings[name], str(file))
-    fitted = {name: read[name] for name in names[: len(logs)]}
-    judged = {name: read[name] for name in names[len(logs) :]}
-    bench = bench_of(bench_described, fitted)
-    fitted_blocks = chosen(bench, blocks)
-    model = bench.model(bench_described, fitted, fitted_blocks, judged)
-    return Identification(str(described), bench_described, fitted, judged, findings, fitted_blocks, model, path)
+    found = recorded(bench_described, list(map(Path, logs)), list(map(Path, validate)), blocks, mapping)
+    model = found.bench.model(bench_described, found.fitted, found.blocks, found.judged)
+    return Identification(
+        str(described), bench_described, found.fitted, found.judged, found.findings, found.blocks, model, path
+    )

@@ -7,17 +7,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from layflat.errors import InputError
 from layflat.files import whole_file
+from layflat.identify.benches.hyddown import hyddown_tables, read_hyddown_rig
 from layflat.identify.fit import Estimate, Fit
 from layflat.machine import Machine
 from layflat.machine import units as u
 from layflat.machine.derived import at_path, derived_path, with_value, write_derived
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import Plain, tables
+from layflat.machine.loader import Plain, Sources, tables
 from layflat.machine.provenance import Provenance
-from layflat.machine.rigs import Rig, load_rig, rig_tables
+from layflat.machine.rigs import Rig, load_described, load_rig, rig_tables
 
 SUFFIX = "identified"
+
+LARGE = 1e7
+"""Numbers from here on are written with an exponent."""
 
 DOUBTFUL = "not to be trusted: "
 """Before the title of a description whose fit ran into a bound or came to no end."""
@@ -56,12 +61,32 @@ def identified_path(given: str, described: Machine | Rig, folder: Path) -> Path:
     """
     if isinstance(described, Machine):
         return derived_path(given, folder, SUFFIX)
-    return folder / f"{Path(given).stem}-{SUFFIX}.toml"
+    path = folder / f"{Path(given).stem.removesuffix('.rig')}-{SUFFIX}.toml"
+    if path.resolve() == Path(given).resolve():
+        raise InputError("would be overwritten, and is what is begun with", where=given, right="give another folder")
+    return path
+
+
+def described_by(given: str) -> Machine | Rig:
+    """A machine or a bench from a built-in name or a file; of a vessel also HydDown's input file.
+
+    Raises:
+        InputError: in one line, what is wrong with it.
+    """
+    return read_hyddown_rig(given) if _of_hyddown(given) else load_described(given)
 
 
 def plain_of(given: str, described: Machine | Rig) -> Plain:
     """The description as it is written."""
-    return tables(given)[0] if isinstance(described, Machine) else rig_tables(given)[0]
+    return tables(given)[0] if isinstance(described, Machine) else _rig_tables(given)[0]
+
+
+def _rig_tables(given: str) -> tuple[Plain, Sources]:
+    return (hyddown_tables(given), {}) if _of_hyddown(given) else rig_tables(given)
+
+
+def _of_hyddown(given: str) -> bool:
+    return Path(given).suffix in {".yml", ".yaml"}
 
 
 def written_values(found: Fit, plain: Plain) -> list[Written]:
@@ -95,7 +120,7 @@ def write_identified(
     title = ("" if found.trusted else DOUBTFUL) + f"{described.title}, identified"
     if isinstance(described, Machine):
         return write_derived(given, title, {row.path: row.value for row in rows}, sources, path)
-    known = rig_tables(given)[1]
+    known = dict(_rig_tables(given)[1])
     for row in rows:
         known[with_value(plain, plain, row.path, row.value)] = sources[row.path]
     with whole_file(path) as temporary:
@@ -142,4 +167,10 @@ def _number(value: str | float) -> float:
 def _interval(low: float, high: float) -> str:
     """Both ends with as many digits as it takes to tell them apart."""
     digits = next((n for n in range(3, 9) if f"{low:.{n}g}" != f"{high:.{n}g}"), 9)
-    return f"{low:.{digits + 1}g} to {high:.{digits + 1}g}"
+    return f"{_plain(low, digits + 1)} to {_plain(high, digits + 1)}"
+
+
+def _plain(value: float, digits: int) -> str:
+    """A number with so many digits, without an exponent where people would write none."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < LARGE else text

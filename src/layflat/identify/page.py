@@ -4,22 +4,35 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 import layflat
 from layflat.files import whole_file
-from layflat.identify.fit import Fit, Quality
+from layflat.identify.fit import Fit
 from layflat.identify.identification import Identification
-from layflat.identify.identified_file import Written
+from layflat.identify.told import (
+    DOUBTFUL_COLUMNS,
+    FINDING_COLUMNS,
+    QUALITY_COLUMNS,
+    RECORD_COLUMNS,
+    VALUE_COLUMNS,
+    distrusted,
+    doubtful_row,
+    finding_rows,
+    listed,
+    predicted,
+    quality_row,
+    record_rows,
+    shown,
+    told,
+    value_row,
+)
 from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 
-SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", 0.017453292519943295), "m": ("mm", 1e-3)}
-"""Units in which people read what is SI inside, and their size."""
-
-MOST = 6
+MOST = 9
 """Logs that are drawn; judged ones first."""
-
-Row = list[str]
 
 
 def write_page(session: Identification, found: Fit, path: Path) -> Path:
@@ -29,6 +42,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         OutputError: it can't be written there.
     """
     values = session.values(found)
+    logs = list(dict.fromkeys(output.log for output in found.model.outputs))
     html = page(
         "layflat.identify",
         "identified.html.j2",
@@ -36,18 +50,26 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         title=session.described.title,
         version=layflat.__version__,
         file=session.path.name,
-        blocks=", ".join(session.blocks),
+        given=Path(session.given).stem,
+        blocks=listed(session.blocks),
+        count=len(session.logs),
         logs=session.checksums,
         judged=list(session.judged),
-        trusted=found.trusted,
-        converged=found.converged,
+        distrusted=distrusted(found, values),
+        predicted=predicted(found),
+        told=told(values),
         simulations=found.simulations,
         values=[value_row(value) for value in values if value.told],
+        value_columns=VALUE_COLUMNS,
         doubtful=[doubtful_row(value) for value in values if not value.told],
+        doubtful_columns=DOUBTFUL_COLUMNS,
+        record=record_rows(values),
+        record_columns=RECORD_COLUMNS,
         errors=[quality_row(quality) for quality in found.qualities()],
-        findings=[
-            [name, f.severity, f.channel, f.text, f.right] for name, all_ in session.findings.items() for f in all_
-        ],
+        quality_columns=QUALITY_COLUMNS,
+        findings=finding_rows(session.findings),
+        finding_columns=FINDING_COLUMNS,
+        left=max(len(logs) - MOST, 0),
         drawn=drawn(found),
     )
     with whole_file(path) as temporary:
@@ -55,49 +77,8 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
     return path
 
 
-def value_row(value: Written) -> Row:
-    """Where it stands, what was found, its interval, and what was there before."""
-    before = "" if value.before is None else str(value.before)
-    return [value.path, short(value.value), value.interval, before]
-
-
-def doubtful_row(value: Written) -> Row:
-    """Where it stands, what fits best, its interval, why it is not told and what would tell it."""
-    why = (
-        "at the end of its range" if value.at_bound else f"not apart from {value.partner}" if value.partner else "weak"
-    )
-    return [value.path, short(value.value), value.interval, why, value.excitation]
-
-
-def quality_row(quality: Quality) -> Row:
-    """Log, signal, fitted or judged, rms and bias in units, fit in %, and the tests of the residuals."""
-    unit, size = SHOWN.get(quality.unit, (quality.unit, 1.0))
-    driven = "" if quality.driven is None else f"{quality.driven:.2f}"
-    return [
-        quality.log,
-        quality.output,
-        "judged" if quality.judged else "fitted",
-        f"{quality.rms / size:.3g} {unit}",
-        f"{100 * quality.share:.3g}",
-        f"{100 * quality.fit:.1f}",
-        f"{quality.bias / size:.2g}",
-        f"{100 * quality.white:.0f}",
-        driven,
-    ]
-
-
-QUALITY_COLUMNS = ["log", "signal", "", "rms error", "% of range", "fit %", "bias", "white %", "driven"]
-"""Columns of `quality_row`."""
-
-
-def short(value: str | float) -> str:
-    """A value with five digits."""
-    number, _, unit = str(value).partition(" ")
-    return f"{float(number):.5g} {unit}".rstrip()
-
-
 def drawn(found: Fit) -> list[Drawn]:
-    """Measured and simulated signals, a figure a log."""
+    """Measured and simulated signals, a figure a log; those with judged samples alone come first."""
     outputs = found.model.outputs
     logs = list(dict.fromkeys(output.log for output in outputs))
     logs.sort(key=lambda log: any(output.fitted.any() for output in outputs if output.log == log))
@@ -106,11 +87,21 @@ def drawn(found: Fit) -> list[Drawn]:
         signals = []
         for place, output in zip(found.model.slices, outputs, strict=True):
             if output.log == log:
-                unit, size = SHOWN.get(output.unit, (output.unit, 1.0))
+                unit, size = shown(output.unit)
                 both = output.measured / size, found.simulated[place] / size
                 signals.append(Compared(output.name, unit, output.time, *both, output.fitted))
-        caption = (
-            "Measured and simulated from the log's start with its inputs alone; on a grey ground, what was not fitted."
-        )
-        figures.append(Drawn(log, f"{log}.", caption, to_svg(measured_and_simulated(signals))))
+        figures.append(Drawn(log, f"{log}.", _caption(signals), to_svg(measured_and_simulated(signals))))
     return figures
+
+
+def _caption(signals: list[Compared]) -> str:
+    """What a figure shows."""
+    fitted = np.concatenate([signal.fitted for signal in signals])
+    kept = (
+        "All of it was fitted."
+        if fitted.all()
+        else "On a grey ground, what was not fitted but predicted."
+        if fitted.any()
+        else "None of it was fitted: all is predicted."
+    )
+    return f"Measured, and simulated from the log's start on; on the right the error, simulated less measured. {kept}"

@@ -11,6 +11,7 @@ from typing import Any
 from layflat.machine.loader import Plain, Sources, tables
 from layflat.machine.model import Machine
 from layflat.machine.provenance import SOURCES, Provenance
+from layflat.machine.rigs.loader import is_rig, rig_tables
 
 
 @dataclass(frozen=True)
@@ -25,12 +26,12 @@ class Line:
 
 def listing(machine: str | Path) -> list[Line]:
     """Every value of a description that its arm uses, as written, with its source."""
-    plain, sources = tables(machine)
+    plain, sources = rig_tables(machine) if is_rig(machine) else tables(machine)
     used = {f"joint.{name}" for name in plain.get("arm", {}).get("joints", [])}
     lines = []
     for path, value in leaves(plain):
         parts = path.split(".")
-        if path in {"name", "title"} or (parts[0] == "joint" and ".".join(parts[:2]) not in used):
+        if path in {"kind", "name", "title"} or (parts[0] == "joint" and ".".join(parts[:2]) not in used):
             continue
         text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
         source = sources.get(path, Provenance())
@@ -50,7 +51,7 @@ def leaves(table: Plain, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 def description_toml(machine: str | Path) -> str:
     """A complete description, with sources, that stands on its own."""
-    plain, sources = tables(machine)
+    plain, sources = rig_tables(machine) if is_rig(machine) else tables(machine)
     return to_toml(plain, sources)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from layflat.plot.style import LINES, QUIET, figure
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
@@ -30,25 +31,51 @@ class Compared(NamedTuple):
 SHADE = "#eeeeee"
 MEASURED = {**QUIET, "linewidth": 2.2, "color": "#b5b5b5"}
 
+FEW = 200
+"""Up to so many samples are marked one by one."""
+
 
 def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
     """A row a signal: on the left both, on the right the error, simulated less measured."""
+    from matplotlib.patches import Patch  # noqa: PLC0415  # matplotlib takes long to import
+
     rows = len(signals)
-    with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, share_x=True, head=True) as (made, axes):
+    with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, share_x=True, head=True, beside=0.2, between=0.95) as (
+        made,
+        axes,
+    ):
         for row, signal in enumerate(signals):
             both, error = axes[2 * row], axes[2 * row + 1]
-            both.plot(signal.time, signal.measured, label="measured", **MEASURED)
-            both.plot(signal.time, signal.simulated, label="simulated", **{**LINES[0], "linewidth": 1.0})
-            error.plot(
-                signal.time, signal.simulated - signal.measured, **{**LINES[1], "linestyle": "-", "linewidth": 0.8}
-            )
-            both.set_ylabel(f"{signal.name}\n({signal.unit})")
-            error.set_ylabel(f"error ({signal.unit})")
-            judged = np.flatnonzero(~signal.fitted)
-            if len(judged) and len(judged) < len(signal.time):
-                for one in (both, error):
-                    one.axvspan(signal.time[judged[0]], signal.time[judged[-1]], color=SHADE, lw=0)
-        axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+            known = np.isfinite(signal.measured)
+            few = known.sum() <= FEW
+            marked = {"marker": "o", "markersize": 3.5} if few else {}
+            known |= not few  # between few samples a line is drawn, and none over a gap in many
+            time, measured, simulated = signal.time[known], signal.measured[known], signal.simulated[known]
+            both.plot(time, measured, label="measured", **{**MEASURED, **marked})
+            both.plot(time, simulated, label="simulated", **{**LINES[0], "linewidth": 1.0})
+            error.axhline(0.0, **{**QUIET, "linewidth": 0.8})
+            error.plot(time, simulated - measured, **{**LINES[1], "linestyle": "-", "linewidth": 0.8})
+            unit = f" ({signal.unit})" if signal.unit else ""
+            both.set_ylabel(f"{signal.name.replace('_', ' ')}\n{unit.strip()}".rstrip())
+            error.set_ylabel(f"error{unit}")
+            _shade((both, error), signal)
+        handles, labels = axes[0].get_legend_handles_labels()
+        if any(not signal.fitted.all() for signal in signals):
+            handles.append(Patch(color=SHADE))
+            labels.append("not fitted")
+        axes[0].legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
+        made.align_ylabels(axes[0::2])
+        made.align_ylabels(axes[1::2])
+        for one in axes:
+            one.margins(x=0.01)
         for one in axes[-2:]:
             one.set_xlabel("Time (s)")
     return made
+
+
+def _shade(axes: Sequence[Axes], signal: Compared) -> None:
+    """A grey ground where nothing was fitted."""
+    judged = np.flatnonzero(~signal.fitted)
+    if len(judged):
+        for one in axes:
+            one.axvspan(signal.time[judged[0]], signal.time[judged[-1]], color=SHADE, lw=0, zorder=0)

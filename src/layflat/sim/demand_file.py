@@ -14,8 +14,6 @@ from layflat.machine import Machine
 
 Array = NDArray[np.float64]
 
-EXAMPLE = '"time [s]" and "demand.{name} [deg]" for every joint'
-
 
 def write_demand(machine: Machine, time: Array, demand: Array, path: Path) -> Path:
     """Write demands (rad, (instants, joints)) of a machine's joints at times (s).
@@ -45,21 +43,26 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Array:
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"can't be read ({error})", where=where, right="give a CSV file") from None
     header = _header(machine)
-    if len(rows) < 3 or [name.strip() for name in rows[0]] != header:
+    if not rows or [name.strip() for name in rows[0]] != header:
         raise InputError("has other columns", where=where, right=f"give {', '.join(map(repr, header))}")
-    values = np.empty((len(rows) - 1, len(header)))
-    for number, row in enumerate(rows[1:], start=2):
-        try:
-            values[number - 2] = [float(text) for text in row]
-        except ValueError:
-            raise InputError(
-                "is not a row of numbers", where=f"{where}: line {number}", right=f"{len(header)}"
-            ) from None
+    if len(rows) < 3:
+        raise InputError(f"holds {len(rows) - 1} rows of numbers", where=where, right="give two or more")
+    values = np.array([_numbers(row, len(header), f"{where}: line {line}") for line, row in enumerate(rows[1:], 2)])
     time = values[:, 0]
-    if not np.isfinite(values).all() or np.any(np.diff(time) <= 0.0) or time[0] != 0.0:
+    if np.any(np.diff(time) <= 0.0) or time[0] != 0.0:
         raise InputError("does not grow from zero", where=f"{where}: {header[0]}", right="give times 0, 0.005, ...")
     at = cycle * np.arange(round(time[-1] / cycle) + 1)
-    return np.radians(values[np.searchsorted(time, at + 1e-9, side="right") - 1, 1:])
+    return np.asarray(np.radians(values[np.searchsorted(time, at + 1e-9, side="right") - 1, 1:]), dtype=np.float64)
+
+
+def _numbers(row: list[str], count: int, where: str) -> list[float]:
+    try:
+        numbers = [float(text) for text in row]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not np.isfinite(numbers).all():
+        raise InputError("is not a row of numbers", where=where, right=f"give {count} of them")
+    return numbers
 
 
 def _header(machine: Machine) -> list[str]:

@@ -70,6 +70,15 @@ def read_hyddown_rig(path: str | Path) -> VesselRig:
     Raises:
         InputError: in one line, which field is missing or can't be used; PyYAML is not installed.
     """
+    return cast(VesselRig, build_rig(hyddown_tables(path), str(path)))
+
+
+def hyddown_tables(path: str | Path) -> dict[str, Any]:
+    """The same as the plain tables of a description.
+
+    Raises:
+        InputError: as above.
+    """
     where = str(path)
     tables = _tables(Path(path))
     vessel, start, valve = (_part(tables, key, where) for key in ("vessel", "initial", "valve"))
@@ -85,7 +94,7 @@ def read_hyddown_rig(path: str | Path) -> VesselRig:
     around = float(heat.get("temp_ambient", T))
     space, capacity, outer = _sizes(vessel, where)
     wall = {"outer_conductance": f"{float(heat.get('h_outer', 0.0)) * outer!r} W/K"} | capacity
-    tables = {
+    return {
         "kind": "vessel",
         "name": Path(path).name.removesuffix(".rig.yml"),
         "title": f"{name}, {valve.get('flow', 'discharge')}",
@@ -97,7 +106,6 @@ def read_hyddown_rig(path: str | Path) -> VesselRig:
         "ambient": _place(101325.0, around),
         "start": _place(_number(start, "pressure", f"{where}: initial"), T),
     }
-    return cast(VesselRig, build_rig(tables, where))
 
 
 def read_hyddown_log(path: str | Path) -> xarray.Dataset:

@@ -29,20 +29,54 @@ Logs: TypeAlias = "Mapping[str, xarray.Dataset]"
 class Bench(NamedTuple):
     """A kind of bench: its blocks, those that are fitted where nothing else is said, and how to make a model.
 
-    `model` takes the description, logs to fit, blocks, and logs to judge.
+    `model` takes the description, logs to fit, blocks, and logs to judge. Logs are `even` where a simulation steps
+    through them; else every sample stays at its own stamp.
     """
 
     blocks: Sequence[str]
     usual: Sequence[str]
     model: Callable[[Any, Logs, Sequence[str], Logs], Model]
+    even: bool
 
 
 ALL_BUT_THE_LAST_THIRD = 2.0 / 3.0
 """What of a log is fitted where no other log judges."""
 
 
+def _moving(machine: Machine, logs: Logs, blocks: Sequence[str], judged: Logs) -> Model:
+    if machine.valve is None:
+        right = "give a machine with a valve; or logs with torque and without voltage, of a joint that is turned"
+        raise InputError("has no valve", where=machine.origin, right=right)
+    if "sensors" in blocks and machine.pressure_sensor is None:
+        raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
+    for name, log in (*logs.items(), *judged.items()):
+        for signal in ("angle", "voltage"):
+            for joint in machine.joints:
+                if not _known(log, signal, joint):
+                    right = f"map a column to the signal {signal} of every joint: {', '.join(machine.joints)}"
+                    raise InputError(f"has no {signal} of joint {joint!r}", where=name, right=right)
+    return ArmModel(machine, logs, blocks, judged)
+
+
 def _loops(machine: Machine, logs: Logs, blocks: Sequence[str], judged: Logs) -> Model:
-    return LoopModel(machine, logs, judged, blocks=blocks)
+    turned = [joint for joint in machine.joints if any(_known(log, "torque", joint) for log in logs.values())]
+    if len(turned) > 1:
+        right = f"give logs of one of them: {', '.join(turned)}"
+        raise InputError(f"hold torques of {len(turned)} joints", where="logs", right=right)
+    for name, log in (*logs.items(), *judged.items()):
+        for signal in ("torque", "angle", "pressure_a"):
+            if not _known(log, signal, turned[0]):
+                right = f"map a column to the signal {signal}"
+                raise InputError(f"has no {signal} of joint {turned[0]!r}", where=name, right=right)
+    return LoopModel(machine, logs, judged, joint=turned[0], blocks=blocks)
+
+
+def _known(log: xarray.Dataset, signal: str, joint: str) -> bool:
+    """Whether a log has any sample of a joint's signal."""
+    if signal not in log or ("joint" in log[signal].dims and joint not in log["joint"].values):
+        return False
+    values = log[signal].sel(joint=joint) if "joint" in log[signal].dims else log[signal]
+    return bool(values.notnull().any())
 
 
 def _rod(rig: FrictionRig, logs: Logs, blocks: Sequence[str], judged: Logs) -> Model:
@@ -59,12 +93,12 @@ def _vessel(rig: VesselRig, logs: Logs, blocks: Sequence[str], judged: Logs) -> 
     return vessel_model(rig, {**logs, **judged}, find=blocks, judged=list(judged), fitted_share=share)
 
 
-MOVING = Bench(ARM_BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), ArmModel)
-TURNED = Bench(LOOP_BLOCKS, ("torque", "losses"), _loops)
+MOVING = Bench(ARM_BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), _moving, even=True)
+TURNED = Bench(LOOP_BLOCKS, ("torque", "losses"), _loops, even=False)
 BENCHES: Mapping[type[Rig], Bench] = {
-    FrictionRig: Bench(ROD_BLOCKS, ("piston", "friction"), _rod),
-    RegulatedRig: Bench(tuple(REGULATED_BLOCKS), tuple(REGULATED_BLOCKS), _regulated),
-    VesselRig: Bench(tuple(VESSEL_BLOCKS), tuple(VESSEL_BLOCKS), _vessel),
+    FrictionRig: Bench(ROD_BLOCKS, ("piston", "friction"), _rod, even=False),
+    RegulatedRig: Bench(tuple(REGULATED_BLOCKS), tuple(REGULATED_BLOCKS), _regulated, even=True),
+    VesselRig: Bench(tuple(VESSEL_BLOCKS), tuple(VESSEL_BLOCKS), _vessel, even=False),
 }
 
 
@@ -82,7 +116,7 @@ def chosen(bench: Bench, fitted: str | None) -> list[str]:
     Raises:
         InputError: naming one that the bench has not.
     """
-    blocks = [part.strip() for part in fitted.split(",")] if fitted else list(bench.usual)
+    blocks = list(bench.usual) if fitted is None else [part.strip() for part in fitted.split(",")]
     strange = [block for block in blocks if block not in bench.blocks]
     if strange:
         right = f"choose of {', '.join(bench.blocks)}"

@@ -1,4 +1,4 @@
-"""From samples with stamps to an even grid: commands are held, what was measured is interpolated, gaps stay open."""
+"""From samples with stamps to one clock: commands are held, what was measured is interpolated, gaps stay open."""
 
 from __future__ import annotations
 
@@ -41,17 +41,21 @@ class Series:
 
 @dataclass(frozen=True)
 class Grid:
-    """Instants that all signals are brought to: start + i x period, for i < size; in s of the log's own clock."""
+    """Instants that all signals are brought to: start + i x period, for i < size; in s of the log's own clock.
+
+    One that is not `even` has all stamps of all clocks, and nothing is interpolated between them.
+    """
 
     start: float
     period: float
     size: int
     stamps: Array
+    even: bool = True
 
     @property
     def time(self) -> Array:
         """Seconds since the start, (size,)."""
-        return self.period * np.arange(self.size, dtype=np.float64)
+        return self.period * np.arange(self.size, dtype=np.float64) if self.even else self.stamps - self.start
 
 
 def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
@@ -79,6 +83,18 @@ def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
     if size < 2:
         raise InputError(f"{end - start:g} s are less than a period of {period:g} s", where=where, right="give less")
     return Grid(start, period, size, start + period * np.arange(size, dtype=np.float64))
+
+
+def grid_as_recorded(clocks: Sequence[Clock], where: str) -> Grid:
+    """All stamps of all clocks, as they are.
+
+    Raises:
+        InputError: there are too few.
+    """
+    stamps = np.unique(np.concatenate([clock.time for clock in clocks]))
+    if stamps.size < 2:
+        raise InputError("has less than two samples", where=where, right="give a log of a motion")
+    return Grid(float(stamps[0]), float(np.median(np.diff(stamps))), stamps.size, stamps, even=False)
 
 
 def resampled(series: Series, grid: Grid) -> Array:

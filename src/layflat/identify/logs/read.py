@@ -11,7 +11,7 @@ import numpy as np
 
 from layflat.errors import InputError
 from layflat.identify.logs.clock import Array, Clock, clock_of
-from layflat.identify.logs.grid import Grid, Series, gaps, grid_over, resampled
+from layflat.identify.logs.grid import Grid, Series, gaps, grid_as_recorded, grid_over, resampled
 from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import foreign, own_mapping
 from layflat.identify.logs.signals import SIGNALS, conversion, nearest
@@ -23,19 +23,21 @@ if TYPE_CHECKING:
 
 
 def read_log(
-    path: str | Path,
+    path: str | Path | Table,
     mapping: Mapping | str | Path | None = None,
     *,
     joints: Sequence[str] | None = None,
     cycle: float | str | None = None,
+    as_recorded: bool = False,
 ) -> xarray.Dataset:
     """Read a bench log.
 
     Args:
-        path: CSV, Parquet, NetCDF or MCAP.
+        path: CSV, Parquet, NetCDF or MCAP; or what `read_table` made of it.
         mapping: what the columns are, or its file; not needed where their names are our own.
         joints: those of the machine, in its order. A log without joints is taken for that of the only one.
         cycle: period of the grid; the log's own where not given.
+        as_recorded: every sample at its own stamp in place of a grid, NaN where other signals have theirs.
 
     Returns:
         Dims `time` (s, from 0) and `joint` where there are joints; SI, absolute pressures. The attributes tell of the
@@ -44,16 +46,17 @@ def read_log(
     Raises:
         InputError: in one line, what is wrong with the file, the mapping or an option.
     """
-    table = read_table(path)
+    table = path if isinstance(path, Table) else read_table(path)
     plan = read_mapping(mapping) if isinstance(mapping, (str, Path)) else mapping or own_mapping(table)
     if plan is None:
         raise foreign(table)
-    where = str(mapping) if isinstance(mapping, (str, Path)) else str(path)
+    where = str(mapping) if isinstance(mapping, (str, Path)) else str(table.path)
     period = None if cycle is None else u.quantity(cycle, u.TIME, "cycle")
     if period is not None and period <= 0.0:
         raise InputError(f"{period:g} s is out of range", where="cycle", right='give a time such as "5 ms"')
     series = _series(table, plan, list(joints) if joints is not None else None, where)
-    return _dataset(table, series, grid_over([one.clock for one in series], period, str(path)))
+    clocks, file = [one.clock for one in series], str(table.path)
+    return _dataset(table, series, grid_as_recorded(clocks, file) if as_recorded else grid_over(clocks, period, file))
 
 
 def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -> list[Series]:
@@ -185,6 +188,10 @@ def _mean(series: list[Series], grid: Grid) -> Array:
     if not series:
         return np.full(grid.size, np.nan)
     mean: Array = np.mean([resampled(one, grid) for one in series], axis=0)
+    if not grid.even and not SIGNALS[series[0].signal].held:
+        mean[~np.isin(grid.stamps, np.concatenate([one.clock.time[np.isfinite(one.values)] for one in series]))] = (
+            np.nan
+        )
     return mean
 
 

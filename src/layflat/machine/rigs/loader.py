@@ -43,10 +43,14 @@ def load_described(where: str | Path) -> Machine | Rig:
     Raises:
         MachineError: in one line, which file, key and value is wrong and what would be right.
     """
-    place = str(where)
-    own = place in rig_names() or (place not in names() and Path(place).is_file() and "kind" in rig_tables(place)[0])
-    described: Machine | Rig = load_rig(place) if own else load(place)
+    described: Machine | Rig = load_rig(where) if is_rig(where) else load(str(where))
     return described
+
+
+def is_rig(where: str | Path) -> bool:
+    """Whether a built-in name or a file is that of a bench that is no machine."""
+    place = str(where)
+    return place in rig_names() or (place not in names() and Path(place).is_file() and "kind" in rig_tables(place)[0])
 
 
 def load_rig(rig: str | Path) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 
 from layflat.identify.logs.checks.bench import Array, Bench, Channel, noise, quantum, runs
 from layflat.identify.logs.finding import Finding
+from layflat.machine import units as u
 
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8
@@ -35,6 +36,9 @@ def _constant(channel: Channel, bench: Bench) -> Finding:
     text = f"is exactly {channel.shown(float(channel.known[0]))} all the time"
     if moving is None:
         return Finding("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
+    effort = any(other.signal.name in {"torque", "force"} for other in beside)
+    if channel.signal.kind == u.PRESSURE and effort and not any(other.signal.held for other in beside):
+        return Finding("note", channel.name, text, "right for a loop at constant pressure; else a dead sensor")
     return Finding("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
 
 

@@ -12,6 +12,8 @@ from layflat.identify.logs.finding import Finding
 STILL = 6.0
 """Range in standard deviations of the noise below which a signal does not move."""
 
+NOTHING_MOVES = Finding("error", "log", "nothing in it moves more than its noise", "record a motion")
+
 STEADY = ("supply", "payload", "brake")
 """What is usually constant."""
 
@@ -21,7 +23,7 @@ def findings(bench: Bench) -> Iterator[Finding]:
     measured = [c for c in bench.filled if not c.signal.held and c.signal.name not in STEADY]
     still = [channel for channel in measured if not moves(channel)]
     if measured and len(still) == len(measured):
-        yield Finding("error", "log", "nothing in it moves more than its noise", "record a motion")
+        yield NOTHING_MOVES
         return
     for channel in still:
         if np.ptp(channel.known) == 0.0:

@@ -1,0 +1,141 @@
+"""`layflat excite` and `layflat identify` as a person uses them."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.identify.identification import begin
+from layflat.identify.page import write_page
+from layflat.machine import load
+from layflat.machine.listing import listing
+from layflat.sim import rollout
+from layflat.sim.dataset import save
+from layflat.sim.demand_file import read_demand
+
+REAL = """\
+extends = "paper-small-joint"
+name = "{name}"
+[joint.small.brake]
+torque = "{torque} N m"
+viscous = "0.05 N m s/rad"
+"""
+
+
+def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
+    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
+
+
+def demand(path: Path, levels: list[float]) -> None:
+    """A short sequence: what `layflat excite` writes takes 42 s."""
+    time = 0.5 * np.arange(len(levels))
+    table = np.stack([time, levels], axis=1)
+    np.savetxt(path, table, delimiter=",", header="time [s],demand.small [deg]", comments="", fmt="%g")
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with logs of two machines that are not as described: one by little, one by far."""
+    folder = tmp_path_factory.mktemp("bench")
+    demand(folder / "moves.csv", [0, 20, -15, 25, -20, 5, 8, 0, 0])
+    for name, torque in (("real", 3.1), ("far", 0.02)):
+        (folder / f"{name}.toml").write_text(REAL.format(name=name, torque=torque), encoding="utf-8")
+    done = layflat("simulate", "real.toml", "--demand", "moves.csv", "--out", ".", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "rms error against moves.csv: small " in done.stdout
+    far = load(folder / "far.toml")
+    save(rollout(far, read_demand(far, folder / "moves.csv", 0.005), duration=4.005, start=0.0), folder / "far.nc")
+    return folder
+
+
+def test_a_sequence_that_a_machine_follows(tmp_path: Path) -> None:
+    done = layflat("excite", "paper-arm", "--speed", "200 deg/s", "--seed", "3", "-o", "e.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "wrote e.csv: 42 s of steps" in done.stdout
+    assert "layflat simulate paper-arm --demand e.csv" in done.stdout
+    table = np.loadtxt(tmp_path / "e.csv", delimiter=",", skiprows=1)
+    assert table.shape[1] == 3
+    assert np.abs(np.diff(table[:, 1:], axis=0)).max() <= 200.0 * 0.005 + 1e-4
+
+
+def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
+    words = ("identify", "real.nc", "--machine", "paper-small-joint", "--fit", "friction", "--starts", "2")
+    done = layflat(*words, "--out", "first", cwd=bench)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert max(map(len, done.stdout.splitlines()[:-4])) <= 100
+    for told in (
+        "what the logs tell",
+        "joint.small.brake.torque",
+        "how well it predicts",
+        "The logs tell all of 2 values.",
+    ):
+        assert told in done.stdout
+    assert "What was not fitted is predicted: angle within" in done.stdout
+    names = [f"paper-small-joint-identified.{ending}" for ending in ("html", "json", "toml")]
+    assert sorted(path.name for path in (bench / "first").iterdir()) == names
+
+    session = begin([bench / "real.nc"], "paper-small-joint", bench / "again", blocks="friction")
+    fitted = session.fit(starts=2)
+    session.keep(fitted)
+    write_page(session, fitted, session.path.with_suffix(".html"))
+    for name in names:
+        assert (bench / "first" / name).read_bytes() == (bench / "again" / name).read_bytes()
+
+    found = load(bench / "first" / names[2])
+    assert found.joint["small"].brake.torque == pytest.approx(3.1, rel=0.02)
+    source = found.provenance["joint.small.brake.torque"]
+    values = json.loads((bench / "first" / names[1]).read_text(encoding="utf-8"))
+    assert source.source == "identified"
+    assert "95 %" in source.note
+    assert f"real (sha256 {values['logs']['real'][:16]})" in source.note
+    line = next(line for line in listing(bench / "first" / names[2]) if line.path == "joint.small.brake.torque")
+    assert (line.source, line.note) == (source.source, source.note)
+
+    # Another run: voltages that the fit never saw, from the same start.
+    run = rollout(load(bench / "real.toml"), lambda t: [0.3 * np.sin(4.0 * t)], duration=2.0, start=0.0, seed=7)
+    rows = run["voltage"].to_numpy()[:-1]
+    angles = {
+        name: rollout(machine, np.zeros_like(rows), duration=2.0, start=0.0, noise=False, voltage=rows)["angle"]
+        for name, machine in (
+            ("found", found),
+            ("before", load("paper-small-joint")),
+            ("real", load(bench / "real.toml")),
+        )
+    }
+    error = {name: float(np.sqrt(((angle - angles["real"]) ** 2).mean())) for name, angle in angles.items()}
+    assert error["found"] < 0.2 * error["before"]
+
+
+def test_a_value_at_the_end_of_its_range_is_told_and_marked(bench: Path) -> None:
+    words = ("identify", "far.nc", "--machine", "paper-small-joint", "--fit", "friction", "--starts", "0")
+    done = layflat(*words, "--out", "marked", cwd=bench)
+    assert done.returncode == 3
+    assert done.stderr.startswith("layflat: not to be trusted: joint.small.brake.torque ran into the end of its range")
+    assert len(done.stderr.splitlines()) == 1
+    assert "at the end of its range" in done.stdout
+    kept = load(bench / "marked" / "paper-small-joint-identified.toml")
+    assert kept.title.startswith("not to be trusted: ")
+    page = (bench / "marked" / "paper-small-joint-identified.html").read_text(encoding="utf-8")
+    assert "<b>Not to be trusted:</b>" in page
+
+
+def test_mistakes_give_one_line_and_status_2(bench: Path) -> None:
+    (bench / "foreign.csv").write_text("t,theta\n0,1\n1,2\n2,3\n", encoding="utf-8")
+    of = ("--machine", "paper-small-joint")
+    for words, expected in (
+        (
+            ("foreign.csv", *of),
+            "foreign.csv: its columns (t, theta) are not layflat's own signals; give a mapping file",
+        ),
+        (("real.nc", *of, "--seed", "-1"), "Invalid value for '--seed'"),
+    ):
+        done = layflat("identify", *words, cwd=bench)
+        assert done.returncode == 2, words
+        assert done.stderr.startswith(f"layflat: {expected}")
+        assert len(done.stderr.splitlines()) == 1
+        assert done.stdout == ""

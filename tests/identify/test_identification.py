@@ -1,0 +1,239 @@
+"""From files to files: what is refused before any work is done, and what is written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchlogs import Array, columns, written
+
+from layflat.errors import InputError
+from layflat.identify.identification import begin
+from layflat.identify.page import write_page
+from layflat.identify.told import distrusted, finding_rows, predicted, record_rows, told
+from layflat.machine import load
+
+SMALL = "paper-small-joint"
+Table = dict[str, Array]
+
+
+def rows(chosen: slice) -> Callable[[Table], Table]:
+    return lambda table: {name: values[chosen] for name, values in table.items()}
+
+
+def with_signal(name: str, change: Callable[[Array], Array]) -> Callable[[Table], Table]:
+    return lambda table: table | {name: change(table[name])}
+
+
+def backwards(t: Array) -> Array:
+    return np.where(t < 1.0, t, np.where(t < 2.0, t - 0.7, t - 1.4))
+
+
+def at_rest(table: Table) -> Table:
+    n, random = len(table["time"]), np.random.default_rng(0)
+    still = {"angle": 0.02, "pressure": 0.002}
+    noise = {name: size * random.standard_normal(n) for name, size in still.items()}
+    return table | noise | {"voltage": np.full(n, 5.0)}
+
+
+SPOILT: dict[str, tuple[Callable[[Table], Table], str]] = {
+    "sign of the angle": (with_signal("angle", np.negative), r"turns against the pressure.*sign = -1"),
+    "time in ms": (with_signal("time", lambda t: 1e3 * t), r"unit of time: a factor of 0.001 would fit"),
+    "time backwards": (with_signal("time", backwards), r"time goes backwards 2 times, first from .* at sample"),
+    "a dead sensor": (with_signal("angle", lambda q: np.full_like(q, 3.0)), r"angle.small: is exactly 3 deg all the"),
+    "nothing in it": (with_signal("angle", lambda q: np.full_like(q, np.nan)), r"angle.small: holds no value"),
+    "four samples": (rows(slice(0, 4)), r"holds 4 samples"),
+    "a machine at rest": (
+        at_rest,
+        r"can't tell joint.small.brake.torque, joint.small.brake.viscous; record slow ramps .*chirps.*layflat excite",
+    ),
+}
+
+
+@pytest.mark.parametrize("how", SPOILT)
+def test_a_log_that_is_spoilt_is_refused_in_one_line(how: str, tmp_path: Path) -> None:
+    change, expected = SPOILT[how]
+    log = written(tmp_path / "log.csv", change(columns()))
+    with pytest.raises(InputError, match=expected) as caught:
+        begin([log], SMALL, tmp_path / "out", blocks="friction")
+    assert "\n" not in str(caught.value)
+    assert "log.csv" in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_wrong_unit_is_told_with_the_right_one(tmp_path: Path) -> None:
+    log = written(tmp_path / "log.csv", columns(), angle="angle.small [rad]")
+    with pytest.raises(InputError, match=r'log.csv: angle.small: .*unit = "deg" instead of "rad" would fit'):
+        begin([log], SMALL, tmp_path)
+
+
+def test_gauge_pressures_that_are_said_to_be_absolute(tmp_path: Path) -> None:
+    """What is vented shows it: nothing is below ambient."""
+    vented = {"a": 2.0 + 2.0 * np.sin(columns()["time"]), "b": np.maximum(0.0, 2.0 - columns()["time"])}
+    names = {"a": "pressure_a.small [bar]", "b": "pressure_b.small [bar]"}
+    log = written(tmp_path / "log.csv", columns() | vented, **names)
+    with pytest.raises(InputError, match=r"pressure_[ab].small.*below ambient.*gauge = true would fit"):
+        begin([log], SMALL, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("missing", "expected"),
+    [
+        ("voltage", r"log: has no voltage of joint 'small'; map a column to the signal voltage"),
+        ("angle", r"log: has no angle of joint 'small'; map a column to the signal angle"),
+    ],
+)
+def test_a_log_that_lacks_a_signal(missing: str, expected: str, tmp_path: Path) -> None:
+    table = {name: values for name, values in columns().items() if name != missing}
+    with pytest.raises(InputError, match=expected):
+        begin([written(tmp_path / "log.csv", table)], SMALL, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("machine", "expected"),
+    [
+        ("paper-arm", r"has no angle of joint 'large'.*every joint: large, small"),
+        ("rig-kevlar", r"rig-kevlar: has no valve; give a machine with a valve; or logs with torque"),
+        ("friction-rig", r"has no force; map a column to the signal force"),
+        ("blow-down-vessel", r"has no pressure"),
+        ("regulated-elbow", r"has no setpoint_a; a regulated joint needs setpoint_a, setpoint_b, angle"),
+        ("nosuch", r"nosuch: no such machine"),
+        ("nosuch.rig.yml", r"nosuch.rig.yml: can't be read"),
+    ],
+)
+def test_a_log_of_another_bench(machine: str, expected: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=expected):
+        begin([written(tmp_path / "log.csv", columns())], machine, tmp_path)
+
+
+@pytest.mark.parametrize("blocks", ["bogus", "", "valve,,hose"])
+def test_an_unknown_block(blocks: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"--fit: '.*' is no block of this bench; choose of valve, hose, losses"):
+        begin([written(tmp_path / "log.csv", columns())], SMALL, tmp_path, blocks=blocks)
+
+
+def test_logs_need_names_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+    log = written(tmp_path / "log.csv", columns())
+    with pytest.raises(InputError, match=r"log.csv: is given twice"):
+        begin([log, log], SMALL, tmp_path)
+    with pytest.raises(InputError, match=r"log.csv: is given twice"):
+        begin([log], SMALL, tmp_path, validate=[log])
+    with pytest.raises(InputError, match=r"has the same name as"):
+        begin([log], SMALL, tmp_path, validate=[written(tmp_path / "other" / "log.csv", columns())])
+
+
+def test_names_that_are_not_our_own_need_a_mapping_that_makes_sense(tmp_path: Path) -> None:
+    log = written(tmp_path / "log.csv", columns(), time="t", angle="theta", voltage="u", pressure="dp")
+    with pytest.raises(InputError, match=r"its columns \(t, theta, u, dp\) are not .*`layflat log map` writes one"):
+        begin([log], SMALL, tmp_path)
+    entry = '[[column]]\nfrom = "{}"\nsignal = "{}"\njoint = "small"\nunit = "{}"\n'
+    time = '[time]\ncolumn = "t"\nunit = "s"\n'
+    mapping = tmp_path / "twice.toml"
+    mapping.write_text(time + entry.format("theta", "angle", "deg") + entry.format("dp", "angle", "deg"))
+    with pytest.raises(InputError, match=r"twice.toml: theta and dp are both angle.small; keep one"):
+        begin([log], SMALL, tmp_path, mapping=mapping)
+
+
+def test_a_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    log = written(tmp_path / "log.csv", columns())
+    with pytest.raises(InputError, match="can't write here"):
+        begin([log], SMALL, log / "out")
+
+
+def test_a_late_signal_is_waited_for_and_told(tmp_path: Path) -> None:
+    table = columns() | {"angle": np.where(columns()["time"] < 0.3, np.nan, columns()["angle"])}
+    session = begin([written(tmp_path / "log.csv", table)], SMALL, tmp_path, blocks="friction")
+    log = session.logs["log"]
+    assert float(log["time"][0]) == 0.0
+    assert log.sizes["time"] == len(table["time"]) - 60
+    assert np.isfinite(log["angle"][0].item())
+    row = next(row for row in finding_rows(session.findings) if "left out" in row[3])
+    assert row[:3] == ["log", "warning", "angle.small"]
+    assert "first 0.3 s" in row[3]
+
+
+def test_logs_of_loops_keep_their_stamps(tmp_path: Path) -> None:
+    random = np.random.default_rng(1)
+    time = np.cumsum(random.uniform(0.005, 0.02, 3000))
+    turn = 30.0 * np.sin(0.5 * time)
+    torque = 5.0 + np.sign(np.cos(0.5 * time)) + 0.01 * random.standard_normal(3000)
+    names = {"turn": "angle [deg]", "torque": "torque [N m]", "p": "pressure_a [bar]"}
+    table = {"time": time, "turn": turn, "torque": torque, "p": np.full(3000, 3.0)}
+    session = begin([written(tmp_path / "log.csv", table, **names)], SMALL, tmp_path)
+    assert session.blocks == ["torque", "losses"]
+    assert session.logs["log"]["time"].to_numpy() == pytest.approx(time - time[0], abs=1e-6)
+    assert session.logs["log"]["angle"].to_numpy().ravel() == pytest.approx(np.radians(turn), abs=1e-7)
+    assert not [row for row in finding_rows(session.findings) if row[1] == "error" or "command" in row[3]]
+
+
+def test_a_short_log_says_what_it_does_not_tell_and_what_to_record(tmp_path: Path) -> None:
+    table = {name: values[90:150] for name, values in columns().items()}
+    session = begin([written(tmp_path / "log.csv", table)], SMALL, tmp_path, blocks="friction")
+    found = session.fit(starts=0)
+    values = session.values(found)
+    doubtful = [value for value in values if not value.told]
+    assert told(values) == f"The logs tell {len(values) - len(doubtful) or 'none'} of 2 values."
+    assert [path for _, path in record_rows(values)] == [value.path for value in doubtful]
+    assert any("shorter than a move" in row[3] for row in finding_rows(session.findings))
+    session.keep(found)
+    source = load(session.path).provenance[doubtful[0].path]
+    assert source.source == "assumed"
+    assert source.note.startswith(("not told by log (sha256", "at the end of its range by log (sha256"))
+
+
+def test_the_page_says_first_what_was_fitted_and_how_well_it_predicts(tmp_path: Path) -> None:
+    log = written(tmp_path / "log.csv", columns())
+    other = written(tmp_path / "other.csv", columns(seed=3))
+    session = begin([log], SMALL, tmp_path, blocks="friction", validate=[other])
+    found = session.fit(starts=0)
+    assert distrusted(found, session.values(found)) is None
+    session.keep(found)
+    text = write_page(session, found, tmp_path / "page.html").read_text(encoding="utf-8")
+    start = text[text.index("<h1>") : text.index("<h2>")]
+    assert "Friction of paper-small-joint fitted to one log" in start
+    assert "judged by other" in start
+    assert predicted(found) in start.replace("&#39;", "'")
+    assert "The logs tell" in start
+    assert text.count("<figure") == 2
+    assert "None of it was fitted: all is predicted." in text
+    kept = json.loads(session.path.with_suffix(".json").read_text(encoding="utf-8"))
+    assert kept["values"]["joint.small.brake.torque"]["value"] == pytest.approx(3.1, rel=0.05)
+    assert kept["logs"]["log"] == session.checksums["log"]
+
+
+LOGS = Path(__file__).parents[2] / "examples" / "logs"
+
+
+def test_measured_loops_are_taken_sample_by_sample(measured_data: Path, tmp_path: Path) -> None:
+    """On an even grid, samples that jitter are smoothed, and the force of KDN at 5 bar is missed by a tenth more."""
+    files = [measured_data / "zillen" / f"KDN_{bar}bar.csv" for bar in (1, 5)]
+    session = begin(files[:1], "friction-rig", tmp_path, validate=files[1:], mapping=LOGS / "zillen.toml")
+    for file, log in zip(files, (session.logs["KDN_1bar"], session.judged["KDN_5bar"]), strict=True):
+        time, force = np.loadtxt(file, usecols=(0, 6), unpack=True)
+        assert log.sizes["time"] == len(np.unique(time))
+        assert set(log["force"].to_numpy()) <= set(force)
+
+
+def test_a_measured_vessel_and_its_hyddown_description(measured_data: Path, tmp_path: Path) -> None:
+    """Points read off two curves at times of their own: all are used, as examples/identify_vessel.py does."""
+    log = measured_data / "vessel" / "Air_790kPa_21mm.csv"
+    session = begin([log], log.with_suffix(".rig.yml"), tmp_path, mapping=LOGS / "vessel.toml")
+    found = session.fit(starts=2)
+    rms = {one.judged: one.rms for one in found.qualities() if one.output == "pressure"}
+    assert rms[False] < 2e3
+    assert rms[True] < 1e3
+    kept = session.keep(found)
+    assert session.path.name == "Air_790kPa_21mm-identified.toml"
+    assert type(kept) is type(session.described)
+
+
+def test_measured_runs_of_a_regulated_joint(measured_data: Path, tmp_path: Path) -> None:
+    files = [measured_data / "affetto" / f"motion_data_00{i}.csv" for i in (0, 6)]
+    session = begin(files[:1], "regulated-elbow", tmp_path, validate=files[1:], mapping=LOGS / "affetto.toml")
+    assert session.blocks == ["valve", "gas", "motion"]
+    assert list(session.judged) == ["motion_data_006"]
+    assert np.diff(session.logs["motion_data_000"]["time"]) == pytest.approx(1.0 / 30.0, rel=1e-3)

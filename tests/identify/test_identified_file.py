@@ -1,0 +1,112 @@
+"""What was found, as a file: values come back, units stay, sources say how sure they are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from layflat.identify import Fit, Model, Output, Unknown
+from layflat.identify.benches.arm_blocks import BLOCKS, unknowns
+from layflat.identify.fit import Estimate
+from layflat.identify.identified_file import described_by, identified_path, write_identified
+from layflat.identify.model import Array
+from layflat.machine import Machine, load
+from layflat.machine.change import value_at
+from layflat.machine.loader import tables
+from layflat.machine.rigs import load_rig, rig_names
+
+SMALL = load("paper-small-joint")
+SHARES = st.floats(0.02, 0.98)
+
+
+class Nothing(Model):
+    """A model that was fitted to one sample."""
+
+    def __init__(self, sought: tuple[Unknown, ...]) -> None:
+        one = np.ones(1)
+        self.unknowns = sought
+        self.outputs = (Output("angle", "rad", "log", one, one, one > 0.0, 1.0),)
+
+    def simulate(self, values: Array) -> Array:
+        return np.ones((len(values), 1))
+
+
+def found(sought: tuple[Unknown, ...], shares: list[float], *, sure: float = 0.01, at_bound: bool = False) -> Fit:
+    """A fit that found values at shares of the way between the bounds."""
+    estimates = []
+    for one, share in zip(sought, shares, strict=True):
+        value = one.low + share * (one.high - one.low)
+        half = sure * (abs(value) if one.log else one.high - one.low)
+        estimates.append(Estimate(one, value, value - half, value + half, at_bound))
+    return Fit(Nothing(sought), tuple(estimates), np.ones(1), True, 1)
+
+
+def small(fit: Fit, path: Path) -> Machine:
+    """What was found of the small joint, from its file."""
+    kept = write_identified("paper-small-joint", SMALL, fit, {"log": "ab" * 32}, path)
+    assert isinstance(kept, Machine)
+    return kept
+
+
+ALL = tuple(unknowns(SMALL, BLOCKS))
+
+
+@settings(max_examples=15)
+@given(st.lists(SHARES, min_size=len(ALL), max_size=len(ALL)))
+def test_values_come_back_to_six_digits(tmp_path_factory: pytest.TempPathFactory, shares: list[float]) -> None:
+    folder = tmp_path_factory.mktemp("out")
+    fit = found(ALL, shares)
+    path = identified_path("paper-small-joint", SMALL, folder)
+    kept = small(fit, path)
+    for estimate in fit.estimates:
+        unknown = estimate.unknown
+        near = 1e-6 * max(abs(estimate.value), 1e-3 * (unknown.high - unknown.low))
+        assert value_at(kept, unknown.path) == pytest.approx(estimate.value, abs=near), unknown.path
+    assert load(path) == kept
+
+
+def test_units_of_the_base_are_kept_and_sources_say_how_sure(tmp_path: Path) -> None:
+    sought = tuple(unknowns(SMALL, ["valve", "friction"]))
+    path = identified_path("paper-small-joint", SMALL, tmp_path)
+    kept = small(found(sought, [0.4] * len(sought)), path)
+    before, after = tables("paper-small-joint")[0], tables(path)[0]
+    for section, key in (("valve", "conductance"), ("valve", "natural_frequency")):
+        assert after[section][key].partition(" ")[2] == before[section][key].partition(" ")[2]
+    assert "m^3" not in path.read_text(encoding="utf-8").replace("dm^3", "")
+    source = kept.provenance["valve.conductance"]
+    assert source.source == "identified"
+    assert source.note.endswith("from log (sha256 abababababababab)")
+    low, high = (float(end) for end in source.note.removeprefix("95 %: ").partition(";")[0].split(" to "))
+    assert low < float(after["valve"]["conductance"].partition(" ")[0]) < high
+
+
+def test_what_is_not_told_and_what_is_at_a_bound_are_marked(tmp_path: Path) -> None:
+    sought = tuple(unknowns(SMALL, ["friction"]))
+    vague = small(found(sought, [0.5, 0.5], sure=0.6), tmp_path / "vague.toml")
+    assert vague.provenance["joint.small.brake.torque"].source == "assumed"
+    assert vague.provenance["joint.small.brake.torque"].note.startswith("not told by log")
+    assert vague.title.endswith(", identified")
+    ended = small(found(sought, [0.5, 0.5], at_bound=True), tmp_path / "end.toml")
+    assert ended.title.startswith("not to be trusted: ")
+    assert ended.provenance["joint.small.brake.torque"].note.startswith("at the end of its range by log")
+
+
+@pytest.mark.parametrize("name", rig_names())
+def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
+    path = {
+        "blow-down-vessel": "path.conductance", "friction-rig": "piston.area", "regulated-elbow": "chamber.volume",
+    }[name]  # fmt: skip
+    rig = load_rig(name)
+    value = value_at(rig, path)
+    sought = (
+        Unknown(path, "m^3/(s Pa)" if "con" in path else "m^2" if "area" in path else "m^3", value, 0.0, 3 * value),
+    )
+    out = identified_path(name, rig, tmp_path)
+    kept = write_identified(name, rig, found(sought, [0.5]), {"log": "ab" * 32}, out)
+    assert value_at(cast(Any, kept), path) == pytest.approx(1.5 * value, rel=1e-6)
+    assert type(described_by(str(out))) is type(rig)
