@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -22,14 +23,15 @@ REFERENCE_PRESSURE = 1e5
 
 
 class Rung(NamedTuple):
-    """How values are sought: the rate at which joints are drawn along their measured angles (1/s), and the step (s)."""
+    """How values are sought: the rate at which joints are led (1/s), step (s), and share of what is fitted."""
 
     led: float
     step: float
+    share: float = 1.0
 
 
-LEADS, COARSE = (8.0, 4.0, 12.0), 4.0 * STEP
-"""From afar with a coarse step, led strongly: which rate finds its way depends on where the search begins."""
+LEADS, BEGINNING, COARSE = (4.0, 8.0, 12.0), 0.35, 2.0 * STEP
+"""From afar by the beginning of the logs, led strongly: which rate finds its way depends on where the search begins."""
 
 LADDER = (Rung(2.0, STEP), Rung(0.5, STEP))
 """Then as exactly as a run is simulated, and led weakly in the end.
@@ -82,11 +84,15 @@ class ArmModel(Model):
 
     def ladders(self) -> Sequence[Sequence[Model]]:
         """Ladders that begin led more or less strongly."""
-        return [[self._on(rung) for rung in (Rung(led, COARSE), *LADDER)] for led in LEADS]
+        return [[self._on(rung) for rung in (Rung(led, COARSE, BEGINNING), *LADDER)] for led in LEADS]
 
     def _on(self, rung: Rung) -> ArmModel:
         easier = copy(self)
         easier.rung = rung
+        ends = {record.name: rung.share * record.fitted.sum() for record in self.records}
+        early = {o.log: np.arange(len(o.time)) < ends[o.log] for o in self.outputs}
+        easier.outputs = tuple(replace(o, fitted=o.fitted & early[o.log]) for o in self.outputs)
+        vars(easier).pop("used", None)
         return easier
 
     @cached_property
@@ -106,7 +112,7 @@ class ArmModel(Model):
         shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
         shared |= {f"scenario.lead.{name}": np.full(len(values), self.rung.led * v) for name, v in self._leads.items()}
         shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
-        asked = len(values), self.rung.step, self.rung is FREE
+        asked = len(values), self.rung.step, None if self.rung is FREE else self.rung.share
         found = [record.simulate(shared, given, np.asarray(offset), *asked) for record in self.records]
         return np.concatenate(found, axis=1)
 

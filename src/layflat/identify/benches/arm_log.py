@@ -200,11 +200,11 @@ class Record:
         offset: Array,
         count: int,
         step: float,
-        whole: bool,
+        share: float | None,
     ) -> Array:
-        """Outputs of every candidate, (candidates, samples); only of what is fitted if not the whole is asked for."""
+        """Outputs of every candidate, (candidates, samples): all, or only a share of what is fitted."""
         found = np.full((count, len(self.measured), len(self.joints), len(self.time)), np.nan)
-        samples = len(self.time) if whole else int(self.fitted.sum())
+        samples = len(self.time) if share is None else int(np.ceil(share * self.fitted.sum()))
         if samples == 0:
             return found.reshape(count, -1)
         own = f"start.{self.name}."
