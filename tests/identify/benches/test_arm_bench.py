@@ -77,7 +77,7 @@ def test_the_truth_leaves_nothing_but_noise() -> None:
 def test_a_joint_that_is_led_forgets_where_it_began() -> None:
     log = log_of(SMALL, 3.0)
     model = ArmModel(SMALL, {"log": log}, ["valve"])
-    far, near, _ = model.ladder()
+    _, far, near = model.ladder()
     off = model.guess.copy()
     off[[u.path for u in model.unknowns].index("valve.centre_voltage")] += 0.1
     last = model.slices[0].stop - 1 - len(log.time) // 3
@@ -86,6 +86,14 @@ def test_a_joint_that_is_led_forgets_where_it_began() -> None:
         return float(abs(one.simulate(off[None])[0][last] - model.measured[last]))
 
     assert error(far) < error(near) < error(model)
+
+
+def test_the_first_rung_sees_the_beginning_alone() -> None:
+    model = ArmModel(SMALL, {"log": log_of(SMALL, 3.0)}, ["valve"])
+    first, second, _ = model.ladder()
+    assert 0 < first.used.sum() < 0.5 * second.used.sum()
+    assert np.isfinite(first.simulate(model.guess[None])[0][first.used]).all()
+    assert second.used.sum() == model.used.sum()
 
 
 def test_each_pressure_by_itself_tells_more_than_their_difference() -> None:
