@@ -1,6 +1,6 @@
 """Random machines, identified from logs that they are simulated to give: how often the truth lies within the intervals.
 
-python -m benchmarks.identification [--machine paper-arm] [--count 40] [--seed 0] [--out build/identification.json]
+python -m benchmarks.identification [--machine paper-arm] [--count 40] [--first 0] [--seed 0] [--out build/identification.json]
 
 Every number that is fitted is drawn anew for each machine, around the description that the search begins with; sensors
 are noisy and have 12 bits.
@@ -67,13 +67,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--machine", default="paper-arm")
     parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--first", type=int, default=0, help="number of the first machine")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("build/identification.json"))
     given = parser.parse_args()
     base = load(given.machine)
     sought = unknowns(base, BLOCKS)
     rows: list[dict[str, Any]] = []
-    for number in range(given.count):
+    for number in range(given.first, given.first + given.count):
         random = np.random.default_rng((given.seed, number))
         machine, truth = drawn(base, sought, random)
         log = log_of(machine, base, number)
