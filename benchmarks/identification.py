@@ -1,6 +1,6 @@
 """Random machines, identified from logs that they are simulated to give: how often the truth lies within the intervals.
 
-python -m benchmarks.identification [--machine paper-arm] [--count 40] [--first 0] [--seed 0] [--out build/identification.json]
+python -m benchmarks.identification [--machine paper-arm] [--count 40] [--first 0] [--seed 0] [--out FILE]
 
 Every number that is fitted is drawn anew for each machine, around the description that the search begins with; sensors
 are noisy and have 12 bits.
