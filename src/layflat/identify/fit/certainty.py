@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.fit.residuals import VAGUENESS
+from layflat.identify.fit.residuals import STEP, VAGUENESS
 from layflat.identify.model import Model
 
 Array = NDArray[np.float64]
@@ -78,8 +78,11 @@ def blocks_of(model: Model, residuals: Array) -> NDArray[np.int64]:
 
 
 def interval(shares: Array, spread: Array, moves: Array) -> tuple[Array, Array]:
-    """Low and high ends of 95 % in shares: the wider of both ways."""
-    half = NORMAL * np.sqrt(np.diag(spread))
+    """Low and high ends of 95 % in shares: the wider of both ways, and no narrower than differences can see.
+
+    A simulation that sticks and slips is rough over steps smaller than those of the Jacobian: nothing is known there.
+    """
+    half = np.maximum(NORMAL * np.sqrt(np.diag(spread)), STEP)
     low, high = np.percentile(moves, [2.5, 97.5], axis=0)
     return shares - np.maximum(half, -low), shares + np.maximum(half, high)
 
