@@ -15,6 +15,9 @@ from layflat.identify.unknown import Unknown
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
+FITTED = 2.0 / 3.0
+"""Share of a log that is fitted where no other log is there to judge."""
+
 
 @dataclass(frozen=True)
 class Output:

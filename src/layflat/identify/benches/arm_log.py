@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from layflat.errors import InputError
-from layflat.identify.model import Array, Flags, Output
+from layflat.identify.model import FITTED, Array, Flags, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
@@ -25,9 +25,6 @@ SMOOTHED = 9
 
 FIRST = 4
 """Samples of which the mean is what a log begins with: one period of the dither."""
-
-FITTED = 2.0 / 3.0
-"""Share of a log that is fitted where no other log is there to judge."""
 
 COUNTS = 2.0
 """A log begins within so many counts of the angle that was first measured."""

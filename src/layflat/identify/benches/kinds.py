@@ -16,7 +16,7 @@ from layflat.identify.benches.rod import BLOCKS as ROD_BLOCKS
 from layflat.identify.benches.rod import RodModel
 from layflat.identify.benches.vessel import BLOCKS as VESSEL_BLOCKS
 from layflat.identify.benches.vessel import vessel_model
-from layflat.identify.model import Model
+from layflat.identify.model import FITTED, Model
 from layflat.machine import Machine
 from layflat.machine.rigs import FrictionRig, RegulatedRig, Rig, VesselRig
 
@@ -37,10 +37,6 @@ class Bench(NamedTuple):
     usual: Sequence[str]
     model: Callable[[Any, Logs, Sequence[str], Logs], Model]
     even: bool
-
-
-ALL_BUT_THE_LAST_THIRD = 2.0 / 3.0
-"""What of a log is fitted where no other log judges."""
 
 
 def _moving(machine: Machine, logs: Logs, blocks: Sequence[str], judged: Logs) -> Model:
@@ -84,12 +80,12 @@ def _rod(rig: FrictionRig, logs: Logs, blocks: Sequence[str], judged: Logs) -> M
 
 
 def _regulated(rig: RegulatedRig, logs: Logs, blocks: Sequence[str], judged: Logs) -> Model:
-    share = 1.0 if judged else ALL_BUT_THE_LAST_THIRD
+    share = 1.0 if judged else FITTED
     return RegulatedModel(rig, {**logs, **judged}, blocks=blocks, judged=list(judged), fitted_share=share)
 
 
 def _vessel(rig: VesselRig, logs: Logs, blocks: Sequence[str], judged: Logs) -> Model:
-    share = 1.0 if judged else ALL_BUT_THE_LAST_THIRD
+    share = 1.0 if judged else FITTED
     return vessel_model(rig, {**logs, **judged}, find=blocks, judged=list(judged), fitted_share=share)
 
 

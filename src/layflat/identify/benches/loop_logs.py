@@ -9,16 +9,13 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.model import Array, Flags, Output
+from layflat.identify.model import FITTED, Array, Flags, Output
 from layflat.identify.unknown import Unknown
 
 if TYPE_CHECKING:
     import xarray
 
 Logs: TypeAlias = "Mapping[str, xarray.Dataset]"
-
-FITTED = 2.0 / 3.0
-"""Share of a log that is fitted where no other log is there to judge."""
 
 SIZE = 0.03
 """How large an error of an effort matters, as a share of its range in the log where that is greatest.
