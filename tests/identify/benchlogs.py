@@ -33,7 +33,7 @@ def columns(brake: float = 3.1, seed: int = 0) -> dict[str, Array]:
     levels = (0.0, 0.35, -0.25, 0.4, -0.4, 0.1, 0.15, 0.0)
     machine = changed(real(), "joint.small.brake.torque", brake)
     run = rollout(machine, lambda t: [levels[int(2.0 * t) % 8]], duration=4.0, start=0.0, seed=seed)
-    one = run.isel(time=slice(0, -1)).sel(joint="small")
+    one = run.sel(joint="small")
     return {
         "time": one["time"].to_numpy(),
         "angle": np.degrees(one["measured_angle"].to_numpy()),

@@ -34,6 +34,14 @@ def test_recording_more_often_changes_nothing() -> None:
     assert np.array_equal(coarse["angle"], fine["angle"][::4])
 
 
+def test_sensors_read_the_last_instant_too() -> None:
+    run = rollout("paper-small-joint", "40 deg", duration=0.3, start=0.0, noise=False)
+    last = run.isel(time=-1, joint=0)
+    assert abs(last["velocity"]) > 0.5
+    assert last["measured_angle"] == pytest.approx(float(last["angle"]), abs=radians(0.1))
+    assert last["measured_pressure"] == pytest.approx(float(last["pressure_a"] - last["pressure_b"]), abs=500.0)
+
+
 def test_the_arm_goes_where_it_is_asked() -> None:
     run = rollout(ARM, {"large": "20 deg", "small": "-15 deg"}, start=0.0, duration="2 s")
     reached = np.degrees(run["angle"][-1].to_numpy())

@@ -44,7 +44,7 @@ class Signals(NamedTuple):
     payload: np.ndarray
     """kg, (cycles,)"""
     noise: np.ndarray
-    """Standard normal samples of angle and pressure sensor, (cycles, joints, 2)"""
+    """Standard normal samples of angle and pressure sensor, (cycles + 1, joints, 2)"""
 
 
 class Sample(NamedTuple):
@@ -187,6 +187,8 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
                 if not _is_sound(states[j]):
                     return out, row, j
     for j in range(n):
+        noise = signals.noise[cycles, j]
+        measured[j] = sense(joints[j], states[j], noise[0], noise[1], timing.cycle)
         sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
         write_row(out, row, j, sample)
     return out, row + 1, -1

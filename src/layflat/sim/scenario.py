@@ -155,7 +155,7 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
         own.drift,
         gauge + machine.supply.ambient_pressure,
         np.where(np.isnan(own.payload), machine.arm.payload, own.payload),
-        sensor_noise(scenario.seed if scenario.noise else None, *own.demand.shape),
+        sensor_noise(scenario.seed if scenario.noise else None, len(own.demand) + 1, own.demand.shape[1]),
     )
 
 
@@ -166,9 +166,9 @@ def _opening(own: Shapes, machine: Machine) -> NDArray[np.float64]:
     return (own.voltage - machine.valve.centre_voltage) / machine.valve.volts_to_full
 
 
-def sensor_noise(seed: int | None, cycles: int, joints: int) -> NDArray[np.float64]:
-    """Standard normal samples of angle and pressure sensors, (cycles, joints, 2); zeros without a seed."""
-    shape = (cycles, joints, 2)
+def sensor_noise(seed: int | None, samples: int, joints: int) -> NDArray[np.float64]:
+    """Standard normal samples of angle and pressure sensors, (samples, joints, 2); zeros without a seed."""
+    shape = (samples, joints, 2)
     return np.zeros(shape) if seed is None else np.random.default_rng(seed).standard_normal(shape)
 
 

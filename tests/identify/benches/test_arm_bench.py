@@ -39,7 +39,7 @@ def demand(t: float) -> list[float]:
 
 def log_of(machine: Machine, duration: float = 6.0, **changes: Any) -> xarray.Dataset:
     """What the sensors of a machine see."""
-    run = rollout(machine, demand, duration=duration, start=0.0, **changes).isel(time=slice(0, -1))
+    run = rollout(machine, demand, duration=duration, start=0.0, **changes)
     return run[["voltage", "measured_pressure"]].assign(angle=run["measured_angle"])
 
 
@@ -80,7 +80,7 @@ def test_a_joint_that_is_led_forgets_where_it_began() -> None:
     _, far, near = model.ladder()
     off = model.guess.copy()
     off[[u.path for u in model.unknowns].index("valve.centre_voltage")] += 0.1
-    last = model.slices[0].stop - 1 - len(log.time) // 3
+    last = np.flatnonzero(model.outputs[0].fitted)[-1]
 
     def error(one: Any) -> float:
         return float(abs(one.simulate(off[None])[0][last] - model.measured[last]))
@@ -97,7 +97,7 @@ def test_the_first_rung_sees_the_beginning_alone() -> None:
 
 
 def test_each_pressure_by_itself_tells_more_than_their_difference() -> None:
-    run = rollout(SMALL, demand, duration=4.0, start=0.0).isel(time=slice(0, -1))
+    run = rollout(SMALL, demand, duration=4.0, start=0.0)
     pressures = run[["voltage", "pressure_a", "pressure_b"]].assign(angle=run["measured_angle"])
     model = ArmModel(SMALL, {"log": pressures}, ["valve"])
     assert [output.name for output in model.outputs] == ["angle", "pressure_a", "pressure_b"]

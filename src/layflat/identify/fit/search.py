@@ -48,8 +48,8 @@ PASSES = 6
 EDGE = 2e-3
 """A share within this of 0 or 1 is at its bound."""
 
-TOLERANCE = 1e-6
-"""The search ends where the cost falls by less than this in a step, relative."""
+TOLERANCE, ROUGH = 1e-6, 1e-4
+"""The search ends where the cost falls by less than this in a step, relative; and so on rungs before the last."""
 
 
 def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
@@ -74,6 +74,7 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
         ways.append(search.climb(ladder, starts, seed + number))
         if ways[-1][0] < EXPLAINED:
             break
+    search.tolerance = TOLERANCE
     shares, converged = search.settle(ladders[0][-1], min(ways, key=lambda way: way[0])[1], led=len(ladders[0]) > 1)
     shares, converged = search.hop(shares, converged, seed)
     search.tell(0.95, "intervals")
@@ -84,6 +85,7 @@ class _Search:
     def __init__(self, model: Model, progress: Progress | None) -> None:
         self.model = model
         self.progress, self.done, self.simulations = progress, 0.0, 0
+        self.tolerance = ROUGH
 
     def take(self, model: Model) -> None:
         """Go on with a model of the same unknowns."""
@@ -181,7 +183,7 @@ class _Search:
             jacobian,
             bounds=(0.0, 1.0),
             max_nfev=steps,
-            ftol=TOLERANCE,
+            ftol=self.tolerance,
             xtol=1e-8,
             gtol=1e-8,
             loss=loss,
