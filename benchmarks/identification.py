@@ -45,8 +45,7 @@ def log_of(machine: Machine, base: Machine, seed: int) -> xarray.Dataset:
     """What the sensors see of a machine that follows the bench sequence."""
     times, demand = sequence(base)
     run = rollout(machine, demand, duration=float(len(times) * (times[1] - times[0])), start=0.0, seed=seed)
-    seen = run[["measured_pressure", "voltage"]].assign(angle=run["measured_angle"])
-    return seen
+    return run[["measured_pressure", "voltage"]].assign(angle=run["measured_angle"])
 
 
 def judged(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
