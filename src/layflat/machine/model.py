@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from layflat.machine import units as u
+from layflat.machine.interface import Interface
 from layflat.machine.parts import Joint, Part
 from layflat.machine.provenance import Provenance
 from layflat.physics.delay import LONGEST
@@ -148,6 +149,7 @@ class Machine(Part):
     angle_sensor: AngleSensor | None = None
     pressure_sensor: PressureSensor | None = None
     controller: Controller | None = None
+    interface: Interface = Interface()
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
     _origin: str = PrivateAttr(default="")
 

@@ -1,0 +1,53 @@
+"""Clocks that the loop is given: a real one, and one that jumps to each deadline.
+
+All times are whole nanoseconds, so that a cycle is just as long at the end of a day as at its beginning.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+SECOND = 1_000_000_000
+"""ns"""
+
+
+class Clock(Protocol):
+    """What the loop sleeps by."""
+
+    def now(self) -> int:
+        """Nanoseconds since some instant; it never runs backwards."""
+        ...
+
+    def wait(self, until: int) -> None:
+        """Return at `until` or as soon after it as may be; at once if it has passed."""
+        ...
+
+
+class MonotonicClock:
+    """The machine's own; not moved by anyone who sets its time of day."""
+
+    def now(self) -> int:
+        """Nanoseconds since the machine started."""
+        return time.monotonic_ns()
+
+    def wait(self, until: int) -> None:
+        """Sleep until an instant."""
+        left = until - time.monotonic_ns()
+        if left > 0:
+            time.sleep(left / SECOND)
+
+
+class VirtualClock:
+    """Time that passes only while somebody waits: hours in seconds, and always the same."""
+
+    def __init__(self, start: int = 0) -> None:
+        self._now = start
+
+    def now(self) -> int:
+        """Nanoseconds, as last waited for."""
+        return self._now
+
+    def wait(self, until: int) -> None:
+        """Be there at once."""
+        self._now = max(self._now, until)

@@ -1,0 +1,163 @@
+"""What the loop asks of whatever moves the valves and reads the sensors.
+
+    unconfigured --configure--> inactive --activate--> active --deactivate--> inactive --finalize--> finalized
+
+Only an active driver moves anything: `activate` sends no command of its own, `deactivate` centres the valves and lets
+out the air. In every cycle the loop calls `read` once, then `write` once. Where the far side answers commands (Modbus,
+serial), `write` only keeps the command and `read` makes one transaction of both: voltages are then a cycle late.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from enum import Enum, IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import InputError, LayflatError
+
+Array = NDArray[np.float64]
+
+
+class Lifecycle(Enum):
+    """Where a driver stands."""
+
+    UNCONFIGURED = "unconfigured"
+    INACTIVE = "inactive"
+    ACTIVE = "active"
+    FINALIZED = "finalized"
+
+
+class FarState(IntEnum):
+    """What the far side does by itself."""
+
+    RUNNING = 0
+    """It obeys."""
+    CENTRED = 1
+    """It heard nothing for some cycles: the valves are centred."""
+    DUMPED = 2
+    """It heard nothing for longer, or the e-stop is pressed: the air is let out. It obeys again after `reset`."""
+
+
+class Command(NamedTuple):
+    """What a cycle asks for."""
+
+    voltages: Array
+    """To the valves' drivers, V, (joints,)."""
+    air: bool
+    """Whether the dump valve lets air in; else the supply line is open to the atmosphere."""
+    reset: bool = False
+    """Asks a far side that has dumped to obey again; it does on the edge, with the e-stop released."""
+
+
+class Reading(NamedTuple):
+    """What a cycle is told, as the converters report it."""
+
+    angles: Array
+    """rad, (joints,)"""
+    pressures: Array
+    """Hose A less hose B, Pa, (joints,)."""
+    supply: float
+    """In the line behind the dump valve, absolute, Pa."""
+    stopped: bool
+    """Whether the e-stop is pressed (its loop is open)."""
+    far: FarState
+
+
+class Capabilities(NamedTuple):
+    """What a driver and its far side can do."""
+
+    joints: int
+    voltage_low: float
+    voltage_high: float
+    centre_voltage: float
+    """Where valves are closed; the fallback of the far side. V"""
+    dithers: bool
+    """Whether the far side adds the dither; nobody else does."""
+    shortest_cycle: float
+    """s"""
+
+
+class LinkError(LayflatError):
+    """A transaction failed; the loop counts these and goes on.
+
+    Args:
+        kind: "lost", "crc" or "sequence".
+    """
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        super().__init__(f"the far side's reply: {kind}")
+
+
+class DriverError(InputError):
+    """A driver can't be set up: no device, no permission, a map that does not fit."""
+
+
+class Driver(ABC):
+    """Base of all drivers: it keeps to the lifecycle, the methods with an underscore do the work."""
+
+    def __init__(self) -> None:
+        self.state = Lifecycle.UNCONFIGURED
+
+    def configure(self) -> Capabilities:
+        """Connect, and ask what is there.
+
+        Raises:
+            DriverError: nothing fit is there.
+        """
+        self._expect("configure", Lifecycle.UNCONFIGURED)
+        found = self._configure()
+        self.state = Lifecycle.INACTIVE
+        return found
+
+    def activate(self) -> None:
+        """From now on commands are obeyed."""
+        self._expect("activate", Lifecycle.INACTIVE)
+        self._activate()
+        self.state = Lifecycle.ACTIVE
+
+    def deactivate(self) -> None:
+        """Centre the valves and let out the air, as far as the link allows."""
+        self._expect("deactivate", Lifecycle.ACTIVE)
+        self.state = Lifecycle.INACTIVE
+        self._deactivate()
+
+    def finalize(self) -> None:
+        """Let go of the device, whatever state it is in; a second call does nothing."""
+        if self.state is Lifecycle.FINALIZED:
+            return
+        if self.state is Lifecycle.ACTIVE:
+            self.deactivate()
+        self.state = Lifecycle.FINALIZED
+        self._finalize()
+
+    def _expect(self, what: str, state: Lifecycle) -> None:
+        if self.state is not state:
+            raise DriverError(f"can't {what} while {self.state.value}", where=type(self).__name__)
+
+    @abstractmethod
+    def read(self) -> Reading:
+        """What the sensors say now.
+
+        Raises:
+            LinkError: the far side did not answer well.
+        """
+
+    @abstractmethod
+    def write(self, command: Command) -> None:
+        """What is asked for from now on. It does not block."""
+
+    @abstractmethod
+    def _configure(self) -> Capabilities: ...
+
+    @abstractmethod
+    def _activate(self) -> None: ...
+
+    @abstractmethod
+    def _deactivate(self) -> None: ...
+
+    @abstractmethod
+    def _finalize(self) -> None: ...

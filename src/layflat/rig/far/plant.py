@@ -1,0 +1,68 @@
+"""What the far side needs of a machine that moves; whoever can simulate one hands it in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Plant(Protocol):
+    """A machine through time, a bit at a time. All arrays are (joints,)."""
+
+    joints: Sequence[str]
+    """Names, from base to tip."""
+    supply: float
+    """Absolute pressure at the valves, Pa; settable."""
+    payload: float
+    """kg; settable."""
+    load: Array
+    """Torque from outside, N m; items can be set."""
+
+    @property
+    def time(self) -> float:
+        """How far it has been advanced, s."""
+        ...
+
+    @property
+    def angles(self) -> Array:
+        """Where the joints are, rad."""
+        ...
+
+    @property
+    def velocities(self) -> Array:
+        """How fast they turn, rad/s."""
+        ...
+
+    @property
+    def pressures(self) -> NDArray[np.float64]:
+        """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
+        ...
+
+    def drive(self, voltages: Array) -> None:
+        """Give the valves' drivers voltages, which hold until the next."""
+        ...
+
+    def advance(self, until: float) -> None:
+        """Let time pass up to the last whole step before `until` (s)."""
+        ...
+
+    def sense(self) -> tuple[Array, Array]:
+        """Angles and differential pressures as the converters report them now, noise included."""
+        ...
+
+    def seize(self, joint: int, opening: float | None) -> None:
+        """Hold a joint's spool at an opening (-1 to 1) whatever is asked; None lets it go."""
+        ...
+
+    def burst(self, joint: int, hose: int | None) -> None:
+        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends it."""
+        ...
+
+    def kink(self, joint: int, share: float) -> None:
+        """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
+        ...
