@@ -7,8 +7,9 @@ it would write `and` and `or`.
 
 `join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them apart.
 `write_row` is the way out of named tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named
-tuples and back, which costs far less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead from
-arrays into lanes and back: an item of a named tuple is a row there, a lane is a column. `slots` are lists without a heap.
+tuples and back, which costs far less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead
+from arrays into lanes and back: an item of a named tuple is a row there, a lane is a column. `slots` are lists without
+a heap.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.

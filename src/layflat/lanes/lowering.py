@@ -218,9 +218,7 @@ def _rows(context: Any, builder: Any, block: Any, value: Any) -> Callable[[int, 
 
 def _items(context: Any, builder: Any, kind: Any, value: Any) -> Callable[[int, Any], Any]:
     array = make_array(kind)(context, builder, value)
-    return lambda i, _: cgutils.get_item_pointer(
-        context, builder, kind, array, [context.get_constant(types.intp, i)]
-    )
+    return lambda i, _: cgutils.get_item_pointer(context, builder, kind, array, [context.get_constant(types.intp, i)])
 
 
 @lower_builtin(read_lanes, types.Any, types.Array)

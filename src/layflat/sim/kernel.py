@@ -128,7 +128,7 @@ def sense(joint, state, noise_angle, noise_pressure, elapsed):
 
 @law
 def driven(valve, line, voltage, cycle):
-    """Opening that a voltage asks of a valve in this cycle, late as its driver is, and the line of commands after it."""
+    """Opening to which a voltage drives a valve in this cycle, and the line of commands after it."""
     return delayed(line, commanded_opening(valve, voltage), valve.delay / cycle)
 
 

@@ -65,7 +65,7 @@ class SteppedPlant:
         )
         angles = start_angles(scenario, machine, np.zeros((1, n)))
         filled = start_pressures(scenario, machine, FILLED * machine.supply.pressure)
-        kept = [kept_at_rest(self._healthy, j, *map(float, (angles[j], *filled[j])), self._h) for j in range(n)]
+        kept = [kept_at_rest(self._healthy, j, float(angles[j]), filled[j].tolist(), self._h) for j in range(n)]
         self._kernels, self._like = stepping(self._healthy, kept[0]), kept[0]
         self._setting, self._kept = _numbers(self._healthy), np.array([_numbers(one) for one in kept])
         self._around = self._setting[-len(Surroundings._fields) :]

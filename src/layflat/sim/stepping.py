@@ -5,7 +5,7 @@ physics of a control cycle. A compiled kernel has to know which tuple the number
 machine.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from layflat.jit import kernel, law
@@ -66,8 +66,8 @@ class Stepping(NamedTuple):
     move: Callable[..., tuple[int, int]]
     """`move(setting, kept, given, seen, steps, at, last, due)` moves on from step `at` to step `last`.
 
-    Args: the numbers of a `Setting`; of each joint those of `Kept`, `Given` and `Seen`, a row a joint; steps per control
-    cycle; steps until the voltages are handed on (the valves' delay counts these), below zero if they are new.
+    Args: the numbers of a `Setting`; those of `Kept`, `Given` and `Seen`, a row a joint; steps per control cycle;
+    steps until the voltages are handed on (the valves' delay counts these), below zero if they are new.
     Returns what is then left of these steps, and the joint that diverged (-1: none).
     """
     sample: Callable[..., None]
@@ -75,10 +75,10 @@ class Stepping(NamedTuple):
     out (2, joints); noise: standard normal samples, (joints, 2)."""
 
 
-def kept_at_rest(setting: Setting, j: int, angle: float, pressure_a: float, pressure_b: float, h: float) -> Kept:
-    """A joint at rest at an angle (rad), with pressures in its hoses (Pa), for steps of h (s)."""
+def kept_at_rest(setting: Setting, j: int, angle: float, pressures: Sequence[float], h: float) -> Kept:
+    """A joint at rest at an angle (rad), with absolute pressures in hoses A and B (Pa), for steps of h (s)."""
     joint = setting.joints[j]
-    state = joint_at_rest(joint, angle, pressure_a, pressure_b, setting.around)
+    state = joint_at_rest(joint, angle, *pressures, setting.around)
     return Kept(state, start_wave(joint.valve, 0.0, h), NOTHING_ASKED, 0.0)
 
 
