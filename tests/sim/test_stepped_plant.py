@@ -13,16 +13,21 @@ from layflat.machine import Machine, changed, load, parameters
 from layflat.sim import Scenario, rollout
 from layflat.sim.kernel import Signals
 from layflat.sim.plant import BURST_TIME, SteppedPlant
+from layflat.sim.run import prepare
 
 SMALL, ARM = load("paper-small-joint"), load("paper-arm")
 AMBIENT = SMALL.supply.ambient_pressure
 EMPTY, FULL = (AMBIENT, AMBIENT), (3e5, 3e5)
 CYCLE = 0.005
-EVENTS: dict[str, Signal] = {
-    "payload": [("0 s", "1 kg"), ("0.1 s", "2.5 kg")],
-    "supply": [("0 s", "4 bar"), ("0.15 s", "3 bar"), ("0.2 s", "4.5 bar")],
-    "load": [("0.12 s", "3 N m")],
-}
+EVENTFUL = Scenario(
+    demand=[(0.0, "25 deg"), (0.2, "-10 deg")],
+    start=0.0,
+    duration=0.4,
+    seed=5,
+    payload=[("0 s", "1 kg"), ("0.1 s", "2.5 kg")],
+    supply=[("0 s", "4 bar"), ("0.15 s", "3 bar"), ("0.2 s", "4.5 bar")],
+    load=[("0.12 s", "3 N m")],
+)
 
 
 def one_by_one(machine: Machine, acting: Signals, seed: int) -> dict[str, NDArray[np.float64]]:
@@ -49,9 +54,8 @@ def one_by_one(machine: Machine, acting: Signals, seed: int) -> dict[str, NDArra
     "machine", [ARM, SMALL, changed(SMALL, "valve.delay", 7e-3)], ids=["arm", "small joint", "late valve"]
 )
 def test_driven_cycle_by_cycle_it_is_the_rollout_bit_for_bit(machine: Machine) -> None:
-    scenario = Scenario([(0.0, "25 deg"), (0.2, "-10 deg")], start=0.0, duration=0.4, seed=5, **EVENTS)
-    run = rollout(machine, scenario=scenario)
-    for name, column in one_by_one(machine, prepare(machine, scenario).signals, 5).items():
+    run = rollout(machine, scenario=EVENTFUL)
+    for name, column in one_by_one(machine, prepare(machine, EVENTFUL).signals, EVENTFUL.seed).items():
         assert np.array_equal(column, run[name].to_numpy()), name
 
 

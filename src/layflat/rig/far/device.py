@@ -41,6 +41,7 @@ class Device:
         link: what is wrong with the wires.
         converters: what is wrong with the sensors.
         set_gauge: to which the regulator is set, Pa.
+        strengths: greatest torque of each joint, N m.
 
     Raises:
         MachineError: the machine has no valve or sensors.
@@ -58,6 +59,8 @@ class Device:
             n, valve.centre_voltage - span, valve.centre_voltage + span, valve.centre_voltage, True, 1e-3
         )
         self.set_gauge = machine.supply.pressure_gauge
+        strongest = (parameters.torque_constant(joint) for joint in machine.joints.values())
+        self.strengths = self.set_gauge * np.array(list(strongest))
         self._centred = np.full(n, self.capabilities.centre_voltage)
         self._open = np.full(n, self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)

@@ -94,8 +94,8 @@ def _press(device: Device, *, pressed: bool) -> None:
     device.stopped = pressed
 
 
-def _push(device: Device, joint: int, torque: float) -> None:
-    device.plant.load[joint] = torque
+def _push(device: Device, joint: int, share: float) -> None:
+    device.plant.load[joint] = share * device.strengths[joint]
 
 
 ALL = (
@@ -163,7 +163,9 @@ ALL = (
         lambda d, _, __: _press(d, pressed=True),
         lambda d, _: _press(d, pressed=False),
     ),
-    Failure("push", "somebody turns the joint", _push, lambda d, j: _push(d, j, 0.0), 40.0, "N m"),
+    Failure(
+        "push", "somebody turns the joint", _push, lambda d, j: _push(d, j, 0.0), 1.5, "share of its greatest torque"
+    ),
 )
 
 FAILURES = {failure.name: failure for failure in ALL}
