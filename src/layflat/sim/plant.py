@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import exp
 from typing import Any
 
@@ -49,7 +50,7 @@ class SteppedPlant:
         machine: Machine,
         *,
         start: Angles = 0.0,
-        pressures: Pair | dict[str, Pair] | None = None,
+        pressures: Pair | Mapping[str, Pair] | None = None,
         seed: int = 0,
         noise: bool = True,
         step: Value = STEP,
@@ -71,13 +72,15 @@ class SteppedPlant:
         self._around = self._setting[-len(Surroundings._fields) :]
         self._given, self._seen = np.zeros((n, len(Given._fields))), np.zeros((n, len(Seen._fields)))
         self._given[:, 0] = [joint.valve.centre_voltage for joint in self._healthy.joints]
-        self._seen[:, 0], self._seen[:, 2:] = angles, filled
         self._at, self._due = 0, -1
         self._seized: dict[int, float] = {}
         self._shares = np.ones(n)
         self._noise = noise_samples(seed if noise else None, n)
         if payload is not None:
             self.payload = u.quantity(payload, u.MASS, "payload")
+        # Compiled now, not while a clock runs.
+        self._move_to(0)
+        self._kernels.sample(self._setting, self._kept, np.zeros((n, 2)), np.empty((2, n)))
 
     @property
     def time(self) -> float:
@@ -138,8 +141,10 @@ class SteppedPlant:
         """
         # A deadline that is a whole number of steps may be a hair short of it.
         last = int(until / self._h + 1e-6)
-        if last <= self._at:
-            return
+        if last > self._at:
+            self._move_to(last)
+
+    def _move_to(self, last: int) -> None:
         self._due, diverged = self._kernels.move(
             self._setting, self._kept, self._given, self._seen, self._steps, self._at, last, self._due
         )

@@ -198,6 +198,19 @@ def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
         failure("push").begin(Bench().device, 2)
 
 
+@pytest.mark.parametrize(
+    ("name", "size", "expected"),
+    [
+        ("stuck-spool", 1.5, "stuck-spool: 1.5 is out of range; give -1 to 1: opening of the valve"),
+        ("kinked-hose", float("nan"), "kinked-hose: nan is out of range"),
+        ("e-stop", 1.0, "e-stop: 1 was given; it has no size"),
+    ],
+)
+def test_a_size_that_makes_no_sense_is_told(name: str, size: float, expected: str) -> None:
+    with pytest.raises(InputError, match=expected):
+        failure(name).begin(Bench().device, size=size)
+
+
 def test_each_says_what_it_does_in_a_line() -> None:
     for one in FAILURES.values():
         assert 10 < len(one.what) < 70

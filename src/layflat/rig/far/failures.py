@@ -26,6 +26,7 @@ class Failure:
         heal: mends it now.
         size: usual size; None where it has none.
         unit: what the size counts.
+        limits: between which a size makes sense.
     """
 
     name: str
@@ -34,16 +35,18 @@ class Failure:
     heal: Callable[[Device, int], None]
     size: float | None = None
     unit: str = ""
+    limits: tuple[float, float] = (0.0, inf)
 
     def begin(self, device: Device, joint: int = 0, size: float | None = None) -> None:
         """Inject it at the present instant of the device's clock.
 
         Raises:
-            InputError: there is no such joint.
+            InputError: there is no such joint, or a size that makes no sense.
         """
         _check_joint(device, joint)
+        size = self._sized(size)
         device.tick()
-        self.inject(device, joint, (self.size or 0.0) if size is None else size)
+        self.inject(device, joint, size)
 
     def end(self, device: Device, joint: int = 0) -> None:
         """Heal it at the present instant of the device's clock.
@@ -54,6 +57,18 @@ class Failure:
         _check_joint(device, joint)
         device.tick()
         self.heal(device, joint)
+
+    def _sized(self, size: float | None) -> float:
+        if size is None:
+            return self.size or 0.0
+        if self.size is None:
+            raise InputError(f"{size:g} was given", where=self.name, right="it has no size")
+        low, high = self.limits
+        if not low <= size <= high:
+            raise InputError(
+                f"{size:g} is out of range", where=self.name, right=f"give {low:g} to {high:g}: {self.unit}"
+            )
+        return size
 
 
 def _check_joint(device: Device, joint: int) -> None:
@@ -128,7 +143,8 @@ ALL = (
         lambda d, j, opening: d.plant.seize(j, opening),
         lambda d, j: d.plant.seize(j, None),
         0.3,
-        "opening, -1 to 1",
+        "opening of the valve",
+        (-1.0, 1.0),
     ),
     Failure(
         "burst-hose",
@@ -136,7 +152,8 @@ ALL = (
         lambda d, j, hose: d.plant.burst(j, int(hose)),
         lambda d, j: d.plant.burst(j, None),
         0.0,
-        "0: hose A, 1: hose B",
+        "0 is hose A, 1 is hose B",
+        (0.0, 1.0),
     ),
     Failure(
         "kinked-hose",
@@ -145,6 +162,7 @@ ALL = (
         lambda d, j: d.plant.kink(j, 1.0),
         0.001,
         "share of what passed",
+        (0.0, 1.0),
     ),
     Failure(
         "supply-lost", "the compressor is gone", lambda d, _, __: _regulate(d, 0.0), lambda d, _: _regulate(d, 1.0)
@@ -156,6 +174,7 @@ ALL = (
         lambda d, _: _regulate(d, 1.0),
         1.5,
         "share of the set gauge pressure",
+        (0.0, 3.0),
     ),
     Failure(
         "e-stop",
@@ -164,7 +183,13 @@ ALL = (
         lambda d, _: _press(d, pressed=False),
     ),
     Failure(
-        "push", "somebody turns the joint", _push, lambda d, j: _push(d, j, 0.0), 1.5, "share of its greatest torque"
+        "push",
+        "somebody turns the joint",
+        _push,
+        lambda d, j: _push(d, j, 0.0),
+        1.5,
+        "share of its greatest torque",
+        (-3.0, 3.0),
     ),
 )
 
