@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,11 @@ from layflat.plot.style import LINES, QUIET, figure
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+WARN = 30
+"""Level of an event from which on it is marked, as in rcl_interfaces/msg/Log."""
 
 
 def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0, band: float | None = None) -> Figure:
@@ -34,7 +38,10 @@ def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0
 
 
 def run_figure(run: xarray.Dataset) -> Figure:
-    """A whole run: for each joint its angle with demand, its pressures, and its control voltage."""
+    """A whole run: for each joint its angle with demand, its pressures, and its control voltage.
+
+    Of a recorded run the pressure is the differential one, as sampled; its faults are shaded, and its events marked.
+    """
     joints = [str(name) for name in run["joint"].to_numpy()]
     time = run["time"].to_numpy()
     with figure(3, len(joints), width=4.6 * len(joints) + 1.0, height=6.6, share_x=True, head=True) as (made, all_axes):
@@ -45,15 +52,51 @@ def run_figure(run: xarray.Dataset) -> Figure:
             angle.plot(time, np.degrees(part["angle"]), label="angle", **LINES[0])
             angle.set_title(f"{joint} joint")
             angle.set_ylabel("Angle (deg)")
-            pressure.plot(time, part["pressure_a"] / 1e5, label="hose A", **LINES[0])
-            pressure.plot(time, part["pressure_b"] / 1e5, label="hose B", **LINES[1])
-            pressure.set_ylabel("Absolute pressure (bar)")
+            _pressures(pressure, part)
             voltage.plot(time, part["voltage"], **LINES[0], lw=0.9)
             voltage.set_ylabel("Control voltage (V)")
             voltage.set_xlabel("Time (s)")
+            if "event_time" in run:
+                _mark_events((angle, pressure, voltage), run)
             for axes in (angle, pressure):
                 axes.legend(loc="best")
     return made
+
+
+def _pressures(axes: Axes, part: xarray.Dataset) -> None:
+    """Pressures of a joint: of both hoses, or what a rig knows of them."""
+    time = part["time"].to_numpy()
+    if "pressure_a" in part:
+        axes.plot(time, part["pressure_a"] / 1e5, label="hose A", **LINES[0])
+        axes.plot(time, part["pressure_b"] / 1e5, label="hose B", **LINES[1])
+        axes.set_ylabel("Absolute pressure (bar)")
+    else:
+        axes.plot(time, part["measured_pressure"] / 1e5, label="hose A less hose B", **LINES[0], lw=0.9)
+        axes.set_ylabel("Differential pressure (bar)")
+
+
+MOST_MARKS = 12
+"""Events that are marked; more can't be told apart."""
+
+
+def _mark_events(all_axes: Sequence[Axes], run: xarray.Dataset) -> None:
+    """Shade where there is a fault; mark warnings and errors by their number in the list of events."""
+    time = run["time"].to_numpy()
+    faulty = run["fault"].to_numpy() > 0.0
+    marked = [i for i, level in enumerate(run["event_level"].to_numpy()) if level >= WARN][:MOST_MARKS]
+    for order, axes in enumerate(all_axes):
+        axes.fill_between(
+            time, 0.0, 1.0, where=faulty, step="post", transform=axes.get_xaxis_transform(), color="#e6d3d3", lw=0,
+            zorder=0, label="fault" if faulty.any() and order == 0 else None,
+        )  # fmt: skip
+        for i in marked:
+            at = float(run["event_time"][i])
+            axes.axvline(at, color="#555555", lw=0.8, ls=(0, (2, 2)))
+            if order == 0:
+                axes.annotate(
+                    str(i + 1), (at, 0.0), (2.0, 3.0), xycoords=axes.get_xaxis_transform(), textcoords="offset points",
+                    fontsize=8,
+                )  # fmt: skip
 
 
 def arm_steps(run: xarray.Dataset) -> Figure:
