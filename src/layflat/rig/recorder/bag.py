@@ -78,6 +78,8 @@ class Bag:
 
     def add(self, rows: NDArray[np.float64]) -> None:
         """Add rows, (rows, width)."""
+        if not len(rows):
+            return
         stamps = self.begin + np.rint(rows[:, 0] * SECOND).astype(np.int64)
         cycles, states = self._rows.encoded(stamps, rows)
         for stamp, cycle, state in zip(stamps.tolist(), cycles, states, strict=True):

@@ -36,11 +36,11 @@ class GrowingFile:
         self.path = path
         self.trouble = ""
         """Why nothing can be written now; empty where all is well."""
+        if path.exists():
+            raise OutputError("is there already", where=str(path), right="give another name, or move it")
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
-        except FileExistsError:
-            raise OutputError("is there already", where=str(path), right="give another name, or move it") from None
         except OSError as error:
             right = "give a folder that you may write to"
             raise OutputError(f"can't write here ({error.strerror})", where=str(path), right=right) from None

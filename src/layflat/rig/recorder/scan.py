@@ -63,12 +63,16 @@ def check_magic(path: Path) -> bool:
 def records(path: Path, scanned: Scanned) -> Iterator[tuple[int, bytes]]:
     """Kind and content of the records outside and inside of chunks, in the file's order, up to the end of its data.
 
+    A machine that loses power may leave zeros in place of what was written last: a record that runs into zeros, which
+    go on behind it to the end of the file, is not whole.
+
     Args:
         path: of a file that begins as MCAP does.
         scanned: told how far it is.
     """
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
         scanned.size, place = len(data), len(MAGIC)
+        solid = _solid(data)
         while place + _RECORD.size <= scanned.size:
             kind, length = _RECORD.unpack_from(data, place)
             start, end = place + _RECORD.size, place + _RECORD.size + length
@@ -78,12 +82,20 @@ def records(path: Path, scanned: Scanned) -> Iterator[tuple[int, bytes]]:
             if kind == CHUNK:
                 yield from _in_chunk(data[start : min(end, scanned.size)], end <= scanned.size, scanned)
                 end = min(end, scanned.size)
-            elif kind == 0 or end > scanned.size:
+            elif kind == 0 or end > scanned.size or solid < end < scanned.size:
                 break
             else:
                 yield kind, data[start:end]
             place = scanned.place = end
         scanned.lost += scanned.size - place
+
+
+def _solid(data: mmap.mmap, step: int = 65536) -> int:
+    """Bytes up to the last that is not zero."""
+    end = len(data)
+    while end and not (block := data[max(0, end - step) : end].rstrip(b"\0")):
+        end = max(0, end - step)
+    return max(0, end - step) + len(block) if end else 0
 
 
 def _in_chunk(body: bytes, whole: bool, scanned: Scanned) -> Iterator[tuple[int, bytes]]:
