@@ -3,7 +3,8 @@
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -64,9 +65,14 @@ def log_of(path: Path, made: NDArray[np.float64], events: list[Event] | None = N
     return path
 
 
-def start_loop(ring: Ring) -> subprocess.Popen[bytes]:
-    """A process that hands over rows at 200 Hz; all numbers of a row are its own number, but for the times."""
-    return subprocess.Popen([sys.executable, "-c", LOOP, str(ring.path)])
+@contextmanager
+def running_loop(ring: Ring) -> Iterator[subprocess.Popen[bytes]]:
+    """A process that hands over rows at 200 Hz, killed at the end; all numbers of a row are its own, but the times."""
+    with subprocess.Popen([sys.executable, "-c", LOOP, str(ring.path)]) as loop:
+        try:
+            yield loop
+        finally:
+            loop.kill()
 
 
 def wait_for(what: Callable[[], bool], within: float = 20.0) -> None:

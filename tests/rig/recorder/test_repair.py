@@ -50,7 +50,8 @@ FILES = {"grown": grown(), **{kind.name: packed(kind) for kind in CompressionTyp
 
 def ends(data: bytes) -> list[tuple[int, int]]:
     """Where the file's records end, by the official reader, and how many messages there are up to there."""
-    stream, count, found = BytesIO(data), 0, []
+    stream, count = BytesIO(data), 0
+    found: list[tuple[int, int]] = []
     source = StreamReader(stream, emit_chunks=True).records
     while True:
         try:

@@ -204,8 +204,8 @@ class Ring:
         Args:
             now: ns of `time.monotonic_ns`, which is asked where not given.
         """
-        since = (time.monotonic_ns() if now is None else now) - self._head[_Word.RECORDER_BEAT]
-        return self._head[_Word.RECORDER_BEAT] > 0 and since <= STALE
+        beat = self.recorder_beat
+        return beat > 0 and (time.monotonic_ns() if now is None else now) - beat <= STALE
 
     @property
     def recorder(self) -> RecorderState:
@@ -250,6 +250,16 @@ class Ring:
     def loop_alive(self, now: int | None = None) -> bool:
         """Whether the loop has handed over a row in the last second."""
         return (time.monotonic_ns() if now is None else now) - self._head[_LOOP_BEAT] <= STALE
+
+    @property
+    def written(self) -> int:
+        """Rows that were handed over so far."""
+        return self._head[_WRITTEN]
+
+    @property
+    def recorder_beat(self) -> int:
+        """When the recorder last showed that it lives, ns of `time.monotonic_ns`."""
+        return self._head[_Word.RECORDER_BEAT]
 
     @property
     def dropped(self) -> int:

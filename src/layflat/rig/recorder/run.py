@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.errors import InputError
+from layflat.rig.clock import SECOND
 from layflat.rig.record import BY_JOINT, SHARED
 from layflat.rig.recorder.bag import MACHINE, METADATA
 from layflat.rig.recorder.messages import CYCLE, LOG, Fixed
@@ -62,6 +63,7 @@ def read_recording(path: Path) -> Recording:
     try:
         from mcap.exceptions import McapError  # noqa: PLC0415
         from mcap.reader import make_reader  # noqa: PLC0415
+        from zstandard import ZstdError  # noqa: PLC0415
     except ImportError:
         raise InputError("needs mcap", where=str(path), right="pip install 'layflat[rig]'") from None
     if not check_magic(path):
@@ -71,8 +73,8 @@ def read_recording(path: Path) -> Recording:
         raise InputError("is not to be read", where=str(path), right=f"give {path.name.removesuffix(PART)}")
     try:
         with path.open("rb") as file:
-            return _recording(make_reader(file), path)
-    except (McapError, *UNREADABLE) as error:
+            return _recording(make_reader(file, validate_crcs=True), path)
+    except (McapError, ZstdError, *UNREADABLE) as error:
         what = " ".join(str(error).split()) or type(error).__name__
         right = f"`layflat log repair {path}` keeps what is whole"
         raise InputError(f"can't be read ({what})", where=str(path), right=right) from None
@@ -101,8 +103,8 @@ def _recording(reader: McapReader, path: Path) -> Recording:
         raise InputError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
     joints = _joints_of(definition, cycles[0])
     columns = Fixed(definition, joints).decoded(cycles)
-    begin = first - round(columns["time"][0] * 1e9)
-    told = [Event((stamp - begin) * 1e-9, one.level, one.msg) for stamp, one in events]
+    begin = first - round(float(columns["time"][0]) * SECOND)
+    told = [Event((stamp - begin) / SECOND, one.level, one.msg) for stamp, one in events]
     about = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
     machine = next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE), "")
     return Recording(joints, columns, told, begin, about, machine)
