@@ -55,7 +55,8 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
                 values.append(value)
     except (McapError, ValueError, NotImplementedError, struct.error) as error:
         what = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right="give a whole MCAP file") from None
+        right = "give a whole MCAP file; `layflat log repair` keeps what is whole of this one"
+        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right=right) from None
     if not samples:
         raise InputError(
             "holds no messages with numbers", where=str(path), right="give messages of ROS 2 (CDR) or in JSON"

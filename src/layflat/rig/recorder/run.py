@@ -15,7 +15,6 @@ from layflat.rig.clock import SECOND
 from layflat.rig.record import BY_JOINT, SHARED
 from layflat.rig.recorder.bag import MACHINE, METADATA
 from layflat.rig.recorder.messages import CYCLE, LOG, Fixed
-from layflat.rig.recorder.repair import PART
 from layflat.rig.recorder.ring import Event
 from layflat.rig.recorder.scan import check_magic
 
@@ -69,8 +68,6 @@ def read_recording(path: Path) -> Recording:
     if not check_magic(path):
         right = f"`layflat log repair {path}` makes it whole"
         raise InputError("was not finished", where=str(path), right=right)
-    if path.suffix == PART:
-        raise InputError("is not to be read", where=str(path), right=f"give {path.name.removesuffix(PART)}")
     try:
         with path.open("rb") as file:
             return _recording(make_reader(file, validate_crcs=True), path)
