@@ -23,6 +23,9 @@ def fed(box: BlackBox, faults: dict[int, tuple[int, float]], count: int) -> list
         box.keep(made[k : k + 4], [Event(made[k, 0], Level.WARN, "x")] if k in faults else [])
         event = box.work(BEGIN)
         told += [event.text] if event else []
+        while box.writing:  # rows come at once here
+            event = box.work(BEGIN)
+            told += [event.text] if event else []
     return told
 
 

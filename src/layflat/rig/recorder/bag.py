@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 METADATA, MACHINE = "layflat", "machine.json"
 """Names of the metadata record, and of the attachment with the machine's description."""
 
+CHUNK = 2**17
+"""Bytes that are compressed at a time: more would keep the recorder from its log."""
+
 
 @dataclass(frozen=True)
 class Heading:
@@ -62,7 +65,7 @@ class Bag:
 
         self.begin = begin
         self._rows = Rows(Layout.of(heading.joints))
-        self._writer = Writer(stream, use_chunking=chunked)
+        self._writer = Writer(stream, CHUNK, use_chunking=chunked)
         self._writer.start("ros2", f"layflat {layflat.__version__}")
         self._cycle, self._state, self._events = (
             self._writer.register_channel(

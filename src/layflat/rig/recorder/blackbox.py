@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +66,11 @@ class BlackBox:
             while self._events and self._events[0].time < since:
                 self._events.popleft()
 
+    @property
+    def writing(self) -> bool:
+        """Whether a file is being written."""
+        return self._writing is not None
+
     def work(self, begin: int) -> Event | None:
         """Write a little of what is due; returns what is to be told when a file is done or can't be written."""
         if self._writing is None:
@@ -107,4 +113,8 @@ class BlackBox:
                     bag.add(rows[first : first + PORTION])
                     yield
                 bag.finish()
-            synced(temporary)
+            with ThreadPoolExecutor(1) as others:  # the disk takes its time
+                on_disk = others.submit(synced, temporary)
+                while not on_disk.done():
+                    yield
+                on_disk.result()

@@ -90,6 +90,8 @@ class Recorder:
     """A log that is being recorded."""
 
     def __init__(self, ring: Ring, place: Path, heading: Heading) -> None:
+        import mcap.writer  # noqa: F401, PLC0415  # before the first row: it takes long
+
         self._ring, self._place, self._heading = ring, place, heading
         self._file = GrowingFile(part_of(place))
         self._box = BlackBox(place, heading)
