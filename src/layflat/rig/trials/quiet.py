@@ -1,0 +1,89 @@
+"""A sound rig in random motion for hours: no fault may be found where there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from layflat.machine import Machine
+from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.far.device import Device
+from layflat.rig.loop import Loop
+from layflat.rig.safety.faults import Reaction
+from layflat.rig.safety.states import State
+from layflat.rig.trials.stand import MortalRecorder, Script
+
+SPAN = 0.9
+"""Of the working stroke in which moves end."""
+
+PAUSE = (0.1, 4.0)
+"""Between two demands, s."""
+
+PAYLOAD_EVERY = 5.0
+"""Mean time between two changes of the payload, s."""
+
+HEAVIEST = 1.0
+"""Of the payload in the machine's file."""
+
+
+@dataclass
+class Quiet:
+    """What came of it."""
+
+    hours: float
+    moves: int = 0
+    payloads: int = 0
+    told: list[str] = field(default_factory=list)
+    """What was said that should not have been."""
+    trips: int = 0
+    """How often the rig was held or vented for nothing."""
+
+
+def quiet(
+    machine: Machine, device_of: Callable[[VirtualClock], Device], hours: float, seed: int,
+    progress: Callable[[float], None] | None = None,
+) -> Quiet:  # fmt: skip
+    """Move at random, in simulated time, and note every fault; after a trip the rig is reset and goes on.
+
+    Args:
+        machine: with controller.
+        device_of: makes the far side, a sound one.
+        hours: simulated.
+        seed: of moves and payloads.
+        progress: is told the share that is done.
+    """
+    clock, host, recorder = VirtualClock(), Script(len(machine.joints)), MortalRecorder()
+    device = device_of(clock)
+    driver = SimulatedDriver(device)
+    driver.configure()
+    loop = Loop(machine, driver, clock, host, recorder)
+    driver.activate()
+    random, found = np.random.default_rng(seed), Quiet(hours)
+    half = np.array([0.5 * SPAN * joint.stops.working_stroke for joint in machine.joints.values()])
+    end, next_move, next_payload, shown = round(hours * 3600 * SECOND), 0, 0, 0
+    while clock.now() < end:
+        now, supervisor = clock.now(), loop.supervisor
+        if supervisor.state in {State.OFF, State.FAULT, State.STOPPED}:
+            host.edges = {"reset"} if supervisor.state is State.FAULT else {"start"}
+        if now >= next_move:
+            next_move = now + round(random.uniform(*PAUSE) * SECOND)
+            host.demands = random.uniform(-half, half).tolist()
+            found.moves += 1
+        if now >= next_payload:
+            next_payload = now + round(random.exponential(PAYLOAD_EVERY) * SECOND)
+            device.plant.payload = random.uniform(0.0, HEAVIEST * machine.arm.payload)
+            found.payloads += 1
+        before = supervisor.state
+        loop.cycle()
+        if supervisor.state is State.FAULT and before is not State.FAULT:
+            found.trips += 1
+        if supervisor.ledger.now and supervisor.ledger.reaction > Reaction.TELL and before is not State.FAULT:
+            found.told.append(f"{now / SECOND:.2f} s: {supervisor.ledger.now.name}")
+        if progress is not None and now - shown > SECOND:
+            shown = now
+            progress(now / end)
+    driver.finalize()
+    return found

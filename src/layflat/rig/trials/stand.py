@@ -1,0 +1,209 @@
+"""The rig that is tried: a loop in this process, a far side in another, and a clock that both live by.
+
+Time passes on both sides only while the loop waits for its next deadline: trials go faster than real ones, over the real
+protocol, and the same seed gives the same instants.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import inf, nan
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.machine import Machine
+from layflat.rig.clock import SECOND
+from layflat.rig.driver import Driver, FarState
+from layflat.rig.far.device import Device
+from layflat.rig.far.process import FarSide
+from layflat.rig.loop import Loop, Recorder
+from layflat.rig.safety.limits import limits
+from layflat.rig.safety.states import State
+from layflat.rig.safety.supervisor import Wish
+
+Array = NDArray[np.float64]
+
+
+class Truth(NamedTuple):
+    """What is so on the far side, whatever its sensors say."""
+
+    angles: tuple[float, ...]
+    """rad"""
+    velocities: tuple[float, ...]
+    """rad/s"""
+    pressures: tuple[float, ...]
+    """The higher of each joint's hoses, absolute, Pa."""
+    supply: float
+    """Of the line, absolute, Pa."""
+    far: FarState
+
+
+def truth(device: Device) -> Truth:
+    """Look at a device from within."""
+    plant = device.plant
+    highest = plant.pressures.max(axis=1)
+    return Truth(
+        tuple(plant.angles.tolist()), tuple(plant.velocities.tolist()), tuple(highest.tolist()), plant.supply,
+        device.state,
+    )  # fmt: skip
+
+
+class SharedClock:
+    """The far side's clock and the loop's in one; something may be made to happen at an instant between deadlines."""
+
+    def __init__(self, far: FarSide) -> None:
+        self._far, self._now = far, 0
+        self._due: tuple[int, Callable[[], None]] | None = None
+
+    def now(self) -> int:
+        """Nanoseconds, as last waited for."""
+        return self._now
+
+    def wait(self, until: int) -> None:
+        """Let time pass on the far side."""
+        if self._due is not None and self._due[0] <= until:
+            at, action = self._due
+            self._due = None
+            self._pass(at)
+            action()
+        self._pass(until)
+
+    def at(self, instant: int, action: Callable[[], None]) -> None:
+        """Have something done once, as soon as time comes there."""
+        self._due = instant, action
+
+    def _pass(self, until: int) -> None:
+        if until > self._now:
+            self._far.advance(until)
+            self._now = until
+
+
+@dataclass
+class Script:
+    """A host that asks for random moves, and stops talking when told to."""
+
+    joints: int
+    demands: list[float] = field(default_factory=list)
+    silent_since: int | None = None
+    """From this instant on (ns) nothing new is heard of it."""
+    edges: set[str] = field(default_factory=set)
+    ended: bool = False
+
+    def __post_init__(self) -> None:
+        self.demands = [nan] * self.joints
+
+    def wish(self, now: int) -> Wish:
+        """What is wanted now."""
+        edges, self.edges = self.edges, set()
+        age = 0.0 if self.silent_since is None else (now - self.silent_since) / SECOND
+        return Wish(self.demands, "start" in edges, "stop" in edges, "reset" in edges, age)
+
+    def publish(self, row: Array) -> None:
+        """Nobody looks on."""
+
+
+class MortalRecorder:
+    """Keeps nothing, and dies when told to; what was said is kept."""
+
+    def __init__(self) -> None:
+        self.dead = False
+        self.said: list[str] = []
+
+    def push(self, row: Array) -> None:
+        """Forget a row."""
+
+    def event(self, text: str) -> None:
+        """Keep a line."""
+        self.said.append(text)
+
+    def alive(self) -> bool:
+        """Until it is told to die."""
+        return not self.dead
+
+
+class SpoiltLoop(Loop):
+    """A loop whose controllers can be made to ask for nonsense."""
+
+    spoil: float | None = None
+    spoilt_joint = 0
+
+    def _update(self, reading: object, elapsed: float) -> None:
+        super()._update(reading, elapsed)  # type: ignore[arg-type]
+        if self.spoil is not None:
+            self._asked[self.spoilt_joint] = self.spoil
+
+
+@dataclass
+class Peaks:
+    """How far things went since they were last cleared."""
+
+    angles: list[float]
+    """Greatest turn from mid-stroke of each joint, rad."""
+    pressure: float = 0.0
+    """Highest in any hose, absolute, Pa."""
+    above_supply: float = -inf
+    """Highest in any hose less the highest that the line has had, Pa."""
+
+
+class Stand:
+    """A loop with its virtual rig, ready to be tried.
+
+    Args:
+        machine: with controller.
+        far: in lockstep.
+        driver: to the far side, unconfigured.
+        recorder: what keeps the rows.
+    """
+
+    def __init__(self, machine: Machine, far: FarSide, driver: Driver, recorder: Recorder | None = None) -> None:
+        self.machine, self.far = machine, far
+        self.clock = SharedClock(far)
+        self.host = Script(len(machine.joints))
+        self.recorder = MortalRecorder()
+        driver.configure()
+        self.driver = driver
+        self.loop = SpoiltLoop(machine, driver, self.clock, self.host, recorder or self.recorder)
+        driver.activate()
+        assert machine.controller is not None  # the loop has taken its gains
+        self.cycle = machine.controller.cycle
+        self.limits = [limits(machine, name) for name in machine.joints]
+        self.peaks = Peaks([0.0] * len(machine.joints))
+        self._line = 0.0
+        self.truth: Truth = far.call(truth)
+
+    @property
+    def supervisor(self):  # type: ignore[no-untyped-def]  # noqa: ANN201
+        """Of the loop."""
+        return self.loop.supervisor
+
+    def turn(self) -> None:
+        """One control cycle, and a look at what is so."""
+        self.loop.cycle()
+        self.look()
+
+    def look(self) -> None:
+        """See what is so on the far side, and keep the peaks."""
+        self.truth = self.far.call(truth)
+        peaks = self.peaks
+        peaks.angles = [max(a, abs(b)) for a, b in zip(peaks.angles, self.truth.angles, strict=True)]
+        self._line = max(self._line, self.truth.supply)
+        peaks.pressure = max(peaks.pressure, *self.truth.pressures)
+        peaks.above_supply = max(peaks.above_supply, max(self.truth.pressures) - self._line)
+
+    def clear_peaks(self) -> None:
+        """Begin anew with the peaks."""
+        self.peaks = Peaks([0.0] * len(self.machine.joints))
+
+    def ready(self) -> bool:
+        """Bring the air, and whether it came within the time that the machine's file gives."""
+        self.host.edges = {"reset"}
+        self.turn()
+        self.host.edges = {"start"}
+        for _ in range(round((self.machine.safety.start_time + 0.5) / self.cycle)):
+            self.turn()
+            if self.supervisor.state in {State.READY, State.MOVING}:
+                return True
+        return False
