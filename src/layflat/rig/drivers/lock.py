@@ -6,9 +6,8 @@ import fcntl
 import os
 import re
 import sys
+import tempfile
 from pathlib import Path
-
-import platformdirs
 
 from layflat.rig.driver import DriverError
 
@@ -30,7 +29,7 @@ class RigLock:
         Raises:
             DriverError: somebody else has it, or the file can't be made.
         """
-        folder = Path(os.environ.get("LAYFLAT_RUNTIME_DIR") or platformdirs.user_runtime_dir("layflat"))
+        folder = _folder()
         path = folder / (re.sub(r"[^A-Za-z0-9.]+", "-", self._endpoint).strip("-") + ".lock")
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -58,3 +57,10 @@ class RigLock:
         if self._file is not None:
             os.close(self._file)
             self._file = None
+
+
+def _folder() -> Path:
+    """Where locks of this user lie until the machine is switched off."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR")
+    usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{os.getuid()}"
+    return Path(os.environ.get("LAYFLAT_RUNTIME_DIR") or usual)

@@ -49,7 +49,7 @@ class SerialDriver(LinkedDriver):
 
     def _connect(self) -> None:
         try:
-            self._port = Serial(self._path, self._link.baud, timeout=0, write_timeout=0)
+            self._port = Serial(self._path, self._link.baud, timeout=0, write_timeout=0, exclusive=True)
             self._port.reset_input_buffer()
         except (SerialException, OSError, ValueError) as error:
             raise self._closed(error) from None

@@ -36,7 +36,8 @@ class Converter(NamedTuple):
 
     def count(self, value: float) -> int:
         """Count nearest to a value, within the range."""
-        return min(max(floor((value - self.low) / self.lsb + 0.5), 0), self.top)
+        inside = min(max(value, self.low), self.value(self.top))
+        return floor((inside - self.low) / self.lsb + 0.5)
 
     def value(self, count: int) -> float:
         """What a count stands for: bit for bit what `read_sensor` says of it."""
