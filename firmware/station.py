@@ -41,7 +41,7 @@ class Station:
         self.decoder = Decoder()
         self.last = None
         self.heard = io.ticks()
-        self.reset = False
+        self.reset = True  # low has to be seen before it rises
         self.counts = [self.centre] * settings.JOINTS
         self.dump()
 

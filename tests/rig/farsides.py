@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from functools import partial
 from typing import Any
 
@@ -12,7 +11,7 @@ from layflat import changed, load
 from layflat.machine.model import Machine
 from layflat.rig.clock import Clock
 from layflat.rig.driver import Capabilities, Command, FarState, Reading
-from layflat.rig.far.exchange import Spoil
+from layflat.rig.far.link import Link, Spoil
 from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
 from layflat.rig.wire.content import Wire
 
@@ -33,18 +32,10 @@ def angle_after(commands: int) -> float:
     return WIRE.angle.value(1000 + commands)
 
 
-class FakeLink:
-    def __init__(self) -> None:
-        self.next: deque[Spoil] = deque()
-
-    def spoil(self) -> Spoil | None:
-        return self.next.popleft() if self.next else None
-
-
 class FakeDevice:
     def __init__(self, clock: Clock, able: Capabilities | None = None) -> None:
         self.capabilities = able or Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
-        self.link = FakeLink()
+        self.link = Link()
         self.clock, self.ticks = clock, 0
         self.obeyed: list[Command] = []
 
@@ -59,17 +50,25 @@ class FakeDevice:
     def tick(self) -> None:
         self.ticks += 1
 
-    def fail(self, *spoils: Spoil) -> None:
-        self.link.next.extend(spoils)
 
-    def heal(self) -> None:
-        self.link.next.clear()
+def spoil(device: FakeDevice, kind: Spoil | None, replies: float = 1.0) -> None:
+    """Spoil coming replies; without a kind nothing is heard either."""
+    if kind is None:
+        device.link.silent = True
+    else:
+        device.link.spoil(kind, replies)
 
-    def truth(self) -> dict[str, Any]:
-        return {"obeyed": self.obeyed, "ticks": self.ticks, "now": self.clock.now()}
 
-    def burst(self) -> None:
-        raise ZeroDivisionError("no such hose")
+def heal(device: FakeDevice) -> None:
+    device.link.mend()
+
+
+def truth(device: FakeDevice) -> dict[str, Any]:
+    return {"obeyed": device.obeyed, "ticks": device.ticks, "now": device.clock.now()}
+
+
+def burst(device: FakeDevice) -> None:
+    raise ZeroDivisionError("no such hose")
 
 
 def far_side(

@@ -7,7 +7,7 @@ import pytest
 from layflat import load
 from layflat.errors import InputError
 from layflat.rig.driver import DriverError
-from layflat.rig.drivers import driver_of
+from layflat.rig.drivers.address import driver_of
 
 ARM = load("paper-arm")
 

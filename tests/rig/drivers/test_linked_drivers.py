@@ -10,13 +10,14 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from farsides import ARM, WIRE, angle_after, far_side
+from farsides import ARM, WIRE, angle_after, far_side, heal, spoil, truth
 
 from layflat import changed, load
 from layflat.machine.model import Machine
 from layflat.rig.driver import Capabilities, Command, Driver, DriverError, FarState, Lifecycle, LinkError
-from layflat.rig.drivers import driver_of
-from layflat.rig.far.exchange import LATE, Spoil
+from layflat.rig.drivers.address import driver_of
+from layflat.rig.far.exchange import LATE
+from layflat.rig.far.link import Spoil
 from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
 from layflat.rig.wire.sequence import ROUND
 
@@ -31,17 +32,17 @@ def far(request: pytest.FixtureRequest) -> Iterator[FarSide]:
 
 @pytest.fixture
 def driver(far: FarSide) -> Iterator[Driver]:
-    far.ask("heal")
+    far.call(heal)
     found = driver_of(far.address, ARM)
     found.configure()
     found.activate()
     yield found
-    far.ask("heal")
+    far.call(heal)
     found.finalize()
 
 
 def obeyed(far: FarSide) -> list[Command]:
-    commands: list[Command] = far.ask("truth")["obeyed"]
+    commands: list[Command] = far.call(truth)["obeyed"]
     return commands
 
 
@@ -76,7 +77,7 @@ def test_until_something_is_asked_for_it_is_the_centre_without_air(far: FarSide,
 def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far: FarSide, driver: Driver) -> None:
     driver.write(FORWARD)
     driver.read()
-    far.ask("fail", "silence", "silence")
+    far.call(spoil, Spoil.LOST, 2)
     driver.deactivate()
     assert obeyed(far)[-1].voltages.tolist() == [5.0, 5.0]
     assert not obeyed(far)[-1].air
@@ -86,21 +87,28 @@ def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far
 
 
 @pytest.mark.parametrize(
-    ("spoil", "kind", "heard"),
-    [("lost", "lost", 1), ("crc", "crc", 1), ("sequence", "sequence", 1), ("late", "lost", 1), ("silence", "lost", 0)],
+    ("how", "kind", "heard"),
+    [
+        (Spoil.LOST, "lost", 1),
+        (Spoil.CRC, "crc", 1),
+        (Spoil.SEQUENCE, "sequence", 1),
+        (Spoil.LATE, "lost", 1),
+        (None, "lost", 0),
+    ],
 )
 def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
-    far: FarSide, driver: Driver, spoil: Spoil, kind: str, heard: int
+    far: FarSide, driver: Driver, how: Spoil | None, kind: str, heard: int
 ) -> None:
     driver.read()
     before = len(obeyed(far))
-    far.ask("fail", spoil)
+    far.call(spoil, how)
     with pytest.raises(LinkError) as error:
         driver.read()
     assert error.value.kind == kind
     assert len(obeyed(far)) == before + heard
+    far.call(heal)
     # A late reply comes in the midst of these: none takes it for its own.
-    end, more = time.monotonic() + (LATE * ARM.interface.modbus.timeout if spoil == "late" else 0.0), 0
+    end, more = time.monotonic() + (LATE * ARM.interface.modbus.timeout if how is Spoil.LATE else 0.0), 0
     while more < 3 or time.monotonic() < end:
         more += 1
         assert driver.read().angles[0] == angle_after(before + heard + more)

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from layflat import changed
 from layflat.rig.driver import Command, DriverError, LinkError
-from layflat.rig.drivers import driver_of
+from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.modbus import ModbusDriver
 from layflat.rig.wire.identity import Identity
 

@@ -15,7 +15,8 @@ bits = st.integers(4, 24)
 def test_a_sensors_number_comes_back_bit_for_bit(half: float, bits: int, share: float) -> None:
     sensor = Sensor(-half, half, 2 * half / 2**bits, 0.0, 0.0)
     reported = read_sensor(sensor, share * half, 0.0)
-    converter, words = Converter.of_sensor(sensor), []
+    converter = Converter.of_sensor(sensor)
+    words: list[int] = []
     converter.put(words, reported)
     assert len(words) == converter.words
     assert all(0 <= word < 1 << 16 for word in words)

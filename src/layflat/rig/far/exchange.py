@@ -3,43 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, Protocol
+from typing import Protocol
 
 from layflat.machine.model import Machine
 from layflat.rig.driver import Capabilities, Command, Reading
+from layflat.rig.far.link import Link
 from layflat.rig.wire.content import Wire
 from layflat.rig.wire.identity import Identity
 from layflat.rig.wire.sequence import is_later
-
-Spoil = Literal["lost", "crc", "sequence", "late", "silence"]
-"""What is done to a transaction: the reply lost, damaged, with an old number, after the host's patience has ended; or
-nothing heard at all, so that the command is not obeyed either."""
-
 
 LATE = 1.5
 """Delay of a late reply, in times of the host's patience."""
 
 
-class Link(Protocol):
-    """How well the wires do."""
-
-    def spoil(self) -> Spoil | None:
-        """What happens to the transaction that begins now."""
-        ...
-
-
 class Device(Protocol):
     """Valves, sensors and watchdog of a far side."""
 
-    @property
-    def capabilities(self) -> Capabilities:
-        """What it can do."""
-        ...
-
-    @property
-    def link(self) -> Link:
-        """How well its wires do."""
-        ...
+    capabilities: Capabilities
+    """What it can do."""
+    link: Link
+    """How well its wires do."""
 
     def obey(self, command: Command) -> None:
         """Take a command."""

@@ -25,7 +25,8 @@ from pymodbus.pdu.register_message import (
 )
 
 from layflat.machine.model import Machine
-from layflat.rig.far.exchange import LATE, Device, Exchange, Spoil
+from layflat.rig.far.exchange import LATE, Device, Exchange
+from layflat.rig.far.link import Link, Spoil
 from layflat.rig.wire.converter import WireError
 from layflat.rig.wire.registers import Registers
 
@@ -67,9 +68,10 @@ class ModbusStation:
         if self._master is master:
             self._master = None
 
-    def spoil(self) -> Spoil | None:
-        """What happens to the transaction that begins now."""
-        return self._exchange.device.link.spoil()
+    @property
+    def link(self) -> Link:
+        """How well the wires do."""
+        return self._exchange.device.link
 
     def answer(self, master: object, request: ModbusPDU, behind: int) -> ModbusPDU:
         """Reply to a request; `behind` puts an old number into it."""
@@ -151,21 +153,21 @@ class _Connection(asyncio.Protocol):
             self._transport.close()
 
     def _answer(self, request: ModbusPDU) -> None:
-        spoil = self._station.spoil()
-        if spoil == "silence":
+        if self._station.link.silent:
             return
-        self._send(request, self._station.answer(self, request, behind=spoil == "sequence"), spoil)
+        spoil = self._station.link.next()
+        self._send(request, self._station.answer(self, request, behind=spoil is Spoil.SEQUENCE), spoil)
 
     def _send(self, request: ModbusPDU, reply: ModbusPDU, spoil: Spoil | None = None) -> None:
         reply.transaction_id, reply.dev_id = request.transaction_id, request.dev_id
         frame = self._framer.buildFrame(reply)
-        if spoil == "crc":
+        if spoil is Spoil.CRC:
             # TCP has no damaged bytes; a station that has lost its way sends some all the same.
             frame = frame[:7] + bytes([frame[7] ^ 0x40]) + frame[8:]
-        if spoil == "late":
+        if spoil is Spoil.LATE:
             delay = LATE * self._station.patience
             asyncio.get_running_loop().call_later(delay, self._transport.write, frame)
-        elif spoil != "lost":
+        elif spoil is not Spoil.LOST:
             self._transport.write(frame)
 
 

@@ -58,7 +58,7 @@ def serve(
         factory: makes the device.
         machine: its description.
         at: the transport.
-        control: takes tuples (name, argument...), as `FarSide` sends them; answers (whether it went well, what came).
+        control: takes what `FarSide` sends, and answers (whether it went well, what came of it).
         lockstep: whether time passes only while "advance" says so.
         ready: called with the address, as drivers take it, when all is ready.
 
@@ -147,7 +147,8 @@ class _Serving:
                 self._device.tick()
                 return self._clock.now()
             case _:
-                return getattr(self._device, name)(*arguments)
+                function, *others = arguments
+                return function(self._device, *others)
 
 
 def _process(factory: Factory, machine: Machine, at: ModbusPort | SerialPort, control: Connection, lock: bool) -> None:
@@ -219,22 +220,24 @@ class FarSide:
         assert self._process.pid is not None
         return self._process.pid
 
-    def ask(self, name: str, *arguments: Any) -> Any:
-        """Call a method of the device: `fail`, `heal`, `truth`.
+    def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.
 
         Raises:
-            LayflatError: the far side is gone, or the method raised what the message says.
+            LayflatError: the far side is gone, or the function raised what the message says.
         """
-        try:
-            self._control.send((name, *arguments))
-        except OSError:
-            raise LayflatError("the far side is gone") from None
-        return self._answer()
+        return self._ask("call", function, *arguments)
 
     def advance(self, until: int) -> int:
         """In lockstep: let time pass up to an instant (ns); returns the instant reached."""
-        reached: int = self.ask("advance", until)
+        reached: int = self._ask("advance", until)
         return reached
+
+    def _ask(self, *message: Any) -> Any:
+        with suppress(OSError):
+            self._control.send(message)
+        # Where that failed there may still be a last word.
+        return self._answer()
 
     def _answer(self) -> Any:
         try:

@@ -10,6 +10,7 @@ from pathlib import Path
 from layflat.errors import OutputError
 from layflat.machine.model import Machine
 from layflat.rig.far.exchange import LATE, Device, Exchange
+from layflat.rig.far.link import Spoil
 from layflat.rig.wire import frames
 from layflat.rig.wire.converter import WireError
 
@@ -75,10 +76,11 @@ class SerialStation:
             self._answer(frame)
 
     def _answer(self, frame: frames.Frame) -> None:
-        spoil = self._exchange.device.link.spoil()
-        if spoil == "silence":
+        link = self._exchange.device.link
+        if link.silent:
             return
-        behind = int(spoil == "sequence")
+        spoil = link.next()
+        behind = int(spoil is Spoil.SEQUENCE)
         if frame.kind == frames.ASK:
             kind, words = frames.TELL, self._exchange.identity()
         elif frame.kind == frames.COMMAND and self._obeyed(frame):
@@ -86,13 +88,13 @@ class SerialStation:
         else:
             return
         reply = frames.encode(kind, (frame.sequence - behind) & 0xFFFF, frames.as_bytes(words))
-        if spoil == "crc":
+        if spoil is Spoil.CRC:
             # Another byte than it was, and no zero.
             middle = len(reply) // 2
             reply = reply[:middle] + bytes([reply[middle] % 255 + 1]) + reply[middle + 1 :]
-        if spoil == "late":
+        if spoil is Spoil.LATE:
             asyncio.get_running_loop().call_later(LATE * self._patience, self._send, reply)
-        elif spoil != "lost":
+        elif spoil is not Spoil.LOST:
             self._send(reply)
 
     def _obeyed(self, frame: frames.Frame) -> bool:
