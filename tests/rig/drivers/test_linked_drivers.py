@@ -171,17 +171,3 @@ def test_a_machine_that_is_not_this_rig(far: FarSide, machine: Machine, what: st
     with pytest.raises(DriverError, match=re.escape(what)):
         driver.configure()
     driver_of(far.address, ARM).finalize()
-
-
-@pytest.mark.parametrize("at", [ModbusPort(), SerialPort()], ids=["modbus", "serial"])
-def test_a_far_side_that_dies_is_a_lost_reply_each_cycle(at: ModbusPort | SerialPort) -> None:
-    with far_side(at) as far:
-        driver = driver_of(far.address, ARM)
-        driver.configure()
-        driver.activate()
-        os.kill(far.pid, 9)
-        far._process.join()
-        for _ in range(3):
-            with pytest.raises(LinkError, match="lost"):
-                driver.read()
-        driver.finalize()

@@ -63,6 +63,7 @@ class Server:
                             connection.sendall(reply[self.first :])
 
     def close(self) -> None:
+        self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
 
 
@@ -232,7 +233,7 @@ def test_a_host_without_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
         driver_of("modbus://rig.local", ARM).configure()
 
 
-def test_a_station_that_comes_back_is_found_again_within_a_cycle() -> None:
+def test_a_station_that_comes_back_is_found_again_within_a_cycle_and_one_that_does_not_is_lost() -> None:
     machine = changed(ARM, "interface.modbus.timeout", 0.2)
     server = Server()
     driver = driver_of(f"modbus://127.0.0.1:{server.port}", machine)
@@ -246,5 +247,9 @@ def test_a_station_that_comes_back_is_found_again_within_a_cycle() -> None:
     with pytest.raises(LinkError, match="lost"):
         driver.read()
     driver.read()
-    driver.finalize()
+    server.reply = hang_up
     server.close()
+    for _ in range(4):
+        with pytest.raises(LinkError, match="lost"):
+            driver.read()
+    driver.finalize()

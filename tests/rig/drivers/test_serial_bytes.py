@@ -59,6 +59,10 @@ class Terminal:
                     kind, sequence = struct.unpack_from(">xBH", cobs.decode(piece))  # type: ignore[no-untyped-call]
                     os.write(self._near, self.reply(kind, sequence))
 
+    def hang_up(self) -> bytes:
+        os.close(self._near)
+        return b""
+
     def close(self) -> None:
         os.close(self._far)
 
@@ -166,6 +170,20 @@ def test_a_port_that_answers_otherwise(terminal: Terminal, monkeypatch: pytest.M
     driver = driver_of(f"serial://{terminal.path}", HASTY)
     driver.configure()
     driver.finalize()
+
+
+def test_a_port_that_is_pulled_out_is_a_lost_reply_each_cycle() -> None:
+    terminal = Terminal()
+    driver = driver_of(f"serial://{terminal.path}", HASTY)
+    driver.configure()
+    driver.activate()
+    read_well(driver)  # type: ignore[arg-type]
+    terminal.reply = lambda *_: terminal.hang_up()
+    for _ in range(3):
+        with pytest.raises(LinkError, match="lost"):
+            driver.read()
+    driver.finalize()
+    terminal.close()
 
 
 def test_a_port_that_is_not_there() -> None:

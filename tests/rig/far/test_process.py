@@ -12,9 +12,9 @@ from farsides import ARM, FakeDevice, angle_after, burst, far_side, truth
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
-from layflat.rig.driver import Command
+from layflat.rig.driver import Command, DriverError
 from layflat.rig.drivers.address import driver_of
-from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
+from layflat.rig.far.process import FarSide, ModbusPort, SerialPort, serve
 
 
 class Stuck(FakeDevice):
@@ -58,6 +58,9 @@ def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
         assert other["ticks"] > one["ticks"]
         os.kill(far.pid, signal.SIGINT)
         assert far.call(truth)["ticks"] >= other["ticks"], "an interrupt is for who holds the handle"
+        far._control.close()
+        far._process.join(10.0)
+        assert far._process.exitcode == 0, "it ends with whoever holds the handle"
     with FarSide(Stuck, ARM, ModbusPort()) as far:
         far._process.join(10.0)
         assert not far._process.is_alive()
@@ -70,15 +73,17 @@ def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
 def test_a_port_that_is_taken() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with (
-            pytest.raises(LayflatError, match=f"modbus://127.0.0.1:{port}: can't be listened at .*give another port"),
-            far_side(ModbusPort(port)),
-        ):
-            pass
+        with pytest.raises(DriverError, match=f"modbus://127.0.0.1:{port}: can't be listened at .*give another port"):
+            serve(FakeDevice, ARM, ModbusPort(port))
 
 
-def test_it_ends_with_whoever_holds_the_handle() -> None:
-    far = far_side(ModbusPort()).__enter__()
-    far._control.close()
-    far._process.join(10.0)
-    assert far._process.exitcode == 0
+def test_without_a_handle_an_interrupt_ends_it() -> None:
+    addresses = []
+
+    def ready(address: str) -> None:
+        addresses.append(address)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    serve(FakeDevice, ARM, SerialPort(), ready=ready)
+    assert addresses[0].startswith("serial:///dev/")
+    assert not Path(addresses[0].removeprefix("serial://")).exists()

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -16,21 +17,22 @@ from layflat.rig.wire import frames
 SAFE = frames.as_bytes([0, 0x8000, 0x8000])
 
 
+FENCE = 0xFEED
+
+
 async def said(path: str, *pieces: bytes) -> list[frames.Frame]:
-    """What comes back within a while, in frames."""
+    """What comes back, in frames, until a last question is answered."""
     file = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    decoder, found = frames.Decoder(), []
-    try:
-        for piece in pieces:
-            os.write(file, piece)
-            await asyncio.sleep(0.01)
-            try:
-                found += decoder.feed(os.read(file, 4096))
-            except BlockingIOError:
-                continue
-    finally:
-        os.close(file)
-    return found
+    decoder, found = frames.Decoder(), list[frames.Frame]()
+    for piece in (*pieces, frames.encode(frames.ASK, FENCE, b"")):
+        os.write(file, piece)
+        await asyncio.sleep(1e-3)
+    while not found or found[-1].sequence != FENCE:
+        await asyncio.sleep(1e-3)
+        with suppress(BlockingIOError):
+            found += decoder.feed(os.read(file, 4096))
+    os.close(file)
+    return found[:-1]
 
 
 def test_it_answers_whole_frames_alone_and_each_command_once(tmp_path: Path) -> None:
