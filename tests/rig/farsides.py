@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+import threading
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -9,10 +12,12 @@ import numpy as np
 
 from layflat import changed, load
 from layflat.machine.model import Machine
-from layflat.rig.clock import Clock
+from layflat.rig.clock import Clock, VirtualClock
 from layflat.rig.driver import Capabilities, Command, FarState, Reading
 from layflat.rig.far.link import Link, Spoil
+from layflat.rig.far.modbus_server import ModbusStation
 from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
+from layflat.rig.far.serial_server import SerialStation
 from layflat.rig.wire.content import Wire
 
 
@@ -75,3 +80,37 @@ def far_side(
     at: ModbusPort | SerialPort, machine: Machine = ARM, able: Capabilities | None = None, *, lockstep: bool = True
 ) -> FarSide:
     return FarSide(partial(FakeDevice, able=able), machine, at, lockstep=lockstep)
+
+
+class Threaded:
+    """A far side in a thread of this process, which starts sooner; its clock stands still."""
+
+    def __init__(self, at: ModbusPort | SerialPort) -> None:
+        self.device = FakeDevice(VirtualClock())
+        self._loop = asyncio.new_event_loop()
+        if isinstance(at, ModbusPort):
+            station = ModbusStation(self.device, ARM, lambda: 0.0)
+            port = self._loop.run_until_complete(station.listen(at.host, at.port))
+            self.address, self._close = f"modbus://{at.host}:{port}", station.close
+        else:
+            terminal = SerialStation(self.device, ARM)
+            path = self._loop.run_until_complete(self._opened(terminal))
+            self.address, self._close = f"serial://{path}", terminal.close
+        self._thread = threading.Thread(target=self._loop.run_forever)
+
+    async def _opened(self, terminal: SerialStation) -> str:
+        return terminal.listen()
+
+    def __enter__(self) -> Threaded:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._loop.call_soon_threadsafe(self._close)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.run_until_complete(asyncio.sleep(0.01))
+        self._loop.close()
+
+    def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        return function(self.device, *arguments)

@@ -1,4 +1,4 @@
-"""Both drivers against far sides in other processes, over TCP and a pseudo-terminal."""
+"""Both drivers against far sides over TCP and a pseudo-terminal."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from farsides import ARM, WIRE, angle_after, far_side, heal, spoil, truth
+from farsides import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
 
 from layflat import changed, load
 from layflat.machine.model import Machine
@@ -18,20 +18,20 @@ from layflat.rig.driver import Capabilities, Command, Driver, DriverError, FarSt
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.far.exchange import LATE
 from layflat.rig.far.link import Spoil
-from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
+from layflat.rig.far.process import ModbusPort, SerialPort
 from layflat.rig.wire.sequence import ROUND
 
 FORWARD = Command(np.array([6.0, 5.5]), air=True)
 
 
 @pytest.fixture(scope="module", params=[ModbusPort(), SerialPort()], ids=["modbus", "serial"])
-def far(request: pytest.FixtureRequest) -> Iterator[FarSide]:
-    with far_side(request.param) as running:
+def far(request: pytest.FixtureRequest) -> Iterator[Threaded]:
+    with Threaded(request.param) as running:
         yield running
 
 
 @pytest.fixture
-def driver(far: FarSide) -> Iterator[Driver]:
+def driver(far: Threaded) -> Iterator[Driver]:
     far.call(heal)
     found = driver_of(far.address, ARM)
     found.configure()
@@ -41,12 +41,12 @@ def driver(far: FarSide) -> Iterator[Driver]:
     found.finalize()
 
 
-def obeyed(far: FarSide) -> list[Command]:
+def obeyed(far: Threaded) -> list[Command]:
     commands: list[Command] = far.call(truth)["obeyed"]
     return commands
 
 
-def test_what_is_there_is_told(far: FarSide) -> None:
+def test_what_is_there_is_told(far: Threaded) -> None:
     driver = driver_of(far.address, ARM)
     before = len(obeyed(far))
     assert driver.configure() == Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
@@ -55,7 +55,7 @@ def test_what_is_there_is_told(far: FarSide) -> None:
     assert len(obeyed(far)) == before
 
 
-def test_a_cycle_gives_the_command_and_takes_the_sensors_exactly(far: FarSide, driver: Driver) -> None:
+def test_a_cycle_gives_the_command_and_takes_the_sensors_exactly(far: Threaded, driver: Driver) -> None:
     before = len(obeyed(far))
     driver.write(FORWARD)
     reading = driver.read()
@@ -68,13 +68,13 @@ def test_a_cycle_gives_the_command_and_takes_the_sensors_exactly(far: FarSide, d
     assert (reading.supply, reading.stopped, reading.far) == (WIRE.supply.value(1638), False, FarState.CENTRED)
 
 
-def test_until_something_is_asked_for_it_is_the_centre_without_air(far: FarSide, driver: Driver) -> None:
+def test_until_something_is_asked_for_it_is_the_centre_without_air(far: Threaded, driver: Driver) -> None:
     driver.read()
     assert obeyed(far)[-1].voltages.tolist() == [5.0, 5.0]
     assert not obeyed(far)[-1].air
 
 
-def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far: FarSide, driver: Driver) -> None:
+def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far: Threaded, driver: Driver) -> None:
     driver.write(FORWARD)
     driver.read()
     far.call(spoil, Spoil.LOST, 2)
@@ -97,7 +97,7 @@ def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far
     ],
 )
 def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
-    far: FarSide, driver: Driver, how: Spoil | None, kind: str, heard: int
+    far: Threaded, driver: Driver, how: Spoil | None, kind: str, heard: int
 ) -> None:
     driver.read()
     before = len(obeyed(far))
@@ -115,7 +115,7 @@ def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
         time.sleep(1e-3)
 
 
-def test_numbers_of_transactions_go_round(far: FarSide, driver: Driver) -> None:
+def test_numbers_of_transactions_go_round(far: Threaded, driver: Driver) -> None:
     driver._sequence = ROUND - 3  # type: ignore[attr-defined]
     fresh = driver_of(far.address, ARM)
     driver.finalize()
@@ -127,7 +127,7 @@ def test_numbers_of_transactions_go_round(far: FarSide, driver: Driver) -> None:
     fresh.finalize()
 
 
-def test_a_command_that_comes_again_is_not_obeyed_again(far: FarSide, driver: Driver) -> None:
+def test_a_command_that_comes_again_is_not_obeyed_again(far: Threaded, driver: Driver) -> None:
     driver.read()
     before = len(obeyed(far))
     driver._sequence -= 1  # type: ignore[attr-defined]
@@ -136,7 +136,7 @@ def test_a_command_that_comes_again_is_not_obeyed_again(far: FarSide, driver: Dr
     assert len(obeyed(far)) == before
 
 
-def test_two_loops_on_one_rig(far: FarSide, driver: Driver) -> None:
+def test_two_loops_on_one_rig(far: Threaded, driver: Driver) -> None:
     second = driver_of(far.address, ARM)
     with pytest.raises(DriverError, match=f"is driven by process {os.getpid()} .*end the other first") as error:
         second.configure()
@@ -148,7 +148,7 @@ def test_two_loops_on_one_rig(far: FarSide, driver: Driver) -> None:
     second.finalize()
 
 
-def test_a_driver_reads_only_what_it_is_connected_to(far: FarSide) -> None:
+def test_a_driver_reads_only_what_it_is_connected_to(far: Threaded) -> None:
     driver = driver_of(far.address, ARM)
     with pytest.raises(DriverError, match="can't read while unconfigured"):
         driver.read()
@@ -166,7 +166,7 @@ def test_a_driver_reads_only_what_it_is_connected_to(far: FarSide) -> None:
         (changed(ARM, "angle_sensor.bits", 16), "angles of 12 bits"),
     ],
 )
-def test_a_machine_that_is_not_this_rig(far: FarSide, machine: Machine, what: str) -> None:
+def test_a_machine_that_is_not_this_rig(far: Threaded, machine: Machine, what: str) -> None:
     driver = driver_of(far.address, machine)
     with pytest.raises(DriverError, match=re.escape(what)):
         driver.configure()

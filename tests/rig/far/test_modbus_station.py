@@ -35,6 +35,7 @@ def station() -> Iterator[SimpleNamespace]:
     loop.call_soon_threadsafe(served.close)
     loop.call_soon_threadsafe(loop.stop)
     thread.join()
+    loop.run_until_complete(asyncio.sleep(0.01))
     loop.close()
 
 

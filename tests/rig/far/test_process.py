@@ -8,13 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from farsides import ARM, FakeDevice, angle_after, burst, far_side, truth
+from farsides import ARM, FakeDevice, angle_after, burst, far_side, patient, truth
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
 from layflat.rig.driver import Command, DriverError
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.far.process import FarSide, ModbusPort, SerialPort, serve
+
+PATIENT = patient(ARM, 5.0)
 
 
 class Stuck(FakeDevice):
@@ -32,7 +34,7 @@ class Stuck(FakeDevice):
 def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
     with far_side(SerialPort(tmp_path / "rig")) as far:
         assert far.address == f"serial://{tmp_path / 'rig'}"
-        driver = driver_of(far.address, ARM)
+        driver = driver_of(far.address, PATIENT)
         driver.configure()
         driver.activate()
         for cycle in range(1, 4):
@@ -51,6 +53,11 @@ def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
 
 def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
     with far_side(ModbusPort(), lockstep=False) as far:
+        driver = driver_of(far.address, PATIENT)
+        driver.configure()
+        driver.activate()
+        assert driver.read().angles[0] == angle_after(1)
+        driver.finalize()
         one = far.call(truth)
         time.sleep(0.2)
         other = far.call(truth)

@@ -47,6 +47,7 @@ class ModbusStation:
         self._master: object = None
         self._heard = float("-inf")
         self._server: asyncio.Server | None = None
+        self._transports: set[asyncio.BaseTransport] = set()
 
     async def listen(self, host: str, port: int) -> int:
         """Serve from now on; returns the port, which is found if 0 is asked for."""
@@ -54,17 +55,24 @@ class ModbusStation:
         return int(self._server.sockets[0].getsockname()[1])
 
     def close(self) -> None:
-        """Serve no more."""
+        """Serve no more, and hang up."""
         if self._server is not None:
             self._server.close()
+        for transport in self._transports:
+            transport.close()
 
     @property
     def patience(self) -> float:
         """How long the host waits for a reply, s."""
         return self._own.modbus.timeout
 
-    def left(self, master: object) -> None:
-        """A master has hung up; another may come at once."""
+    def came(self, transport: asyncio.BaseTransport) -> None:
+        """There is a connection."""
+        self._transports.add(transport)
+
+    def left(self, master: object, transport: asyncio.BaseTransport) -> None:
+        """It has ended; if it was the master's, another may come at once."""
+        self._transports.discard(transport)
         if self._master is master:
             self._master = None
 
@@ -130,9 +138,10 @@ class _Connection(asyncio.Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
+        self._station.came(transport)
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (as asyncio calls it)
-        self._station.left(self)
+        self._station.left(self, self._transport)
 
     def data_received(self, data: bytes) -> None:
         self._tail += data
