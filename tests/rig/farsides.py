@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -74,6 +75,11 @@ def truth(device: FakeDevice) -> dict[str, Any]:
 
 def burst(device: FakeDevice) -> None:
     raise ZeroDivisionError("no such hose")
+
+
+def frozen(device: FakeDevice) -> int:
+    """Objects that the collector leaves alone."""
+    return gc.get_freeze_count()
 
 
 def far_side(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from farsides import ARM, FakeDevice, angle_after, burst, far_side, patient, truth
+from farsides import ARM, FakeDevice, angle_after, burst, far_side, frozen, patient, truth
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
@@ -43,6 +43,7 @@ def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
             assert driver.read().angles[0] == angle_after(cycle)
         found = far.call(truth)
         assert (found["ticks"], found["now"]) == (3, 15_000_000)
+        assert far.call(frozen) > 10_000, "a collection of all that was imported would stop it for 100 ms"
         with pytest.raises(LayflatError, match="ZeroDivisionError on the far side: no such hose"):
             far.call(burst)
         driver.read()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import multiprocessing
 import signal
 from collections.abc import Callable
@@ -86,6 +87,8 @@ class _Serving:
         address, close = await self._listen(at)
         if self._control is not None:
             loop.add_reader(self._control.fileno(), self._hear, self._control)
+        # To look through all that was imported takes a tenth of a second, for which nobody would be answered.
+        gc.freeze()
         if not self._lockstep:
             self._tick()
         try:
@@ -93,6 +96,7 @@ class _Serving:
             await self._done.wait()
         finally:
             close()
+            gc.unfreeze()
         if self._failed is not None:
             raise self._failed
 

@@ -64,6 +64,7 @@ class SerialStation:
         asyncio.get_running_loop().remove_reader(self._near)
         os.close(self._near)
         os.close(self._far)
+        self._near = self._far = -1  # a late reply finds no file, rather than another one
         if self._link is not None:
             self._link.unlink(missing_ok=True)
 
