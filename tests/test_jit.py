@@ -32,7 +32,7 @@ import numpy as np
 from plants import GAINS, AROUND, JOINTS, TWO_LINKS, CYCLE, signals
 from layflat.sim.kernel import Timing, run_cycles
 
-noise = np.random.default_rng(0).normal(size=(6, 2, 2))
+noise = np.random.default_rng(0).normal(size=(7, 2, 2))
 acting = signals(6, 2, demand=[0.3, -0.2], brake=[6.7, 2.2], load=[1.0, 0.5], payload=1.5, noise=noise)
 start, filled = np.zeros(2), np.full((2, 2), 3e5)
 records = run_cycles(TWO_LINKS, JOINTS, (GAINS,) * 2, AROUND, start, filled, acting, Timing(CYCLE, 20, 4, True))[0]

@@ -40,12 +40,13 @@ class DivergedError(LayflatError):
     Args:
         time: when, s.
         joint: the joint's name.
-        run: the run's data up to then.
+        run: the run's data up to then, where there are any.
     """
 
-    def __init__(self, time: float, joint: str, run: object) -> None:
+    def __init__(self, time: float, joint: str, run: object = None) -> None:
         self.time, self.joint, self.run = time, joint, run
+        kept = "" if run is None else "the data up to there are kept; "
         super().__init__(
-            f"the run diverged at t = {time:.4f} s in joint {joint!r}; the data up to there are kept; "
+            f"the run diverged at t = {time:.4f} s in joint {joint!r}; {kept}"
             "a shorter step (--step), a smaller valve or lower gains may help"
         )

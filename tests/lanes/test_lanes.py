@@ -16,8 +16,10 @@ from layflat.lanes import (
     join,
     lane_by_lane,
     read_lanes,
+    read_numbers,
     select,
     write_lanes,
+    write_numbers,
     write_row,
 )
 
@@ -145,3 +147,33 @@ def test_the_interpreter_reads_and_writes_alike() -> None:
     interpreted.write_lanes(out, read)
     assert np.array_equal(out, block)
     assert interpreted.in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * WIDTH), read.z)  # type: ignore[arg-type]
+
+
+@kernel
+def doubled_numbers(numbers: Any, out: Any) -> Any:
+    for row in range(len(numbers)):
+        nested = read_numbers(Nested(Pair(0.0, 0.0), 0.0), numbers[row])
+        write_numbers(out[row], Nested(Pair(2.0 * nested.pair.x, nested.pair.y), nested.z + nested.pair.x))
+    return nested
+
+
+@given(st.lists(st.tuples(numbers, numbers, numbers), min_size=1, max_size=4))
+def test_tuples_are_read_from_and_written_to_numbers(rows: list[tuple[float, float, float]]) -> None:
+    out = np.zeros((len(rows), 4))
+    last = doubled_numbers(np.array(rows), out)
+    assert last == Nested(Pair(*rows[-1][:2]), rows[-1][2])
+    assert out.tolist() == [[2.0 * x, y, z + x, 0.0] for x, y, z in rows]
+
+
+def test_numbers_may_stand_anywhere_in_memory() -> None:
+    wide, out = np.arange(24.0).reshape(2, 12), np.zeros((6, 2)).T
+    doubled_numbers(wide[:, ::4], out)
+    assert out[:, :3].tolist() == [[0.0, 4.0, 8.0], [24.0, 16.0, 32.0]]
+
+
+def test_the_interpreter_reads_and_writes_numbers_alike() -> None:
+    nested, out = interpreted.read_numbers(Nested(Pair(0.0, 0.0), 0.0), np.array([1.0, 2.0, 3.0])), np.zeros(3)
+    assert nested == Nested(Pair(1.0, 2.0), 3.0)
+    assert type(nested.pair) is Pair
+    interpreted.write_numbers(out, nested)
+    assert out.tolist() == [1.0, 2.0, 3.0]

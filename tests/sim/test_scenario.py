@@ -1,3 +1,4 @@
+from itertools import islice
 from math import radians
 
 import numpy as np
@@ -9,7 +10,7 @@ from layflat.errors import InputError
 from layflat.machine import load
 from layflat.machine import units as u
 from layflat.sim import Scenario
-from layflat.sim.scenario import signals, spread
+from layflat.sim.scenario import NOISE_BLOCK, noise_samples, sensor_noise, signals, spread
 
 ARM = load("paper-arm")
 NAMES = ["large", "small"]
@@ -81,3 +82,10 @@ def test_noise_comes_from_the_seed_alone() -> None:
     one, same, other = (signals(Scenario(seed=seed), ARM, 0.005).noise for seed in (1, 1, 2))
     assert np.array_equal(one, same)
     assert not np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("seed", [0, 7, None])
+def test_noise_without_end_is_the_noise_of_a_run(seed: int | None) -> None:
+    count = 2 * NOISE_BLOCK + 3
+    one_by_one = np.array(list(islice(noise_samples(seed, 2), count)))
+    assert np.array_equal(one_by_one, sensor_noise(seed, count, 2))

@@ -6,11 +6,11 @@ import sys
 
 import typer
 
-from layflat.cli import describe, design, identify, log, reproduce, simulate, study, tune
+from layflat.cli import describe, design, identify, log, recorded, reproduce, simulate, study, tune
 from layflat.cli.app import app
 from layflat.errors import LayflatError
 
-__all__ = ["app", "describe", "design", "identify", "log", "main", "reproduce", "simulate", "study", "tune"]
+__all__ = ["app", "describe", "design", "identify", "log", "main", "recorded", "reproduce", "simulate", "study", "tune"]
 
 
 def main() -> None:

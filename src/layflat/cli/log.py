@@ -1,4 +1,4 @@
-"""Commands about bench logs: log check, log map."""
+"""Commands about bench logs: log check, log map; those about logs of a rig stand in recorded.py."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from layflat.machine import Machine
 
-logs = typer.Typer(help="Bench logs: what is in them, and whether they are sound.", no_args_is_help=True)
+logs = typer.Typer(help="Logs of a bench or a rig: what is in them, and whether they are sound.", no_args_is_help=True)
 app.add_typer(logs, name="log")
 
 LogFile = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, NetCDF or MCAP")]
@@ -40,7 +40,7 @@ def check_log(
     from layflat.identify.logs import check, read_log, refuse  # noqa: PLC0415
 
     described = _machine(machine)
-    with _busy("reading"):
+    with busy("reading"):
         data = read_log(log, mapping, joints=_joints(described), cycle=cycle)
         findings = check(data, described)
     period = data.attrs["log_period"]
@@ -66,7 +66,7 @@ def map_log(
     place = out or Path(f"{log.stem}-mapping.toml")
     if place.exists():
         raise InputError("is there already", where=str(place), right="give another name with --out, or remove it")
-    with _busy("reading"):
+    with busy("reading"):
         guess = guess_mapping(log, _joints(_machine(machine)))
     rows = [
         [", ".join(entry.columns), entry.channel, entry.unit, guess.notes.get(entry.columns[0], "")]
@@ -106,7 +106,7 @@ def _channels(data: xarray.Dataset) -> list[list[str]]:
 
 
 @contextmanager
-def _busy(what: str) -> Iterator[None]:
+def busy(what: str) -> Iterator[None]:
     """A sign of life on stderr, on a terminal."""
     from rich.console import Console  # noqa: PLC0415
 

@@ -6,8 +6,10 @@ gives. A law needs nothing for this but `select` where it would write `a if cond
 it would write `and` and `or`.
 
 `join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them apart.
-`write_row` is the way out of named tuples into arrays. `read_lanes` and `write_lanes` lead from arrays into lanes
-and back: an item of a named tuple is a row there, a lane is a column. `slots` are lists without a heap.
+`write_row` is the way out of named tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named
+tuples and back, which costs far less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead
+from arrays into lanes and back: an item of a named tuple is a row there, a lane is a column. `slots` are lists without
+a heap.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.
@@ -23,9 +25,11 @@ from layflat.lanes.interpreted import (
     join,
     lane_by_lane,
     read_lanes,
+    read_numbers,
     select,
     width,
     write_lanes,
+    write_numbers,
     write_row,
 )
 from layflat.lanes.slots import slots
@@ -38,9 +42,11 @@ __all__ = [
     "join",
     "lane_by_lane",
     "read_lanes",
+    "read_numbers",
     "select",
     "slots",
     "width",
     "write_lanes",
+    "write_numbers",
     "write_row",
 ]

@@ -79,6 +79,24 @@ def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
     rows[i, j] = values
 
 
+def read_numbers(like: Any, numbers: Any) -> Any:
+    """A tuple like `like` (nested, of floats), its leaves in order from numbers[0], numbers[1] and so on."""
+    places = count()
+
+    def read(part: Any) -> Any:
+        if isinstance(part, tuple):
+            return _rebuild(part, [read(item) for item in part])
+        return float(numbers[next(places)])
+
+    return read(like)
+
+
+def write_numbers(numbers: Any, values: Any) -> None:
+    """Write the leaves of a tuple (nested, of floats) into numbers[0], numbers[1] and so on."""
+    for place, value in enumerate(_leaves(values)):
+        numbers[place] = value
+
+
 def width() -> int:
     """Lanes that `read_lanes` gives; known when a kernel is compiled."""
     return WIDTH

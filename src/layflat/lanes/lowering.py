@@ -16,7 +16,18 @@ from numba.core.extending import lower_cast
 from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import halves, in_lanes, join, read_lanes, select, width, write_lanes, write_row
+from layflat.lanes.interpreted import (
+    halves,
+    in_lanes,
+    join,
+    read_lanes,
+    read_numbers,
+    select,
+    width,
+    write_lanes,
+    write_numbers,
+    write_row,
+)
 from layflat.lanes.typing import (
     ARITHMETIC,
     COMPARISONS,
@@ -175,32 +186,58 @@ def _width(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG
     return context.get_constant(sig.return_type, width_in(context))
 
 
-@lower_builtin(read_lanes, types.Any, types.Array)
-def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    block = sig.args[1]
-    array = make_array(block)(context, builder, args[1])
-    rows = count()
+def _read(context: Any, builder: Any, kind: Any, place: Callable[[int, Any], Any]) -> Any:
+    # A value of some kind, its leaves loaded in order from where `place` says the leaf of a number and a kind stands.
+    leaves = count()
 
     def read(kind: Any) -> Any:
         if isinstance(kind, types.BaseTuple):
             return context.make_tuple(builder, kind, [read(leaf) for leaf in kind.types])
-        return builder.load(_row(context, builder, block, array, next(rows), kind), align=ALIGNED)
+        return builder.load(place(next(leaves), kind), align=ALIGNED)
 
-    return read(sig.return_type)
+    return read(kind)
 
 
-@lower_builtin(write_lanes, types.Array, types.Any)
-def _write_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    block, kind = sig.args
-    array = make_array(block)(context, builder, args[0])
-    rows = count()
+def _write(builder: Any, kind: Any, value: Any, place: Callable[[int, Any], Any]) -> None:
+    leaves = count()
 
     def write(kind: Any, value: Any) -> None:
         if isinstance(kind, types.BaseTuple):
             for leaf, item in zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True):
                 write(leaf, item)
         else:
-            builder.store(value, _row(context, builder, block, array, next(rows), kind), align=ALIGNED)
+            builder.store(value, place(next(leaves), kind), align=ALIGNED)
 
-    write(kind, args[1])
+    write(kind, value)
+
+
+def _rows(context: Any, builder: Any, block: Any, value: Any) -> Callable[[int, Any], Any]:
+    array = make_array(block)(context, builder, value)
+    return lambda row, lanes: _row(context, builder, block, array, row, lanes)
+
+
+def _items(context: Any, builder: Any, kind: Any, value: Any) -> Callable[[int, Any], Any]:
+    array = make_array(kind)(context, builder, value)
+    return lambda i, _: cgutils.get_item_pointer(context, builder, kind, array, [context.get_constant(types.intp, i)])
+
+
+@lower_builtin(read_lanes, types.Any, types.Array)
+def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _read(context, builder, sig.return_type, _rows(context, builder, sig.args[1], args[1]))
+
+
+@lower_builtin(write_lanes, types.Array, types.Any)
+def _write_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    _write(builder, sig.args[1], args[1], _rows(context, builder, sig.args[0], args[0]))
+    return context.get_dummy_value()
+
+
+@lower_builtin(read_numbers, types.Any, types.Array)
+def _read_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _read(context, builder, sig.return_type, _items(context, builder, sig.args[1], args[1]))
+
+
+@lower_builtin(write_numbers, types.Array, types.Any)
+def _write_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    _write(builder, sig.args[1], args[1], _items(context, builder, sig.args[0], args[0]))
     return context.get_dummy_value()

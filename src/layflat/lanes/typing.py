@@ -24,9 +24,11 @@ from layflat.lanes.interpreted import (
     in_lanes,
     join,
     read_lanes,
+    read_numbers,
     select,
     width,
     write_lanes,
+    write_numbers,
     write_row,
 )
 
@@ -151,6 +153,8 @@ _typed([select], _selected)
 _typed([join], lambda first, second: signature(joined_type(first, second), first, second))
 _typed([halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
 _typed([write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
+_typed([read_numbers], lambda like, numbers: signature(like, like, numbers))
+_typed([write_numbers], lambda numbers, values: signature(types.none, numbers, values))
 _typed([in_lanes], lambda value, like: signature(spread_type(value, like), value, like))
 _typed([write_lanes], lambda block, values: signature(types.none, block, values))
 

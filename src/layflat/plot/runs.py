@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +11,11 @@ from layflat.plot.style import LINES, QUIET, figure
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+WARN = 30
+"""Level of an event from which on it is marked, as in rcl_interfaces/msg/Log."""
 
 
 def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0, band: float | None = None) -> Figure:
@@ -34,10 +38,16 @@ def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0
 
 
 def run_figure(run: xarray.Dataset) -> Figure:
-    """A whole run: for each joint its angle with demand, its pressures, and its control voltage."""
+    """A whole run: for each joint its angle with demand, its pressures, and its control voltage.
+
+    Of a recorded run the pressure is the differential one, as sampled; its faults are shaded, and
+    its warnings and errors marked, and listed below by their number among its events.
+    """
     joints = [str(name) for name in run["joint"].to_numpy()]
     time = run["time"].to_numpy()
-    with figure(3, len(joints), width=4.6 * len(joints) + 1.0, height=6.6, share_x=True, head=True) as (made, all_axes):
+    marked = _marked(run)
+    size = {"width": 4.6 * len(joints) + 1.0, "height": 6.6 + NOTE * len(marked), "below": NOTE * len(marked)}
+    with figure(3, len(joints), **size, share_x=True, head=True) as (made, all_axes):
         for column, joint in enumerate(joints):
             part = run.sel(joint=joint)
             angle, pressure, voltage = (all_axes[row * len(joints) + column] for row in range(3))
@@ -45,15 +55,65 @@ def run_figure(run: xarray.Dataset) -> Figure:
             angle.plot(time, np.degrees(part["angle"]), label="angle", **LINES[0])
             angle.set_title(f"{joint} joint")
             angle.set_ylabel("Angle (deg)")
-            pressure.plot(time, part["pressure_a"] / 1e5, label="hose A", **LINES[0])
-            pressure.plot(time, part["pressure_b"] / 1e5, label="hose B", **LINES[1])
-            pressure.set_ylabel("Absolute pressure (bar)")
+            _pressures(pressure, part)
             voltage.plot(time, part["voltage"], **LINES[0], lw=0.9)
             voltage.set_ylabel("Control voltage (V)")
             voltage.set_xlabel("Time (s)")
+            for axes in (angle, pressure, voltage):
+                _mark_faults(axes, run, marked)
+            _number(voltage, marked)
             for axes in (angle, pressure):
                 axes.legend(loc="best")
+        for line, (number, text, at) in enumerate(reversed(marked)):
+            note = f"{number}: at {at:.2f} s, {text}"
+            made.text(0.12 / size["width"], (0.08 + NOTE * line) / size["height"], note, fontsize=8)
     return made
+
+
+def _pressures(axes: Axes, part: xarray.Dataset) -> None:
+    """Pressures of a joint: of both hoses, or what a rig knows of them."""
+    time = part["time"].to_numpy()
+    if "pressure_a" in part:
+        axes.plot(time, part["pressure_a"] / 1e5, label="hose A", **LINES[0])
+        axes.plot(time, part["pressure_b"] / 1e5, label="hose B", **LINES[1])
+        axes.set_ylabel("Absolute pressure (bar)")
+    else:
+        axes.plot(time, part["measured_pressure"] / 1e5, label="hose A less hose B", **LINES[0], lw=0.9)
+        axes.set_ylabel("Differential pressure (bar)")
+
+
+MOST_MARKS = 12
+"""Events that are marked; more can't be told apart."""
+
+NOTE = 0.17
+"""Height of a line about an event, inches."""
+
+
+def _marked(run: xarray.Dataset) -> list[tuple[int, str, float]]:
+    """Number in the list of events, text and time of the events that are marked: warnings and errors."""
+    if "event_time" not in run:
+        return []
+    told = zip(run["event_level"].values, run["event_text"].values, run["event_time"].values, strict=True)
+    marked = [(i, str(text), float(at)) for i, (level, text, at) in enumerate(told, 1) if level >= WARN]
+    return marked[:MOST_MARKS]
+
+
+def _mark_faults(axes: Axes, run: xarray.Dataset, marked: Sequence[tuple[int, str, float]]) -> None:
+    """Shade where a recorded run has a fault, and draw a line at each event that is marked."""
+    if "fault" in run:
+        faulty, high = run["fault"].to_numpy() > 0.0, axes.get_xaxis_transform()
+        shade: dict[str, Any] = {"color": "#e6d3d3", "lw": 0, "zorder": 0, "label": "fault" if faulty.any() else None}
+        axes.fill_between(run["time"], 0.0, 1.0, where=faulty, step="post", transform=high, **shade)
+    for _, _, at in marked:
+        axes.axvline(at, color="#555555", lw=0.8, ls=(0, (2, 2)))
+
+
+def _number(axes: Axes, marked: Sequence[tuple[int, str, float]]) -> None:
+    """Write the events' numbers at the top."""
+    style: dict[str, Any] = {"fontsize": 8, "ha": "center", "bbox": {"pad": 1.5, "facecolor": "white", "lw": 0}}
+    for number, _, at in marked:
+        place: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "textcoords": "offset points"}
+        axes.annotate(str(number), (at, 1.0), (0.0, -8.0), **place, **style)
 
 
 def arm_steps(run: xarray.Dataset) -> Figure:

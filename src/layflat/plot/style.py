@@ -59,13 +59,14 @@ def figure(
     share_x: bool = False,
     head: bool = False,
     above: float = 0.0,
+    below: float = 0.0,
     beside: float = 0.0,
     between: float = BETWEEN[0],
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """A figure in the house style, with its axes in reading order. Sizes in inches.
 
-    Where asked there is more room `above` the axes, for a scale of colours, and on the left `beside` them and `between`
-    them, for names.
+    Where asked there is more room `above` the axes, for a scale of colours, `below` them, for notes, and on the left
+    `beside` them and `between` them, for names.
     The margins are fixed: a layout that is solved for would draw everything twice.
     """
     import matplotlib as mpl  # noqa: PLC0415  # matplotlib takes long to import
@@ -73,13 +74,13 @@ def figure(
 
     top, left = TOP + (HEAD if head else 0.0) + above, LEFT + beside
     wide = (width - left - RIGHT - (columns - 1) * between) / columns
-    high = (height - BOTTOM - top - (rows - 1) * BETWEEN[1]) / rows
+    high = (height - BOTTOM - below - top - (rows - 1) * BETWEEN[1]) / rows
     with mpl.rc_context(RC):
         made = NewFigure(figsize=(width, height))
         made.subplots_adjust(
             left=left / width,
             right=1.0 - RIGHT / width,
-            bottom=BOTTOM / height,
+            bottom=(BOTTOM + below) / height,
             top=1.0 - top / height,
             wspace=between / wide,
             hspace=BETWEEN[1] / high,

@@ -127,7 +127,13 @@ def sense(joint, state, noise_angle, noise_pressure, elapsed):
 
 
 @law
-def _is_sound(state):
+def driven(valve, line, voltage, cycle):
+    """Opening to which a voltage drives a valve in this cycle, and the line of commands after it."""
+    return delayed(line, commanded_opening(valve, voltage), valve.delay / cycle)
+
+
+@law
+def is_sound(state):
     """False once the state is beyond any meaning (not a number included)."""
     sane = abs(state.motion.angle) < 10.0 and abs(state.motion.velocity) < 1e4
     return sane and state.hose_a.mass > 0.0 and state.hose_b.mass > 0.0
@@ -173,8 +179,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
             valve = joints[j].valve
             if not timing.closed_loop:
                 voltages[j] = valve.centre_voltage + valve.volts_to_full * signals.opening[k, j]
-            asked = commanded_opening(valve, voltages[j] - signals.drift[k, j])
-            opening, lines[j] = delayed(lines[j], asked, valve.delay / timing.cycle)
+            opening, lines[j] = driven(valve, lines[j], voltages[j] - signals.drift[k, j], timing.cycle)
             drives[j] = Drive(opening, signals.brake[k, j], signals.load[k, j])
             waves[j] = start_wave(valve, timing.cycle * k, h)
         for _ in range(timing.records):
@@ -184,7 +189,7 @@ def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
             row += 1
             advance(arm, joints, states, drives, waves, around, h, sub)
             for j in range(n):
-                if not _is_sound(states[j]):
+                if not is_sound(states[j]):
                     return out, row, j
     for j in range(n):
         noise = signals.noise[cycles, j]

@@ -11,8 +11,10 @@ from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.arm import ArmModel
 from layflat.identify.benches.arm_blocks import BLOCKS, unknowns
+from layflat.identify.fit.scaled import Scaled
 from layflat.machine import Machine, changed, load
 from layflat.machine.change import value_at
+from layflat.machine.parameters import arm
 from layflat.sim import rollout
 
 SMALL, ARM = load("paper-small-joint"), load("paper-arm")
@@ -72,6 +74,33 @@ def test_the_truth_leaves_nothing_but_noise() -> None:
     for place, output in zip(model.slices, model.outputs, strict=True):
         error = model.simulate(values)[0][place] - output.measured
         assert np.sqrt(np.mean(error**2)) < 1.3 * output.scale
+
+
+GROW = (
+    "valve.conductance", "valve.leakage", "joint.small.hose.torque_factor", "joint.small.hose.dead_volume",
+    "joint.small.hose.compliance", "joint.small.hose.wall_conductance", "joint.small.brake.torque",
+    "joint.small.brake.viscous",
+)  # fmt: skip
+"""What grows with a joint that is larger throughout."""
+
+
+def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
+    """Only known masses tell how large a joint is: differences along a bent valley would take its sides for that."""
+    model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, ["valve", "hose", "friction", "inertia"])
+    paths, scaled = [unknown.path for unknown in model.unknowns], Scaled(model.unknowns)
+    inertia = paths.index("joint.small.link.inertia")
+    known = arm(SMALL).inertia + SMALL.arm.payload * SMALL.joint["small"].link.length ** 2
+    factor = 1.0 + model.guess[inertia] / known
+    values = np.tile(model.guess, (3, 1))
+    values[1, [paths.index(path) for path in GROW]] *= factor
+    values[1, inertia] += (factor - 1.0) * known
+    values[2] = scaled.values(scaled.shares(values[:2]).mean(axis=0))
+    small, large, between = model.simulate(values) / np.repeat(
+        [o.scale for o in model.outputs], len(model.measured) // 2
+    )
+    noise = np.sqrt(small.size)
+    assert np.linalg.norm(large - small) < 0.01 * noise
+    assert np.linalg.norm(between - small) < 0.01 * noise
 
 
 def test_a_joint_that_is_led_forgets_where_it_began() -> None:

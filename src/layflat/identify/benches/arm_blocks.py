@@ -25,6 +25,15 @@ def times(factor: float, usual: float = 1.0, most: float = float("inf")) -> Reac
     return reach
 
 
+def plainly(factor: float, usual: float) -> Reach:
+    """As `times`, but not by the logarithm: what adds to something that is known changes nothing by factors."""
+
+    def reach(_: Machine, guess: float) -> tuple[float, float, bool]:
+        return (guess / factor, guess * factor, False) if guess > 0.0 else (0.0, usual, False)
+
+    return reach
+
+
 def between(low: float, high: float) -> Reach:
     """These ends, or the machine's own value where that lies beyond."""
     return lambda _, guess: (min(low, guess), max(high, guess), False)
@@ -101,7 +110,7 @@ FRICTION = (
     Sought("brake.torque", "N m", times(5.0, 5.0), SLOW),
     Sought("brake.viscous", "N m s/rad", times(20.0, 1.0), "chirps up to 3 Hz"),
 )
-INERTIA = (Sought("link.inertia", "kg m^2", times(3.0, 0.1), "chirps up to 3 Hz without payload"),)
+INERTIA = (Sought("link.inertia", "kg m^2", plainly(3.0, 0.1), "chirps up to 3 Hz without payload"),)
 PAYLOAD = Sought("arm.payload", "kg", up_to(lambda _, guess: max(3.0 * guess, 2.0)), "chirps up to 3 Hz")
 SENSORS = Sought(
     "pressure_sensor.offset", "Pa", around(lambda machine: 0.02 * _sensor_span(machine)), "both pressures by themselves"

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 LARGEST = 64
 """Items of an array that become columns; longer ones are images and scans."""
 
+CYCLE = "layflat_msgs/msg/Cycle"
+"""Type of the messages of a rig's recorder."""
+
 CLOCK = Header("log_time", "s", None, "log_time")
 
 Decoder = Callable[[bytes], Any]
@@ -31,7 +34,8 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
     """Columns "topic.field" of an MCAP file; times are seconds since the first message.
 
     Arrays become "topic.field.0" and so on, or go by name where `name` or `names` stands beside them, as in
-    sensor_msgs/JointState. Topics in other encodings are left out.
+    sensor_msgs/JointState. Topics in other encodings are left out. A log of `layflat rig` has our own names, without
+    topics: its cycles alone are read, over their own time.
 
     Raises:
         InputError: it is none, nothing in it can be decoded, or the packages are not installed.
@@ -42,6 +46,8 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
         raise InputError("needs mcap", where=str(path), right="pip install 'layflat[logs]'") from None
     samples: dict[str, tuple[list[int], list[float]]] = {}
     try:
+        if _is_of_a_rig(path):
+            return _rig_columns(path), Header("time", "s", None, "time")
         for topic, stamp, message in _messages(path):
             for field, value in flattened(message):
                 stamps, values = samples.setdefault(f"{topic}.{field}" if field else topic, ([], []))
@@ -49,7 +55,8 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
                 values.append(value)
     except (McapError, ValueError, NotImplementedError, struct.error) as error:
         what = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right="give a whole MCAP file") from None
+        right = "give a whole MCAP file; `layflat log repair` keeps what is whole of this one"
+        raise InputError(f"can't be read as MCAP ({what})", where=str(path), right=right) from None
     if not samples:
         raise InputError(
             "holds no messages with numbers", where=str(path), right="give messages of ROS 2 (CDR) or in JSON"
@@ -60,6 +67,29 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
         since = (np.array(stamps, dtype=np.int64) - first).astype(np.float64) * 1e-9
         columns[name] = Column(np.array(values, dtype=np.float64), header_of(name), since)
     return columns, CLOCK
+
+
+def _is_of_a_rig(path: Path) -> bool:
+    """Whether the recorder of a rig has written a file."""
+    from mcap.reader import make_reader  # noqa: PLC0415
+
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    return summary is not None and any(schema.name == CYCLE for schema in summary.schemas.values())
+
+
+def _rig_columns(path: Path) -> dict[str, Column]:
+    """Columns "voltage.large", "supply" and so on."""
+    from layflat.rig.recorder.run import read_recording  # noqa: PLC0415
+
+    log = read_recording(path)
+    time = log.columns.pop("time")
+    columns = {}
+    for field, values in log.columns.items():
+        names = [field] if values.ndim == 1 else [f"{field}.{joint}" for joint in log.joints]
+        for name, column in zip(names, values.reshape(len(time), -1).T, strict=True):
+            columns[name] = Column(column, Header(name, "", None, name), time)
+    return columns
 
 
 def _messages(path: Path) -> Iterator[tuple[str, int, Any]]:

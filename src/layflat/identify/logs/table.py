@@ -75,7 +75,7 @@ def read_table(path: str | Path) -> Table:
 
 def _read(path: Path) -> tuple[dict[str, Column], Header | None]:
     suffix = path.suffix.lower()
-    if suffix == ".mcap":
+    if suffix == ".mcap" or path.name.endswith(".mcap.part"):
         from layflat.identify.logs.bag import read_bag  # noqa: PLC0415  # not needed for other files
 
         return read_bag(path)

@@ -14,14 +14,20 @@ Array = NDArray[np.float64]
 class Plant(Protocol):
     """A machine through time, a bit at a time. All arrays are (joints,)."""
 
-    joints: Sequence[str]
-    """Names, from base to tip."""
     supply: float
     """Absolute pressure at the valves, Pa; settable."""
     payload: float
     """kg; settable."""
-    load: Array
-    """Torque from outside, N m; items can be set."""
+
+    @property
+    def joints(self) -> Sequence[str]:
+        """Names, from base to tip."""
+        ...
+
+    @property
+    def load(self) -> Array:
+        """Torque from outside, N m; items can be set."""
+        ...
 
     @property
     def time(self) -> float:

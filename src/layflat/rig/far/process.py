@@ -20,8 +20,8 @@ from layflat.rig.clock import SECOND, Clock, MonotonicClock, VirtualClock
 from layflat.rig.driver import DriverError
 from layflat.rig.far.exchange import Device
 
-TICK = 1e-3
-"""Between two looks at the clock in real time, s."""
+TICK = 5e-3
+"""Between two looks at the clock in real time, s; a device makes up for what happened between them."""
 START = 60.0
 """Until a far side has to be there, s: laws may have to be compiled first."""
 

@@ -7,10 +7,10 @@ import numpy as np
 from layflat.control.controller import start, step
 from layflat.jit import composition, kernel, law
 from layflat.lanes import in_lanes, read_lanes, select, slots, width
-from layflat.physics.delay import NOTHING_ASKED, delayed
+from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
-from layflat.physics.valve import commanded_opening, start_wave
+from layflat.physics.valve import start_wave
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -21,7 +21,7 @@ from layflat.sim.ensemble.watch import (
     some_lanes,
     trace,
 )
-from layflat.sim.kernel import sense
+from layflat.sim.kernel import driven, sense
 
 
 class Plan(NamedTuple):
@@ -150,7 +150,7 @@ def _drive(joint, angle, line, held, asked, lead, cycle):
     valve = joint.valve
     voltage = select(_is_number(held.opening), valve.centre_voltage + valve.volts_to_full * held.opening, asked)
     voltage = select(_is_number(held.voltage), held.voltage + lead * (held.demand - angle), voltage)
-    opening, line = delayed(line, commanded_opening(valve, voltage - held.drift), valve.delay / cycle)
+    opening, line = driven(valve, line, voltage - held.drift, cycle)
     return Drive(opening, held.brake * joint.brake_torque, held.load), voltage, line
 
 

@@ -1,0 +1,124 @@
+"""Commands about logs that a rig has recorded: log info, log repair, log plot, log export."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import print_table
+from layflat.cli.log import busy, logs
+
+if TYPE_CHECKING:
+    import xarray
+
+RigLog = Annotated[Path, typer.Argument(metavar="LOG", help="MCAP, as `layflat rig` records it")]
+
+
+@logs.command("info")
+def info(log: RigLog) -> None:
+    """Tell what a rig's log holds: when, how long, how even its cycles are, what went wrong."""
+    run = _read(log)
+    rows = _about(log, run)
+    print_table(["", ""], rows, log.name)
+    if run.sizes["event"]:
+        typer.echo()
+        named = {20: "", 30: "warning", 40: "error"}
+        told = zip(run["event_time"].values, run["event_level"].values, run["event_text"].values, strict=True)
+        events = [[str(i + 1), f"{t:.3f}", named.get(int(n), str(n)), str(text)] for i, (t, n, text) in enumerate(told)]
+        print_table(["event", "at (s)", "", ""], events)
+
+
+@logs.command("repair")
+def repair_log(log: RigLog) -> None:
+    """Make an MCAP file whole that was cut short; the original is kept as NAME.mcap.broken."""
+    from layflat.rig.recorder.repair import repair  # noqa: PLC0415
+
+    with _bytes_bar() as advance:
+        done = repair(log, advance)
+    if done is None:
+        typer.echo(f"{log}: is whole, nothing to repair")
+        return
+    place, kept = done
+    lost = f"lost {kept.lost} bytes that made no whole record" if kept.lost else "lost nothing that was written"
+    typer.echo(f"wrote {place}: kept {kept.messages} messages over {kept.seconds:.3f} s, {lost}")
+
+
+@logs.command("plot")
+def plot_log(
+    log: RigLog,
+    out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="figure [LOG's name].png")] = None,
+) -> None:
+    """Draw a rig's log as `layflat simulate` draws a run, with its faults and events."""
+    from layflat.plot.runs import run_figure  # noqa: PLC0415
+    from layflat.plot.style import save  # noqa: PLC0415
+
+    typer.echo(f"wrote {save(run_figure(_read(log)), out or log.with_suffix('.png'))}")
+
+
+@logs.command("export")
+def export_log(
+    log: RigLog,
+    out: Annotated[Path, typer.Argument(metavar="FILE", help="ends in .nc (NetCDF) or .parquet")],
+) -> None:
+    """Write a rig's log for others, with the names and units of a simulated run."""
+    from layflat.rig.recorder.export import check_format, export  # noqa: PLC0415
+
+    check_format(out)
+    typer.echo(f"wrote {export(_read(log), out)}")
+
+
+def _read(log: Path) -> xarray.Dataset:
+    from layflat.rig.recorder.run import read_run  # noqa: PLC0415
+
+    with busy("reading"):
+        return read_run(log)
+
+
+def _about(log: Path, run: xarray.Dataset) -> list[list[str]]:
+    """What is told of a log, and how it is called."""
+    import numpy as np  # noqa: PLC0415
+
+    time, steps = run["time"].to_numpy(), np.diff(run["time"].to_numpy())
+    cycle = float(np.median(steps)) if len(steps) else np.nan
+    missing = int(np.rint(steps / cycle - 1.0).clip(0.0).sum()) if len(steps) else 0
+    late, spent = 1e6 * run["lateness"].to_numpy(), 1e6 * run["compute"].to_numpy()
+    lost = run["lost"].to_numpy()
+    failed = int(((lost > 0.0) & (np.diff(lost, prepend=0.0) != 0.0)).sum())
+    boxes = sorted(path.name for path in log.parent.glob(f"{log.stem}-fault-*.mcap"))
+    rows = [
+        ["machine", f"{run.attrs.get('machine_name', 'unknown')}: {', '.join(map(str, run['joint'].values))}"],
+        ["start", str(run.attrs.get("start", "unknown"))],
+        ["cycles", f"{len(time)} over {time[-1] - time[0]:.3f} s, one every {1e3 * cycle:.4g} ms, {missing} missing"],
+        ["lateness", _spread(late)],
+        ["compute time", _spread(spent)],
+        ["failed transactions", str(failed)],
+        ["cycles in fault", str(int((run["fault"].to_numpy() > 0.0).sum()))],
+        ["recorded by", f"layflat {run.attrs.get('layflat_version', 'unknown')}"],
+    ]
+    rows += [[name, text] for name, text in json.loads(run.attrs.get("notes", "{}")).items()]
+    return rows + ([["black boxes", ", ".join(boxes)]] if boxes else [])
+
+
+def _spread(values: object) -> str:
+    import numpy as np  # noqa: PLC0415
+
+    middle, most, worst = np.percentile(values, (50.0, 99.0, 100.0))  # type: ignore[call-overload]
+    return f"median {middle:.0f} us, 99 % within {most:.0f} us, worst {worst:.0f} us"
+
+
+@contextmanager
+def _bytes_bar() -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on stderr, on a terminal."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    columns = (TextColumn("repairing"), BarColumn(), DownloadColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("", total=None)
+        yield lambda done, size: bar.update(task, completed=done, total=size)

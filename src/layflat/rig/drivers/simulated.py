@@ -1,0 +1,59 @@
+"""A far side in the same process: nothing on the way, so that a voltage acts from the instant it is written."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from layflat.rig.driver import Capabilities, Command, Driver, Lifecycle, LinkError, Reading
+from layflat.rig.far.device import Device
+from layflat.rig.far.link import Spoil
+
+KINDS = {Spoil.LOST: "lost", Spoil.LATE: "lost", Spoil.CRC: "crc", Spoil.SEQUENCE: "sequence"}
+"""What a spoilt reply is to who waits for it."""
+
+
+class SimulatedDriver(Driver):
+    """Driver of a virtual rig at hand.
+
+    Args:
+        device: the virtual rig; its clock should be the loop's.
+    """
+
+    def __init__(self, device: Device) -> None:
+        super().__init__()
+        self.device = device
+
+    def read(self) -> Reading:
+        """What its sensors say now.
+
+        Raises:
+            LinkError: the link was told to fail.
+        """
+        spoilt = self.device.link.next()
+        if spoilt is not None:
+            raise LinkError(KINDS[spoilt])
+        return self.device.reading()
+
+    def write(self, command: Command) -> None:
+        """Obeyed at once.
+
+        Raises:
+            DriverError: the driver is not active.
+        """
+        self._expect("write", Lifecycle.ACTIVE)
+        self._send(command)
+
+    def _send(self, command: Command) -> None:
+        if not self.device.link.silent:
+            self.device.obey(command)
+
+    def _configure(self) -> Capabilities:
+        return self.device.capabilities
+
+    def _activate(self) -> None: ...
+
+    def _deactivate(self) -> None:
+        limits = self.device.capabilities
+        self._send(Command(np.full(limits.joints, limits.centre_voltage), air=False))
+
+    def _finalize(self) -> None: ...

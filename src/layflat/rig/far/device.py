@@ -1,0 +1,145 @@
+"""The far side of the wires: it obeys while it is commanded, and makes safe by itself when it is not.
+
+    running --silence of some cycles--> centred --longer silence--> dumped --reset--> running
+       ^------------a command-------------|              ^
+       '------ e-stop, from any state -------------------'
+
+Dumped is latched: only the edge of a reset with the e-stop released ends it, and a far side that was just switched on
+has to see the reset low first. Dumped, the supply line is open to the atmosphere and every valve is fully open to one
+end: a joint's hose A lets go through the line, its hose B through the exhaust.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from layflat.machine import Machine, parameters
+from layflat.rig.clock import SECOND, Clock
+from layflat.rig.driver import Capabilities, Command, FarState, Reading
+from layflat.rig.far.link import Link
+from layflat.rig.far.plant import Plant
+from layflat.rig.far.sensors import Converters
+from layflat.rig.far.supply import LineLaw, SupplyLine
+
+CHUNK = SECOND // 1000
+"""ns: while the supply's pressure changes, the plant is moved on by so much at a time."""
+
+
+class Device:
+    """A remote I/O station or microcontroller with a machine behind it.
+
+    As a real one it starts dumped, its line empty; the plant's hoses are whatever they are.
+
+    Args:
+        machine: whose valves and sensors it has, and whose `interface` it keeps to.
+        plant: the machine in motion.
+        clock: its own clock; the plant's time passes with it.
+        running: start as a rollout does: full line, obeying.
+        line: how fast the supply line fills and empties.
+
+    Attributes:
+        link: what is wrong with the wires.
+        converters: what is wrong with the sensors.
+        set_gauge: to which the regulator is set, Pa.
+        strengths: greatest torque of each joint, N m.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+
+    def __init__(
+        self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False, line: LineLaw | None = None
+    ) -> None:
+        valve, *_ = parameters.drive_parts(machine)
+        cycle = machine.controller.cycle if machine.controller is not None else 0.005
+        n, span = len(machine.joints), valve.volts_to_full
+        self.plant, self.clock, self.link, self.converters = plant, clock, Link(), Converters(machine)
+        self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running, law=line)
+        self.capabilities = Capabilities(
+            n, valve.centre_voltage - span, valve.centre_voltage + span, valve.centre_voltage, True, 1e-3
+        )
+        self.set_gauge = machine.supply.pressure_gauge
+        strongest = (parameters.torque_constant(joint) for joint in machine.joints.values())
+        self.strengths = self.set_gauge * np.array(list(strongest))
+        self._centred = np.full(n, self.capabilities.centre_voltage)
+        self._open = np.full(n, self.capabilities.voltage_high)
+        self._until_dump = round(machine.interface.dump_after * SECOND)
+        self._until_centre = min(round(machine.interface.watchdog_cycles * cycle * SECOND), self._until_dump)
+        self._lsb = machine.interface.supply_range_gauge / 2**machine.interface.supply_bits
+        self._counts = 2**machine.interface.supply_bits
+        self._at = self._heard = clock.now()
+        self._begin = self._at - round(plant.time * SECOND)
+        self._stopped, self._reset = False, True
+        self.state = FarState.RUNNING if running else FarState.DUMPED
+        plant.supply = self.line.pressure
+        plant.drive(self._centred if running else self._open)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the e-stop is pressed; to press it dumps at once, to release it changes nothing else."""
+        return self._stopped
+
+    @stopped.setter
+    def stopped(self, pressed: bool) -> None:
+        self.tick()
+        self._stopped = pressed
+        if pressed:
+            self._dump()
+
+    def obey(self, command: Command) -> None:
+        """Take a command at this instant; one that is not finite is as none at all."""
+        self.tick()
+        if not np.isfinite(command.voltages).all():
+            return
+        edge, self._reset = command.reset and not self._reset, command.reset
+        self._heard = self._at
+        if self.state is FarState.DUMPED and not (edge and not self._stopped):
+            return
+        self.state = FarState.RUNNING
+        self.line.air = command.air
+        self.plant.drive(command.voltages)
+
+    def reading(self) -> Reading:
+        """What the converters say at this instant."""
+        self.tick()
+        angles, pressures = self.plant.sense()
+        self.converters.convert(angles, pressures)
+        return Reading(angles, pressures, self._supply(), self._stopped, self.state)
+
+    def tick(self) -> None:
+        """Let the time pass that has passed, what the watchdog does in it included."""
+        now = self.clock.now()
+        while self.state is not FarState.DUMPED:
+            running = self.state is FarState.RUNNING
+            due = self._heard + (self._until_centre if running else self._until_dump)
+            if due > now:
+                break
+            self._pass(due)
+            if due >= self._heard + self._until_dump:
+                self._dump()
+            else:
+                self.state = FarState.CENTRED
+                self.plant.drive(self._centred)
+        self._pass(now)
+
+    def _dump(self) -> None:
+        self.state = FarState.DUMPED
+        self.line.air = False
+        self.plant.drive(self._open)
+
+    def _pass(self, until: int) -> None:
+        """Move plant and line on to an instant."""
+        while not self.line.steady and self._at < until:
+            at = min(self._at + CHUNK, until)
+            self.line.advance((at - self._at) / SECOND)
+            self.plant.supply = self.line.pressure
+            self.plant.advance((at - self._begin) / SECOND)
+            self._at = at
+        if self._at < until:
+            self.plant.advance((until - self._begin) / SECOND)
+            self._at = until
+
+    def _supply(self) -> float:
+        """Pressure of the line as its converter reports it, absolute, Pa."""
+        count = round((self.line.pressure - self.line.ambient) / self._lsb)
+        return float(self.line.ambient + self._lsb * min(max(count, 0), self._counts))

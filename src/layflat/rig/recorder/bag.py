@@ -1,0 +1,104 @@
+"""Rows and events as an MCAP file."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import layflat
+from layflat.rig.clock import SECOND
+from layflat.rig.record import Layout
+from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, SCHEMAS, Rows, encoded_event
+from layflat.rig.recorder.ring import Event
+
+if TYPE_CHECKING:
+    from layflat.machine import Machine
+
+METADATA, MACHINE = "layflat", "machine.json"
+"""Names of the metadata record, and of the attachment with the machine's description."""
+
+CHUNK = 2**17
+"""Bytes that are compressed at a time: more would keep the recorder from its log."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What a log says of itself.
+
+    Attributes:
+        joints: names, from base to tip.
+        machine: description as JSON.
+        machine_name: what it is called.
+        notes: what else is to be kept, such as the driver's address.
+    """
+
+    joints: tuple[str, ...]
+    machine: str
+    machine_name: str
+    notes: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, machine: Machine, **notes: str) -> Heading:
+        """Heading for a machine."""
+        return cls(tuple(machine.joints), machine.model_dump_json(), machine.name, notes)
+
+
+class Bag:
+    """An MCAP file that is being written.
+
+    Log times are the time of day at which the loop began, plus the loop's own time: they never jump.
+
+    Args:
+        stream: written to.
+        heading: what the log says of itself.
+        begin: time of day when the loop began, ns since 1970.
+        chunked: in compressed chunks with an index; else record by record, so that nothing is kept back.
+    """
+
+    def __init__(self, stream: IO[bytes] | Any, heading: Heading, begin: int, *, chunked: bool) -> None:
+        from mcap.writer import Writer  # noqa: PLC0415
+
+        self.begin = begin
+        self._rows = Rows(Layout.of(heading.joints))
+        self._writer = Writer(stream, CHUNK, use_chunking=chunked)
+        self._writer.start("ros2", f"layflat {layflat.__version__}")
+        self._cycle, self._state, self._events = (
+            self._writer.register_channel(
+                topic, "cdr", self._writer.register_schema(kind, "ros2msg", SCHEMAS[kind].encode())
+            )
+            for topic, kind in (("/cycle", CYCLE), ("/joint_states", JOINT_STATE), ("/events", LOG))
+        )
+        start = datetime.fromtimestamp(begin / SECOND, UTC).isoformat()
+        about = {"layflat_version": layflat.__version__, "machine_name": heading.machine_name, "start": start}
+        told = {**about, "joints": json.dumps(heading.joints), "notes": json.dumps(heading.notes)}
+        self._writer.add_metadata(METADATA, told)
+        self._writer.add_attachment(begin, begin, MACHINE, "application/json", heading.machine.encode())
+
+    def add(self, rows: NDArray[np.float64]) -> None:
+        """Add rows, (rows, width)."""
+        if not len(rows):
+            return
+        stamps = self.begin + np.rint(rows[:, 0] * SECOND).astype(np.int64)
+        cycles, states = self._rows.encoded(stamps, rows)
+        for stamp, cycle, state in zip(stamps.tolist(), cycles, states, strict=True):
+            self._writer.add_message(self._cycle, stamp, cycle, stamp)
+            self._writer.add_message(self._state, stamp, state, stamp)
+
+    def tell(self, event: Event) -> None:
+        """Add an event."""
+        stamp = self.begin + round(event.time * SECOND)
+        self._writer.add_message(self._events, stamp, encoded_event(stamp, event), stamp)
+
+    def finish(self) -> None:
+        """Write the summary and the end; the stream stays open."""
+        self._writer.finish()
+
+
+def begin_of(row: NDArray[np.float64]) -> int:
+    """Time of day when the loop began, ns since 1970, by one of its rows."""
+    return round(float(row[1] - row[0]) * SECOND)

@@ -1,0 +1,196 @@
+"""The recorder: a process of its own that takes what the loop hands over, and writes it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+
+from layflat.errors import LayflatError, OutputError
+from layflat.files import whole_file
+from layflat.rig.clock import SECOND
+from layflat.rig.recorder.bag import Bag, Heading, begin_of
+from layflat.rig.recorder.blackbox import BlackBox
+from layflat.rig.recorder.file import GrowingFile, synced
+from layflat.rig.recorder.repair import PART, indexed
+from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
+
+TICK = 0.01
+"""Between two looks into the ring, s."""
+
+PATIENCE = 10.0
+"""For which a disk that is full at the end is waited for, s."""
+
+
+def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
+    """Start a recorder; `ring.recorder_alive()` tells when it is there.
+
+    It ends by itself when the loop ends, or has not handed over anything for a second.
+
+    Args:
+        ring: that the loop fills.
+        place: of the log, NAME.mcap; it is called NAME.mcap.part until it is finished.
+        heading: what the log says of itself.
+
+    Raises:
+        OutputError: the log can't be written there.
+    """
+    check_place(place)
+    process = multiprocessing.get_context("spawn").Process(
+        target=record, args=(str(ring.path), str(place), heading), name="layflat recorder"
+    )
+    process.start()
+    return process
+
+
+def check_place(place: Path) -> None:
+    """Make sure that a log can be written.
+
+    Raises:
+        OutputError: it can't, or would take the place of another.
+    """
+    for path in (place, part_of(place)):
+        if path.exists():
+            right = "give another name, or move it"
+            if path != place:
+                right = f"`layflat log repair {path}` makes it whole"
+            raise OutputError("is there already", where=str(path), right=right)
+    trial = place.with_name(f".{place.name}-trial")
+    with whole_file(trial):
+        pass
+    trial.unlink()
+
+
+def part_of(place: Path) -> Path:
+    """What a log is called until it is finished."""
+    return place.with_name(place.name + PART)
+
+
+def record(ring_path: str, place: str, heading: Heading) -> None:
+    """What the process does: record until the loop ends, then finish the log. Exit status 1 if it could not."""
+    for name in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(name, signal.SIG_IGN)
+    ring = Ring.attach(Path(ring_path))
+    try:
+        recorder = Recorder(ring, Path(place), heading)
+    except OutputError:
+        ring.beat(RecorderState.UNFINISHED)
+        sys.exit(1)
+    signal.signal(signal.SIGTERM, lambda *_: recorder.stop())
+    recorder.run()
+    ring.remove()
+    sys.exit(ring.recorder is not RecorderState.DONE)
+
+
+class Recorder:
+    """A log that is being recorded."""
+
+    def __init__(self, ring: Ring, place: Path, heading: Heading) -> None:
+        import mcap.writer  # noqa: F401, PLC0415  # before the first row: it takes long
+
+        self._ring, self._place, self._heading = ring, place, heading
+        self._file = GrowingFile(part_of(place))
+        self._box = BlackBox(place, heading)
+        self._bag: Bag | None = None
+        self._time = 0.0
+        self._dropped = self._left_out = 0
+        self._stuck = self._stopped = False
+        self._parent = os.getppid()
+
+    def stop(self) -> None:
+        """Finish with what is there."""
+        self._stopped = True
+
+    def run(self) -> None:
+        """Record, then finish."""
+        while True:
+            over = self._over()
+            self.drain()
+            if over:
+                break
+            time.sleep(TICK)
+        self._finish()
+
+    def _over(self) -> bool:
+        """Whether nothing more will come; asked before the ring is drained, so that nothing stays in it."""
+        if self._ring.begun:
+            return self._stopped or self._ring.ended or not self._ring.loop_alive()
+        return self._stopped or self._ring.ended or os.getppid() != self._parent
+
+    def drain(self) -> None:
+        """Write what the loop has handed over."""
+        rows, events = self._ring.take(), self._ring.take_events()
+        if len(rows):
+            self._time = float(rows[-1, 0])
+        if self._bag is None and (len(rows) or events):
+            begin = begin_of(rows[0]) if len(rows) else time.time_ns() - round(events[0].time * SECOND)
+            self._bag = Bag(self._file, self._heading, begin, chunked=False)
+        if self._bag is None:
+            self._ring.beat(RecorderState.RECORDING)
+            return
+        events += self._noticed(len(rows))
+        if self._file.room:
+            self._bag.add(rows)
+            for event in events:
+                self._bag.tell(event)
+        self._file.flush()
+        self._ring.beat(RecorderState.STUCK if self._file.trouble else RecorderState.RECORDING)
+        self._box.keep(rows, events)
+        told = self._box.work(self._bag.begin)
+        if told is not None:
+            self._bag.tell(told)
+
+    def _noticed(self, rows: int) -> list[Event]:
+        """What is to be told of the recording itself."""
+        events = []
+        dropped = self._ring.dropped + self._ring.events_dropped
+        if dropped > self._dropped:
+            text = f"{dropped - self._dropped} cycles or events are missing: the recorder did not keep up"
+            events.append(Event(self._time, Level.WARN, text))
+            self._dropped = dropped
+        if not self._file.room:
+            self._left_out += rows
+        elif self._left_out:
+            events.append(Event(self._time, Level.WARN, f"{self._left_out} cycles are missing: the disk was full"))
+            self._left_out = 0
+        stuck = bool(self._file.trouble)
+        if stuck and not self._stuck:
+            events.append(Event(self._time, Level.ERROR, f"the log can't be written: {self._file.trouble}"))
+        if self._stuck and not stuck:
+            events.append(Event(self._time, Level.WARN, "the log can be written again"))
+        self._stuck = stuck
+        return events
+
+    def _finish(self) -> None:
+        """Make the file whole under its own name; where that can't be done, leave what is there."""
+        self._ring.beat(RecorderState.FINISHING)
+        part, bag = part_of(self._place), self._bag
+        if bag is None:
+            part.unlink()
+            self._file.close()
+            self._ring.beat(RecorderState.DONE)
+            return
+        for event in self._box.end(bag.begin):
+            bag.tell(event)
+        give_up = time.monotonic() + PATIENCE
+        self._file.flush()
+        while self._file.trouble and time.monotonic() < give_up:
+            time.sleep(0.1)
+            self._file.flush()
+            self._ring.beat(RecorderState.STUCK)
+        self._file.sync()
+        try:
+            if self._file.trouble:
+                raise OutputError(self._file.trouble, where=str(part))
+            with whole_file(self._place) as temporary:
+                indexed(part, temporary, lambda *_: self._ring.beat(RecorderState.FINISHING))
+            synced(self._place.parent)
+            part.unlink()
+            self._ring.beat(RecorderState.DONE)
+        except (LayflatError, OSError):
+            self._ring.beat(RecorderState.UNFINISHED)
+        self._file.close()

@@ -1,0 +1,204 @@
+"""A machine that others move on bit by bit: the plant of a rollout without its controller."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import exp
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import DivergedError
+from layflat.lanes import read_numbers, write_numbers
+from layflat.machine import Machine, parameters
+from layflat.machine import units as u
+from layflat.physics.joint import Surroundings
+from layflat.sim.failing import held_at, kinked, seized
+from layflat.sim.run import FILLED, STEP, start_angles, start_pressures, timing_of
+from layflat.sim.scenario import Angles, Pair, Scenario, Value, noise_samples
+from layflat.sim.stepping import Given, Kept, Seen, Setting, kept_at_rest, stepping
+
+Array = NDArray[np.float64]
+
+BURST_TIME = 0.02
+"""Time constant with which a burst hose loses its air, s."""
+
+
+class SteppedPlant:
+    """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
+
+    Driven once a control cycle by the same voltages it goes through the states of a rollout, bit for bit; the sample
+    number k of its sensors has the noise of the rollout's.
+
+    Args:
+        machine: the machine.
+        start: angles at which it rests at first.
+        pressures: absolute pressures of the hoses A and B at first, of all joints or by joint; at equal leakage where
+            not given.
+        seed: of the sensors' noise.
+        noise: whether the sensors are noisy.
+        step: of the plant; rounded so that a control cycle is a whole number of steps.
+        payload: the machine's where not given.
+
+    Raises:
+        InputError: an option is wrong, or the machine has no valve or sensors.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        *,
+        start: Angles = 0.0,
+        pressures: Pair | Mapping[str, Pair] | None = None,
+        seed: int = 0,
+        noise: bool = True,
+        step: Value = STEP,
+        payload: Value | None = None,
+    ) -> None:
+        cycle = machine.controller.cycle if machine.controller is not None else 0.005
+        timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
+        scenario, n = Scenario(start=start, pressures=pressures), len(machine.joints)
+        self.joints = tuple(machine.joints)
+        self._steps, self._h = timing.steps, cycle / timing.steps
+        self._healthy = Setting(
+            parameters.arm(machine), parameters.joints(machine), cycle, parameters.surroundings(machine)
+        )
+        angles = start_angles(scenario, machine, np.zeros((1, n)))
+        filled = start_pressures(scenario, machine, FILLED * machine.supply.pressure)
+        kept = [kept_at_rest(self._healthy, j, float(angles[j]), filled[j].tolist(), self._h) for j in range(n)]
+        self._kernels, self._like = stepping(self._healthy, kept[0]), kept[0]
+        self._setting, self._kept = _numbers(self._healthy), np.array([_numbers(one) for one in kept])
+        self._around = self._setting[-len(Surroundings._fields) :]
+        self._given, self._seen = np.zeros((n, len(Given._fields))), np.zeros((n, len(Seen._fields)))
+        self._given[:, 0] = [joint.valve.centre_voltage for joint in self._healthy.joints]
+        self._at, self._due = 0, -1
+        self._seized: dict[int, float] = {}
+        self._shares = np.ones(n)
+        self._noise = noise_samples(seed if noise else None, n)
+        if payload is not None:
+            self.payload = u.quantity(payload, u.MASS, "payload")
+        # Compiled now, not while a clock runs.
+        self._move_to(0)
+        self._kernels.sample(self._setting, self._kept, np.zeros((n, 2)), np.empty((2, n)))
+
+    @property
+    def time(self) -> float:
+        """How far it has been advanced, s."""
+        return self._at * self._h
+
+    @property
+    def supply(self) -> float:
+        """Absolute pressure at the valves, Pa; settable."""
+        return float(self._around[0])
+
+    @supply.setter
+    def supply(self, pressure: float) -> None:
+        self._around[0] = pressure
+
+    @property
+    def payload(self) -> float:
+        """Mass at the tip, kg; settable."""
+        return float(self._around[4])
+
+    @payload.setter
+    def payload(self, mass: float) -> None:
+        self._around[4] = mass
+
+    @property
+    def load(self) -> Array:
+        """Torque from outside, N m, (joints,); items can be set."""
+        return self._given[:, 1]
+
+    @property
+    def angles(self) -> Array:
+        """Where the joints are, rad, (joints,)."""
+        return self._seen[:, 0].copy()
+
+    @property
+    def velocities(self) -> Array:
+        """How fast they turn, rad/s, (joints,)."""
+        return self._seen[:, 1].copy()
+
+    @property
+    def pressures(self) -> Array:
+        """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
+        return self._seen[:, 2:].copy()
+
+    def drive(self, voltages: Array) -> None:
+        """Give the valves' drivers voltages (V, (joints,)), which hold until the next.
+
+        Where the valves' delay counts control cycles, every call in a new instant counts as one; without calls, time.
+        """
+        self._given[:, 0] = voltages
+        self._due = -1
+
+    def advance(self, until: float) -> None:
+        """Let time pass up to the last whole step before `until` (s).
+
+        Raises:
+            DivergedError: the machine left all meaning.
+        """
+        # A deadline that is a whole number of steps may be a hair short of it.
+        last = int(until / self._h + 1e-6)
+        if last > self._at:
+            self._move_to(last)
+
+    def _move_to(self, last: int) -> None:
+        self._due, diverged = self._kernels.move(
+            self._setting, self._kept, self._given, self._seen, self._steps, self._at, last, self._due
+        )
+        self._at = last
+        if diverged >= 0:
+            raise DivergedError(self.time, self.joints[diverged])
+
+    def sense(self) -> tuple[Array, Array]:
+        """Angles (rad) and differential pressures (Pa) as the converters report them now, noise included, (joints,)."""
+        out = np.empty((2, len(self.joints)))
+        self._kernels.sample(self._setting, self._kept, next(self._noise), out)
+        return out[0], out[1]
+
+    def seize(self, joint: int, opening: float | None) -> None:
+        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
+        if opening is None:
+            self._seized.pop(joint, None)
+        else:
+            self._seized[joint] = opening
+            kept: Kept = read_numbers(self._like, self._kept[joint])
+            valve = held_at(self._healthy.joints[joint].valve, opening)
+            write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
+        self._set_valves()
+
+    def kink(self, joint: int, share: float) -> None:
+        """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
+        self._shares[joint] = share
+        self._set_valves()
+
+    def burst(self, joint: int, hose: int | None) -> None:
+        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
+        self._given[joint, 2:] = 0.0
+        if hose is not None:
+            self._given[joint, 2 + hose] = 1.0 - exp(-self._h / BURST_TIME)
+
+    def _set_valves(self) -> None:
+        joints = []
+        for j, joint in enumerate(self._healthy.joints):
+            valve = seized(joint.valve) if j in self._seized else joint.valve
+            joints.append(joint._replace(valve=kinked(valve, float(self._shares[j]))))
+        around = Surroundings(*self._around)
+        write_numbers(self._setting, self._healthy._replace(joints=tuple(joints), around=around))
+
+
+def _numbers(values: tuple[Any, ...]) -> Array:
+    """All numbers of a nested tuple, in order."""
+    found: list[float] = []
+
+    def walk(part: Any) -> None:
+        if isinstance(part, tuple):
+            for item in part:
+                walk(item)
+        else:
+            found.append(float(part))
+
+    walk(values)
+    return np.array(found)

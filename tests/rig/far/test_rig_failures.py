@@ -1,0 +1,217 @@
+"""Every failure of the virtual rig shows in what the far side says, and is gone once it is healed."""
+
+from collections.abc import Callable
+from math import radians
+
+import numpy as np
+import pytest
+
+from layflat.errors import InputError
+from layflat.machine import load
+from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.driver import Command, FarState, LinkError, Reading
+from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.far.device import Device
+from layflat.rig.far.failures import FAILURES, failure
+from layflat.sim.plant import SteppedPlant
+
+ARM = load("paper-arm")
+JOINT = 1
+
+
+class Bench:
+    """The arm on a virtual rig, its second joint driven by a voltage."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.plant = SteppedPlant(ARM, start=0.0)
+        self.device = Device(ARM, self.plant, self.clock, running=True)
+        self.driver = SimulatedDriver(self.device)
+        self.driver.configure()
+        self.driver.activate()
+
+    def run(self, cycles: int, voltage: float = 5.0, *, reset: bool = False) -> list[Reading | str]:
+        """What each cycle is told: a reading, or how the link failed."""
+        told: list[Reading | str] = []
+        for _ in range(cycles):
+            self.clock.wait(self.clock.now() + SECOND // 200)
+            try:
+                told.append(self.driver.read())
+            except LinkError as error:
+                told.append(error.kind)
+            self.driver.write(Command(np.array([5.0, voltage]), air=True, reset=reset))
+        return told
+
+    def readings(self, cycles: int, voltage: float = 5.0) -> list[Reading]:
+        """As `run`, where the link is sound."""
+        told = self.run(cycles, voltage)
+        assert all(isinstance(one, Reading) for one in told)
+        return [one for one in told if isinstance(one, Reading)]
+
+    def angles(self, cycles: int = 50) -> list[float]:
+        return [float(reading.angles[JOINT]) for reading in self.readings(cycles)]
+
+    def pressures(self, cycles: int = 50, voltage: float = 5.0) -> list[float]:
+        return [float(reading.pressures[JOINT]) for reading in self.readings(cycles, voltage)]
+
+
+def spoilt(kind: str) -> Callable[[Bench], bool]:
+    return lambda bench: bench.run(5) == [kind] * 5
+
+
+def far_state(bench: Bench) -> FarState:
+    bench.device.tick()
+    return bench.device.state
+
+
+def unheard(bench: Bench) -> bool:
+    return bench.run(5) == ["lost"] * 5 and far_state(bench) is FarState.CENTRED
+
+
+def reads_low(bench: Bench) -> bool:
+    return set(bench.angles()) == {-radians(75.0)}
+
+
+def reads_high(bench: Bench) -> bool:
+    return min(bench.angles()) > radians(74.9)
+
+
+def angle_repeats(bench: Bench) -> bool:
+    return len(set(bench.angles())) == 1
+
+
+def pressure_reads_low(bench: Bench) -> bool:
+    return set(bench.pressures()) == {-5e5}
+
+
+def pressure_repeats(bench: Bench) -> bool:
+    return len(set(bench.pressures())) == 1
+
+
+def both_repeat(bench: Bench) -> bool:
+    readings = bench.readings(50)
+    return len({(reading.angles[JOINT], reading.pressures[JOINT]) for reading in readings}) == 1
+
+
+def does_not_answer_its_voltage(bench: Bench) -> bool:
+    before = np.mean(bench.pressures(8))
+    return bool(abs(bench.pressures(60, 10.0)[-1] - before) < 0.3e5)
+
+
+def filled_by_itself(bench: Bench) -> bool:
+    return bench.pressures(100)[-1] > 1e5
+
+
+def hose_a_is_empty(bench: Bench) -> bool:
+    bench.readings(60, 8.0)
+    return bool(bench.plant.pressures[JOINT, 0] < ARM.supply.ambient_pressure + 1e5)
+
+
+def supply(bench: Bench) -> float:
+    return bench.readings(60)[-1].supply
+
+
+def supply_is_gone(bench: Bench) -> bool:
+    return supply(bench) == ARM.supply.ambient_pressure
+
+
+def supply_is_high(bench: Bench) -> bool:
+    return supply(bench) > ARM.supply.pressure + 1.9e5
+
+
+def pushed(bench: Bench) -> bool:
+    return max(bench.angles(60)) > radians(60.0)
+
+
+def stopped(bench: Bench) -> bool:
+    reading: Reading = bench.readings(2)[-1]
+    return reading.stopped and reading.far is FarState.DUMPED
+
+
+SHOWS: dict[str, Callable[[Bench], bool]] = {
+    "reply-lost": spoilt("lost"),
+    "reply-crc": spoilt("crc"),
+    "reply-sequence": spoilt("sequence"),
+    "reply-late": spoilt("lost"),
+    "silence": unheard,
+    "angle-open": reads_low,
+    "angle-shorted": reads_high,
+    "angle-frozen": angle_repeats,
+    "pressure-open": pressure_reads_low,
+    "pressure-frozen": pressure_repeats,
+    "converter-frozen": both_repeat,
+    "stuck-spool": filled_by_itself,
+    "burst-hose": hose_a_is_empty,
+    "kinked-hose": does_not_answer_its_voltage,
+    "supply-lost": supply_is_gone,
+    "supply-high": supply_is_high,
+    "e-stop": stopped,
+    "push": pushed,
+}
+
+
+def test_every_failure_is_looked_for() -> None:
+    assert set(SHOWS) == set(FAILURES)
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_a_failure_shows_and_heals(name: str) -> None:
+    bench, shows = Bench(), SHOWS[name]
+    bench.readings(20)
+    failure(name).begin(bench.device, JOINT)
+    assert shows(bench)
+    failure(name).end(bench.device, JOINT)
+    # What was disturbed comes back: joint and pressures are driven the other way, and a dump is ended.
+    bench.run(1)
+    bench.run(1, reset=True)
+    bench.run(60, 2.0)
+    bench.run(100)
+    assert not shows(bench)
+    assert far_state(bench) is FarState.RUNNING
+
+
+@pytest.mark.parametrize("name", ["angle-open", "angle-shorted", "pressure-open"])
+def test_a_failed_sensor_leaves_the_others_alone(name: str) -> None:
+    sound, failed = Bench(), Bench()
+    failure(name).begin(failed.device, JOINT)
+    for one, other in zip(sound.readings(10), failed.readings(10), strict=True):
+        assert one.angles[0] == other.angles[0]
+        assert one.pressures[0] == other.pressures[0]
+        assert (one.angles[1] == other.angles[1]) == name.startswith("pressure")
+        assert (one.pressures[1] == other.pressures[1]) == name.startswith("angle")
+
+
+def test_sizes_may_be_given() -> None:
+    bench = Bench()
+    failure("reply-crc").begin(bench.device, size=2)
+    told = bench.run(4)
+    assert told[:2] == ["crc", "crc"]
+    assert not any(isinstance(one, str) for one in told[2:])
+    failure("push").begin(bench.device, 0, -0.5)
+    assert bench.plant.load == pytest.approx([-0.5 * 84.0, 0.0], rel=0.05)
+
+
+def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
+    with pytest.raises(InputError, match="'fire' is no failure; failures are reply-lost, reply-crc"):
+        failure("fire")
+    with pytest.raises(InputError, match="there is no joint 2; joints are 0 to 1"):
+        failure("push").begin(Bench().device, 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "expected"),
+    [
+        ("stuck-spool", 1.5, "stuck-spool: 1.5 is out of range; give -1 to 1: opening of the valve"),
+        ("kinked-hose", float("nan"), "kinked-hose: nan is out of range"),
+        ("e-stop", 1.0, "e-stop: 1 was given; it has no size"),
+    ],
+)
+def test_a_size_that_makes_no_sense_is_told(name: str, size: float, expected: str) -> None:
+    with pytest.raises(InputError, match=expected):
+        failure(name).begin(Bench().device, size=size)
+
+
+def test_each_says_what_it_does_in_a_line() -> None:
+    for one in FAILURES.values():
+        assert 10 < len(one.what) < 70
+        assert bool(one.unit) == (one.size is not None)

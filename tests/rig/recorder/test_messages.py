@@ -1,0 +1,76 @@
+"""Messages, against the general decoder of ROS 2."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mcap.records import Schema
+from mcap_ros2.decoder import DecoderFactory
+from rigrows import BEGIN
+
+from layflat.rig.record import BY_JOINT, SHARED, Layout
+from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, SCHEMAS, Fixed, Rows, encoded_event
+from layflat.rig.recorder.ring import Event, Level
+
+NAMES = st.lists(st.text("abcdefghijklmnopq_é", min_size=1, max_size=9), min_size=1, max_size=4, unique=True)
+
+
+FACTORY = DecoderFactory()
+
+
+def decoded(kind: str, data: bytes) -> Any:
+    number = list(SCHEMAS).index(kind) + 1
+    decode = FACTORY.decoder_for("cdr", Schema(number, SCHEMAS[kind].encode(), "ros2msg", kind))
+    assert decode is not None
+    return decode(data)
+
+
+@given(NAMES, st.integers(0, 2**31))
+def test_the_general_decoder_reads_every_number(joints: list[str], seed: int) -> None:
+    layout = Layout.of(joints)
+    made = np.random.default_rng(seed).normal(size=(2, layout.width))
+    stamps = BEGIN + np.array([0, 5_000_001])
+    cycles, states = Rows(layout).encoded(stamps, made)
+    for row, stamp, cycle, state in zip(made, stamps.tolist(), cycles, states, strict=True):
+        read, shown = decoded(CYCLE, cycle), decoded(JOINT_STATE, state)
+        for message in (read, shown):
+            assert message.header.stamp.sec * 10**9 + message.header.stamp.nanosec == stamp
+            assert message.name == joints
+        assert [getattr(read, name) for name in SHARED] == row[: len(SHARED)].tolist()
+        by_joint = [row[layout.of_joint(i)] for i in range(len(joints))]
+        for i, name in enumerate(BY_JOINT):
+            assert list(getattr(read, name)) == [float(values[i]) for values in by_joint]
+        assert list(shown.position) == list(read.measured_angle)
+        assert list(shown.velocity) == list(read.averaged_velocity)
+        assert list(shown.effort) == []
+
+
+@given(NAMES, st.integers(1, 5))
+def test_what_was_encoded_is_decoded_bit_for_bit(joints: list[str], count: int) -> None:
+    layout = Layout.of(joints)
+    made = np.random.default_rng(count).normal(size=(count, layout.width))
+    made[0, -1] = np.nan
+    columns = Fixed(SCHEMAS[CYCLE], joints).decoded(Rows(layout).encoded(np.full(count, BEGIN), made)[0])
+    assert list(columns) == [*SHARED, *BY_JOINT]
+    for i, name in enumerate(SHARED):
+        assert np.array_equal(columns[name], made[:, i])
+    for i, name in enumerate(BY_JOINT):
+        expected = np.stack([made[:, layout.of_joint(k)][:, i] for k in range(len(joints))], axis=1)
+        assert np.array_equal(columns[name], expected, equal_nan=True)
+
+
+def test_messages_of_other_joints_are_not_taken_for_ours() -> None:
+    cycles, _ = Rows(Layout.of(["large", "small"])).encoded(np.array([BEGIN]), np.ones((1, 39)))
+    with pytest.raises(ValueError, match="other joints"):
+        Fixed(SCHEMAS[CYCLE], ["small", "large"]).decoded(cycles)
+    with pytest.raises(ValueError, match="reshape"):
+        Fixed(SCHEMAS[CYCLE], ["large"]).decoded(cycles)
+
+
+@given(st.text(max_size=50).filter(lambda text: "\0" not in text), st.sampled_from(Level))
+def test_the_general_decoder_reads_events(text: str, level: Level) -> None:
+    message = decoded(LOG, encoded_event(BEGIN + 7, Event(0.0, level, text)))
+    assert (message.msg, message.level, message.name) == (text, level, "layflat.rig")
+    assert message.stamp.sec * 10**9 + message.stamp.nanosec == BEGIN + 7

@@ -1,0 +1,130 @@
+"""The ring: what goes in comes out, in order, whoever dies."""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rigrows import JOINTS, LAYOUT, rows
+
+from layflat.errors import InputError
+from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring, sweep
+
+
+@pytest.fixture
+def ring(tmp_path: Path):  # type: ignore[no-untyped-def]
+    made = Ring.create(JOINTS, tmp_path / "ring", rows=8, events=4)
+    yield made
+    made.close()
+
+
+@given(st.lists(st.integers(0, 12), max_size=12))
+def test_rows_come_out_as_they_went_in_and_those_without_room_are_counted(pushes: list[int]) -> None:
+    ring = Ring.create(JOINTS, rows=8)
+    made, taken, expected, k = rows(200), [], [], 0
+    for count in pushes:
+        for i in range(count):
+            assert ring.push(made[k]) == (i < 8)
+            expected += [k] if i < 8 else []
+            k += 1
+        taken.append(ring.take())
+    assert np.array_equal(np.concatenate([*taken, made[:0]]), made[expected])
+    assert ring.dropped == k - len(expected)
+    ring.remove()
+    ring.close()
+
+
+def test_both_sides_see_the_same(ring: Ring) -> None:
+    other = Ring.attach(ring.path)
+    assert other.layout == LAYOUT
+    ring.push(rows(1)[0])
+    ring.tell(Event(0.5, Level.WARN, "supply lost"))
+    ring.end()
+    assert np.array_equal(other.take(), rows(1))
+    assert other.take_events() == [Event(0.5, Level.WARN, "supply lost")]
+    assert other.ended
+    other.beat(RecorderState.STUCK)
+    assert ring.recorder is RecorderState.STUCK
+    other.close()
+
+
+def test_a_recorder_is_alive_for_a_second_after_its_last_sign(ring: Ring) -> None:
+    assert not ring.recorder_alive()
+    ring.beat(RecorderState.RECORDING)
+    now = time.monotonic_ns()
+    assert ring.recorder_alive(now)
+    assert not ring.recorder_alive(now + STALE)
+    assert not ring.begun
+    ring.push(rows(1)[0])
+    assert ring.begun
+    assert ring.loop_alive()
+    assert not ring.loop_alive(time.monotonic_ns() + STALE)
+
+
+def test_events_without_room_are_counted_and_long_ones_cut_between_characters(ring: Ring) -> None:
+    text = "x" * (TEXT - 1) + "é and more"
+    assert [ring.tell(Event(0.0, Level.INFO, text)) for _ in range(5)] == [True] * 4 + [False]
+    assert ring.events_dropped == 1
+    assert {event.text for event in ring.take_events()} == {"x" * (TEXT - 1)}
+
+
+def test_memory_outlives_those_who_join(ring: Ring) -> None:
+    """Python's own shared memory is removed by the resource tracker of any process that dies."""
+    join = (
+        "import sys, time; from pathlib import Path; from layflat.rig.recorder.ring import Ring\n"
+        "ring = Ring.attach(Path(sys.argv[1])); ring.tell(ring.take_events()[0]); "
+        "print('in', flush=True); time.sleep(float(sys.argv[2]))"
+    )
+    for wait, end in (("0", 0), ("60", -signal.SIGKILL)):
+        ring.tell(Event(1.0, Level.INFO, "hello"))
+        with subprocess.Popen([sys.executable, "-c", join, str(ring.path), wait], stdout=subprocess.PIPE) as child:
+            assert child.stdout is not None
+            assert child.stdout.readline() == b"in\n"
+            if end:
+                child.kill()
+            assert child.wait() == end
+        assert ring.path.exists()
+        other = Ring.attach(ring.path)
+        assert other.take_events() == [Event(1.0, Level.INFO, "hello")]
+        other.close()
+
+
+def test_what_nobody_uses_is_swept_away_and_what_is_used_stays() -> None:
+    used = Ring.create(JOINTS)
+    left = Ring.create(JOINTS)
+    path = left.path
+    left.close()
+    sweep()
+    assert not path.exists()
+    assert used.path.exists()
+    used.remove()
+    used.remove()
+    used.close()
+
+
+def test_only_a_ring_can_be_joined(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="No such file"):
+        Ring.attach(tmp_path / "none")
+    (tmp_path / "other").write_bytes(bytes(4096))
+    with pytest.raises(InputError, match="no ring of this version"):
+        Ring.attach(tmp_path / "other")
+    with pytest.raises(InputError, match="too long"):
+        Ring.create(["x" * 2000])
+
+
+def test_a_push_is_short() -> None:
+    ring, row = Ring.create(JOINTS), rows(1)[0]
+    best = 1.0
+    for _ in range(20):
+        since = time.perf_counter()
+        for _ in range(200):
+            ring.push(row)
+        best = min(best, (time.perf_counter() - since) / 200)
+    ring.remove()
+    ring.close()
+    assert best < 20e-6  # 2 us where nothing else runs
