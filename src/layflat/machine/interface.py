@@ -16,11 +16,12 @@ Register = Annotated[int, Field(ge=0, le=65535)]
 
 
 class ModbusLink(Part):
-    """Registers of a Modbus station; all are 16 bits wide, in the order that docs/rig.md gives."""
+    """Registers of a Modbus station; all are 16 bits wide, in the order that docs/rig-wires.md gives."""
 
     unit: Annotated[int, Field(ge=0, le=255)] = 1
     commands: Register = Field(default=0, description="first register that is written")
     readings: Register = Field(default=0, description="first register that is read; it may be the same number")
+    identity: Register = Field(default=256, description="first of the registers that say what rig it is; read once")
     timeout: u.Time = Field(default=3e-3, description="after which a reply is lost")
 
 

@@ -96,7 +96,7 @@ class Bag:
 
     def finish(self) -> None:
         """Write the summary and the end; the stream stays open."""
-        self._writer.finish()  # type: ignore[no-untyped-call]
+        self._writer.finish()
 
 
 def begin_of(row: NDArray[np.float64]) -> int:

@@ -151,7 +151,7 @@ class _Copy:
     def finish(self) -> None:
         """Write the end."""
         self._start("", "layflat")
-        self._writer.finish()  # type: ignore[no-untyped-call]
+        self._writer.finish()
 
     def _start(self, profile: str, library: str) -> None:
         if not self._started:

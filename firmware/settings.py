@@ -1,0 +1,29 @@
+"""What this rig is; it has to say the same as the machine's file, which the host checks before anything moves."""
+
+JOINTS = 2
+
+VOLTAGE_BITS = 16
+ANGLE_BITS = 12
+PRESSURE_BITS = 12
+SUPPLY_BITS = 12
+
+VOLTAGE_LOW = 0  # mV, of the valves' drivers
+VOLTAGE_HIGH = 10000
+CENTRE_VOLTAGE = 5000  # where the valves are closed
+
+CENTRES_AFTER = 20000  # us without a command: interface.watchdog_cycles times controller.cycle
+DUMPS_AFTER = 200000  # us without a command: interface.dump_after
+SHORTEST_CYCLE = 4000  # us, with room to spare on a Pico
+
+DITHER_AMPLITUDE = 0.166  # share of full opening: valve.dither
+DITHER_PERIOD = 20000  # us
+
+# Pins of a Raspberry Pi Pico, by GPIO number.
+VALVE_PINS = (2, 4)  # PWM, through a filter and an amplifier by three
+AIR_PIN = 6  # high: the dump valve lets air in
+STOP_PIN = 7  # high: the e-stop's loop is closed
+SERVICE_PIN = 8  # to ground while it starts: the program does not run
+ADC_PINS = (16, 17, 18, 19)  # MCP3208: data out, select, clock, data in
+ANGLE_CHANNELS = (0, 1)
+PRESSURE_CHANNELS = (2, 3)
+SUPPLY_CHANNEL = 4

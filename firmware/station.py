@@ -1,0 +1,132 @@
+"""What the microcontroller does, without knowing its pins: it obeys, answers, dithers, and is safe when nobody speaks.
+
+All of its input and output is an object with
+
+    ticks()         microseconds, which may go round
+    elapsed(then)   microseconds since then
+    received()      bytes that have come, or b""
+    send(data)
+    stopped()       whether the e-stop is pressed: its loop is open
+    angle(joint), pressure(joint), supply()     counts
+    drive(counts)   of the voltages to the valves
+    air(on)         whether the dump valve lets air in
+    alive()         tells the hardware's watchdog so
+"""
+
+import struct
+from math import pi, sin
+
+from frames import ASK, COMMAND, READING, TELL, Decoder, encode
+
+RUNNING, CENTRED, DUMPED = 0, 1, 2
+STOPPED = 4
+AIR, RESET = 1, 2
+MAGIC, VERSION, DITHERS = 0x4C46, 1, 1
+STEPS = 32
+"""Of the dither's sine."""
+
+
+class Station:
+    """A rig's far side; call `step` again and again."""
+
+    def __init__(self, io, settings):
+        self.io = io
+        self.settings = settings
+        counts = 1 << settings.VOLTAGE_BITS
+        span = settings.VOLTAGE_HIGH - settings.VOLTAGE_LOW
+        self.top = counts - 1
+        self.centre = (settings.CENTRE_VOLTAGE - settings.VOLTAGE_LOW) * counts // span
+        amplitude = settings.DITHER_AMPLITUDE * counts / 2
+        self.wave = [round(amplitude * sin(2 * pi * i / STEPS)) for i in range(STEPS)]
+        self.decoder = Decoder()
+        self.last = None
+        self.heard = io.ticks()
+        self.reset = True  # low has to be seen before it rises
+        self.counts = [self.centre] * settings.JOINTS
+        self.dump()
+
+    def step(self):
+        """Look at everything once."""
+        if self.io.stopped():
+            self.dump()
+        data = self.io.received()
+        if data:
+            for kind, sequence, payload in self.decoder.feed(data):
+                self.answer(kind, sequence, payload)
+        self.watch()
+        self.output()
+        self.io.alive()
+
+    def answer(self, kind, sequence, payload):
+        """Reply to a frame; what is old, or none of the host's, is passed over."""
+        if kind == ASK:
+            self.last = None
+            self.io.send(encode(TELL, sequence, self.identity()))
+        elif kind == COMMAND and self.obey(sequence, payload):
+            self.output()
+            self.io.send(encode(READING, sequence, self.reading()))
+
+    def obey(self, sequence, payload):
+        """Take a command; whether it was a new one."""
+        if len(payload) != 2 + 2 * self.settings.JOINTS:
+            return False
+        words = struct.unpack(">" + str(1 + self.settings.JOINTS) + "H", payload)
+        if words[0] & ~(AIR | RESET) or max(words[1:]) > self.top:
+            return False
+        if self.last is not None and not 0 < (sequence - self.last) & 0xFFFF < 0x8000:
+            return False
+        self.last, self.heard = sequence, self.io.ticks()
+        edge = words[0] & RESET and not self.reset
+        self.reset = bool(words[0] & RESET)
+        if self.state == CENTRED or (self.state == DUMPED and edge and not self.io.stopped()):
+            self.state = RUNNING
+        if self.state == RUNNING:
+            self.counts = list(words[1:])
+            self.io.air(bool(words[0] & AIR))
+        return True
+
+    def watch(self):
+        """Be safe if nobody has spoken for some time."""
+        silence = self.io.elapsed(self.heard)
+        if silence >= self.settings.DUMPS_AFTER:
+            self.dump()
+        elif silence >= self.settings.CENTRES_AFTER and self.state == RUNNING:
+            self.state = CENTRED
+            self.counts = [self.centre] * self.settings.JOINTS
+
+    def dump(self):
+        """Let out the air: hoses A through the supply's line, hoses B through the valves' exhaust."""
+        self.state = DUMPED
+        self.counts = [self.top] * self.settings.JOINTS
+        self.io.air(False)
+
+    def output(self):
+        """Drive the valves, with the dither unless the air is out."""
+        if self.state == DUMPED:
+            self.io.drive(self.counts)
+            return
+        period = self.settings.DITHER_PERIOD
+        dither = self.wave[self.io.ticks() % period * STEPS // period]
+        self.io.drive([min(max(count + dither, 0), self.top) for count in self.counts])
+
+    def reading(self):
+        """The payload of a reading; a converter of 16 bits or more takes two words."""
+        settings, io = self.settings, self.io
+        out = struct.pack(">H", self.state | (STOPPED if io.stopped() else 0))
+        out += packed(io.supply(), settings.SUPPLY_BITS)
+        for joint in range(settings.JOINTS):
+            out += packed(io.angle(joint), settings.ANGLE_BITS) + packed(io.pressure(joint), settings.PRESSURE_BITS)
+        return out
+
+    def identity(self):
+        """The payload that says what rig this is."""
+        s = self.settings
+        words = (MAGIC, VERSION, s.JOINTS, s.VOLTAGE_BITS, s.ANGLE_BITS, s.PRESSURE_BITS, s.SUPPLY_BITS)
+        volts = (s.VOLTAGE_LOW & 0xFFFF, s.VOLTAGE_HIGH & 0xFFFF, s.CENTRE_VOLTAGE & 0xFFFF)
+        times = (s.SHORTEST_CYCLE, s.CENTRES_AFTER // 1000, s.DUMPS_AFTER // 1000)
+        return struct.pack(">14H", *(words + volts + (DITHERS if s.DITHER_AMPLITUDE else 0,) + times))
+
+
+def packed(count, bits):
+    """A converter's count."""
+    return struct.pack(">I" if bits >= 16 else ">H", count)

@@ -1,0 +1,107 @@
+"""What drivers over wires have in common: they keep the command, and make one transaction a cycle."""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+
+from layflat.machine.model import Machine
+from layflat.rig.driver import Capabilities, Command, Driver, DriverError, Lifecycle, LinkError, Reading
+from layflat.rig.drivers.lock import RigLock
+from layflat.rig.wire.content import Wire
+from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.identity import Identity
+from layflat.rig.wire.sequence import following
+
+FAREWELLS = 3
+"""How often a driver that is deactivated tries to say so."""
+
+
+class LinkedDriver(Driver):
+    """A driver whose far side answers commands.
+
+    Args:
+        machine: what is driven.
+        endpoint: where, for people and for the lock.
+    """
+
+    def __init__(self, machine: Machine, endpoint: str) -> None:
+        super().__init__()
+        self.endpoint = endpoint
+        self._machine = machine
+        self._wire = Wire.of(machine)
+        self._safe = Command(np.full(self._wire.joints, self._wire.voltage.value(self._wire.centre)), air=False)
+        self._kept = self._wire.command_words(self._safe)
+        # Not that of an earlier process, whose last reply may still be under way.
+        self._sequence = time.monotonic_ns() // 1000 & 0xFFFF
+        self._lock = RigLock(endpoint)
+
+    def read(self) -> Reading:
+        """Send the kept command, and return what the far side answers; while inactive that command is the safe one.
+
+        Raises:
+            LinkError: it did not answer well in time.
+        """
+        if self.state not in (Lifecycle.ACTIVE, Lifecycle.INACTIVE):
+            self._expect("read", Lifecycle.ACTIVE)
+        return self._transact()
+
+    def write(self, command: Command) -> None:
+        """Keep a command for the next `read`."""
+        self._expect("write", Lifecycle.ACTIVE)
+        self._kept = self._wire.command_words(command)
+
+    def _transact(self) -> Reading:
+        self._sequence = following(self._sequence)
+        words = self._exchange(self._sequence, self._kept)
+        try:
+            return self._wire.reading(words)
+        except WireError:
+            raise LinkError("crc") from None
+
+    def _configure(self) -> Capabilities:
+        self._lock.acquire()
+        try:
+            self._connect()
+            return self._identify().check(self._machine, self.endpoint)
+        except WireError as error:
+            self._finalize()
+            raise DriverError(str(error), where=self.endpoint, right="give the address of a rig") from None
+        except BaseException:
+            self._finalize()
+            raise
+
+    def _activate(self) -> None:
+        self._kept = self._wire.command_words(self._safe)
+
+    def _deactivate(self) -> None:
+        self._kept = self._wire.command_words(self._safe)
+        for _ in range(FAREWELLS):
+            try:
+                self._transact()
+            except LinkError:
+                continue
+            return
+
+    def _finalize(self) -> None:
+        self._disconnect()
+        self._lock.release()
+
+    @abstractmethod
+    def _connect(self) -> None:
+        """Open the link, or raise a DriverError."""
+
+    @abstractmethod
+    def _identify(self) -> Identity:
+        """Ask what is there; a DriverError if nothing answers, a WireError if it is no rig."""
+
+    @abstractmethod
+    def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
+        """Send a command's words; return those of the reading that answers it, or raise a LinkError."""
+
+    @abstractmethod
+    def _disconnect(self) -> None:
+        """Close the link, if it is open."""

@@ -1,0 +1,121 @@
+"""A rig behind a microcontroller on a serial port, mostly USB: frames of `wire.frames`."""
+
+from __future__ import annotations
+
+import grp
+import os
+import stat
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from select import select
+
+from serial import Serial, SerialException
+from serial.tools.list_ports import comports
+
+from layflat.machine.model import Machine
+from layflat.rig.driver import DriverError, LinkError
+from layflat.rig.drivers.linked import LinkedDriver
+from layflat.rig.wire import frames
+from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.identity import Identity
+from layflat.rig.wire.sequence import following
+
+ASKED = 10
+"""How often a far side is asked who it is; some boot when the port is opened."""
+WAIT = 0.2
+"""For each answer, s."""
+LARGEST = 4096
+"""Bytes taken at once."""
+
+
+class SerialDriver(LinkedDriver):
+    """A rig at a serial port.
+
+    Args:
+        machine: what is driven.
+        path: of the port.
+    """
+
+    def __init__(self, machine: Machine, path: str) -> None:
+        # By its one true name, so that two names of one port are one lock.
+        super().__init__(machine, f"serial://{Path(path).resolve()}")
+        self._path = path
+        self._link = machine.interface.serial
+        self._port: Serial | None = None
+        self._file = -1
+        self._decoder = frames.Decoder()
+
+    def _connect(self) -> None:
+        try:
+            self._port = Serial(self._path, self._link.baud, timeout=0, write_timeout=0, exclusive=True)
+            self._port.reset_input_buffer()
+        except (SerialException, OSError, ValueError) as error:
+            raise self._closed(error) from None
+        self._file = self._port.fileno()
+
+    def _identify(self) -> Identity:
+        for _ in range(ASKED):
+            self._sequence = following(self._sequence)
+            with suppress(LinkError):
+                told = self._ask(self._sequence, frames.ASK, [], frames.TELL, WAIT)
+                return Identity.from_words(told)
+        what = "answers, but not in frames" if self._decoder.bad else "does not answer"
+        raise DriverError(
+            what, where=self.endpoint, right="see that the firmware runs, and that interface.serial.baud fits"
+        )
+
+    def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
+        return self._ask(sequence, frames.COMMAND, words, frames.READING, self._link.timeout)
+
+    def _ask(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
+        """Send a frame, and take the one that answers it; what answers another is stale."""
+        deadline = time.monotonic() + patience
+        bad, why = self._decoder.bad, "lost"
+        try:
+            os.write(self._file, frames.encode(kind, sequence, frames.as_bytes(words)))
+            while (left := deadline - time.monotonic()) > 0 and select([self._file], [], [], left)[0]:
+                data = os.read(self._file, LARGEST)
+                if not data:
+                    raise LinkError("lost")
+                for frame in self._decoder.feed(data):
+                    if frame.kind == expected and frame.sequence == sequence:
+                        return frames.as_words(frame.payload)
+                    why = "sequence"
+        except OSError:
+            raise LinkError("lost") from None
+        except WireError:
+            raise LinkError("crc") from None
+        raise LinkError("crc" if self._decoder.bad > bad else why)
+
+    def _disconnect(self) -> None:
+        if self._port is not None:
+            self._port.close()
+            self._file = -1
+
+    def _closed(self, error: Exception) -> DriverError:
+        """Why a port can't be opened, and what would help."""
+        path = Path(self._path)
+        if not path.exists():
+            there = ", ".join(sorted(port.device for port in comports())) or "none"
+            return DriverError("is not there", where=self.endpoint, right=f"serial ports that are: {there}")
+        status = path.stat()
+        if not stat.S_ISCHR(status.st_mode):
+            return DriverError(
+                "is no serial port", where=self.endpoint, right="give one, such as serial:///dev/ttyACM0"
+            )
+        if not os.access(path, os.R_OK | os.W_OK):
+            return DriverError(
+                "you may not open it",
+                where=self.endpoint,
+                right=f"join the group {_group(status.st_gid)!r} and log in anew",
+            )
+        return DriverError(f"can't be opened ({error})", where=self.endpoint, right="see that no other program has it")
+
+
+def _group(number: int) -> str:
+    try:
+        return grp.getgrgid(number).gr_name
+    except KeyError:
+        return str(number)

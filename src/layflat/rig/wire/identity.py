@@ -1,0 +1,150 @@
+"""What a far side says of itself before anything moves, and whether that fits the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from layflat.errors import MachineError
+from layflat.machine.model import Machine, SpoolValve
+from layflat.machine.parameters import drive_parts
+from layflat.rig.driver import Capabilities, DriverError
+from layflat.rig.wire.converter import WireError
+
+MAGIC = 0x4C46
+"""Nothing else that answers is taken for a rig."""
+VERSION = 1
+DITHERS = 1
+"""The only flag."""
+
+
+class Identity(NamedTuple):
+    """Words by which a far side can be known; lengths of time and voltages are rounded to those units."""
+
+    magic: int
+    version: int
+    joints: int
+    voltage_bits: int
+    angle_bits: int
+    pressure_bits: int
+    supply_bits: int
+    voltage_low: int
+    """mV"""
+    voltage_high: int
+    """mV"""
+    centre_voltage: int
+    """mV"""
+    flags: int
+    shortest_cycle: int
+    """us"""
+    centres_after: int
+    """Without a command, ms."""
+    dumps_after: int
+    """Without a command, ms."""
+
+    @classmethod
+    def of(cls, machine: Machine, able: Capabilities | None = None) -> Identity:
+        """What the far side of a machine says; of what it is able to do where that is told.
+
+        Raises:
+            MachineError: the machine has no valve, sensors or controller, or a voltage beyond +-32 V.
+        """
+        valve, angle_sensor, pressure_sensor = drive_parts(machine)
+        if machine.controller is None:
+            raise MachineError("has no controller", where=machine.origin, right="give a machine that moves by itself")
+        low, high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
+        if able is None:
+            able = Capabilities(len(machine.joints), low, high, valve.centre_voltage, True, 0.0)
+        if max(abs(able.voltage_low), abs(able.voltage_high)) > 32.0:
+            raise MachineError(f"reaches from {low:g} to {high:g} V", where="valve", right="rigs have up to +-32 V")
+        own = machine.interface
+        return cls(
+            MAGIC,
+            VERSION,
+            able.joints,
+            own.voltage_bits,
+            angle_sensor.bits,
+            pressure_sensor.bits,
+            own.supply_bits,
+            round(1e3 * able.voltage_low),
+            round(1e3 * able.voltage_high),
+            round(1e3 * able.centre_voltage),
+            DITHERS * able.dithers,
+            round(1e6 * able.shortest_cycle),
+            round(1e3 * own.watchdog_cycles * machine.controller.cycle),
+            round(1e3 * own.dump_after),
+        )
+
+    def words(self) -> list[int]:
+        """As it goes over the wire; negative numbers are those of two's complement."""
+        return [number & 0xFFFF for number in self]
+
+    @classmethod
+    def from_words(cls, words: Sequence[int]) -> Identity:
+        """What was told.
+
+        Raises:
+            WireError: it is no rig that tells, or one of another version.
+        """
+        if len(words) != IDENTITY_SIZE or words[0] != MAGIC:
+            raise WireError("what answers is no rig of layflat's")
+        if words[1] != VERSION:
+            raise WireError(f"what answers speaks version {words[1]} of the protocol; this is version {VERSION}")
+        told = cls(*words)
+        return told._replace(**{name: _signed(getattr(told, name)) for name in _SIGNED})
+
+    def check(self, machine: Machine, where: str) -> Capabilities:
+        """Make sure that this is the far side of a machine.
+
+        Raises:
+            DriverError: it is not; the message names the first number that differs.
+        """
+        expected = Identity.of(machine)
+        for name, words in _EXPECTED.items():
+            there, here = getattr(self, name), getattr(expected, name)
+            if there != here:
+                raise DriverError(
+                    f"the rig has {words.format(there)}, the machine {machine.name!r} {words.format(here)}",
+                    where=where,
+                    right="give the description of this rig",
+                )
+        valve, _, _ = drive_parts(machine)
+        if isinstance(valve, SpoolValve) and valve.dither.amplitude > 0 and not self.flags & DITHERS:
+            raise DriverError("the rig adds no dither", where=where, right="its firmware has to, nobody else does")
+        if machine.controller is not None and self.shortest_cycle > 1e6 * machine.controller.cycle:
+            cycle = f"{1e3 * machine.controller.cycle:g} ms"
+            raise DriverError(
+                f"the rig needs {self.shortest_cycle} us a cycle, the machine's is {cycle}",
+                where=where,
+                right="make controller.cycle longer",
+            )
+        return Capabilities(
+            self.joints,
+            valve.centre_voltage - valve.volts_to_full,
+            valve.centre_voltage + valve.volts_to_full,
+            valve.centre_voltage,
+            bool(self.flags & DITHERS),
+            1e-6 * self.shortest_cycle,
+        )
+
+
+IDENTITY_SIZE = len(Identity._fields)
+
+_SIGNED = ("voltage_low", "voltage_high", "centre_voltage")
+
+_EXPECTED = {
+    "joints": "{} joint(s)",
+    "voltage_low": "voltages from {} mV on",
+    "voltage_high": "voltages up to {} mV",
+    "centre_voltage": "its centre at {} mV",
+    "voltage_bits": "voltages of {} bits",
+    "angle_bits": "angles of {} bits",
+    "pressure_bits": "pressures of {} bits",
+    "supply_bits": "a supply of {} bits",
+    "centres_after": "a watchdog of {} ms",
+    "dumps_after": "{} ms until it dumps",
+}
+
+
+def _signed(word: int) -> int:
+    return word - 0x10000 if word & 0x8000 else word

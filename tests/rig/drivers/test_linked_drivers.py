@@ -1,0 +1,173 @@
+"""Both drivers against far sides over TCP and a pseudo-terminal."""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from farsides import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
+
+from layflat import changed, load
+from layflat.machine.model import Machine
+from layflat.rig.driver import Capabilities, Command, Driver, DriverError, FarState, Lifecycle, LinkError
+from layflat.rig.drivers.address import driver_of
+from layflat.rig.far.exchange import LATE
+from layflat.rig.far.link import Spoil
+from layflat.rig.far.process import ModbusPort, SerialPort
+from layflat.rig.wire.sequence import ROUND
+
+FORWARD = Command(np.array([6.0, 5.5]), air=True)
+
+
+@pytest.fixture(scope="module", params=[ModbusPort(), SerialPort()], ids=["modbus", "serial"])
+def far(request: pytest.FixtureRequest) -> Iterator[Threaded]:
+    with Threaded(request.param) as running:
+        yield running
+
+
+@pytest.fixture
+def driver(far: Threaded) -> Iterator[Driver]:
+    far.call(heal)
+    found = driver_of(far.address, ARM)
+    found.configure()
+    found.activate()
+    yield found
+    far.call(heal)
+    found.finalize()
+
+
+def obeyed(far: Threaded) -> list[Command]:
+    commands: list[Command] = far.call(truth)["obeyed"]
+    return commands
+
+
+def test_what_is_there_is_told(far: Threaded) -> None:
+    driver = driver_of(far.address, ARM)
+    before = len(obeyed(far))
+    assert driver.configure() == Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
+    assert driver.state is Lifecycle.INACTIVE
+    driver.finalize()
+    assert len(obeyed(far)) == before
+
+
+def test_a_cycle_gives_the_command_and_takes_the_sensors_exactly(far: Threaded, driver: Driver) -> None:
+    before = len(obeyed(far))
+    driver.write(FORWARD)
+    reading = driver.read()
+    sent = obeyed(far)
+    assert len(sent) == before + 1
+    assert np.abs(sent[-1].voltages - FORWARD.voltages).max() <= WIRE.voltage.lsb / 2
+    assert (sent[-1].air, sent[-1].reset) == (True, False)
+    assert reading.angles.tolist() == [angle_after(len(sent)), WIRE.angle.low]
+    assert reading.pressures.tolist() == [WIRE.pressure.value(4096), WIRE.pressure.value(7)]
+    assert (reading.supply, reading.stopped, reading.far) == (WIRE.supply.value(1638), False, FarState.CENTRED)
+
+
+def test_until_something_is_asked_for_it_is_the_centre_without_air(far: Threaded, driver: Driver) -> None:
+    driver.read()
+    assert obeyed(far)[-1].voltages.tolist() == [5.0, 5.0]
+    assert not obeyed(far)[-1].air
+
+
+def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far: Threaded, driver: Driver) -> None:
+    driver.write(FORWARD)
+    driver.read()
+    far.call(spoil, Spoil.LOST, 2)
+    driver.deactivate()
+    assert obeyed(far)[-1].voltages.tolist() == [5.0, 5.0]
+    assert not obeyed(far)[-1].air
+    with pytest.raises(DriverError, match="can't write while inactive"):
+        driver.write(FORWARD)
+    driver.activate()
+
+
+@pytest.mark.parametrize(
+    ("how", "kind", "heard"),
+    [
+        (Spoil.LOST, "lost", 1),
+        (Spoil.CRC, "crc", 1),
+        (Spoil.SEQUENCE, "sequence", 1),
+        (Spoil.LATE, "lost", 1),
+        (None, "lost", 0),
+    ],
+)
+def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
+    far: Threaded, driver: Driver, how: Spoil | None, kind: str, heard: int
+) -> None:
+    driver.read()
+    before = len(obeyed(far))
+    far.call(spoil, how)
+    with pytest.raises(LinkError) as error:
+        driver.read()
+    assert error.value.kind == kind
+    assert len(obeyed(far)) == before + heard
+    far.call(heal)
+    # A late reply comes in the midst of these: none takes it for its own.
+    end, more = time.monotonic() + (LATE * ARM.interface.modbus.timeout if how is Spoil.LATE else 0.0), 0
+    while more < 3 or time.monotonic() < end:
+        more += 1
+        assert driver.read().angles[0] == angle_after(before + heard + more)
+        time.sleep(1e-3)
+
+
+def test_numbers_of_transactions_go_round(far: Threaded, driver: Driver) -> None:
+    driver._sequence = ROUND - 3  # type: ignore[attr-defined]
+    fresh = driver_of(far.address, ARM)
+    driver.finalize()
+    fresh.configure()
+    fresh._sequence = ROUND - 3  # type: ignore[attr-defined]
+    before = len(obeyed(far))
+    for more in range(1, 7):
+        assert fresh.read().angles[0] == angle_after(before + more)
+    fresh.finalize()
+
+
+def test_a_command_that_comes_again_is_not_obeyed_again(far: Threaded, driver: Driver) -> None:
+    driver.read()
+    before = len(obeyed(far))
+    driver._sequence -= 1  # type: ignore[attr-defined]
+    with suppress(LinkError):
+        driver.read()
+    assert len(obeyed(far)) == before
+
+
+def test_two_loops_on_one_rig(far: Threaded, driver: Driver) -> None:
+    second = driver_of(far.address, ARM)
+    with pytest.raises(DriverError, match=f"is driven by process {os.getpid()} .*end the other first") as error:
+        second.configure()
+    assert str(error.value).startswith(far.address.split("://")[0])
+    assert second.state is Lifecycle.UNCONFIGURED
+    driver.read()
+    driver.finalize()
+    second.configure()
+    second.finalize()
+
+
+def test_a_driver_reads_only_what_it_is_connected_to(far: Threaded) -> None:
+    driver = driver_of(far.address, ARM)
+    with pytest.raises(DriverError, match="can't read while unconfigured"):
+        driver.read()
+    driver.finalize()
+    driver.finalize()
+    with pytest.raises(DriverError, match="finalized"):
+        driver.configure()
+
+
+@pytest.mark.parametrize(
+    ("machine", "what"),
+    [
+        (load("paper-small-joint"), "the rig has 2 joint(s), the machine 'paper-small-joint' 1 joint(s)"),
+        (changed(ARM, "valve.volts_to_full", 4.0), "voltages from 0 mV on"),
+        (changed(ARM, "angle_sensor.bits", 16), "angles of 12 bits"),
+    ],
+)
+def test_a_machine_that_is_not_this_rig(far: Threaded, machine: Machine, what: str) -> None:
+    driver = driver_of(far.address, machine)
+    with pytest.raises(DriverError, match=re.escape(what)):
+        driver.configure()
+    driver_of(far.address, ARM).finalize()

@@ -1,0 +1,97 @@
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from farsides import ARM, FakeDevice, angle_after, burst, far_side, frozen, patient, truth
+
+from layflat.errors import LayflatError
+from layflat.rig.clock import Clock
+from layflat.rig.driver import Command, DriverError
+from layflat.rig.drivers.address import driver_of
+from layflat.rig.far.process import FarSide, ModbusPort, SerialPort, serve
+
+PATIENT = patient(ARM, 5.0)
+
+
+class Stuck(FakeDevice):
+    """A device whose plant diverges as time passes."""
+
+    def __init__(self, clock: Clock) -> None:
+        super().__init__(clock)
+        self.began = clock.now()
+
+    def tick(self) -> None:
+        if self.clock.now() > self.began + 200_000_000:
+            raise LayflatError("the run diverged")
+
+
+def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
+    with far_side(SerialPort(tmp_path / "rig")) as far:
+        assert far.address == f"serial://{tmp_path / 'rig'}"
+        driver = driver_of(far.address, PATIENT)
+        driver.configure()
+        driver.activate()
+        for cycle in range(1, 4):
+            assert far.advance(cycle * 5_000_000) == cycle * 5_000_000
+            driver.write(Command(np.array([5.0, 5.0]), air=True))
+            assert driver.read().angles[0] == angle_after(cycle)
+        found = far.call(truth)
+        assert (found["ticks"], found["now"]) == (3, 15_000_000)
+        assert far.call(frozen) > 10_000, "a collection of all that was imported would stop it for 100 ms"
+        with pytest.raises(LayflatError, match="ZeroDivisionError on the far side: no such hose"):
+            far.call(burst)
+        driver.read()
+        driver.finalize()
+    assert not far._process.is_alive()
+    assert not (tmp_path / "rig").is_symlink()
+
+
+def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
+    with far_side(ModbusPort(), lockstep=False) as far:
+        driver = driver_of(far.address, PATIENT)
+        driver.configure()
+        driver.activate()
+        assert driver.read().angles[0] == angle_after(1)
+        driver.finalize()
+        one = far.call(truth)
+        time.sleep(0.2)
+        other = far.call(truth)
+        assert other["now"] - one["now"] >= 200_000_000
+        assert other["ticks"] > one["ticks"]
+        os.kill(far.pid, signal.SIGINT)
+        assert far.call(truth)["ticks"] >= other["ticks"], "an interrupt is for who holds the handle"
+        far._control.close()
+        far._process.join(10.0)
+        assert far._process.exitcode == 0, "it ends with whoever holds the handle"
+    with FarSide(Stuck, ARM, ModbusPort()) as far:
+        far._process.join(10.0)
+        assert not far._process.is_alive()
+        with pytest.raises(LayflatError, match="the run diverged"):
+            far.call(truth)
+        with pytest.raises(LayflatError, match="the far side is gone"):
+            far.call(truth)
+
+
+def test_a_port_that_is_taken() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(DriverError, match=f"modbus://127.0.0.1:{port}: can't be listened at .*give another port"):
+            serve(FakeDevice, ARM, ModbusPort(port))
+
+
+def test_without_a_handle_an_interrupt_ends_it() -> None:
+    addresses = []
+
+    def ready(address: str) -> None:
+        addresses.append(address)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    serve(FakeDevice, ARM, SerialPort(), ready=ready)
+    assert addresses[0].startswith("serial:///dev/")
+    assert not Path(addresses[0].removeprefix("serial://")).exists()

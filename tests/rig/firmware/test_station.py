@@ -1,0 +1,262 @@
+"""The microcontroller's logic, with pins and time made up."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from farsides import ARM, WIRE
+from firmwares import firmware
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.rig.driver import Command, FarState, Reading
+from layflat.rig.wire import frames
+from layflat.rig.wire.identity import Identity
+
+SETTINGS = firmware("settings")
+MS = 1000
+
+
+class Pins:
+    """Everything outside; time in microseconds, going round as the board's does."""
+
+    def __init__(self, start: int = 0) -> None:
+        self.now = start
+        self.pressed = False
+        self.incoming, self.outgoing = b"", b""
+        self.driven: list[int] = []
+        self.let_in = True
+        self.lives = 0
+
+    def ticks(self) -> int:
+        return self.now % (1 << 30)
+
+    def elapsed(self, then: int) -> int:
+        return (self.now - then + (1 << 29)) % (1 << 30) - (1 << 29)
+
+    def received(self) -> bytes:
+        data, self.incoming = self.incoming, b""
+        return data
+
+    def send(self, data: bytes) -> None:
+        self.outgoing += data
+
+    def stopped(self) -> bool:
+        return self.pressed
+
+    def angle(self, joint: int) -> int:
+        return 1000 + joint
+
+    def pressure(self, joint: int) -> int:
+        return 2000 + joint
+
+    def supply(self) -> int:
+        return 1638
+
+    def drive(self, counts: list[int]) -> None:
+        self.driven = list(counts)
+
+    def air(self, on: bool) -> None:
+        self.let_in = on
+
+    def alive(self) -> None:
+        self.lives += 1
+
+
+class Bench:
+    """A station, and a host that talks to it."""
+
+    def __init__(self, start: int = 0, **other: Any) -> None:
+        settings = SimpleNamespace(
+            **{name: getattr(SETTINGS, name) for name in dir(SETTINGS) if name.isupper()} | other
+        )
+        self.pins = Pins(start)
+        self.station = firmware("station").Station(self.pins, settings)
+        self.sequence = 0
+
+    def wait(self, us: int, step: int = 500) -> None:
+        end = self.pins.now + us
+        while self.pins.now < end:
+            self.pins.now = min(self.pins.now + step, end)
+            self.station.step()
+
+    def say(self, voltages: list[float], *, air: bool = True, reset: bool = False, after: int = 5 * MS) -> Reading:
+        self.wait(after)
+        self.sequence = (self.sequence + 1) & 0xFFFF
+        return self.sent(self.sequence, WIRE.command_words(Command(_array(voltages), air, reset)))
+
+    def sent(self, sequence: int, words: list[int]) -> Reading:
+        found = self.exchange(frames.encode(frames.COMMAND, sequence, frames.as_bytes(words)))
+        assert [(frame.kind, frame.sequence) for frame in found] == [(frames.READING, sequence)]
+        return WIRE.reading(frames.as_words(found[0].payload))
+
+    def exchange(self, data: bytes) -> list[frames.Frame]:
+        self.pins.incoming, self.pins.outgoing = data, b""
+        self.station.step()
+        return frames.Decoder().feed(self.pins.outgoing)
+
+    def start(self) -> None:
+        assert self.say([5.0, 5.0], air=False).far is FarState.DUMPED
+        assert self.say([5.0, 5.0], air=False, reset=True).far is FarState.RUNNING
+
+    @property
+    def dumped(self) -> bool:
+        return not self.pins.let_in and self.pins.driven == [0xFFFF, 0xFFFF]
+
+    def dither(self) -> list[list[int]]:
+        """What each valve gets over a period."""
+        found = []
+        for _ in range(20):
+            self.wait(MS)
+            found.append(self.pins.driven)
+        return [list(valve) for valve in zip(*found, strict=True)]
+
+
+def _array(values: list[float]) -> Any:
+    import numpy as np
+
+    return np.array(values)
+
+
+def test_it_says_what_the_machines_file_says() -> None:
+    (told,) = Bench().exchange(frames.encode(frames.ASK, 77, b""))
+    assert (told.kind, told.sequence) == (frames.TELL, 77)
+    found = Identity.from_words(frames.as_words(told.payload))
+    found.check(ARM, "here")
+    assert found == Identity.of(ARM)._replace(shortest_cycle=SETTINGS.SHORTEST_CYCLE)
+
+
+def test_it_starts_with_the_air_out_and_runs_after_a_reset_alone() -> None:
+    bench = Bench()
+    bench.wait(MS)
+    assert bench.dumped
+    assert bench.say([6.0, 5.0], reset=True).far is FarState.DUMPED, "no edge: it was never low"
+    assert bench.say([6.0, 5.0]).far is FarState.DUMPED
+    assert bench.dumped
+    assert bench.say([6.0, 5.0], reset=True).far is FarState.RUNNING
+    assert bench.pins.let_in
+
+
+def test_it_obeys_and_tells_its_converters_counts() -> None:
+    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench.start()
+    reading = bench.say([7.5, 0.0])
+    assert bench.pins.driven == [0xC000, 0]
+    assert reading.angles.tolist() == [WIRE.angle.value(1000), WIRE.angle.value(1001)]
+    assert reading.pressures.tolist() == [WIRE.pressure.value(2000), WIRE.pressure.value(2001)]
+    assert reading.supply == WIRE.supply.value(1638)
+    bench.say([7.5, 0.0], air=False)
+    assert not bench.pins.let_in
+    assert bench.pins.lives > 0
+
+
+def test_the_dither_goes_both_ways_about_the_command_and_stays_in_range() -> None:
+    bench = Bench(CENTRES_AFTER=10**6, DUMPS_AFTER=10**6)
+    bench.start()
+    bench.say([5.0, 10.0])
+    middle, top = bench.dither()
+    amplitude = SETTINGS.DITHER_AMPLITUDE * 0x8000
+    assert max(middle) - 0x8000 == pytest.approx(amplitude, rel=0.02)
+    assert 0x8000 - min(middle) == pytest.approx(amplitude, rel=0.02)
+    assert abs(sum(middle) / 20 - 0x8000) < 0.02 * amplitude
+    assert max(top) == 0xFFFF
+    assert min(top) == pytest.approx(0xFFFF - amplitude, rel=0.02)
+
+
+@pytest.mark.parametrize("start", [0, (1 << 30) - 30 * MS])
+def test_without_commands_it_centres_after_four_cycles_and_dumps_after_200_ms(start: int) -> None:
+    bench = Bench(start, DITHER_AMPLITUDE=0.0)
+    bench.start()
+    bench.say([8.0, 2.0])
+    bench.wait(19 * MS)
+    assert bench.pins.driven == [0xCCCD, 0x3333]
+    bench.wait(MS)
+    assert bench.pins.driven == [0x8000, 0x8000]
+    assert bench.pins.let_in
+    bench.wait(179 * MS)
+    assert bench.pins.let_in
+    bench.wait(MS)
+    assert bench.dumped
+    bench.wait(1000 * MS, step=5 * MS)
+    assert bench.dumped
+
+
+def test_centred_it_obeys_the_next_command() -> None:
+    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench.start()
+    assert bench.say([8.0, 2.0], after=50 * MS).far is FarState.RUNNING
+    assert bench.pins.driven == [0xCCCD, 0x3333]
+
+
+def test_dumped_it_obeys_after_the_edge_of_a_reset_alone() -> None:
+    bench = Bench()
+    bench.start()
+    bench.say([5.0, 5.0], reset=True)
+    assert bench.say([5.0, 5.0], reset=True, after=300 * MS).far is FarState.DUMPED
+    assert bench.say([5.0, 5.0], reset=True).far is FarState.DUMPED
+    assert bench.dumped
+    assert bench.say([5.0, 5.0]).far is FarState.DUMPED
+    assert bench.say([5.0, 5.0], reset=True).far is FarState.RUNNING
+
+
+def test_the_e_stop_dumps_at_once_and_stays() -> None:
+    bench = Bench()
+    bench.start()
+    bench.say([6.0, 6.0])
+    bench.pins.pressed = True
+    bench.station.step()
+    assert bench.dumped
+    reading = bench.say([6.0, 6.0])
+    assert reading.stopped
+    assert reading.far is FarState.DUMPED
+    assert bench.say([6.0, 6.0], reset=True).far is FarState.DUMPED
+    bench.pins.pressed = False
+    assert bench.say([6.0, 6.0], reset=True).far is FarState.DUMPED
+    assert bench.dumped
+    bench.say([6.0, 6.0])
+    assert bench.say([6.0, 6.0], reset=True).far is FarState.RUNNING
+
+
+def test_commands_that_come_again_late_or_broken_are_not_obeyed() -> None:
+    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench.start()
+    bench.say([7.5, 7.5])
+    old = WIRE.command_words(Command(_array([0.0, 0.0]), air=True))
+    for sequence in (bench.sequence, bench.sequence - 1, bench.sequence - 100, bench.sequence + 0x8000):
+        assert bench.exchange(frames.encode(frames.COMMAND, sequence & 0xFFFF, frames.as_bytes(old))) == []
+    bad = ([4, 0, 0], [1, 0], [1, 0, 0, 0])
+    for number, words in enumerate(bad, bench.sequence + 1):
+        assert bench.exchange(frames.encode(frames.COMMAND, number, frames.as_bytes(words))) == []
+    assert bench.exchange(frames.encode(frames.READING, bench.sequence + 1, frames.as_bytes(old))) == []
+    assert bench.pins.driven == [0xC000, 0xC000]
+    bench.wait(20 * MS)
+    assert bench.pins.driven == [0x8000, 0x8000], "they have fed the watchdog"
+
+
+def test_who_asks_may_begin_with_any_number() -> None:
+    bench = Bench()
+    bench.start()
+    bench.exchange(frames.encode(frames.ASK, 0, b""))
+    bench.sequence -= 200
+    assert bench.say([5.0, 5.0]).far is FarState.RUNNING
+
+
+@given(st.lists(st.binary(max_size=80), max_size=6))
+def test_any_bytes_are_survived_without_a_word_or_a_move(chunks: list[bytes]) -> None:
+    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench.start()
+    bench.say([7.5, 7.5])
+    for chunk in chunks:
+        assert bench.exchange(chunk) == []
+    assert bench.pins.driven == [0xC000, 0xC000]
+    bench.exchange(b"\0")
+    assert bench.say([2.5, 2.5]).far is FarState.RUNNING
+    assert bench.pins.driven == [0x4000, 0x4000]
+
+
+def test_fine_converters_take_two_words() -> None:
+    packed = firmware("station").packed
+    assert packed(4096, 12) == b"\x10\x00"
+    assert packed(1 << 24, 24) == b"\x01\x00\x00\x00"

@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+from contextlib import suppress
+from math import inf, nan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat import changed, load
+from layflat.machine.parameters import gains, joints
+from layflat.physics.sensor import read_sensor
+from layflat.rig.driver import Command, FarState, Reading
+from layflat.rig.wire.content import Wire
+from layflat.rig.wire.converter import WireError
+
+ARM = load("paper-arm")
+FINE = changed(changed(ARM, "angle_sensor.bits", 24), "interface.supply_bits", 16)
+WIRES = {"12 bits": (ARM, Wire.of(ARM)), "24 bits": (FINE, Wire.of(FINE))}
+JOINTS = {name: joints(machine)[0] for name, (machine, _) in WIRES.items()}
+
+pairs = st.lists(st.floats(-2.0, 2.0), min_size=2, max_size=2)
+
+
+def same(one: Reading, other: Reading) -> bool:
+    arrays = np.array_equal(one.angles, other.angles) and np.array_equal(one.pressures, other.pressures)
+    return arrays and one[2:] == other[2:]
+
+
+@pytest.mark.parametrize("name", WIRES)
+@given(angles=pairs, pressures=pairs, supply=st.integers(0, 4096), stopped=st.booleans(), far=st.sampled_from(FarState))
+def test_the_host_sees_what_the_sensors_said_bit_for_bit(
+    name: str, angles: list[float], pressures: list[float], supply: int, stopped: bool, far: FarState
+) -> None:
+    (_, wire), law = WIRES[name], JOINTS[name]
+    reading = Reading(
+        np.array([read_sensor(law.angle_sensor, angle, 0.0) for angle in angles]),
+        np.array([read_sensor(law.pressure_sensor, 4e5 * pressure, 0.0) for pressure in pressures]),
+        wire.supply.value(supply),
+        stopped,
+        far,
+    )
+    words = wire.reading_words(reading)
+    assert len(words) == wire.reading_size
+    assert all(0 <= word < 1 << 16 for word in words)
+    back = wire.reading(words)
+    assert same(back, reading)
+    assert isinstance(back.far, FarState)
+
+
+@given(st.lists(st.floats(allow_nan=True), min_size=2, max_size=2), st.booleans(), st.booleans())
+def test_a_command_arrives_within_half_a_count_and_never_outside_the_range(
+    voltages: list[float], air: bool, reset: bool
+) -> None:
+    _, wire = WIRES["12 bits"]
+    words = wire.command_words(Command(np.array(voltages), air, reset))
+    assert len(words) == wire.command_size
+    back = wire.command(words)
+    assert (back.air, back.reset) == (air, reset)
+    for asked, given_ in zip(voltages, back.voltages.tolist(), strict=True):
+        within = min(max(asked, 0.0), 10.0 - wire.voltage.lsb) if np.isfinite(asked) else 5.0
+        assert abs(given_ - within) <= 0.5000001 * wire.voltage.lsb
+
+
+def test_the_centre_is_met_exactly() -> None:
+    for machine in ("paper-arm", "paper-small-joint", "paper-arm-switching"):
+        described = load(machine)
+        wire = Wire.of(described)
+        assert wire.voltage.value(wire.centre) == gains(described, described.arm.joints[0]).null
+        words = wire.command_words(Command(np.array([nan] * wire.joints), air=False))
+        assert words == wire.command_words(Command(np.array([inf] * wire.joints), air=False))
+        assert words[1:] == [wire.centre] * wire.joints
+
+
+@given(st.lists(st.integers(0, 0xFFFF), max_size=12))
+def test_any_words_are_refused_or_mean_just_what_they_say(words: list[int]) -> None:
+    _, wire = WIRES["12 bits"]
+    with suppress(WireError):
+        assert wire.command_words(wire.command(words)) == words
+    with suppress(WireError):
+        assert wire.reading_words(wire.reading(words)) == words
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        ([0, 1, 2, 3], "6"),
+        ([3, 0, 0, 0, 0, 0], "0x0003"),
+        ([8, 0, 0, 0, 0, 0], "0x0008"),
+        ([0, 0, 4097, 0, 0, 0], "4097"),
+    ],
+)
+def test_readings_that_no_rig_gives(words: list[int], what: str) -> None:
+    with pytest.raises(WireError, match=what):
+        WIRES["12 bits"][1].reading(words)
+
+
+def test_commands_that_no_host_gives() -> None:
+    coarse = Wire.of(changed(ARM, "interface.voltage_bits", 8))
+    for words, what in (([0, 1], "2 words"), ([4, 0, 0], "0x0004"), ([1, 256, 0], "256")):
+        with pytest.raises(WireError, match=what):
+            coarse.command(words)

@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat import changed, load
+from layflat.errors import MachineError
+from layflat.rig.driver import Capabilities, DriverError
+from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.identity import IDENTITY_SIZE, MAGIC, Identity
+
+ARM = load("paper-arm")
+ABLE = Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
+
+
+def test_a_far_side_of_the_same_machine_fits() -> None:
+    told = Identity.from_words(Identity.of(ARM, ABLE).words())
+    assert told.check(ARM, "here") == ABLE
+
+
+def test_negative_voltages_come_back() -> None:
+    machine = changed(ARM, "valve.centre_voltage", -1.0)
+    able = ABLE._replace(voltage_low=-6.0, voltage_high=4.0, centre_voltage=-1.0)
+    assert Identity.from_words(Identity.of(machine, able).words()).check(machine, "here") == able
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "what"),
+    [
+        (
+            "valve.centre_voltage",
+            0.0,
+            "the rig has voltages from 0 mV on, the machine 'paper-arm' voltages from -5000 mV",
+        ),
+        ("interface.voltage_bits", 12, "voltages of 16 bits"),
+        ("angle_sensor.bits", 14, "angles of 12 bits"),
+        ("pressure_sensor.bits", 14, "pressures of 12 bits"),
+        ("interface.supply_bits", 10, "a supply of 12 bits"),
+        ("interface.watchdog_cycles", 6, "a watchdog of 20 ms, the machine 'paper-arm' a watchdog of 30 ms"),
+        ("interface.dump_after", 0.5, "200 ms until it dumps"),
+    ],
+)
+def test_a_far_side_of_another_machine_is_told_by_what_differs(path: str, value: float, what: str) -> None:
+    with pytest.raises(DriverError) as error:
+        Identity.of(ARM, ABLE).check(changed(ARM, path, value), "serial:///dev/rig")
+    assert what in str(error.value)
+    assert str(error.value).startswith("serial:///dev/rig: ")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("able", "what"),
+    [
+        (ABLE._replace(joints=3), "3 joint"),
+        (ABLE._replace(dithers=False), "no dither"),
+        (ABLE._replace(shortest_cycle=8e-3), "8000 us a cycle"),
+    ],
+)
+def test_a_far_side_that_can_do_too_little_is_refused(able: Capabilities, what: str) -> None:
+    with pytest.raises(DriverError, match=what):
+        Identity.of(ARM, able).check(ARM, "here")
+
+
+def test_valves_that_switch_need_no_dither() -> None:
+    machine = load("paper-arm-switching")
+    found = Identity.of(machine, ABLE._replace(dithers=False)).check(machine, "here")
+    assert not found.dithers
+
+
+@given(st.lists(st.integers(0, 0xFFFF), max_size=20))
+def test_whatever_else_answers_is_no_rig(words: list[int]) -> None:
+    with pytest.raises(WireError, match="no rig"):
+        Identity.from_words(words)
+
+
+def test_another_version_is_told() -> None:
+    with pytest.raises(WireError, match="version 9"):
+        Identity.from_words([MAGIC, 9, *range(IDENTITY_SIZE - 2)])
+
+
+def test_machines_that_are_no_rigs() -> None:
+    with pytest.raises(MachineError, match="no valve or sensors"):
+        Identity.of(load("rig-kevlar"))
+    with pytest.raises(MachineError, match="32 V"):
+        Identity.of(changed(ARM, "valve.centre_voltage", 30.0))
