@@ -74,15 +74,18 @@ class PlantBench:
 
     def sense(self) -> tuple[Array, Array]:
         """Angles and differential pressures as the converters report them now."""
-        z = self._noise.standard_normal((self.n, 2))
-        angles = [
-            read_sensor(joint.angle_sensor, state.motion.angle, z[j, 0])
-            for j, (joint, state) in enumerate(zip(self._joints, self.states, strict=True))
-        ]
-        pressures = [
-            read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, z[j, 1])
-            for j, (joint, state) in enumerate(zip(self._joints, self.states, strict=True))
-        ]
+        return self._read(self._noise.standard_normal((self.n, 2)))
+
+    def exact(self) -> tuple[Array, Array]:
+        """The same without noise; no sample of it is used up."""
+        return self._read(np.zeros((self.n, 2)))
+
+    def _read(self, z: Array) -> tuple[Array, Array]:
+        angles, pressures = [], []
+        for joint, state, normal in zip(self._joints, self.states, z, strict=True):
+            difference = state.hose_a.pressure - state.hose_b.pressure
+            angles.append(read_sensor(joint.angle_sensor, state.motion.angle, normal[0]))
+            pressures.append(read_sensor(joint.pressure_sensor, difference, normal[1]))
         return np.array(angles), np.array(pressures)
 
     def kink(self, joint: int, share: float) -> None:

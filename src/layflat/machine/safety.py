@@ -42,7 +42,7 @@ class Safety(Part):
     setpoint_age: u.Time = Field(default=0.1, description="after which the host's demands are stale")
     surplus: Annotated[u.Share, Field(gt=0.0)] = Field(
         default=0.2,
-        description="air that hoses gain or lose beyond what the valve was told, as an opening of the valve; sound ones "
+        description="air that hoses gain or lose beyond what their valve was told, as an opening of it; sound ones "
         "stay below 0.14",
     )
     start_time: u.Time = Field(default=5.0, description="in which a soft start has to bring the air")

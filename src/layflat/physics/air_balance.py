@@ -99,7 +99,9 @@ def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elaps
         p_a, p_b = max(p_a, 0.5 * exhaust), max(p_b, 0.5 * exhaust)
     full = REFERENCE_PRESSURE * parts.conductance * supply * 0.5 * (1.0 / volume_a + 1.0 / volume_b)
     share = elapsed / parts.smoothing
-    return AirBelief(p_a, p_b, angle, belief.surplus + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - belief.surplus))
+    return AirBelief(
+        p_a, p_b, angle, belief.surplus + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - belief.surplus)
+    )
 
 
 @kernel

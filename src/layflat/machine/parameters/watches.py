@@ -9,7 +9,7 @@ from layflat.physics.air_balance import AirParts
 from layflat.physics.flow import laminar_slope
 
 FOLLOW = 40.0
-"""Rate at which the belief in the hoses' pressures follows what is measured: slow beside a cycle, fast beside a move, 1/s."""
+"""Rate at which belief in the hoses' pressures follows what is measured: fast beside a move, 1/s."""
 
 SMOOTHING = 0.05
 """Time over which the surplus of air is averaged: a few periods of the dither, s."""
