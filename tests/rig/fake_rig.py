@@ -1,4 +1,4 @@
-"""A driver on top of a plant for tests, a host that follows a plan, and a loop of both; what can fail is an attribute."""
+"""A driver on top of a plant for tests, a host that follows a plan, a loop of both; what can fail is an attribute."""
 
 from __future__ import annotations
 
@@ -18,6 +18,9 @@ from layflat.rig.safety.supervisor import Wish
 Array = NDArray[np.float64]
 
 
+def _nothing(angles: Array, pressures: Array) -> None: ...
+
+
 class FakeDriver(Driver):
     """Simulated: a cycle of the plant passes between a write and the next read."""
 
@@ -30,7 +33,7 @@ class FakeDriver(Driver):
         self.far = FarState.RUNNING
         self.stopped = False
         self.supply: float | None = None
-        self.spoil: Callable[[Array, Array], None] = lambda angles, pressures: None
+        self.spoil: Callable[[Array, Array], None] = _nothing
 
     def read(self) -> Reading:
         if self.command is not None:
@@ -44,6 +47,7 @@ class FakeDriver(Driver):
 
     def write(self, command: Command) -> None:
         self.command = command
+        self.commands.append(command)
         gauge = self.machine.supply.pressure_gauge if command.air else 0.0
         around = self.bench.around
         self.bench.around = around._replace(supply_pressure=around.ambient_pressure + gauge)
@@ -69,7 +73,7 @@ class PlannedHost:
         self.lines: list[str] = []
         self.recording = True
 
-    def wish(self, now: int) -> Wish:
+    def wish(self, _now: int) -> Wish:
         wish = Wish(list(self.demands), self.start, self.stop, self.reset, self.age)
         self.start = self.stop = self.reset = False
         return wish
@@ -91,14 +95,17 @@ class PlannedHost:
 class Rig:
     """All of it, with air in the hoses and demands obeyed from the first cycle on where `filled`."""
 
-    def __init__(self, machine: Machine, angles: Array | None = None, *, seed: int = 0, filled: bool = True) -> None:
+    def __init__(
+        self, machine: Machine, angles: Array | None = None, *, seed: int = 0, filled: bool = True,
+        described: Machine | None = None,
+    ) -> None:  # fmt: skip
         n = len(machine.joints)
         at = np.zeros(n) if angles is None else np.asarray(angles, dtype=float)
         self.bench = PlantBench(machine, at, seed, None if filled else 0.0)
         self.driver = FakeDriver(machine, self.bench)
         self.host = PlannedHost(n)
         self.clock = VirtualClock()
-        self.loop = Loop(machine, self.driver, self.clock, self.host, self.host)
+        self.loop = Loop(described or machine, self.driver, self.clock, self.host, self.host)
         self.supervisor = self.loop.supervisor
         if filled:
             self.host.demands = at.tolist()

@@ -25,7 +25,7 @@ FREE = 9.0
 
 
 @kernel
-def through_a_cycle(arm, joints, states, lines, around, voltages, held, load, k, cycle, steps):  # type: ignore[no-untyped-def]
+def through_a_cycle(arm, joints, states, lines, around, voltages, held, brakes, load, k, cycle, steps):  # type: ignore[no-untyped-def]
     """States and delay lines after control cycle k; `held` are openings at which spools are stuck."""
     n = len(joints)
     joints, states, lines = list(joints), list(states), list(lines)
@@ -36,7 +36,7 @@ def through_a_cycle(arm, joints, states, lines, around, voltages, held, load, k,
         stuck = abs(held[j]) <= 1.0
         asked = commanded_opening(joints[j].valve, voltages[j])
         opening, lines[j] = delayed(lines[j], asked, joints[j].valve.delay / cycle)
-        drives[j] = Drive(held[j] if stuck else opening, joints[j].brake_torque, load[j])
+        drives[j] = Drive(held[j] if stuck else opening, brakes[j], load[j])
         waves[j] = start_wave(joints[j].valve, 0.0 if stuck else cycle * k, 0.0 if stuck else h)
     advance(arm, joints, states, drives, waves, around, h, steps)
     return states, lines
@@ -67,7 +67,9 @@ class PlantBench:
         self._lines: list[Any] = [NOTHING_ASKED] * self.n
         self._noise = np.random.default_rng(seed)
         self.held = np.full(self.n, FREE)
+        self.brakes = np.array([joint.brake_torque for joint in self._joints])
         self.load = np.zeros(self.n)
+        self.drift = np.zeros(self.n)
         self.escaping = np.zeros((self.n, 2))
         """Share of the air above atmosphere that escapes from hoses A and B in a cycle."""
         self.k = 0
@@ -98,7 +100,7 @@ class PlantBench:
         """Let a control cycle pass."""
         self.states, self._lines = through_a_cycle(
             self._arm, tuple(self._joints), tuple(self.states), tuple(self._lines), self.around,
-            voltages, self.held, self.load, self.k, self.cycle, STEPS,
+            voltages - self.drift, self.held, self.brakes, self.load, self.k, self.cycle, STEPS,
         )  # fmt: skip
         self.k += 1
         for j in range(self.n):

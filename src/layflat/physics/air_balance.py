@@ -19,6 +19,8 @@ while a hose loses air.
 
 from typing import NamedTuple
 
+import numpy as np
+
 from layflat.jit import kernel, law
 from layflat.lanes import write_row
 from layflat.physics.air import GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
@@ -49,6 +51,8 @@ class AirParts(NamedTuple):
     """L, 1/s."""
     smoothing: float
     """Time over which the surplus is averaged, s."""
+    fastest: float
+    """Faster than that no joint turns: an angle that jumps is the sensor's, rad/s."""
 
 
 class AirBelief(NamedTuple):
@@ -86,7 +90,7 @@ def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elaps
     supply and of the exhaust (Pa), s.
     """
     K, h = parts.torque_constant, elapsed / SUBSTEPS
-    velocity = (angle - belief.angle) / elapsed
+    velocity = min(max((angle - belief.angle) / elapsed, -parts.fastest), parts.fastest)
     volume_a = max(parts.dead_volume + K * (parts.neutral + angle), 0.5 * parts.dead_volume)
     volume_b = max(parts.dead_volume + K * (parts.neutral - angle), 0.5 * parts.dead_volume)
     fills, vents = _conductance(parts, opening), _conductance(parts, -opening)
@@ -106,13 +110,16 @@ def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elaps
 
 @kernel
 def follow_hoses(parts, beliefs, openings, angles, differences, supply, exhaust, elapsed):
-    """`follow_air` for all joints: rows of `AirParts` (joints, 11), and beliefs (1, joints, 4), which are changed.
+    """`follow_air` for all joints: rows of `AirParts` (joints, 12), and beliefs (1, joints, 4), which are changed.
 
-    Other arguments as of `follow_air`, arrays (joints,) where they differ from joint to joint.
+    A joint of which something is not a number keeps its belief. Other arguments as of `follow_air`, arrays (joints,)
+    where they differ from joint to joint.
     """
     for j in range(len(angles)):
+        if not (np.isfinite(angles[j]) and np.isfinite(differences[j]) and np.isfinite(supply)):
+            continue
         p, b = parts[j], beliefs[0, j]
-        known = AirParts(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10])
+        known = AirParts(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
         belief = AirBelief(b[0], b[1], b[2], b[3])
         after = follow_air(known, belief, openings[j], angles[j], differences[j], supply, exhaust, elapsed)
         write_row(beliefs, 0, j, after)

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.control.update import MEMORY, STATUS, flat, update, wake
-from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
@@ -200,7 +199,7 @@ class Loop:
         joints[:, 4:9] = status[:, :5]
         joints[:, 9:11] = memory[:, 7:9]
         joints[:, 11] = status[:, 5]
-        joints[:, 12] = [ledger.worst_of(j) for j in range(len(joints))]
+        joints[:, 12] = [ledger.worst_of(j) for j in range(len(joints))] if ledger.worst else 0.0
         self.recorder.push(row)
         self.host.publish(row)
         if ledger.events:

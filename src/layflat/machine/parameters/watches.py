@@ -35,4 +35,5 @@ def air_parts(machine: Machine, name: str) -> AirParts:
         valve.dither.amplitude if isinstance(valve, SpoolValve) else 0.0,
         FOLLOW,
         SMOOTHING,
+        machine.safety.speed,
     )

@@ -76,7 +76,12 @@ TABLE: dict[Fault, Entry] = {
     Fault.SUPPLY_LOST: Entry("supply lost", Reaction.STOP, True, seconds=0.1),
     Fault.NO_AIR: Entry("the air did not come", Reaction.STOP, True, seconds=5.0),
     Fault.PRESSURE_FROZEN: Entry("pressure sensor frozen", Reaction.VENT_JOINT, True, seconds=0.1),
-    Fault.ANGLE_FROZEN: Entry("angle sensor frozen", Reaction.VENT_JOINT, True, seconds=0.1),
+    Fault.ANGLE_FROZEN: Entry(
+        "angle does not change although it should: sensor frozen, or joint blocked",
+        Reaction.VENT_JOINT,
+        True,
+        seconds=0.1,
+    ),
     Fault.ANGLE_AT_RAIL: Entry("angle sensor open or shorted", Reaction.VENT_JOINT, True, cycles=3),
     Fault.NO_ANSWER: Entry(
         "air does not answer the valve (stuck spool, burst or kinked hose)", Reaction.VENT, True, seconds=0.2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf, sqrt
 from typing import NamedTuple
 
 from layflat.rig.safety.faults import TABLE, Fault
@@ -14,6 +15,25 @@ MOTION = 2.5
 DOUBTFUL = 2.5
 """Cycles of the same sample after which a sensor may be frozen: what is computed from it says nothing of the valve."""
 
+SURE = 7.5
+"""The same, when a sensor that repeats itself does not fit what the valve was told: it is frozen."""
+
+BEYOND = 2.4
+"""Of the differential pressure that friction can hide: so much a joint never bears without a motion of one count. Sound
+ones at rest, shaken by another, bear 1.6 in an hour."""
+
+RIPPLE_AFTER = 4.0
+"""Cycles that the ripple takes to show that there is none any more."""
+
+BRISK = 5.5
+"""Counts from one sample to the next after which no joint stands still at once, 40 deg/s with the built-in sensor."""
+
+DRIVEN = 0.09
+"""Error of a joint that is driven, rad; by less friction may hold it."""
+
+ASLEEP = 0.3
+"""A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
+
 
 class Signals(NamedTuple):
     """What a joint's detectors see in a cycle."""
@@ -25,8 +45,6 @@ class Signals(NamedTuple):
     averaged_pressure: float
     speed: float
     """From the averaged angle, rad/s."""
-    ripple: float
-    """Pa"""
     surplus: float
     """Of air, as an opening of the valve."""
     demand: float
@@ -59,12 +77,16 @@ class JointWatch:
         self._same_pressure = Lasting(TABLE[Fault.PRESSURE_FROZEN].seconds, cycle)
         self._same_angle = Lasting(TABLE[Fault.ANGLE_FROZEN].seconds, cycle)
         self._off = Lasting(TABLE[Fault.FOLLOWING_ERROR].seconds, cycle)
-        self._quiet = Lasting(TABLE[Fault.NO_ANSWER].seconds, cycle)
-        self._doubtful = DOUBTFUL * cycle
-        self._angle = self._pressure_before = float("nan")
+        self._quiet = Lasting(TABLE[Fault.NO_ANSWER].seconds - RIPPLE_AFTER * cycle, cycle)
+        self._doubtful, self._sure = DOUBTFUL * cycle, SURE * cycle
+        self._angle = self._pressure = float("nan")
         self._least = self._most = 0.0
-        self._moved = self._suspect = False
+        self._moved = self._brisk = self._suspect = False
+        self._asleep = Lasting(ASLEEP, cycle)
         self._reach: float | None = None
+        self.ripple = inf
+        """Amplitude of the pressure at a quarter of the loop's rate, whatever its slope; infinite at first, Pa."""
+        self._p1 = self._p2 = self._p3 = self._swing = float("nan")
 
     def sensors(self, seen: Signals) -> Fault:
         """What can be wrong with or without air."""
@@ -74,6 +96,14 @@ class JointWatch:
         if self._pressed(not -limits.pressure < seen.pressure < limits.pressure):
             return Fault.OVER_PRESSURE
         return Fault.ANGLE_AT_RAIL if self._rail(not sound) else Fault.NONE
+
+    def listen(self, pressure: float) -> None:
+        """Follow the ripple: a slope cancels in a swing, and two swings are a quarter of a period apart."""
+        swing = (pressure - self._p2) - (self._p1 - self._p3)
+        before = self._swing
+        self._p1, self._p2, self._p3, self._swing = pressure, self._p1, self._p2, swing
+        size = swing * swing + before * before
+        self.ripple = sqrt(0.125 * size) if size == size else inf  # noqa: PLR0124  # not a number: no four samples yet
 
     def motion(self, seen: Signals, elapsed: float) -> Fault:
         """What can be wrong of a joint that may move."""
@@ -91,34 +121,47 @@ class JointWatch:
         Args:
             seen: signals.
             elapsed: s.
-            alone: whether other joints have ripple, or there are none: a lack of it is then this joint's own.
+            alone: false where the supply is in doubt: what the air does is then no fault of this joint.
         """
-        limits = self.limits
-        same = seen.pressure == self._pressure_before
-        self._pressure_before = seen.pressure
-        frozen = self._same_pressure(same and limits.lively, elapsed)
-        repeats = self._same_pressure.time > self._doubtful or self._angle_repeats(seen, elapsed)
-        quiet = self._quiet(alone and limits.ripple > 0.0 and seen.ripple < limits.ripple and not same, elapsed)
-        wrong = abs(seen.surplus) > limits.surplus
-        self._suspect = repeats and (wrong or self._suspect)
-        if (wrong and not repeats) or quiet:
-            return Fault.NO_ANSWER
-        if self._same_angle.time >= self._same_angle.enough and (
-            self._suspect or self._most - self._least > limits.friction_band
-        ):
+        limits, p = self.limits, self._same_pressure
+        frozen = p(seen.pressure == self._pressure and limits.lively, elapsed)
+        self._pressure = seen.pressure
+        angle_repeats = self._angle_repeats(seen, elapsed)
+        crossed = self._most - self._least
+        held = crossed > limits.friction_band
+        wrong = alone and abs(seen.surplus) > limits.surplus
+        quiet = self._quiet(alone and self.ripple < limits.ripple, elapsed)
+        if p.time > self._doubtful or angle_repeats:
+            self._suspect = self._suspect or wrong
+        else:
+            self._suspect = False
+            if wrong:
+                return Fault.ANGLE_FROZEN if self._same_angle.time > self._sure and held else Fault.NO_ANSWER
+        if angle_repeats and self._suspect and self._same_angle.time > self._sure:
             return Fault.ANGLE_FROZEN
-        return Fault.PRESSURE_FROZEN if frozen else Fault.NONE
+        if (self._brisk and self._same_angle.time > self._sure) or self._asleep(self._driven(seen), elapsed):
+            return Fault.ANGLE_FROZEN
+        if crossed > BEYOND * limits.friction_band and self._same_angle.time >= self._same_angle.enough:
+            return Fault.ANGLE_FROZEN
+        if frozen or (self._suspect and p.time > self._sure):
+            return Fault.PRESSURE_FROZEN
+        return Fault.NO_ANSWER if quiet else Fault.NONE
 
     def _angle_repeats(self, seen: Signals, elapsed: float) -> bool:
         """Whether the angle of a joint that moved stays at one count; notes what the pressure does meanwhile."""
         angle, p = seen.angle, seen.averaged_pressure
         same = angle == self._angle
         if not same:
-            self._moved = abs(angle - self._angle) > MOTION * self.limits.count
+            step = abs(angle - self._angle)
+            self._moved, self._brisk = step > MOTION * self.limits.lsb, step > BRISK * self.limits.lsb
             self._angle, self._least, self._most = angle, p, p
         self._least, self._most = min(self._least, p), max(self._most, p)
         self._same_angle(same, elapsed)
         return self._moved and self._same_angle.time > self._doubtful
+
+    def _driven(self, seen: Signals) -> bool:
+        """Whether the joint stays at one count of its sensor, far from where it is asked to be."""
+        return self._same_angle.time > 0.0 and abs(seen.demand - seen.angle) > DRIVEN
 
     def following(self, seen: Signals, elapsed: float) -> bool:
         """Whether the joint is not where its demand has led it.

@@ -12,9 +12,6 @@ from layflat.machine.parameters.drives import sensor as sensor_law
 LIVELY = 0.3
 """Noise of a sensor, in counts, from which on it never reports the same count for 20 samples."""
 
-BEYOND = 1.25
-"""Of the differential pressure that friction can hide, until a joint has to move."""
-
 RAIL = 2.0
 """Counts from the end of a converter's range, at which a sensor is taken to be open or shorted."""
 
@@ -25,7 +22,7 @@ class Limits(NamedTuple):
     angle_low: float
     """At or below it, or at or above the next, the angle sensor is at its rail, rad."""
     angle_high: float
-    count: float
+    lsb: float
     """Of the angle's converter, rad."""
     stroke: float
     """Beyond it on either side a joint is outside, rad."""
@@ -33,14 +30,14 @@ class Limits(NamedTuple):
     pressure: float
     """Of differential pressure on either side, Pa."""
     friction_band: float
-    """Change of the differential pressure after which a free joint has moved, Pa."""
+    """Change of the differential pressure that friction of brake, hose and strap can hide, Pa."""
     following: float
     following_time: float
     demand_speed: float
     surplus: float
     """Infinite where the air can't be watched: a joint of a single hose."""
     ripple: float
-    """Amplitude below which there is no air, Pa; zero where the dither can't be seen."""
+    """Amplitude below which there is no air (rule 1 of the controller), Pa; zero where the dither can't be seen."""
     lively: bool
     """Whether a sound pressure sensor changes all the time."""
     working: float
@@ -67,12 +64,12 @@ def limits(machine: Machine, name: str) -> Limits:
         working + safety.overrun * (mechanical - working),
         safety.speed,
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
-        BEYOND * friction,
+        friction,
         safety.following_error,
         safety.following_time,
         safety.demand_speed,
         safety.surplus if joint.acting == "double" else float("inf"),
-        0.5 * machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
+        machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
         seen or pressure.noise > LIVELY * pressure.lsb or isinstance(valve, SpoolValve),
         working,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Any
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import follow_hoses
 from layflat.rig.driver import Reading
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.joint_watch import JointWatch, Signals
+from layflat.rig.safety.joint_watch import RIPPLE_AFTER, JointWatch, Signals
 from layflat.rig.safety.lasting import Lasting, Samples
 from layflat.rig.safety.limits import Limits
 
@@ -23,7 +23,7 @@ FILLED = 0.75
 """Of the supply's pressure: what hoses hold whose valve leaks equally to supply and exhaust."""
 
 LONG_TERM = Memory._fields.index("long_term")
-SPEED, AVERAGED, RIPPLE = (Status._fields.index(name) for name in ("velocity", "differential_pressure", "ripple"))
+SPEED, AVERAGED = Status._fields.index("velocity"), Status._fields.index("differential_pressure")
 
 
 class Level(IntEnum):
@@ -71,7 +71,7 @@ class MachineWatch:
             joint.reset()
         self._pressed = Samples(TABLE[Fault.OVER_PRESSURE].cycles)
         self._gone = Lasting(TABLE[Fault.SUPPLY_LOST].seconds, cycle)
-        self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds, cycle)
+        self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
 
     def begin(self, reading: Reading, *, filled: bool) -> None:
         """Believe that the hoses are empty, or filled as they are when left to themselves."""
@@ -80,13 +80,11 @@ class MachineWatch:
             half = 0.5 * pressure if np.isfinite(pressure) else 0.0
             self._beliefs[0, j] = (max(held, self._exhaust) + half, max(held, self._exhaust) - half, angle, 0.0)
 
-    def air_is_there(self, reading: Reading, status: Array) -> bool:
+    def air_is_there(self, reading: Reading) -> bool:
         """Whether supply and ripple are those of a machine that can move."""
         if not reading.supply >= self._ready:
             return False
-        return not self._ripple_seen or all(
-            row[RIPPLE] > joint.limits.ripple for row, joint in zip(status[0].tolist(), self.joints, strict=True)
-        )
+        return not self._ripple_seen or all(joint.limits.ripple < joint.ripple < inf for joint in self.joints)
 
     def look(
         self, reading: Reading, status: Array, memory: Array, voltages: Array, demands: list[float],
@@ -120,24 +118,24 @@ class MachineWatch:
         )
         rows, beliefs = status[0].tolist(), self._beliefs[0].tolist()
         angles, pressures = reading.angles.tolist(), reading.pressures.tolist()
-        fault, dead = self._supply(reading.supply, rows, elapsed, level)
+        for joint, pressure in zip(self.joints, pressures, strict=True):
+            joint.listen(pressure)
+        fault, dead = self._supply(reading.supply, elapsed, level)
         for j, joint in enumerate(self.joints):
             row = rows[j]
-            seen = Signals(
-                angles[j], pressures[j], row[AVERAGED], row[SPEED], row[RIPPLE], beliefs[j][3], demands[j], lead
-            )
+            seen = Signals(angles[j], pressures[j], row[AVERAGED], row[SPEED], beliefs[j][3], demands[j], lead)
             self.found[j] = _of_joint(joint, seen, elapsed, level, alone=not dead)
         return fault
 
-    def _supply(self, supply: float, rows: list[Any], elapsed: float, level: Level) -> tuple[Fault, bool]:
+    def _supply(self, supply: float, elapsed: float, level: Level) -> tuple[Fault, bool]:
         """Fault of the supply, and whether several joints are without ripple, so that it is not one joint's fault."""
         high = self._pressed(not supply < self._high)
         if level is not Level.AIR:
             return (Fault.OVER_PRESSURE if high else Fault.NONE), False
-        dead = len(rows) > 1 and self._ripple_seen
+        dead = len(self.joints) > 1 and self._ripple_seen
         if dead:
-            for row, joint in zip(rows, self.joints, strict=True):
-                dead = dead and row[RIPPLE] < joint.limits.ripple
+            for joint in self.joints:
+                dead = dead and joint.ripple < joint.limits.ripple
         gone, still = self._gone(supply < self._low, elapsed), self._still(dead, elapsed)
         lost = Fault.SUPPLY_LOST if gone or still else Fault.NONE
         return (Fault.OVER_PRESSURE if high else lost), dead or supply < self._low

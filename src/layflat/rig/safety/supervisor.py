@@ -96,8 +96,7 @@ class Supervisor:
     @property
     def empty(self) -> bool:
         """Whether the air is off and has had the time to leave the hoses."""
-        vented = self.act is Act.VENT or self.act is Act.VENT_JOINT
-        return self.state is State.OFF or (vented and self._in_act >= self.safety.vent_time)
+        return self.state is State.OFF or (not AIR[self.act] and self._in_act >= self.safety.vent_time)
 
     def begin(self, reading: Reading, *, filled: bool = False) -> None:
         """Start from a first reading; `filled`: air is there already, as in a simulated run, and demands are obeyed."""
@@ -125,7 +124,7 @@ class Supervisor:
             if found:
                 self.ledger.note_joint(j, found)
         if self.state is State.STARTING:
-            self._starting(reading, status, elapsed)
+            self._starting(reading, elapsed)
 
     def lost(self) -> None:
         """A cycle without a reply."""
@@ -223,8 +222,8 @@ class Supervisor:
         elif self._obeyed:
             self.ledger.note(Fault.FAR_DUMPED if far == FarState.DUMPED else Fault.FAR_CENTRED)
 
-    def _starting(self, reading: Reading, status: Array, elapsed: float) -> None:
-        if self._there(self.watch.air_is_there(reading, status), elapsed):
+    def _starting(self, reading: Reading, elapsed: float) -> None:
+        if self._there(self.watch.air_is_there(reading), elapsed):
             self.watch.reset()
             self._enter(State.READY, Act.HOLD)
         elif self._in_state > self.safety.start_time:
