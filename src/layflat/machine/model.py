@@ -10,6 +10,7 @@ from layflat.machine import units as u
 from layflat.machine.interface import Interface
 from layflat.machine.parts import Joint, Part
 from layflat.machine.provenance import Provenance
+from layflat.machine.safety import Safety
 from layflat.physics.delay import LONGEST
 
 
@@ -150,6 +151,7 @@ class Machine(Part):
     pressure_sensor: PressureSensor | None = None
     controller: Controller | None = None
     interface: Interface = Interface()
+    safety: Safety = Safety()
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
     _origin: str = PrivateAttr(default="")
 

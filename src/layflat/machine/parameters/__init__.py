@@ -17,10 +17,12 @@ from layflat.machine.parameters.hoses import (
     travel_volume,
 )
 from layflat.machine.parameters.joints import check_inside_stroke, joints
+from layflat.machine.parameters.watches import air_parts
 
 __all__ = [
     "NO_HOSE",
     "Arm",
+    "air_parts",
     "arm",
     "check_inside_stroke",
     "drive_parts",

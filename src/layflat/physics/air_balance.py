@@ -1,0 +1,125 @@
+"""Does the air in a joint's hoses do what its valve was told? A watch that needs the sensors alone.
+
+| symbol | meaning | unit |
+|---|---|---|
+| p_a, p_b | absolute pressures in hoses A and B, as the watch believes | Pa |
+| V | volume of a hose: dead volume, and K per travel | m3 |
+| K | torque per pressure, which is volume per travel | m3/rad |
+| s | travel of a hose: neutral travel and angle | rad |
+| u | opening asked of the valve, -1..1 | 1 |
+| C | sonic conductance of a fully open path (ISO 6358-1) | m3/(s Pa) |
+| L | rate at which the belief follows what is measured | 1/s |
+| d | surplus: what the air does beyond what was asked, as an opening of the valve | 1 |
+
+The air is taken as isothermal, V p' = p_0 C (...) - p K v, and the belief is led to the measured differential pressure
+(a Luenberger observer). How hard it has to be led is the surplus: near zero while spool and hoses are sound, the
+opening that was asked for, turned round, while a spool sticks in the middle or a hose is kinked, and the hole's size
+while a hose loses air.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from layflat.jit import kernel, law
+from layflat.lanes import write_row
+from layflat.physics.air import GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
+from layflat.physics.flow import effective_pressure
+from layflat.physics.ramp import mean_above_zero
+
+REFERENCE_PRESSURE = REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE
+"""p_0: pressure at which ISO 6358 counts volumes, Pa."""
+
+SUBSTEPS = 5
+"""In a control cycle: pressures may change by a bar in 10 ms."""
+
+
+class AirParts(NamedTuple):
+    """What the watch knows of a joint (units as in the module's table)."""
+
+    dead_volume: float
+    torque_constant: float
+    neutral: float
+    conductance: float
+    leakage: float
+    critical_ratio: float
+    laminar_slope: float
+    overlap: float
+    dither: float
+    """Amplitude that the spool's opening is dithered with, share of full opening."""
+    follow: float
+    """L, 1/s."""
+    smoothing: float
+    """Time over which the surplus is averaged, s."""
+    fastest: float
+    """Faster than that no joint turns: an angle that jumps is the sensor's, rad/s."""
+
+
+class AirBelief(NamedTuple):
+    """Pressures in the hoses (Pa), the angle before (rad), and the averaged surplus."""
+
+    pressure_a: float
+    pressure_b: float
+    angle: float
+    surplus: float
+
+
+@law
+def _conductance(parts, u):
+    # Mean over the dither of what a path lets through that opens with u.
+    share = mean_above_zero(u - parts.dither - parts.overlap, u + parts.dither - parts.overlap)
+    share = min(share / (1.0 - parts.overlap), 1.0)
+    return parts.leakage + (parts.conductance - parts.leakage) * share
+
+
+@law
+def _inflow(parts, fills, vents, p, p_s, p_e):
+    b, slope = parts.critical_ratio, parts.laminar_slope
+    come = effective_pressure(max(p_s, p), min(p_s, p), b, slope)
+    go = effective_pressure(max(p, p_e), min(p, p_e), b, slope)
+    come = come if p_s >= p else -come
+    go = go if p >= p_e else -go
+    return REFERENCE_PRESSURE * (fills * come - vents * go)
+
+
+@law
+def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elapsed):
+    """Belief after a cycle of `elapsed` seconds in which the valve was asked for `opening`.
+
+    Args: `AirParts`, `AirBelief`, opening, angle now (rad), differential pressure now (Pa), absolute pressures of the
+    supply and of the exhaust (Pa), s.
+    """
+    K, h = parts.torque_constant, elapsed / SUBSTEPS
+    velocity = min(max((angle - belief.angle) / elapsed, -parts.fastest), parts.fastest)
+    volume_a = max(parts.dead_volume + K * (parts.neutral + angle), 0.5 * parts.dead_volume)
+    volume_b = max(parts.dead_volume + K * (parts.neutral - angle), 0.5 * parts.dead_volume)
+    fills, vents = _conductance(parts, opening), _conductance(parts, -opening)
+    p_a, p_b, led = belief.pressure_a, belief.pressure_b, 0.0
+    for _ in range(SUBSTEPS):
+        pull = 0.5 * parts.follow * (difference - (p_a - p_b))
+        led += pull
+        p_a += h * ((_inflow(parts, fills, vents, p_a, supply, exhaust) - p_a * K * velocity) / volume_a + pull)
+        p_b += h * ((_inflow(parts, vents, fills, p_b, supply, exhaust) + p_b * K * velocity) / volume_b - pull)
+        p_a, p_b = max(p_a, 0.5 * exhaust), max(p_b, 0.5 * exhaust)
+    full = REFERENCE_PRESSURE * parts.conductance * supply * 0.5 * (1.0 / volume_a + 1.0 / volume_b)
+    share = elapsed / parts.smoothing
+    return AirBelief(
+        p_a, p_b, angle, belief.surplus + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - belief.surplus)
+    )
+
+
+@kernel
+def follow_hoses(parts, beliefs, openings, angles, differences, supply, exhaust, elapsed):
+    """`follow_air` for all joints: rows of `AirParts` (joints, 12), and beliefs (1, joints, 4), which are changed.
+
+    A joint of which something is not a number keeps its belief. Other arguments as of `follow_air`, arrays (joints,)
+    where they differ from joint to joint.
+    """
+    for j in range(len(angles)):
+        if not (np.isfinite(angles[j]) and np.isfinite(differences[j]) and np.isfinite(supply)):
+            continue
+        p, b = parts[j], beliefs[0, j]
+        known = AirParts(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
+        belief = AirBelief(b[0], b[1], b[2], b[3])
+        after = follow_air(known, belief, openings[j], angles[j], differences[j], supply, exhaust, elapsed)
+        write_row(beliefs, 0, j, after)

@@ -1,0 +1,88 @@
+"""Absolute deadlines of a loop, and how well they are kept."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from layflat.rig.clock import SECOND, Clock
+
+MICROSECOND = 1e-6
+BINS = 5000
+"""Of the histograms, a microsecond each; the last one takes all that is later."""
+
+
+class Deadlines:
+    """A deadline every cycle. Those that were missed by more than a cycle are left out, not made up for.
+
+    Args:
+        clock: that is waited by.
+        cycle: s.
+    """
+
+    def __init__(self, clock: Clock, cycle: float) -> None:
+        self._clock, self._period = clock, round(cycle * SECOND)
+        self.cycle = cycle
+        self.begun: int | None = None
+        """When the first cycle began, ns."""
+        self._next = self._now = 0
+        self.elapsed = cycle
+        """Between the starts of the last two cycles, s."""
+        self.lateness = 0.0
+        """Of this cycle, s."""
+        self.missed = 0
+        """Deadlines left out so far."""
+        self.missed_now = 0
+        """Deadlines left out just before this cycle."""
+        self._late, self._busy = np.zeros(BINS, np.int64), np.zeros(BINS, np.int64)
+
+    def wait(self) -> int:
+        """Wait for the next deadline; the instant (ns) at which the cycle begins."""
+        clock = self._clock
+        if self.begun is None:
+            self.begun = self._next = now = clock.now()
+        else:
+            self._next += self._period
+            clock.wait(self._next)
+            now = clock.now()
+            self.elapsed = (now - self._now) / SECOND
+        late = now - self._next
+        self.missed_now = late // self._period if late > 0 else 0
+        if self.missed_now:
+            self.missed += self.missed_now
+            self._next += self.missed_now * self._period
+        self._now = now
+        self.lateness = late / SECOND
+        self._late[min(max(late // 1000, 0), BINS - 1)] += 1
+        return now
+
+    def took(self, seconds: float) -> None:
+        """Note how long a cycle took to compute."""
+        self._busy[min(int(seconds / MICROSECOND), BINS - 1)] += 1
+
+    def forget(self) -> None:
+        """Begin the statistics anew, for instance after a first cycle that loads compiled code."""
+        self._late[:] = 0
+        self._busy[:] = 0
+
+    def lateness_at(self, share: float) -> float:
+        """Lateness that this share of the cycles kept below, s."""
+        return _quantile(self._late, share)
+
+    def compute_at(self, share: float) -> float:
+        """Compute time that this share of the cycles kept below, s."""
+        return _quantile(self._busy, share)
+
+    def told(self) -> str:
+        """A line for people."""
+        return (
+            f"{int(self._late.sum())} cycles, late by {1e6 * self.lateness_at(0.5):.0f} us at the median and "
+            f"{1e6 * self.lateness_at(0.99):.0f} us at 99 %, computed in {1e6 * self.compute_at(0.5):.0f} and "
+            f"{1e6 * self.compute_at(0.99):.0f} us, {self.missed} deadlines missed"
+        )
+
+
+def _quantile(bins: np.ndarray, share: float) -> float:
+    total = int(bins.sum())
+    if total == 0:
+        return 0.0
+    return float(np.searchsorted(np.cumsum(bins), share * total) + 1) * MICROSECOND

@@ -1,0 +1,194 @@
+"""Shared memory between the host and the loop: setpoints one way, snapshots the other.
+
+Neither side ever waits for the other. A slot is written by one process alone; its number is odd while it is written,
+and a checksum stands beside the values, so that a reader takes a whole message or none, on any processor and also
+where the writer was killed half way. The memory is a file that is mapped; it stays as long as anyone maps it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import mmap
+import os
+import struct
+import tempfile
+from dataclasses import dataclass
+from math import nan
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.rig.clock import SECOND, Clock
+from layflat.rig.record import Layout
+from layflat.rig.safety.supervisor import Wish
+
+Array = NDArray[np.float64]
+
+NUMBER = struct.Struct("<Q")
+HEAD = struct.Struct("<QI4x")
+"""Number of the message, checksum; the values follow."""
+
+TRIES = 4
+"""Of a reader that meets a message in the making, until it keeps what it had."""
+
+PEOPLE_TRIES = 1000
+"""The same where there is time."""
+
+
+class Slot:
+    """One message at a place in shared memory, written by one process and read by any.
+
+    Args:
+        memory: shared.
+        start: of the slot, bytes.
+        size: of the values, bytes.
+    """
+
+    def __init__(self, memory: mmap.mmap, start: int, size: int) -> None:
+        self._memory, self._start, self._size = memory, start, size
+        self._values = start + HEAD.size
+        self._number = NUMBER.unpack_from(memory, start)[0] & ~1
+
+    @staticmethod
+    def room(size: int) -> int:
+        """Bytes that a slot for so many bytes of values takes."""
+        return HEAD.size + size + -size % 8
+
+    def write(self, values: bytes) -> None:
+        """Replace the message."""
+        memory, start = self._memory, self._start
+        NUMBER.pack_into(memory, start, self._number + 1)
+        memory[self._values : self._values + self._size] = values
+        self._number += 2
+        HEAD.pack_into(memory, start, self._number, crc32(values))
+
+    def read(self, tries: int = TRIES) -> tuple[int, bytes] | None:
+        """Number and values of the message; None before the first, or where none could be had whole."""
+        for _ in range(tries):
+            number, checksum = HEAD.unpack_from(self._memory, self._start)
+            values = self._memory[self._values : self._values + self._size]
+            if number == 0:
+                return None
+            after = NUMBER.unpack_from(self._memory, self._start)[0]
+            if number == after and number % 2 == 0 and crc32(values) == checksum:
+                return number, values
+        return None
+
+
+@dataclass
+class Setpoints:
+    """What the host asks for. Edges are counted, so that none is lost between two cycles.
+
+    Args:
+        demands: rad; not a number where there is none yet.
+    """
+
+    demands: list[float]
+    starts: int = 0
+    stops: int = 0
+    resets: int = 0
+    ended: bool = False
+    """Whether the loop is to end once it has let out the air."""
+
+
+class Mailbox:
+    """The memory that host and loop share; each opens it for itself.
+
+    Args:
+        path: from `create`.
+        joints: how many.
+    """
+
+    def __init__(self, path: Path, joints: int) -> None:
+        self._layout = struct.Struct(f"<4q{joints}d")
+        self._joints = joints
+        self._width = Layout.of([""] * joints).width
+        with path.open("r+b") as file:
+            self._memory = mmap.mmap(file.fileno(), self.size(joints))
+        self.setpoints = Slot(self._memory, 0, self._layout.size)
+        self.snapshot = Slot(self._memory, Slot.room(self._layout.size), 8 * self._width)
+
+    @classmethod
+    def size(cls, joints: int) -> int:
+        """Bytes."""
+        width = Layout.of([""] * joints).width
+        return Slot.room(struct.calcsize(f"<4q{joints}d")) + Slot.room(8 * width)
+
+    @classmethod
+    def create(cls, joints: int) -> Path:
+        """A new file of shared memory, empty; whoever made it removes it."""
+        folder = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
+        handle, name = tempfile.mkstemp(prefix="layflat-rig-", dir=folder)
+        os.truncate(handle, cls.size(joints))
+        os.close(handle)
+        return Path(name)
+
+    def ask(self, wanted: Setpoints) -> None:
+        """The host's: replace the setpoints; doing so again shows that it lives."""
+        edges = (wanted.starts, wanted.stops, wanted.resets, int(wanted.ended))
+        self.setpoints.write(self._layout.pack(*edges, *wanted.demands))
+
+    def asked(self) -> tuple[int, Setpoints] | None:
+        """The loop's: number of the setpoints, and they; None where there is nothing whole."""
+        found = self.setpoints.read()
+        if found is None:
+            return None
+        starts, stops, resets, ended, *demands = self._layout.unpack(found[1])
+        return found[0], Setpoints(demands, starts, stops, resets, bool(ended))
+
+    def publish(self, row: Array) -> None:
+        """The loop's: show a row of `record.Layout`."""
+        self.snapshot.write(row.tobytes())
+
+    def shown(self) -> Array | None:
+        """The host's, or anyone's: the last row; None before the first."""
+        found = self.snapshot.read(PEOPLE_TRIES)
+        return np.frombuffer(found[1]) if found is not None else None
+
+    def close(self) -> None:
+        """Let go of the memory."""
+        with contextlib.suppress(BufferError):
+            self._memory.close()
+
+
+class RemoteHost:
+    """The host as the loop sees it through a mailbox.
+
+    How old setpoints are is told by the loop's own clock, from the cycle in which it first saw them: what the host
+    believes of the time can't keep stale ones alive.
+
+    Args:
+        mailbox: shared with it.
+        clock: of the loop.
+        joints: how many.
+        patience: without a word for so long, and the loop ends once the air is out, s.
+    """
+
+    def __init__(self, mailbox: Mailbox, clock: Clock, joints: int, patience: float = 2.0) -> None:
+        self._mailbox, self._clock, self._patience = mailbox, clock, patience
+        self._number = -1
+        self._last = Setpoints([nan] * joints)
+        self._heard = clock.now()
+        self._given = Setpoints([])
+
+    def wish(self, now: int) -> Wish:
+        """What is wanted now; edges are given once."""
+        found = self._mailbox.asked()
+        if found is not None and found[0] != self._number:
+            self._number, self._last = found
+            self._heard = now
+        last, given = self._last, self._given
+        start, stop, reset = last.starts > given.starts, last.stops > given.stops, last.resets > given.resets
+        given.starts, given.stops, given.resets = last.starts, last.stops, last.resets
+        return Wish(last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND)
+
+    def publish(self, row: Array) -> None:
+        """Show a row to it."""
+        self._mailbox.publish(row)
+
+    @property
+    def ended(self) -> bool:
+        """Whether it wants the loop to end, or has not been heard for long."""
+        return self._last.ended or (self._clock.now() - self._heard) / SECOND > self._patience

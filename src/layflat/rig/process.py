@@ -1,0 +1,113 @@
+"""The loop in a process of its own: what runs there, and how it begins and ends."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import signal
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import IO
+
+from layflat.errors import InputError, LayflatError
+from layflat.machine import Machine
+from layflat.rig.capabilities import check_capabilities
+from layflat.rig.clock import MonotonicClock
+from layflat.rig.driver import Driver
+from layflat.rig.loop import Loop, NoRecorder, Recorder
+from layflat.rig.mailbox import Mailbox, RemoteHost
+from layflat.rig.realtime import go_realtime
+from layflat.rig.warm import warm_up
+
+
+@dataclass(frozen=True)
+class Job:
+    """What the loop's process is given; everything in it can be pickled.
+
+    Args:
+        machine: with controller.
+        driver: makes the driver, in the process.
+        mailbox: file shared with the host.
+        rig: what names the rig, such as the driver's address; one loop at a time may have it.
+        recorder: makes the end of the recorder that takes rows, in the process.
+        realtime: whether to ask for priority and locked memory.
+    """
+
+    machine: Machine
+    driver: Callable[[], Driver]
+    mailbox: Path
+    rig: str
+    recorder: Callable[[], Recorder] | None = None
+    realtime: bool = True
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the process says: that it runs, that it failed, or that it ended."""
+
+    kind: str
+    """"running", "failed" or "ended"."""
+    lines: tuple[str, ...] = ()
+
+
+def run_loop(job: Job, pipe: Connection) -> None:
+    """Main function of the process: loop until the host has ended or died, and the air is out."""
+    # Ctrl-C goes to all processes of a terminal; the host turns it into a controlled stop.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with lock(job.rig):
+            lines = _loop(job, pipe)
+        said = Said("ended", lines)
+    except LayflatError as error:
+        said = Said("failed", (str(error),))
+    except Exception as error:  # whatever happens, the host is told; the far side centres by itself
+        said = Said("failed", (f"the loop broke: {type(error).__name__}: {error}",))
+    with contextlib.suppress(OSError):  # the host may be gone
+        pipe.send(said)
+
+
+def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
+    machine, n = job.machine, len(job.machine.joints)
+    clock, mailbox = MonotonicClock(), Mailbox(job.mailbox, n)
+    driver = job.driver()
+    try:
+        check_capabilities(machine, driver.configure())
+        recorder: Recorder = job.recorder() if job.recorder is not None else NoRecorder()
+        warm_up(machine)
+        loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, n), recorder)
+        refused = go_realtime() if job.realtime else []
+        for line in refused:
+            recorder.event(line)
+        driver.activate()
+        pipe.send(Said("running", tuple(refused)))
+        loop.run()
+        return (loop.deadlines.told(),)
+    finally:
+        driver.finalize()
+        mailbox.close()
+
+
+def lock(rig: str) -> IO[str]:
+    """Take a rig for this process alone; it is free again when the file closes, or the process dies.
+
+    Raises:
+        InputError: another loop has it.
+    """
+    digest = hashlib.sha256(rig.encode()).hexdigest()[:12]
+    path = Path(tempfile.gettempdir()) / f"layflat-rig-{digest}.lock"
+    try:
+        file = path.open("w", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            f"can't be locked ({error.strerror}: {path})", where=rig, right="run it as its owner"
+        ) from None
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        file.close()
+        raise InputError("another loop runs this rig", where=rig, right="stop that one first") from None
+    return file

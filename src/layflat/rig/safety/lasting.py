@@ -1,0 +1,31 @@
+"""Conditions that count only once they last: by samples, or by time."""
+
+from __future__ import annotations
+
+
+class Samples:
+    """True when a condition held in so many samples, one after the other."""
+
+    __slots__ = ("count", "enough")
+
+    def __init__(self, enough: int) -> None:
+        self.enough, self.count = enough, 0
+
+    def __call__(self, condition: bool) -> bool:
+        """Whether it has held often enough, this sample included."""
+        self.count = self.count + 1 if condition else 0
+        return self.count >= self.enough
+
+
+class Lasting:
+    """True when a condition held for some time; two cycles are kept back, so that it is found within it."""
+
+    __slots__ = ("enough", "time")
+
+    def __init__(self, within: float, cycle: float) -> None:
+        self.enough, self.time = max(within - 2.0 * cycle, cycle), 0.0
+
+    def __call__(self, condition: bool, elapsed: float) -> bool:
+        """Whether it has held long enough; `elapsed` (s) is the time since the sample before."""
+        self.time = self.time + elapsed if condition else 0.0
+        return self.time >= self.enough

@@ -1,0 +1,43 @@
+"""States of the supervisor, and what is done with the valves."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class State(IntEnum):
+    """Where the rig stands; numbers as they stand in records."""
+
+    OFF = 0
+    """No air; the valves are centred."""
+    STARTING = 1
+    """Air comes in slowly; the joints are held where they are."""
+    READY = 2
+    """Air is there; no demand has been given yet."""
+    MOVING = 3
+    """Demands are obeyed."""
+    HOLDING = 4
+    """The joints are held where they are, with air; a start goes on."""
+    STOPPED = 5
+    """A controlled stop: the joints are held, then the air is let out; a start brings it again."""
+    FAULT = 6
+    """A latched fault; a reset leads to OFF, or to HOLDING where the air was left on."""
+
+
+class Act(IntEnum):
+    """What is done with the valves."""
+
+    CENTRE = 0
+    """Air off, all centred."""
+    HOLD = 1
+    """Air on; the controllers hold the joints."""
+    FOLLOW = 2
+    """Air on; the controllers follow the demands."""
+    VENT_JOINT = 3
+    """Air off; faulty joints open to one end, the others centred."""
+    VENT = 4
+    """Air off; all open to one end."""
+
+
+AIR = [act in {Act.HOLD, Act.FOLLOW} for act in Act]
+"""Whether the dump valve lets air in, by act."""

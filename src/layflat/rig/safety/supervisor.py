@@ -1,0 +1,305 @@
+"""The supervisor: outside the controller, it decides in every cycle whether the rig moves, holds or lets out its air.
+
+In a cycle the loop lets it `judge` what was read (or calls `lost`), `steer` by what the host wants, steps the
+controllers with its `demands`, and lets it `gate` the voltages.
+"""
+
+from __future__ import annotations
+
+from math import isfinite, isnan
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.machine import Machine
+from layflat.machine.parameters.drives import drive_parts
+from layflat.rig.driver import FarState, Reading
+from layflat.rig.safety.demands import DemandGate
+from layflat.rig.safety.faults import REACTIONS, TABLE, Fault, Reaction
+from layflat.rig.safety.lasting import Lasting, Samples
+from layflat.rig.safety.ledger import Ledger
+from layflat.rig.safety.limits import limits
+from layflat.rig.safety.machine_watch import Level, MachineWatch
+from layflat.rig.safety.states import AIR, Act, State
+
+Array = NDArray[np.float64]
+
+RESET_CYCLES = 4
+"""For so long a reset is sent to the far side: it has an edge, and one lost reply does not lose it."""
+
+THERE = 0.2
+"""Supply and ripple have to be there for so long until a soft start is over, s."""
+
+CENTRED = 0.1
+"""Between holding and opening the valves they are centred, until the dump valve has let out the supply line, s."""
+
+
+class Wish(NamedTuple):
+    """What the host wants in a cycle."""
+
+    demands: list[float]
+    """rad; not a number where there is none yet."""
+    start: bool = False
+    """Edge: bring the air and obey demands."""
+    stop: bool = False
+    """Edge: hold, then let out the air."""
+    reset: bool = False
+    """Edge: latched faults may go."""
+    age: float = 0.0
+    """Since the host was last heard, s."""
+
+
+class Supervisor:
+    """State, faults and what is done about them.
+
+    Args:
+        machine: with valve, sensors and controller.
+        cycle: of the loop, s.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+
+    def __init__(self, machine: Machine, cycle: float) -> None:
+        valve, _, _ = drive_parts(machine)
+        self.safety = machine.safety
+        each = [limits(machine, name) for name in machine.joints]
+        self.watch = MachineWatch(machine, cycle, each)
+        self.gates = [DemandGate(one, machine.safety.demand_lead) for one in each]
+        self.ledger = Ledger(list(machine.joints))
+        self._centre = valve.centre_voltage
+        self._low, self._high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
+        self._out = np.full(len(each), self._centre)
+        self._lost = Samples(TABLE[Fault.LINK_LOST].cycles)
+        self._there = Lasting(THERE, 0.0)
+        self._stale_after = machine.safety.setpoint_age - cycle
+        self.state, self.act = State.OFF, Act.CENTRE
+        self.demands = [0.0] * len(each)
+        """What the controllers are to be given, rad."""
+        self.wake = True
+        """Whether the controllers have to begin anew in this cycle."""
+        self._in_state = self._in_act = 0.0
+        self._reset_for = 0
+        self._obeyed = self._barred = self._pressed = False
+
+    @property
+    def air(self) -> bool:
+        """Whether the dump valve is to let air in."""
+        return AIR[self.act]
+
+    @property
+    def resets(self) -> bool:
+        """Whether the far side is to be told to obey again."""
+        return self._reset_for > 0
+
+    @property
+    def empty(self) -> bool:
+        """Whether the air is off and has had the time to leave the hoses."""
+        return self.state is State.OFF or (not AIR[self.act] and self._in_act >= self.safety.vent_time)
+
+    def begin(self, reading: Reading, *, filled: bool = False) -> None:
+        """Start from a first reading; `filled`: air is there already, as in a simulated run, and demands are obeyed."""
+        self.watch.begin(reading, filled=filled)
+        self._freeze(reading.angles.tolist())
+        if filled:
+            self._enter(State.READY, Act.HOLD)
+            self.wake = False
+
+    def judge(self, reading: Reading, status: Array, memory: Array, voltages: Array, elapsed: float) -> None:
+        """Look at what was read (see `MachineWatch.look`), and note every fault."""
+        note = self.ledger.note
+        self.ledger.new_cycle()
+        self._lost(False)
+        self._pressed = reading.stopped
+        if reading.stopped:
+            note(Fault.E_STOP)
+        self._far(reading.far)
+        level = self._level()
+        lead = max([gate.ahead for gate in self.gates])
+        fault = self.watch.look(reading, status, memory, voltages, self.demands, lead, elapsed, level)
+        if fault:
+            note(fault)
+        for j, found in enumerate(self.watch.found):
+            if found:
+                self.ledger.note_joint(j, found)
+        if self.state is State.STARTING:
+            self._starting(reading, elapsed)
+
+    def lost(self) -> None:
+        """A cycle without a reply."""
+        self.ledger.new_cycle()
+        self.ledger.note(Fault.REPLY_LOST)
+        if self._lost(True):
+            self.ledger.note(Fault.LINK_LOST)
+
+    def tell(self, fault: Fault, *, is_so: bool) -> None:
+        """Note what others found: the loop that a cycle was missed, or that the recorder is dead."""
+        if fault is Fault.RECORDER_DEAD:
+            self._barred = is_so
+        if is_so:
+            self.ledger.note(fault)
+
+    def steer(self, wish: Wish, angles: list[float], elapsed: float) -> None:
+        """Decide on state, act and demands.
+
+        Args:
+            wish: of the host.
+            angles: where the joints are (averaged), rad, in case that they are to be held.
+            elapsed: s.
+        """
+        self._in_state += elapsed
+        self._in_act += elapsed
+        self._reset_for = max(self._reset_for - 1, 0)
+        running = AIR[self.act]
+        if wish.age > self._stale_after and running:
+            self.ledger.note(Fault.SETPOINT_STALE)
+            self._stop(angles)
+        if wish.reset:
+            self._reset(angles)
+        if wish.stop and running:
+            self._stop(angles)
+        if wish.start and not wish.stop:
+            self._start(angles)
+        if self.ledger.latched:
+            self._react(angles)
+        self._go_on()
+        self._demand(wish, elapsed)
+
+    def gate(self, voltages: Array) -> Array:
+        """Voltages that may be sent, V, (joints,); the array is used again in the next cycle."""
+        out, act = self._out, self.act
+        if not AIR[act]:
+            return self._without_air(out)
+        bad = False
+        for j, volts in enumerate(voltages.tolist()):
+            # Written so that what is not a number is refused.
+            if self._low <= volts <= self._high:
+                out[j] = volts
+            else:
+                out[j], bad = self._centre, True
+                self.ledger.note_joint(j, Fault.BAD_COMMAND)
+        if bad:
+            self._react([gate.demand for gate in self.gates])
+            self.wake = True
+        return out
+
+    def _without_air(self, out: Array) -> Array:
+        out.fill(self._high if self.act is Act.VENT else self._centre)
+        if self.act is Act.VENT_JOINT:
+            for j, fault in enumerate(self.ledger.joints):
+                if REACTIONS[fault] is Reaction.VENT_JOINT:
+                    out[j] = self._high
+        return out
+
+    # States
+
+    def _enter(self, state: State, act: Act) -> None:
+        if state is not self.state:
+            self.ledger.say(f"{self.state.name.lower()} -> {state.name.lower()}")
+            self.state, self._in_state = state, 0.0
+        if act is not self.act:
+            if AIR[act] and not AIR[self.act]:
+                self.wake = True
+                self.watch.reset()
+            self.act, self._in_act = act, 0.0
+
+    def _freeze(self, angles: list[float]) -> None:
+        for j, (gate, angle) in enumerate(zip(self.gates, angles, strict=True)):
+            gate.freeze(angle if isfinite(angle) else gate.demand)
+            self.demands[j] = gate.demand
+
+    def _level(self) -> Level:
+        if not AIR[self.act]:
+            return Level.SENSORS
+        return Level.MOTION if self.state is State.STARTING else Level.AIR
+
+    def _far(self, far: FarState) -> None:
+        if not AIR[self.act]:
+            return
+        if far == FarState.RUNNING:
+            self._obeyed = True
+        elif self._obeyed:
+            self.ledger.note(Fault.FAR_DUMPED if far == FarState.DUMPED else Fault.FAR_CENTRED)
+
+    def _starting(self, reading: Reading, elapsed: float) -> None:
+        if self._there(self.watch.air_is_there(reading), elapsed):
+            self.watch.reset()
+            self._enter(State.READY, Act.HOLD)
+        elif self._in_state > self.safety.start_time:
+            self.ledger.note(Fault.NO_AIR)
+
+    def _start(self, angles: list[float]) -> None:
+        if self.ledger.latched or self._pressed:
+            self.ledger.say("no start: a fault is latched; give a reset first")
+        elif self._barred:
+            self.ledger.say("no start: nothing is recorded")
+        elif self.state is State.HOLDING and AIR[self.act]:
+            self._enter(State.READY, Act.HOLD)
+        elif self.state in {State.OFF, State.STOPPED}:
+            self._freeze(angles)
+            self._obeyed, self._reset_for = False, RESET_CYCLES
+            self._there(False, 0.0)
+            self._enter(State.STARTING, Act.HOLD)
+
+    def _stop(self, angles: list[float]) -> None:
+        """Controlled stop: the joints are held, then the air is let out."""
+        if self.state is State.FAULT:
+            self.ledger.worsen(Reaction.STOP)
+        elif self.state is State.STARTING:
+            self._enter(State.STOPPED, Act.CENTRE)
+        elif self.state is not State.STOPPED:
+            if self.act is not Act.HOLD or self.state is not State.HOLDING:
+                self._freeze(angles)
+            self._enter(State.STOPPED, Act.HOLD)
+            self._in_act = 0.0
+
+    def _reset(self, angles: list[float]) -> None:
+        if self._pressed or (self.ledger.now >= Fault.FAR_CENTRED and AIR[self.act]):
+            self.ledger.say("no reset: the fault is still there")
+            return
+        self.ledger.clear()
+        self._reset_for = RESET_CYCLES
+        if self.state is State.FAULT:
+            self.watch.reset()
+            self._freeze(angles)
+            self._enter(State.HOLDING if AIR[self.act] else State.OFF, self.act if AIR[self.act] else Act.CENTRE)
+
+    def _react(self, angles: list[float]) -> None:
+        """Do what the worst of the latched faults asks for; air that is off stays off."""
+        reaction, on = self.ledger.reaction, AIR[self.act]
+        if self.act is Act.FOLLOW or (on and self.state is not State.FAULT):
+            self._freeze(angles)
+        if reaction >= Reaction.VENT:
+            act = Act.VENT
+        elif reaction is Reaction.VENT_JOINT:
+            act = self.act if self.act is Act.VENT else Act.VENT_JOINT
+        else:
+            act = Act.HOLD if on else self.act
+        self._enter(State.FAULT, act)
+
+    def _go_on(self) -> None:
+        """What time brings of a stop: held, centred, vented."""
+        stops = self.state is State.STOPPED or (
+            self.state is State.FAULT and self.ledger.reaction is Reaction.STOP
+        )  # fmt: skip
+        if not stops:
+            return
+        if self.act is Act.HOLD and self._in_act >= self.safety.hold_time:
+            self._enter(self.state, Act.CENTRE)
+        elif self.act is Act.CENTRE and self._in_act >= CENTRED:
+            self._enter(self.state, Act.VENT)
+
+    def _demand(self, wish: Wish, elapsed: float) -> None:
+        if self.state is State.READY and not all(isnan(demand) for demand in wish.demands):
+            self._enter(State.MOVING, Act.FOLLOW)
+        if self.act is Act.FOLLOW:
+            for j, (gate, asked) in enumerate(zip(self.gates, wish.demands, strict=True)):
+                self.demands[j] = gate.follow(asked, elapsed)
+                if gate.refused:
+                    self.ledger.note_joint(j, Fault.DEMAND_REFUSED)
+                elif gate.limited:
+                    self.ledger.note_joint(j, Fault.DEMAND_LIMITED)
+        else:
+            for gate in self.gates:
+                gate.settle(elapsed)

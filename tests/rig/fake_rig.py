@@ -1,0 +1,133 @@
+"""A driver on top of a plant for tests, a host that follows a plan, a loop of both; what can fail is an attribute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import nan
+
+import numpy as np
+from numpy.typing import NDArray
+from plant_bench import PlantBench
+
+from layflat.machine import Machine
+from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.driver import Capabilities, Command, Driver, FarState, LinkError, Reading
+from layflat.rig.loop import Loop
+from layflat.rig.safety.supervisor import Wish
+
+Array = NDArray[np.float64]
+
+
+def _nothing(angles: Array, pressures: Array) -> None: ...
+
+
+class FakeDriver(Driver):
+    """Simulated: a cycle of the plant passes between a write and the next read."""
+
+    def __init__(self, machine: Machine, bench: PlantBench) -> None:
+        super().__init__()
+        self.machine, self.bench = machine, bench
+        self.command: Command | None = None
+        self.commands: list[Command] = []
+        self.link: str | None = None
+        self.far = FarState.RUNNING
+        self.stopped = False
+        self.supply: float | None = None
+        self.spoil: Callable[[Array, Array], None] = _nothing
+
+    def read(self) -> Reading:
+        if self.command is not None:
+            self.bench.advance(self.command.voltages)
+        angles, pressures = self.bench.sense()
+        self.spoil(angles, pressures)
+        if self.link is not None:
+            raise LinkError(self.link)
+        supply = self.bench.around.supply_pressure if self.supply is None else self.supply
+        return Reading(angles, pressures, supply, self.stopped, self.far)
+
+    def write(self, command: Command) -> None:
+        self.command = command
+        self.commands.append(command)
+        gauge = self.machine.supply.pressure_gauge if command.air else 0.0
+        around = self.bench.around
+        self.bench.around = around._replace(supply_pressure=around.ambient_pressure + gauge)
+
+    def _configure(self) -> Capabilities:
+        return Capabilities(len(self.machine.joints), 0.0, 10.0, 5.0, True, 0.001)
+
+    def _activate(self) -> None: ...
+
+    def _deactivate(self) -> None: ...
+
+    def _finalize(self) -> None: ...
+
+
+class PlannedHost:
+    """Wants what it is told to, once; keeps rows and lines."""
+
+    def __init__(self, n: int) -> None:
+        self.demands = [nan] * n
+        self.start = self.stop = self.reset = self.ended = False
+        self.age = 0.0
+        self.rows: list[Array] = []
+        self.lines: list[str] = []
+        self.recording = True
+
+    def wish(self, _now: int) -> Wish:
+        wish = Wish(list(self.demands), self.start, self.stop, self.reset, self.age)
+        self.start = self.stop = self.reset = False
+        return wish
+
+    def publish(self, row: Array) -> None:
+        self.rows.append(row.copy())
+
+    # As a recorder
+
+    def push(self, row: Array) -> None: ...
+
+    def event(self, text: str) -> None:
+        self.lines.append(text)
+
+    def alive(self) -> bool:
+        return self.recording
+
+
+class Rig:
+    """All of it, with air in the hoses and demands obeyed from the first cycle on where `filled`."""
+
+    def __init__(
+        self, machine: Machine, angles: Array | None = None, *, seed: int = 0, filled: bool = True,
+        described: Machine | None = None,
+    ) -> None:  # fmt: skip
+        n = len(machine.joints)
+        at = np.zeros(n) if angles is None else np.asarray(angles, dtype=float)
+        self.bench = PlantBench(machine, at, seed, None if filled else 0.0)
+        self.driver = FakeDriver(machine, self.bench)
+        self.host = PlannedHost(n)
+        self.clock = VirtualClock()
+        self.loop = Loop(described or machine, self.driver, self.clock, self.host, self.host)
+        self.supervisor = self.loop.supervisor
+        if filled:
+            self.host.demands = at.tolist()
+            quiet = self.bench.exact()
+            self.loop.begin(Reading(*quiet, self.bench.around.supply_pressure, False, FarState.RUNNING))
+
+    def cycles(self, count: int) -> Rig:
+        for _ in range(count):
+            self.loop.cycle()
+        return self
+
+    def seconds(self, seconds: float) -> Rig:
+        return self.cycles(round(seconds / self.bench.cycle))
+
+    def until(self, condition: Callable[[], bool], most: float) -> float:
+        """Seconds until a condition holds after a cycle; at most so many."""
+        for k in range(round(most / self.bench.cycle)):
+            self.loop.cycle()
+            if condition():
+                return (k + 1) * self.bench.cycle
+        raise AssertionError(f"nothing within {most} s: {self.host.lines[-5:]}")
+
+    @property
+    def now(self) -> float:
+        return self.clock.now() / SECOND

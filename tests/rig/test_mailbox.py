@@ -1,0 +1,93 @@
+import multiprocessing
+import os
+import signal
+import time
+from math import isnan, nan
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
+from layflat.rig.record import Layout
+
+WIDTH = Layout.of(["a", "b"]).width
+
+
+@pytest.fixture
+def path() -> object:
+    made = Mailbox.create(2)
+    yield made
+    made.unlink()
+
+
+def hammer(path: Path) -> None:
+    box, k = Mailbox(path, 2), 0
+    while True:
+        k += 1
+        box.ask(Setpoints([float(k), -float(k)], k, k, k))
+        box.publish(np.full(WIDTH, float(k)))
+
+
+def test_no_message_is_ever_torn_and_a_writer_may_die_at_any_time(path: Path) -> None:
+    box, context = Mailbox(path, 2), multiprocessing.get_context("spawn")
+    for _ in range(2):
+        process = context.Process(target=hammer, args=(path,), daemon=True)
+        process.start()
+        seen, until = set(), time.monotonic() + 20.0
+        while len(seen) < 200 and time.monotonic() < until:
+            found, row = box.asked(), box.shown()
+            if found is not None:
+                wanted = found[1]
+                assert wanted.demands == [wanted.starts, -wanted.starts]
+                assert wanted.starts == wanted.stops == wanted.resets
+                seen.add(wanted.starts)
+            if row is not None:
+                assert (row == row[0]).all()
+        assert len(seen) >= 200
+        assert process.pid is not None
+        os.kill(process.pid, signal.SIGKILL)
+        process.join()
+    box.ask(Setpoints([1.0, 2.0]))
+    found = box.asked()
+    assert found is not None
+    assert found[1].demands == [1.0, 2.0]
+
+
+@given(st.binary(min_size=1, max_size=64), st.integers(0, 200))
+def test_a_spoilt_message_is_not_taken(rubbish: bytes, at: int) -> None:
+    path = Mailbox.create(2)
+    try:
+        box = Mailbox(path, 2)
+        box.ask(Setpoints([0.25, 0.5], 3))
+        end = HEAD.size + 48
+        at = min(at, end - 1)
+        before = bytes(box._memory[:end])
+        box._memory[at : min(at + len(rubbish), end)] = rubbish[: end - at]
+        found = box.asked()
+        # Padding aside, either nothing changed or nothing is taken.
+        if found is not None:
+            assert found[1] == Setpoints([0.25, 0.5], 3)
+            assert bytes(box._memory[HEAD.size : end]) == before[HEAD.size :]
+    finally:
+        path.unlink()
+
+
+def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
+    box, clock = Mailbox(path, 2), VirtualClock()
+    host = RemoteHost(Mailbox(path, 2), clock, 2)
+    assert all(isnan(demand) for demand in host.wish(0).demands)
+    box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
+    first, second = host.wish(SECOND), host.wish(SECOND + SECOND // 20)
+    assert (first.start, first.stop, first.reset, first.age) == (True, False, True, 0.0)
+    assert (second.start, second.reset) == (False, False)
+    assert second.age == pytest.approx(0.05)
+    box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
+    assert host.wish(2 * SECOND).age == 0.0
+    clock.wait(3 * SECOND)
+    assert not host.ended
+    clock.wait(5 * SECOND)
+    assert host.ended

@@ -1,0 +1,197 @@
+"""States without faults: start, stop, demands, stale setpoints; and no false trip."""
+
+from math import nan, radians
+
+import numpy as np
+import pytest
+from fake_rig import Rig
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.machine import changed, load
+from layflat.rig.safety.demands import DemandGate
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.limits import limits
+from layflat.rig.safety.states import Act, State
+from layflat.sim.run import rollout
+
+ARM = load("paper-arm")
+LIMITS = limits(ARM, "small")
+
+
+def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
+    rig = Rig(ARM, np.array([0.1, -0.2]), filled=False).seconds(0.5)
+    assert rig.supervisor.state is State.OFF
+    assert set(rig.driver.commands[-1].voltages) == {5.0}
+    assert not rig.driver.commands[-1].air
+    rig.host.start = True
+    rig.cycles(1)
+    assert rig.supervisor.state is State.STARTING
+    rig.until(lambda: rig.supervisor.state is State.READY, 4.0)
+    assert rig.supervisor.ledger.latched is Fault.NONE
+    rig.seconds(1.0)
+    at = [state.motion.angle for state in rig.bench.states]
+    assert at == pytest.approx([0.1, -0.2], abs=radians(3.0))
+    rig.host.demands = [0.3, 0.3]
+    rig.seconds(3.0)
+    assert rig.supervisor.state is State.MOVING
+    assert [state.motion.angle for state in rig.bench.states] == pytest.approx([0.3, 0.3], abs=radians(0.5))
+    assert rig.supervisor.ledger.latched is Fault.NONE
+
+
+def test_air_that_does_not_come_is_a_fault() -> None:
+    rig = Rig(ARM, filled=False).cycles(2)
+    rig.driver.supply = 1.2e5
+    rig.host.start = True
+    took = rig.until(lambda: rig.supervisor.ledger.latched is Fault.NO_AIR, 6.0)
+    assert took == pytest.approx(ARM.safety.start_time, abs=0.05)
+    rig.seconds(1.0)
+    assert not rig.supervisor.air
+
+
+def test_a_controlled_stop_holds_centres_and_vents() -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.1)
+    rig.host.demands = [0.5, 0.5]
+    rig.seconds(0.3)
+    rig.host.stop = True
+    acts = []
+    for _ in range(500):
+        rig.cycles(1)
+        acts.append(rig.supervisor.act)
+    assert list(dict.fromkeys(acts)) == [Act.HOLD, Act.CENTRE, Act.VENT]
+    assert acts.count(Act.HOLD) * 0.005 == pytest.approx(ARM.safety.hold_time, abs=0.011)
+    assert rig.supervisor.state is State.STOPPED
+    assert rig.supervisor.empty
+    for state in rig.bench.states:
+        assert max(state.hose_a.pressure, state.hose_b.pressure) < 1.1 * rig.bench.around.ambient_pressure
+    assert rig.supervisor.ledger.latched is Fault.NONE
+    rig.host.start = True
+    rig.until(lambda: rig.supervisor.state is State.MOVING, 4.0)
+
+
+def test_stale_setpoints_hold_and_then_vent() -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.1)
+    rig.host.age = 0.094
+    rig.cycles(1)
+    assert rig.supervisor.state is State.MOVING
+    rig.host.age = 0.0999
+    rig.cycles(1)
+    assert rig.supervisor.ledger.now is Fault.SETPOINT_STALE
+    assert rig.supervisor.act is Act.HOLD
+    rig.host.age = 0.0
+    rig.seconds(2.5)
+    assert rig.supervisor.state is State.STOPPED
+    assert rig.supervisor.empty
+
+
+def test_stale_setpoints_in_a_fault_that_holds_vent_too() -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.1)
+    rig.supervisor.ledger.note(Fault.FOLLOWING_ERROR)
+    rig.cycles(1)
+    assert rig.supervisor.act is Act.HOLD
+    rig.host.age = 1.0
+    rig.seconds(1.0)
+    assert rig.supervisor.act is Act.VENT
+
+
+def test_a_dead_recorder_is_told_and_bars_a_start() -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.2)
+    rig.host.recording = False
+    rig.seconds(0.2)
+    assert rig.supervisor.ledger.now is Fault.RECORDER_DEAD
+    assert rig.supervisor.state is State.MOVING
+    rig.host.stop = True
+    rig.seconds(2.5)
+    rig.host.start = True
+    rig.seconds(0.1)
+    assert rig.supervisor.state is State.STOPPED
+    rig.host.recording = True
+    rig.seconds(0.2)
+    rig.host.start = True
+    rig.cycles(1)
+    assert rig.supervisor.state is State.STARTING
+
+
+@pytest.mark.parametrize("outside", [radians(60.1), -radians(90.0), nan, float("inf")])
+def test_a_demand_outside_is_refused(outside: float) -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.1)
+    rig.host.demands = [0.2, outside]
+    rig.seconds(0.2)
+    assert rig.supervisor.ledger.now is Fault.DEMAND_REFUSED
+    assert rig.supervisor.demands == [0.2, 0.0]
+    assert sum("refused" in line for line in rig.host.lines) == 1
+    assert rig.supervisor.state is State.MOVING
+
+
+@given(st.lists(st.floats(-1.2, 1.2) | st.just(nan), min_size=1, max_size=40), st.integers(1, 50))
+def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], each: int) -> None:
+    gate, lead, speed = DemandGate(LIMITS, 0.5), 0.5, LIMITS.demand_speed
+    reference = 0.0
+    for demand in asked:
+        for _ in range(each):
+            given_ = gate.follow(demand, 0.005)
+            assert abs(given_) <= LIMITS.working + 1e-9
+            assert abs(given_ - reference) <= lead + 1e-12
+            assert abs(gate.reference - reference) <= speed * 0.005 + 1e-12
+            reference = gate.reference
+
+
+def test_a_step_of_the_paper_passes_as_it_is_and_a_greater_one_is_limited() -> None:
+    gate = DemandGate(LIMITS, ARM.safety.demand_lead)
+    assert gate.follow(radians(40.0), 0.005) == radians(40.0)
+    gate.freeze(-radians(40.0))
+    assert gate.follow(radians(40.0), 0.005) == pytest.approx(radians(5.0))
+    assert gate.limited
+    for _ in range(200):
+        gate.follow(radians(40.0), 0.005)
+    assert gate.demand == radians(40.0)
+
+
+@pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "paper-large-joint", "earlier-actuator"])
+def test_no_false_trip_in_minutes_of_random_moves(name: str) -> None:
+    machine = load(name)
+    n, rng = len(machine.joints), np.random.default_rng(7)
+    rig = Rig(machine, np.zeros(n), seed=7)
+    half = min(joint.stops.working_stroke for joint in machine.joints.values()) / 3
+    while rig.bench.k * rig.bench.cycle < 60.0:
+        rig.host.demands = list(half * rng.uniform(-1.0, 1.0, n))
+        rig.bench.around = rig.bench.around._replace(payload=machine.arm.payload * rng.uniform(0.4, 1.6))
+        rig.seconds(rng.uniform(1.0, 3.0))
+        assert rig.supervisor.ledger.latched is Fault.NONE, (rig.now, rig.host.lines[-3:])
+    assert rig.supervisor.state is State.MOVING
+
+
+@pytest.mark.parametrize("drift", [-0.4, 0.4])
+def test_no_false_trip_with_a_shifted_centre(drift: float) -> None:
+    rig = Rig(ARM, np.zeros(2), seed=1)
+    rig.bench.drift[:] = drift
+    for demand in ([0.5, -0.4], [-0.1, 0.3], [0.4, 0.5]):
+        rig.host.demands = demand
+        rig.seconds(2.0)
+    assert rig.supervisor.ledger.latched is Fault.NONE, rig.host.lines
+
+
+def test_no_false_trip_of_an_arm_that_differs_from_its_description() -> None:
+    rig = Rig(changed(ARM, "valve.conductance", 1.25 * ARM.valve.conductance), np.zeros(2), described=ARM)  # type: ignore[union-attr]
+    for demand in ([0.5, -0.4], [-0.1, 0.3], [0.4, 0.5], [0.0, 0.0]):
+        rig.host.demands = demand
+        rig.seconds(2.0)
+    assert rig.supervisor.ledger.latched is Fault.NONE, rig.host.lines
+
+
+def test_the_loop_gives_the_trace_of_a_run_bit_for_bit() -> None:
+    demand = np.zeros((500, 2))
+    demand[:100], demand[100:300], demand[300:] = (-0.35, -0.35), (0.35, -0.35), (0.35, 0.35)
+    run = rollout(ARM, demand, duration=2.5, seed=3)
+    rig = Rig(ARM, demand[0], seed=3)
+    for k in range(500):
+        rig.host.demands = demand[k].tolist()
+        rig.cycles(1)
+    rows = np.array(rig.host.rows)
+    for j in range(2):
+        columns = rows[:, rig.loop.layout.of_joint(j)].T
+        from layflat.rig.record import BY_JOINT
+
+        for name, column in zip(BY_JOINT, columns, strict=True):
+            if name != "joint_fault":
+                assert np.array_equal(column, run[name].to_numpy()[:500, j]), name
