@@ -42,6 +42,7 @@ class Device:
         converters: what is wrong with the sensors.
         set_gauge: to which the regulator is set, Pa.
         strengths: greatest torque of each joint, N m.
+        brakes: what each joint's brake holds, N m.
 
     Raises:
         MachineError: the machine has no valve or sensors.
@@ -61,6 +62,7 @@ class Device:
         self.set_gauge = machine.supply.pressure_gauge
         strongest = (parameters.torque_constant(joint) for joint in machine.joints.values())
         self.strengths = self.set_gauge * np.array(list(strongest))
+        self.brakes = np.array([joint.brake.torque for joint in machine.joints.values()])
         self._centred = np.full(n, self.capabilities.centre_voltage)
         self._open = np.full(n, self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)

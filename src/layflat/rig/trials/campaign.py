@@ -11,6 +11,7 @@ import numpy as np
 
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import FarState
+from layflat.rig.far.device import Device
 from layflat.rig.safety.faults import TABLE, Fault
 from layflat.rig.trials.stand import Stand
 from layflat.rig.trials.table import ROWS, Safe, Way
@@ -35,6 +36,12 @@ PATIENCE = 1.0
 
 SETTLES = 3.0
 """In which what is safe has to be reached, s."""
+
+HOME = 0.5
+"""rad: joints that are further from mid-stroke are led back after a trial."""
+
+HAND = 2.0
+"""Torque of that hand, as a multiple of what the brake holds."""
 
 EMPTY = 0.3e5
 """Gauge pressure below which a hose is empty, Pa."""
@@ -98,6 +105,16 @@ class Campaign:
             for number in range(self.instants):
                 random = np.random.default_rng((self.seed, [HOST_GONE, *ROWS].index(row), number))
                 yield Trial(self.stand, row, ways[number % len(ways)], random).run()
+
+
+def lead_home(device: Device, home: float) -> bool:
+    """Turn joints that are further than `home` (rad) from mid-stroke towards it; whether there are any."""
+    plant, away = device.plant, False
+    for j, angle in enumerate(plant.angles):
+        far = abs(angle) > home
+        plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if far else 0.0
+        away = away or bool(far)
+    return away
 
 
 class Trial:
@@ -240,6 +257,9 @@ class Trial:
         self.way.end(stand, self.joint)
         stand.host.edges = {"stop"}
         for _ in range(round((stand.machine.safety.hold_time + stand.machine.safety.vent_time) / stand.cycle)):
+            stand.turn()
+        # By hand, as anyone would who finds a joint at its stop without air.
+        while stand.far.call(lead_home, HOME):
             stand.turn()
         stand.host.edges = {"reset"}
         for _ in range(8):

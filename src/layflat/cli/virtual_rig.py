@@ -1,0 +1,35 @@
+"""The virtual rig: the one place where a simulated plant is put behind the interface of a real one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from layflat.machine import Machine
+    from layflat.rig.clock import Clock
+    from layflat.rig.far.device import Device
+
+
+@dataclass(frozen=True)
+class VirtualRig:
+    """Makes a far side with a simulated machine behind it, in whatever process it is called; it can be pickled.
+
+    Args:
+        machine: what is simulated.
+        seed: of the sensors' noise.
+        filled: with air from the start, as a simulated run, instead of switched off and empty.
+    """
+
+    machine: Machine
+    seed: int = 0
+    filled: bool = False
+
+    def __call__(self, clock: Clock) -> Device:
+        """Make it."""
+        from layflat.rig.far.device import Device  # noqa: PLC0415
+        from layflat.sim.plant import SteppedPlant  # noqa: PLC0415
+
+        ambient = self.machine.supply.ambient_pressure
+        plant = SteppedPlant(self.machine, seed=self.seed, pressures=None if self.filled else (ambient, ambient))
+        return Device(self.machine, plant, clock, running=self.filled)
