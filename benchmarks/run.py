@@ -15,7 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import many, mujoco_arm, scipy_plant
+from benchmarks import many, mujoco_arm, rig_loop, scipy_plant
 from layflat.experiments.timing import CYCLES, control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
@@ -65,6 +65,7 @@ def measure() -> dict[str, float | str]:
         "scipy_ratio": scipy_seconds / (rollout / 0.25e-3),
         "controller_ns_per_cycle": 1e9 * controller,
         **many.measure(machine),
+        **rig_loop.measure(),
         "processor": platform.processor() or platform.machine(),
         "cores": float(os.cpu_count() or 1),
     }
@@ -87,6 +88,7 @@ MEANING = {
     "ensemble_100000_runs_ns_per_step_per_core": "100 000 runs",
     "ensemble_100000_runs_on_gpu_ns_per_step": "100 000 runs on the CUDA device, where there is one",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
+    **rig_loop.MEANING,
 }
 
 

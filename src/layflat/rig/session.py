@@ -152,8 +152,7 @@ class Session:
         Raises:
             LoopError: it does not.
         """
-        while self._pipe_holds():
-            self._take(self._pipe.recv())
+        self._listen()
         if not self.process.is_alive():
             raise LoopError(
                 f"the loop's process is gone (status {self.process.exitcode}); the far side vents by itself"
@@ -171,8 +170,7 @@ class Session:
                 self.process.kill()
                 self.process.join()
             with contextlib.suppress(LoopError):
-                while self._pipe_holds():
-                    self._take(self._pipe.recv())
+                self._listen()
         finally:
             self._over.set()
             if self._thread is not None:
@@ -201,26 +199,25 @@ class Session:
         while not self._over.wait(REFRESH):
             self.refresh()
 
-    def _pipe_holds(self) -> bool:
+    def _listen(self) -> bool:
+        """Take what the process has said, if anything."""
         try:
-            return self._pipe.poll()
-        except (OSError, EOFError):
+            said: Said | None = self._pipe.recv() if self._pipe.poll() else None
+        except (OSError, EOFError):  # it has ended
             return False
+        if said is not None:
+            self.told += said.lines
+            if said.kind == "failed":
+                raise LoopError(said.lines[0])
+        return said is not None
 
     def _begun(self) -> None:
         until = time.monotonic() + STARTS_WITHIN
         while time.monotonic() < until:
-            if self._pipe.poll(0.1):
-                try:
-                    self._take(self._pipe.recv())
-                except EOFError:
-                    break
+            gone = not self.process.is_alive()
+            if self._listen():
                 return
-            if not self.process.is_alive():
+            if gone:
                 break
+            time.sleep(0.01)
         raise LoopError(f"the loop's process did not start (status {self.process.exitcode})")
-
-    def _take(self, said: Said) -> None:
-        self.told += said.lines
-        if said.kind == "failed":
-            raise LoopError(said.lines[0])

@@ -1,0 +1,141 @@
+"""The loop of a rig in real time at 200 Hz: how late cycles are, and what they cost, beside a busy process."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from multiprocessing.connection import Connection
+from multiprocessing.synchronize import Event
+from pathlib import Path
+
+import numpy as np
+
+from layflat.machine import Machine, load
+from layflat.rig.clock import MonotonicClock
+from layflat.rig.driver import Capabilities, Command, Driver, FarState, Reading
+from layflat.rig.loop import Loop, NoRecorder
+from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
+from layflat.rig.realtime import go_realtime
+from layflat.rig.warm import warm_up
+
+SECONDS = 10.0
+"""Of real time that are measured."""
+
+PANEL_RATE = 30.0
+"""Pictures a second of what stands for a panel."""
+
+RING = 256
+"""Readings that the driver gives one after the other."""
+
+
+class Replay(Driver):
+    """Costs next to nothing: it gives noisy readings of an arm at rest."""
+
+    def __init__(self, machine: Machine) -> None:
+        super().__init__()
+        rng, n = np.random.default_rng(0), len(machine.joints)
+        swing = np.array([0.0, 3e3, 0.0, -3e3])
+        self._readings = [
+            Reading(
+                2e-4 * rng.standard_normal(n), swing[k % 4] + 200.0 * rng.standard_normal(n),
+                machine.supply.pressure, False, FarState.RUNNING,
+            )
+            for k in range(RING)
+        ]  # fmt: skip
+        self._k = 0
+
+    def read(self) -> Reading:
+        """The next reading."""
+        self._k = (self._k + 1) % RING
+        return self._readings[self._k]
+
+    def write(self, command: Command) -> None:
+        """Nothing moves."""
+
+    def _configure(self) -> Capabilities:
+        return Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
+
+    def _activate(self) -> None: ...
+
+    def _deactivate(self) -> None: ...
+
+    def _finalize(self) -> None: ...
+
+
+def panel(mailbox: str, over: Event) -> None:
+    """What a panel does: it asks, looks on, and computes pictures."""
+    box, n = Mailbox(Path(mailbox), 2), 400
+    while not over.is_set():
+        begin = time.perf_counter()
+        box.ask(Setpoints([0.0, 0.0]))
+        box.shown()
+        for _ in range(3):
+            picture = np.random.default_rng(0).standard_normal((n, n))
+            picture @ picture
+        time.sleep(max(0.5 / PANEL_RATE, 1.0 / PANEL_RATE - (time.perf_counter() - begin)))
+
+
+def work(mailbox: str, sender: Connection) -> None:
+    """The loop's process: cycles of an arm at rest, with air and demands."""
+    machine, clock = load("paper-arm"), MonotonicClock()
+    driver = Replay(machine)
+    driver.configure()
+    driver.activate()
+    warm_up(machine)
+    loop = Loop(machine, driver, clock, RemoteHost(Mailbox(Path(mailbox), 2), clock, 2), NoRecorder())
+    refused = go_realtime()
+    loop.begin(driver.read())
+    for _ in range(100):
+        loop.cycle()
+    loop.deadlines.forget()
+    for _ in range(round(SECONDS / loop.deadlines.cycle)):
+        loop.cycle()
+    late, busy = loop.deadlines.lateness_at, loop.deadlines.compute_at
+    sender.send(
+        {
+            "loop_lateness_median_us": 1e6 * late(0.5),
+            "loop_lateness_99_percent_us": 1e6 * late(0.99),
+            "loop_compute_median_us": 1e6 * busy(0.5),
+            "loop_compute_99_percent_us": 1e6 * busy(0.99),
+            "loop_missed_deadlines": float(loop.deadlines.missed),
+            "loop_realtime_refused": float(len(refused)),
+            "loop_state": float(loop.supervisor.state),
+        }
+    )
+
+
+def measure() -> dict[str, float]:
+    """All figures by name."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    context, path = multiprocessing.get_context("spawn"), Mailbox.create(2)
+    over, (mine, its) = context.Event(), context.Pipe()
+    busy = context.Process(target=panel, args=(str(path), over), daemon=True)
+    loop = context.Process(target=work, args=(str(path), its), daemon=True)
+    try:
+        busy.start()
+        loop.start()
+        if not mine.poll(SECONDS + 120.0):
+            raise TimeoutError("the loop did not answer")
+        found: dict[str, float] = mine.recv()
+    finally:
+        over.set()
+        loop.join(10.0)
+        busy.join(10.0)
+        path.unlink()
+    return found
+
+
+MEANING = {
+    "loop_lateness_median_us": "a rig's loop at 200 Hz beside a busy panel: a cycle after its deadline; aim 150",
+    "loop_lateness_99_percent_us": "the same, kept by 99 % of the cycles",
+    "loop_compute_median_us": "a whole cycle: controllers, safety, hand-off to recorder, snapshot; aim 50",
+    "loop_compute_99_percent_us": "the same, kept by 99 % of the cycles",
+    "loop_missed_deadlines": "of 2000",
+    "loop_realtime_refused": "of priority, locked memory, own processor, exact timers: not granted here",
+}
+
+
+if __name__ == "__main__":
+    for name, value in measure().items():
+        print(f"{name:32s} {value:.4g}")
