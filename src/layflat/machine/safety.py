@@ -36,6 +36,10 @@ class Safety(Part):
     demand_lead: u.PositiveAngle = Field(
         default=radians(45.0), description="how far a demand may jump ahead; the paper's moves are steps of 40 deg"
     )
+    demand_margin: Annotated[float, Field(gt=0.0, le=10.0)] = Field(
+        default=0.9,
+        description="how far it may jump, over what is left between any joint and its stop: joints fling each other out",
+    )
     demand_speed: u.PositiveSpeed = Field(
         default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"
     )

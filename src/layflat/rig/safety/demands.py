@@ -15,14 +15,18 @@ class DemandGate:
 
     Args:
         limits: of the joint.
-        lead: rad.
     """
 
-    __slots__ = ("demand", "lead", "limited", "limits", "reference", "refused")
+    __slots__ = ("demand", "limited", "limits", "reference", "refused")
 
-    def __init__(self, limits: Limits, lead: float) -> None:
-        self.limits, self.lead = limits, lead
+    def __init__(self, limits: Limits) -> None:
+        self.limits = limits
         self.freeze(0.0)
+
+    def margin(self, asked: float) -> float:
+        """What is left to the stops where the joint goes, or comes from, rad."""
+        there = abs(asked) if abs(asked) <= self.limits.working else abs(self.demand)
+        return self.limits.mechanical - max(there, abs(self.reference))
 
     def freeze(self, angle: float) -> None:
         """From now on ask for this angle (rad)."""
@@ -34,12 +38,12 @@ class DemandGate:
         """How far the demand is ahead of the reference, rad."""
         return abs(self.demand - self.reference)
 
-    def follow(self, asked: float, elapsed: float) -> float:
+    def follow(self, asked: float, lead: float, elapsed: float) -> float:
         """The demand after a cycle in which this angle (rad) was asked for; one outside the stroke changes nothing."""
         self.refused = not (isfinite(asked) and abs(asked) <= self.limits.working + 1e-9)
         if self.refused:
             asked = self.demand
-        low, high = self.reference - self.lead, self.reference + self.lead
+        low, high = self.reference - lead, self.reference + lead
         allowed = low if asked < low else high if asked > high else asked
         self.limited = allowed != asked
         self.demand = allowed

@@ -42,6 +42,8 @@ class Limits(NamedTuple):
     """Whether a sound pressure sensor changes all the time."""
     working: float
     """Half the working stroke: where demands may lie, rad."""
+    mechanical: float
+    """Half the mechanical stroke: where the stops are, rad."""
 
 
 def limits(machine: Machine, name: str) -> Limits:
@@ -72,6 +74,7 @@ def limits(machine: Machine, name: str) -> Limits:
         machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
         seen or pressure.noise > LIVELY * pressure.lsb or isinstance(valve, SpoolValve),
         working,
+        mechanical,
     )
 
 

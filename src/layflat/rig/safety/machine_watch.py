@@ -22,6 +22,9 @@ Array = NDArray[np.float64]
 FILLED = 0.75
 """Of the supply's pressure: what hoses hold whose valve leaks equally to supply and exhaust."""
 
+EMPTIES = 0.03
+"""Time that a supply line takes to show that nothing comes any more, s."""
+
 LONG_TERM = Memory._fields.index("long_term")
 SPEED, AVERAGED = Status._fields.index("velocity"), Status._fields.index("differential_pressure")
 
@@ -70,7 +73,7 @@ class MachineWatch:
         for joint in self.joints:
             joint.reset()
         self._pressed = Samples(TABLE[Fault.OVER_PRESSURE].cycles)
-        self._gone = Lasting(TABLE[Fault.SUPPLY_LOST].seconds, cycle)
+        self._gone = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - EMPTIES, cycle)
         self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
 
     def begin(self, reading: Reading, *, filled: bool) -> None:

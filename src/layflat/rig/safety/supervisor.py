@@ -25,8 +25,8 @@ from layflat.rig.safety.states import AIR, Act, State
 
 Array = NDArray[np.float64]
 
-RESET_CYCLES = 4
-"""For so long a reset is sent to the far side: it has an edge, and one lost reply does not lose it."""
+RESET_LOW, RESET_HIGH = 4, 4
+"""Cycles for which a reset is not sent, and then is: the far side takes its edge, and one lost reply does not lose it."""
 
 THERE = 0.2
 """Supply and ripple have to be there for so long until a soft start is over, s."""
@@ -66,7 +66,7 @@ class Supervisor:
         self.safety = machine.safety
         each = [limits(machine, name) for name in machine.joints]
         self.watch = MachineWatch(machine, cycle, each)
-        self.gates = [DemandGate(one, machine.safety.demand_lead) for one in each]
+        self.gates = [DemandGate(one) for one in each]
         self.ledger = Ledger(list(machine.joints))
         self._centre = valve.centre_voltage
         self._low, self._high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
@@ -91,7 +91,7 @@ class Supervisor:
     @property
     def resets(self) -> bool:
         """Whether the far side is to be told to obey again."""
-        return self._reset_for > 0
+        return 0 < self._reset_for <= RESET_HIGH
 
     @property
     def empty(self) -> bool:
@@ -238,7 +238,7 @@ class Supervisor:
             self._enter(State.READY, Act.HOLD)
         elif self.state in {State.OFF, State.STOPPED}:
             self._freeze(angles)
-            self._obeyed, self._reset_for = False, RESET_CYCLES
+            self._obeyed, self._reset_for = False, RESET_LOW + RESET_HIGH
             self._there(False, 0.0)
             self._enter(State.STARTING, Act.HOLD)
 
@@ -259,7 +259,7 @@ class Supervisor:
             self.ledger.say("no reset: the fault is still there")
             return
         self.ledger.clear()
-        self._reset_for = RESET_CYCLES
+        self._reset_for = RESET_LOW + RESET_HIGH
         if self.state is State.FAULT:
             self.watch.reset()
             self._freeze(angles)
@@ -294,8 +294,10 @@ class Supervisor:
         if self.state is State.READY and not all(isnan(demand) for demand in wish.demands):
             self._enter(State.MOVING, Act.FOLLOW)
         if self.act is Act.FOLLOW:
+            margin = min([gate.margin(asked) for gate, asked in zip(self.gates, wish.demands, strict=True)])
+            lead = min(self.safety.demand_lead, self.safety.demand_margin * max(margin, 0.0))
             for j, (gate, asked) in enumerate(zip(self.gates, wish.demands, strict=True)):
-                self.demands[j] = gate.follow(asked, elapsed)
+                self.demands[j] = gate.follow(asked, lead, elapsed)
                 if gate.refused:
                     self.ledger.note_joint(j, Fault.DEMAND_REFUSED)
                 elif gate.limited:

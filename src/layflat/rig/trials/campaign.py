@@ -50,7 +50,9 @@ STILL = 0.02
 """Speed below which a joint stands still, rad/s."""
 
 HOST_GONE = "host dead, frozen or late"
-LATE = Way("late host", lambda *_: None, lambda *_: None, (Fault.FAR_CENTRED, Fault.FAR_DUMPED), 4, 0.0, Safe.ALL_VENTED)
+LATE = Way(
+    "late host", lambda *_: None, lambda *_: None, (Fault.FAR_CENTRED, Fault.FAR_DUMPED), 4, 0.0, Safe.ALL_VENTED
+)
 
 
 class Outcome(NamedTuple):
@@ -180,7 +182,10 @@ class Trial:
 
     def _off(self) -> bool:
         """Ask the joint to go far, in this cycle."""
-        stand, reach = self.stand, 0.5 * SPAN * list(self.stand.machine.joints.values())[self.joint].stops.working_stroke
+        stand, reach = (
+            self.stand,
+            0.5 * SPAN * list(self.stand.machine.joints.values())[self.joint].stops.working_stroke,
+        )
         here = stand.truth.angles[self.joint]
         side = -1.0 if here > 0.0 else 1.0
         demands = self._place()
@@ -207,6 +212,8 @@ class Trial:
             there = {ledger.now, ledger.latched, *ledger.joints, *ledger.joints_now}
             by = [fault for fault in way.found if fault in there]
             if by and now > instant:
+                if way.brief:
+                    way.end(stand, self.joint)
                 return (now - (since if since is not None else now)) / SECOND, TABLE[by[0]].title, limit
         return inf, "", limit
 
@@ -226,7 +233,11 @@ class Trial:
             if stand.truth.far is FarState.DUMPED and dumped == inf:
                 dumped = quiet
         on_time = dumped <= machine.interface.dump_after + 1e-3 + 1e-9
-        return (found if on_time else inf), f"by the far side: centred, dumped after {1e3 * dumped:.0f} ms", limit + 1e-3
+        return (
+            (found if on_time else inf),
+            f"by the far side: centred, dumped after {1e3 * dumped:.0f} ms",
+            limit + 1e-3,
+        )
 
     def _safe(self, instant: int) -> float:
         """How long after the failure what is safe was reached, s."""
@@ -250,6 +261,9 @@ class Trial:
                 return truth.pressures[self.joint] < empty
             case Safe.ALL_VENTED:
                 return all(pressure < empty for pressure in truth.pressures)
+            case Safe.OTHERS_VENTED:
+                others = [pressure for j, pressure in enumerate(truth.pressures) if j != self.joint]
+                return all(pressure < empty for pressure in others) and abs(truth.velocities[self.joint]) < STILL
 
     def _mend(self) -> None:
         """Heal, stop, let the air out, and reset."""
@@ -281,5 +295,3 @@ def judged(outcomes: list[Outcome]) -> dict[str, dict[str, float | int]]:
             "above_supply": max(outcome.above_supply for outcome in own),
         }
     return rows
-
-

@@ -175,7 +175,7 @@ class Stand:
         self.truth: Truth = far.call(truth)
 
     @property
-    def supervisor(self):  # type: ignore[no-untyped-def]  # noqa: ANN201
+    def supervisor(self):  # type: ignore[no-untyped-def]
         """Of the loop."""
         return self.loop.supervisor
 

@@ -29,6 +29,8 @@ class Safe(Enum):
     """The hoses of the joint are empty."""
     ALL_VENTED = "all vented"
     """All hoses are empty."""
+    OTHERS_VENTED = "others vented"
+    """All hoses of the other joints are empty, and this one stands still: its air can't get out."""
 
 
 class Way(NamedTuple):
@@ -55,6 +57,8 @@ class Way(NamedTuple):
     moving: bool = False
     since: Callable[[Stand, int], bool] | None = None
     """Whether a limit is passed in truth, where the time counts from then on."""
+    brief: bool = False
+    """Whether it ends by itself when it is found: who pushes a joint lets go of it."""
 
 
 def inject(device: Device, name: str, joint: int, size: float | None) -> None:
@@ -69,7 +73,7 @@ def heal(device: Device, name: str, joint: int) -> None:
 
 def _of_rig(
     name: str, found: tuple[Fault, ...], safe: Safe, *, size: float | None = None, cycles: int = 0,
-    seconds: float = 0.0, moving: bool = False, label: str = "", since: Callable[[Stand, int], bool] | None = None,
+    seconds: float = 0.0, moving: bool = False, label: str = "", since: Callable[[Stand, int], bool] | None = None, brief: bool = False,
 ) -> Way:  # fmt: skip
     def begin(stand: Stand, joint: int) -> None:
         stand.far.call(inject, name, joint, size)
@@ -77,7 +81,7 @@ def _of_rig(
     def end(stand: Stand, joint: int) -> None:
         stand.far.call(heal, name, joint)
 
-    return Way(label or name, begin, end, found, cycles, seconds, safe, moving, since)
+    return Way(label or name, begin, end, found, cycles, seconds, safe, moving, since, brief)
 
 
 def _stale(stand: Stand, _: int) -> None:
@@ -130,9 +134,7 @@ ROWS: dict[str, tuple[Way, ...]] = {
         _of_rig("silence", LINK, Safe.ALL_VENTED, cycles=3),
         _of_rig("reply-lost", (Fault.REPLY_LOST,), Safe.TOLD, size=1.0, cycles=1, label="one reply lost"),
     ),
-    "setpoint stale": (
-        Way("host silent", _stale, _heard, (Fault.SETPOINT_STALE,), 0, 0.1, Safe.ALL_VENTED),
-    ),
+    "setpoint stale": (Way("host silent", _stale, _heard, (Fault.SETPOINT_STALE,), 0, 0.1, Safe.ALL_VENTED),),
     "NaN or out-of-range command": (_nonsense(np.nan, "not a number"), _nonsense(25.0, "25 V")),
     "angle sensor open or shorted": (
         _of_rig("angle-open", SENSOR, Safe.VENTED, cycles=3),
@@ -146,11 +148,11 @@ ROWS: dict[str, tuple[Way, ...]] = {
     "valve driven, pressure does not answer": (
         _of_rig("stuck-spool", ANSWER, Safe.ALL_VENTED, seconds=0.2, moving=True),
         _of_rig("burst-hose", ANSWER, Safe.ALL_VENTED, seconds=0.2),
-        _of_rig("kinked-hose", ANSWER, Safe.ALL_VENTED, seconds=0.2, moving=True),
+        _of_rig("kinked-hose", ANSWER, Safe.OTHERS_VENTED, seconds=0.2, moving=True),
     ),
     "over-pressure, over-speed, outside the stroke": (
         _of_rig("supply-high", (Fault.OVER_PRESSURE,), Safe.ALL_VENTED, cycles=2, since=_too_high),
-        _of_rig("push", BEYOND, Safe.ALL_VENTED, cycles=2, since=_away),
+        _of_rig("push", BEYOND, Safe.ALL_VENTED, size=0.6, cycles=2, since=_away, brief=True),
     ),
     "supply lost": (_of_rig("supply-lost", (Fault.SUPPLY_LOST,), Safe.ALL_VENTED, seconds=0.1),),
     "recorder dead": (Way("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), 0, 1.0, Safe.TOLD),),
