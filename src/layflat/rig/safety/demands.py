@@ -4,24 +4,23 @@ from __future__ import annotations
 
 from math import isfinite
 
-from layflat.rig.safety.limits import Limits
-
 
 class DemandGate:
     """The gate of one joint.
 
-    A demand may jump ahead of a reference by `lead`; the reference follows it at the limits' `demand_speed`. Small
+    A demand may jump ahead of a reference by `lead`; the reference follows it at `speed`. Small
     steps so pass as they are, and large ones become a step and a ramp.
 
     Args:
-        limits: of the joint.
+        working: half the working stroke, rad.
+        speed: of the reference, rad/s.
         lead: rad.
     """
 
-    __slots__ = ("demand", "lead", "limited", "limits", "reference", "refused")
+    __slots__ = ("demand", "lead", "limited", "reference", "refused", "speed", "working")
 
-    def __init__(self, limits: Limits, lead: float) -> None:
-        self.limits, self.lead = limits, lead
+    def __init__(self, working: float, speed: float, lead: float) -> None:
+        self.working, self.speed, self.lead = working, speed, lead
         self.freeze(0.0)
 
     def freeze(self, angle: float) -> None:
@@ -36,7 +35,7 @@ class DemandGate:
 
     def follow(self, asked: float, elapsed: float) -> float:
         """The demand after a cycle in which this angle (rad) was asked for; one outside the stroke changes nothing."""
-        self.refused = not (isfinite(asked) and abs(asked) <= self.limits.working + 1e-9)
+        self.refused = not (isfinite(asked) and abs(asked) <= self.working + 1e-9)
         if self.refused:
             asked = self.demand
         low, high = self.reference - self.lead, self.reference + self.lead
@@ -48,5 +47,5 @@ class DemandGate:
 
     def settle(self, elapsed: float) -> None:
         """Let the reference go on towards the demand."""
-        way, left = self.limits.demand_speed * elapsed, self.demand - self.reference
+        way, left = self.speed * elapsed, self.demand - self.reference
         self.reference = self.demand if abs(left) <= way else self.reference + (way if left > 0.0 else -way)

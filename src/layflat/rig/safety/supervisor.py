@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.control import watch
 from layflat.machine import Machine
 from layflat.machine.parameters.drives import drive_parts
 from layflat.rig.driver import FarState, Reading
@@ -19,8 +20,8 @@ from layflat.rig.safety.demands import DemandGate
 from layflat.rig.safety.faults import REACTIONS, TABLE, Fault, Reaction
 from layflat.rig.safety.lasting import Lasting, Samples
 from layflat.rig.safety.ledger import Ledger
-from layflat.rig.safety.limits import limits
-from layflat.rig.safety.machine_watch import Level, MachineWatch
+from layflat.rig.safety.limits import limits, working_half
+from layflat.rig.safety.machine_watch import MachineWatch
 from layflat.rig.safety.states import AIR, Act, State
 
 Array = NDArray[np.float64]
@@ -66,7 +67,10 @@ class Supervisor:
         self.safety = machine.safety
         each = [limits(machine, name) for name in machine.joints]
         self.watch = MachineWatch(machine, cycle, each)
-        self.gates = [DemandGate(one, machine.safety.demand_lead) for one in each]
+        self.gates = [
+            DemandGate(working_half(machine, name), machine.safety.demand_speed, machine.safety.demand_lead)
+            for name in machine.joints
+        ]
         self.ledger = Ledger(list(machine.joints))
         self._centre = valve.centre_voltage
         self._low, self._high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
@@ -209,10 +213,10 @@ class Supervisor:
             gate.freeze(angle if isfinite(angle) else gate.demand)
             self.demands[j] = gate.demand
 
-    def _level(self) -> Level:
+    def _level(self) -> int:
         if not AIR[self.act]:
-            return Level.SENSORS
-        return Level.MOTION if self.state is State.STARTING else Level.AIR
+            return watch.SENSORS
+        return watch.MOTION if self.state is State.STARTING else watch.AIR
 
     def _far(self, far: FarState) -> None:
         if not AIR[self.act]:
