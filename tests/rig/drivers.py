@@ -9,7 +9,7 @@ from fake_rig import FakeDriver
 from plant_bench import PlantBench
 
 from layflat.machine import load
-from layflat.rig.driver import Capabilities, Command, Driver, DriverError, FarState, Reading
+from layflat.rig.driver import Driver, DriverError, Reading
 from layflat.rig.loop import NoRecorder
 
 
@@ -35,30 +35,6 @@ def breaking() -> Driver:
 
 def _break() -> Reading:
     raise RuntimeError("out of order")
-
-
-class Still(Driver):
-    """Costs no time: the sensors say the same two things in turn."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._k = 0
-
-    def read(self) -> Reading:
-        self._k += 1
-        swing = (0.0, 4e3, 0.0, -4e3)[self._k % 4]
-        return Reading(np.array([0.0, 0.0]), np.array([swing, swing]), 5.01325e5, False, FarState.RUNNING)
-
-    def write(self, command: Command) -> None: ...
-
-    def _configure(self) -> Capabilities:
-        return Capabilities(2, 0.0, 10.0, 5.0, True, 0.001)
-
-    def _activate(self) -> None: ...
-
-    def _deactivate(self) -> None: ...
-
-    def _finalize(self) -> None: ...
 
 
 class LineRecorder(NoRecorder):

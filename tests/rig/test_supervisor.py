@@ -11,12 +11,11 @@ from hypothesis import strategies as st
 from layflat.machine import changed, load
 from layflat.rig.safety.demands import DemandGate
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.limits import limits
 from layflat.rig.safety.states import Act, State
 from layflat.sim.run import rollout
 
 ARM = load("paper-arm")
-LIMITS = limits(ARM, "small")
+WORKING, SPEED = ARM.joint["small"].stops.working_stroke / 2, ARM.safety.demand_speed
 
 
 def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
@@ -125,19 +124,19 @@ def test_a_demand_outside_is_refused(outside: float) -> None:
 
 @given(st.lists(st.floats(-1.2, 1.2) | st.just(nan), min_size=1, max_size=40), st.integers(1, 50))
 def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], each: int) -> None:
-    gate, lead, speed = DemandGate(LIMITS, 0.5), 0.5, LIMITS.demand_speed
+    gate, lead, speed = DemandGate(WORKING, SPEED, 0.5), 0.5, SPEED
     reference = 0.0
     for demand in asked:
         for _ in range(each):
             given_ = gate.follow(demand, 0.005)
-            assert abs(given_) <= LIMITS.working + 1e-9
+            assert abs(given_) <= WORKING + 1e-9
             assert abs(given_ - reference) <= lead + 1e-12
             assert abs(gate.reference - reference) <= speed * 0.005 + 1e-12
             reference = gate.reference
 
 
 def test_a_step_of_the_paper_passes_as_it_is_and_a_greater_one_is_limited() -> None:
-    gate = DemandGate(LIMITS, ARM.safety.demand_lead)
+    gate = DemandGate(WORKING, SPEED, ARM.safety.demand_lead)
     assert gate.follow(radians(40.0), 0.005) == radians(40.0)
     gate.freeze(-radians(40.0))
     assert gate.follow(radians(40.0), 0.005) == pytest.approx(radians(5.0))

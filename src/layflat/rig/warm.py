@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from layflat.control.update import MEMORY, STATUS, flat, update, wake
+from layflat.control.watch import SENSORS
 from layflat.machine import Machine, parameters
 from layflat.rig.driver import FarState, Reading
 from layflat.rig.safety.limits import limits
-from layflat.rig.safety.machine_watch import Level, MachineWatch
+from layflat.rig.safety.machine_watch import MachineWatch
 
 
 def warm_up(machine: Machine) -> None:
@@ -21,4 +22,4 @@ def warm_up(machine: Machine) -> None:
     reading = Reading(zeros, zeros, machine.supply.ambient_pressure, False, FarState.RUNNING)
     watch = MachineWatch(machine, 0.005, each)
     watch.begin(reading, filled=False)
-    watch.look(reading, status, memory, zeros, [0.0] * n, 0.0, 0.005, Level.SENSORS)
+    watch.look(reading, status, memory, zeros, [0.0] * n, 0.0, 0.005, SENSORS)

@@ -5,8 +5,8 @@
        '------ e-stop, from any state -------------------'
 
 Dumped is latched: only the edge of a reset with the e-stop released ends it, and a far side that was just switched on
-has to see the reset low first. Dumped, the supply line is open to the atmosphere and every valve is fully open to one
-end: a joint's hose A lets go through the line, its hose B through the exhaust.
+has to see the reset low first. Dumped, the supply line is open to the atmosphere; once it is empty, every valve is
+opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust.
 """
 
 from __future__ import annotations
@@ -20,6 +20,9 @@ from layflat.rig.far.link import Link
 from layflat.rig.far.plant import Plant
 from layflat.rig.far.sensors import Converters
 from layflat.rig.far.supply import LineLaw, SupplyLine
+
+EMPTIES = SECOND // 10
+"""ns: until valves are opened to a line that is let out; what is shut in brakes the joints meanwhile."""
 
 CHUNK = SECOND // 1000
 """ns: while the supply's pressure changes, the plant is moved on by so much at a time."""
@@ -72,6 +75,7 @@ class Device:
         self._at = self._heard = clock.now()
         self._begin = self._at - round(plant.time * SECOND)
         self._stopped, self._reset = False, True
+        self._opens: int | None = None
         self.state = FarState.RUNNING if running else FarState.DUMPED
         plant.supply = self.line.pressure
         plant.drive(self._centred if running else self._open)
@@ -97,7 +101,7 @@ class Device:
         self._heard = self._at
         if self.state is FarState.DUMPED and not (edge and not self._stopped):
             return
-        self.state = FarState.RUNNING
+        self.state, self._opens = FarState.RUNNING, None
         self.line.air = command.air
         self.plant.drive(command.voltages)
 
@@ -122,12 +126,18 @@ class Device:
             else:
                 self.state = FarState.CENTRED
                 self.plant.drive(self._centred)
+        if self._opens is not None and self._opens <= now:
+            self._pass(self._opens)
+            self._opens = None
+            self.plant.drive(self._open)
         self._pass(now)
 
     def _dump(self) -> None:
+        if self.state is not FarState.DUMPED:
+            self._opens = self._at + EMPTIES
+            self.plant.drive(self._centred)
         self.state = FarState.DUMPED
         self.line.air = False
-        self.plant.drive(self._open)
 
     def _pass(self, until: int) -> None:
         """Move plant and line on to an instant."""

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from math import isfinite
 
-from layflat.rig.safety.limits import Limits
-
 
 class DemandGate:
     """The gate of one joint.
 
-    A demand may jump ahead of a reference by `lead`; the reference follows it at the limits' `demand_speed`. Small
+    A demand may jump ahead of a reference by `lead`; the reference follows it at `speed`. Small
     steps so pass as they are, and large ones become a step and a ramp.
 
     Args:
-        limits: of the joint.
+        working: half the working stroke, rad.
+        mechanical: half the mechanical stroke, rad.
+        speed: of the reference, rad/s.
     """
 
-    __slots__ = ("demand", "limited", "limits", "reference", "refused")
+    __slots__ = ("demand", "limited", "mechanical", "reference", "refused", "speed", "working")
 
-    def __init__(self, limits: Limits) -> None:
-        self.limits = limits
+    def __init__(self, working: float, mechanical: float, speed: float) -> None:
+        self.working, self.mechanical, self.speed = working, mechanical, speed
         self.freeze(0.0)
 
     def margin(self, asked: float) -> float:
         """What is left to the stops where the joint goes, or comes from, rad."""
-        there = abs(asked) if abs(asked) <= self.limits.working else abs(self.demand)
-        return self.limits.mechanical - max(there, abs(self.reference))
+        there = abs(asked) if abs(asked) <= self.working else abs(self.demand)
+        return self.mechanical - max(there, abs(self.reference))
 
     def freeze(self, angle: float) -> None:
         """From now on ask for this angle (rad)."""
@@ -40,7 +40,7 @@ class DemandGate:
 
     def follow(self, asked: float, lead: float, elapsed: float) -> float:
         """The demand after a cycle in which this angle (rad) was asked for; one outside the stroke changes nothing."""
-        self.refused = not (isfinite(asked) and abs(asked) <= self.limits.working + 1e-9)
+        self.refused = not (isfinite(asked) and abs(asked) <= self.working + 1e-9)
         if self.refused:
             asked = self.demand
         low, high = self.reference - lead, self.reference + lead
@@ -52,5 +52,5 @@ class DemandGate:
 
     def settle(self, elapsed: float) -> None:
         """Let the reference go on towards the demand."""
-        way, left = self.limits.demand_speed * elapsed, self.demand - self.reference
+        way, left = self.speed * elapsed, self.demand - self.reference
         self.reference = self.demand if abs(left) <= way else self.reference + (way if left > 0.0 else -way)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+from layflat.control.watch import Limits, Patience
 from layflat.machine import Machine, parameters
 from layflat.machine.model import SpoolValve
 from layflat.machine.parameters.drives import drive_parts
 from layflat.machine.parameters.drives import sensor as sensor_law
+from layflat.rig.safety.faults import TABLE, Fault
 
 LIVELY = 0.3
 """Noise of a sensor, in counts, from which on it never reports the same count for 20 samples."""
@@ -16,34 +16,11 @@ RAIL = 2.0
 """Counts from the end of a converter's range, at which a sensor is taken to be open or shorted."""
 
 
-class Limits(NamedTuple):
-    """What a joint's signals are judged by; SI."""
+RIPPLE_AFTER = 4.0
+"""Cycles that the ripple takes to show that there is none any more."""
 
-    angle_low: float
-    """At or below it, or at or above the next, the angle sensor is at its rail, rad."""
-    angle_high: float
-    lsb: float
-    """Of the angle's converter, rad."""
-    stroke: float
-    """Beyond it on either side a joint is outside, rad."""
-    speed: float
-    pressure: float
-    """Of differential pressure on either side, Pa."""
-    friction_band: float
-    """Change of the differential pressure that friction of brake, hose and strap can hide, Pa."""
-    following: float
-    following_time: float
-    demand_speed: float
-    surplus: float
-    """Infinite where the air can't be watched: a joint of a single hose."""
-    ripple: float
-    """Amplitude below which there is no air (rule 1 of the controller), Pa; zero where the dither can't be seen."""
-    lively: bool
-    """Whether a sound pressure sensor changes all the time."""
-    working: float
-    """Half the working stroke: where demands may lie, rad."""
-    mechanical: float
-    """Half the mechanical stroke: where the stops are, rad."""
+ASLEEP = 0.29
+"""A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
 
 
 def limits(machine: Machine, name: str) -> Limits:
@@ -52,7 +29,7 @@ def limits(machine: Machine, name: str) -> Limits:
     Raises:
         MachineError: the machine has no valve or sensors.
     """
-    valve, angle_part, pressure_part = drive_parts(machine)
+    _, angle_part, pressure_part = drive_parts(machine)
     joint, safety, gauge = machine.joint[name], machine.safety, machine.supply.pressure_gauge
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
     working, mechanical = joint.stops.working_stroke / 2, joint.stops.mechanical_stroke / 2
@@ -72,9 +49,28 @@ def limits(machine: Machine, name: str) -> Limits:
         safety.demand_speed,
         safety.surplus if joint.acting == "double" else float("inf"),
         machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
-        seen or pressure.noise > LIVELY * pressure.lsb or isinstance(valve, SpoolValve),
-        working,
-        mechanical,
+        1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
+    )
+
+
+def patience(cycle: float) -> Patience:
+    """How long conditions have to last: two cycles less than the table gives to find them."""
+
+    def within(fault: Fault, cycles: float = 2.0) -> float:
+        return TABLE[fault].seconds - cycles * cycle
+
+    return Patience(
+        rail=TABLE[Fault.ANGLE_AT_RAIL].cycles,
+        fast=TABLE[Fault.OVER_SPEED].cycles,
+        outside=TABLE[Fault.OUTSIDE_STROKE].cycles,
+        pressed=TABLE[Fault.OVER_PRESSURE].cycles,
+        frozen_pressure=within(Fault.PRESSURE_FROZEN),
+        frozen_angle=within(Fault.ANGLE_FROZEN),
+        following=within(Fault.FOLLOWING_ERROR),
+        quiet=within(Fault.NO_ANSWER, 2.0 + RIPPLE_AFTER),
+        doubtful=2.5 * cycle,
+        sure=7.5 * cycle,
+        asleep=ASLEEP,
     )
 
 

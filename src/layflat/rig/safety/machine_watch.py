@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.gains import Memory, Status
+from layflat.control.gains import Memory
+from layflat.control.watch import (
+    AIR,
+    ANGLE_FROZEN,
+    AT_RAIL,
+    FAST,
+    FRESH,
+    NO_ANSWER,
+    OFF_TRACK,
+    OUTSIDE,
+    PRESSED,
+    PRESSURE_FROZEN,
+    WATCH_MEMORY,
+    Limits,
+    WatchMemory,
+    watch_joints,
+)  # fmt: skip
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import follow_hoses
 from layflat.rig.driver import Reading
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.joint_watch import RIPPLE_AFTER, JointWatch, Signals
 from layflat.rig.safety.lasting import Lasting, Samples
-from layflat.rig.safety.limits import Limits
+from layflat.rig.safety.limits import RIPPLE_AFTER, patience
 
 Array = NDArray[np.float64]
 
@@ -26,18 +40,20 @@ EMPTIES = 0.03
 """Time that a supply line takes to show that nothing comes any more, s."""
 
 LONG_TERM = Memory._fields.index("long_term")
-SPEED, AVERAGED = Status._fields.index("velocity"), Status._fields.index("differential_pressure")
+RIPPLE, LEAST = WatchMemory._fields.index("ripple"), Limits._fields.index("ripple")
 
 
-class Level(IntEnum):
-    """How much there is to watch."""
-
-    SENSORS = 0
-    """No air: sensors alone."""
-    MOTION = 1
-    """Air may come or go."""
-    AIR = 2
-    """Air is there, and the valves obey."""
+FAULTS = (
+    (FAST, Fault.OVER_SPEED),
+    (OUTSIDE, Fault.OUTSIDE_STROKE),
+    (PRESSED, Fault.OVER_PRESSURE),
+    (NO_ANSWER, Fault.NO_ANSWER),
+    (AT_RAIL, Fault.ANGLE_AT_RAIL),
+    (ANGLE_FROZEN, Fault.ANGLE_FROZEN),
+    (PRESSURE_FROZEN, Fault.PRESSURE_FROZEN),
+    (OFF_TRACK, Fault.FOLLOWING_ERROR),
+)
+"""Faults of the bits that a watch sets, worst first."""
 
 
 class MachineWatch:
@@ -51,7 +67,9 @@ class MachineWatch:
 
     def __init__(self, machine: Machine, cycle: float, each: list[Limits]) -> None:
         assert machine.valve is not None
-        self.joints = [JointWatch(one, cycle) for one in each]
+        self._limits, self._patience = np.array(each), np.array(patience(cycle))
+        self._memory = np.zeros((1, len(each), WATCH_MEMORY))
+        self._bits, self._demands = np.zeros(len(each), np.int64), np.zeros(len(each))
         self.found = [Fault.NONE] * len(each)
         """The worst of each joint in this cycle."""
         safety, gauge = machine.safety, machine.supply.pressure_gauge
@@ -70,8 +88,7 @@ class MachineWatch:
     def reset(self) -> None:
         """Forget what was seen; what the hoses hold is kept."""
         cycle = self._cycle
-        for joint in self.joints:
-            joint.reset()
+        self._memory[0] = FRESH
         self._pressed = Samples(TABLE[Fault.OVER_PRESSURE].cycles)
         self._gone = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - EMPTIES, cycle)
         self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
@@ -87,11 +104,12 @@ class MachineWatch:
         """Whether supply and ripple are those of a machine that can move."""
         if not reading.supply >= self._ready:
             return False
-        return not self._ripple_seen or all(joint.limits.ripple < joint.ripple < inf for joint in self.joints)
+        ripple = self._memory[0, :, RIPPLE]
+        return not self._ripple_seen or bool(((self._limits[:, LEAST] < ripple) & (ripple < inf)).all())
 
     def look(
         self, reading: Reading, status: Array, memory: Array, voltages: Array, demands: list[float],
-        lead: float, elapsed: float, level: Level,
+        lead: float, elapsed: float, level: int,
     ) -> Fault:  # fmt: skip
         """The worst fault of the machine as a whole; those of the joints stand in `found`.
 
@@ -103,54 +121,31 @@ class MachineWatch:
             demands: as the controllers were given them, rad.
             lead: of the demands, the greatest, rad.
             elapsed: s.
-            level: what there is to watch.
+            level: what there is to watch (see control/watch.py).
         """
         openings = self._openings
         np.subtract(voltages, memory[0, :, LONG_TERM], out=openings)
         openings -= self._centre
         openings *= self._per_volt
-        follow_hoses(
-            self._parts,
-            self._beliefs,
-            openings,
-            reading.angles,
-            reading.pressures,
-            reading.supply,
-            self._exhaust,
-            elapsed,
-        )
-        rows, beliefs = status[0].tolist(), self._beliefs[0].tolist()
-        angles, pressures = reading.angles.tolist(), reading.pressures.tolist()
-        for joint, pressure in zip(self.joints, pressures, strict=True):
-            joint.listen(pressure)
-        fault, dead = self._supply(reading.supply, elapsed, level)
-        for j, joint in enumerate(self.joints):
-            row = rows[j]
-            seen = Signals(angles[j], pressures[j], row[AVERAGED], row[SPEED], beliefs[j][3], demands[j], lead)
-            self.found[j] = _of_joint(joint, seen, elapsed, level, alone=not dead)
-        return fault
+        self._demands[:] = demands
+        angles, pressures, supply = reading.angles, reading.pressures, reading.supply
+        follow_hoses(self._parts, self._beliefs, openings, angles, pressures, supply, self._exhaust, elapsed)
+        still = watch_joints(
+            self._limits, self._patience, self._memory, angles, pressures, status, self._beliefs, self._demands, lead,
+            elapsed, level, supply >= self._low, self._bits,
+        )  # fmt: skip
+        for j, bits in enumerate(self._bits.tolist()):
+            self.found[j] = _worst(bits) if bits else Fault.NONE
+        return self._supply(supply, still, elapsed, level)
 
-    def _supply(self, supply: float, elapsed: float, level: Level) -> tuple[Fault, bool]:
-        """Fault of the supply, and whether several joints are without ripple, so that it is not one joint's fault."""
-        high = self._pressed(not supply < self._high)
-        if level is not Level.AIR:
-            return (Fault.OVER_PRESSURE if high else Fault.NONE), False
-        dead = len(self.joints) > 1 and self._ripple_seen
-        if dead:
-            for joint in self.joints:
-                dead = dead and joint.ripple < joint.limits.ripple
-        gone, still = self._gone(supply < self._low, elapsed), self._still(dead, elapsed)
-        lost = Fault.SUPPLY_LOST if gone or still else Fault.NONE
-        return (Fault.OVER_PRESSURE if high else lost), dead or supply < self._low
+    def _supply(self, supply: float, still: int, elapsed: float, level: int) -> Fault:
+        """Fault of the supply; that several joints have no ripple is no fault of theirs."""
+        if self._pressed(not supply < self._high):
+            return Fault.OVER_PRESSURE
+        airy, n = level >= AIR, len(self.found)
+        gone = self._gone(airy and supply < self._low, elapsed)
+        return Fault.SUPPLY_LOST if self._still(airy and 1 < n == still, elapsed) or gone else Fault.NONE
 
 
-def _of_joint(joint: JointWatch, seen: Signals, elapsed: float, level: Level, *, alone: bool) -> Fault:
-    """The worst fault of a joint."""
-    worst = joint.sensors(seen)
-    if level is not Level.SENSORS:
-        worst = max(worst, joint.motion(seen, elapsed))
-    if level is Level.AIR:
-        worst = max(worst, joint.air(seen, elapsed, alone=alone))
-        if joint.following(seen, elapsed):
-            worst = max(worst, Fault.FOLLOWING_ERROR)
-    return worst
+def _worst(bits: int) -> Fault:
+    return next(fault for bit, fault in FAULTS if bits & bit)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.control import watch
 from layflat.machine import Machine
 from layflat.machine.parameters.drives import drive_parts
 from layflat.rig.driver import FarState, Reading
@@ -20,7 +21,7 @@ from layflat.rig.safety.faults import REACTIONS, TABLE, Fault, Reaction
 from layflat.rig.safety.lasting import Lasting, Samples
 from layflat.rig.safety.ledger import Ledger
 from layflat.rig.safety.limits import limits
-from layflat.rig.safety.machine_watch import Level, MachineWatch
+from layflat.rig.safety.machine_watch import MachineWatch
 from layflat.rig.safety.states import AIR, Act, State
 
 Array = NDArray[np.float64]
@@ -32,7 +33,7 @@ THERE = 0.2
 """Supply and ripple have to be there for so long until a soft start is over, s."""
 
 CENTRED = 0.1
-"""Between holding and opening the valves they are centred, until the dump valve has let out the supply line, s."""
+"""Before valves are opened to let out the air they are centred, until the dump valve has emptied the supply line, s."""
 
 
 class Wish(NamedTuple):
@@ -66,7 +67,12 @@ class Supervisor:
         self.safety = machine.safety
         each = [limits(machine, name) for name in machine.joints]
         self.watch = MachineWatch(machine, cycle, each)
-        self.gates = [DemandGate(one) for one in each]
+        self.gates = [
+            DemandGate(
+                0.5 * joint.stops.working_stroke, 0.5 * joint.stops.mechanical_stroke, machine.safety.demand_speed
+            )
+            for joint in machine.joints.values()
+        ]
         self.ledger = Ledger(list(machine.joints))
         self._centre = valve.centre_voltage
         self._low, self._high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
@@ -177,9 +183,11 @@ class Supervisor:
             if self._low <= volts <= self._high:
                 out[j] = volts
             else:
-                out[j], bad = self._centre, True
+                bad = True
                 self.ledger.note_joint(j, Fault.BAD_COMMAND)
         if bad:
+            # All of them: a joint that is held by its controller is shaken by one that is not, and shakes it.
+            out.fill(self._centre)
             self._react([gate.demand for gate in self.gates])
             self.wake = True
         return out
@@ -209,10 +217,10 @@ class Supervisor:
             gate.freeze(angle if isfinite(angle) else gate.demand)
             self.demands[j] = gate.demand
 
-    def _level(self) -> Level:
+    def _level(self) -> int:
         if not AIR[self.act]:
-            return Level.SENSORS
-        return Level.MOTION if self.state is State.STARTING else Level.AIR
+            return watch.SENSORS
+        return watch.MOTION if self.state is State.STARTING else watch.AIR
 
     def _far(self, far: FarState) -> None:
         if not AIR[self.act]:
@@ -270,25 +278,23 @@ class Supervisor:
         reaction, on = self.ledger.reaction, AIR[self.act]
         if self.act is Act.FOLLOW or (on and self.state is not State.FAULT):
             self._freeze(angles)
-        if reaction >= Reaction.VENT:
+        act = self.act
+        if on:
+            # Air that can't get out brakes best: valves open once the supply line is empty.
+            act = Act.CENTRE if reaction >= Reaction.VENT_JOINT else Act.HOLD
+        elif act is Act.VENT_JOINT and reaction >= Reaction.VENT:
             act = Act.VENT
-        elif reaction is Reaction.VENT_JOINT:
-            act = self.act if self.act is Act.VENT else Act.VENT_JOINT
-        else:
-            act = Act.HOLD if on else self.act
         self._enter(State.FAULT, act)
 
     def _go_on(self) -> None:
         """What time brings of a stop: held, centred, vented."""
-        stops = self.state is State.STOPPED or (
-            self.state is State.FAULT and self.ledger.reaction is Reaction.STOP
-        )  # fmt: skip
-        if not stops:
+        reaction = self.ledger.reaction if self.state is State.FAULT else Reaction.STOP
+        if self.state not in {State.STOPPED, State.FAULT} or reaction < Reaction.STOP:
             return
         if self.act is Act.HOLD and self._in_act >= self.safety.hold_time:
             self._enter(self.state, Act.CENTRE)
         elif self.act is Act.CENTRE and self._in_act >= CENTRED:
-            self._enter(self.state, Act.VENT)
+            self._enter(self.state, Act.VENT_JOINT if reaction is Reaction.VENT_JOINT else Act.VENT)
 
     def _demand(self, wish: Wish, elapsed: float) -> None:
         if self.state is State.READY and not all(isnan(demand) for demand in wish.demands):

@@ -200,17 +200,19 @@ class Trial:
 
     def _found(self, instant: int) -> tuple[float, str, float]:
         """After how long the fault was found (s), as what, and in which time it had to be (s)."""
-        stand, way, ledger = self.stand, self.way, self.stand.supervisor.ledger
+        stand, way = self.stand, self.way
         limit = way.cycles * stand.cycle if way.cycles else way.seconds
         since: int | None = None if way.since is not None else instant
         for _ in range(round((limit + PATIENCE) / stand.cycle)):
             self._move()
+            if stand.clock.now() < instant:
+                stand.recorder.said.clear()
             stand.turn()
             now = stand.clock.now()
             if since is None and way.since is not None and way.since(stand, self.joint):
                 since = now - round(stand.cycle * SECOND)
-            there = {ledger.now, ledger.latched, *ledger.joints, *ledger.joints_now}
-            by = [fault for fault in way.found if fault in there]
+            said = "\n".join(stand.recorder.said)
+            by = [fault for fault in way.found if TABLE[fault].title in said]
             if by and now > instant:
                 if way.brief:
                     way.end(stand, self.joint)

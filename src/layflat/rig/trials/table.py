@@ -73,7 +73,8 @@ def heal(device: Device, name: str, joint: int) -> None:
 
 def _of_rig(
     name: str, found: tuple[Fault, ...], safe: Safe, *, size: float | None = None, cycles: int = 0,
-    seconds: float = 0.0, moving: bool = False, label: str = "", since: Callable[[Stand, int], bool] | None = None, brief: bool = False,
+    seconds: float = 0.0, moving: bool = False, label: str = "", brief: bool = False,
+    since: Callable[[Stand, int], bool] | None = None,
 ) -> Way:  # fmt: skip
     def begin(stand: Stand, joint: int) -> None:
         stand.far.call(inject, name, joint, size)
@@ -148,11 +149,11 @@ ROWS: dict[str, tuple[Way, ...]] = {
     "valve driven, pressure does not answer": (
         _of_rig("stuck-spool", ANSWER, Safe.ALL_VENTED, seconds=0.2, moving=True),
         _of_rig("burst-hose", ANSWER, Safe.ALL_VENTED, seconds=0.2),
-        _of_rig("kinked-hose", ANSWER, Safe.OTHERS_VENTED, seconds=0.2, moving=True),
+        _of_rig("kinked-hose", (*ANSWER, Fault.ANGLE_FROZEN), Safe.OTHERS_VENTED, seconds=0.2, moving=True),
     ),
     "over-pressure, over-speed, outside the stroke": (
         _of_rig("supply-high", (Fault.OVER_PRESSURE,), Safe.ALL_VENTED, cycles=2, since=_too_high),
-        _of_rig("push", BEYOND, Safe.ALL_VENTED, size=0.6, cycles=2, since=_away, brief=True),
+        _of_rig("push", BEYOND, Safe.ALL_VENTED, size=0.35, cycles=2, since=_away, brief=True),
     ),
     "supply lost": (_of_rig("supply-lost", (Fault.SUPPLY_LOST,), Safe.ALL_VENTED, seconds=0.1),),
     "recorder dead": (Way("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), 0, 1.0, Safe.TOLD),),
