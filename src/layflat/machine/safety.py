@@ -38,7 +38,7 @@ class Safety(Part):
     )
     demand_margin: Annotated[float, Field(gt=0.0, le=10.0)] = Field(
         default=0.9,
-        description="how far it may jump, over what is left between any joint and its stop: joints fling each other out",
+        description="how far it may jump, over what is left between any joint and its stop: they fling each other",
     )
     demand_speed: u.PositiveSpeed = Field(
         default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"

@@ -27,7 +27,7 @@ from layflat.rig.safety.states import AIR, Act, State
 Array = NDArray[np.float64]
 
 RESET_LOW, RESET_HIGH = 4, 4
-"""Cycles for which a reset is not sent, and then is: the far side takes its edge, and one lost reply does not lose it."""
+"""Cycles for which a reset is not sent, and then is: the far side takes its edge, also if one reply is lost."""
 
 THERE = 0.2
 """Supply and ripple have to be there for so long until a soft start is over, s."""

@@ -16,7 +16,7 @@ from layflat.rig.safety.faults import TABLE, Fault
 from layflat.rig.trials.stand import Stand
 from layflat.rig.trials.table import ROWS, Safe, Way
 
-SPAN = 0.9
+SPAN = 0.6
 """Of the working stroke in which moves end."""
 
 PAUSE = (0.2, 1.2)
@@ -77,11 +77,13 @@ class Outcome(NamedTuple):
     """The furthest that a joint was from mid-stroke, as a share of half its mechanical stroke."""
     above_supply: float
     """Highest pressure in a hose less the highest that the supply line had, Pa."""
+    pushed: bool
+    """Whether somebody pushed the joint: into its stop, if they liked."""
 
     @property
     def good(self) -> bool:
         """Whether it was found in time, and what is safe was reached."""
-        return self.found_after <= self.limit + 1e-9 and self.safe_after < inf and self.turned <= 1.0
+        return self.found_after <= self.limit + 1e-9 and self.safe_after < inf and (self.turned <= 1.0 or self.pushed)
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ class Trial:
         begun = stand.clock.now()
         instant = self._until_failure(begun)
         if self.row == HOST_GONE:
-            found, by, limit = self._host_gone(instant)
+            found, by, limit = self._host_gone()
         else:
             stand.clock.at(instant, lambda: way.begin(stand, self.joint))
             found, by, limit = self._found(instant)
@@ -148,7 +150,7 @@ class Trial:
         )
         outcome = Outcome(
             self.row, way.name, self.name, (instant - begun) / SECOND, found, limit, by, safe, way.safe.value, turned,
-            stand.peaks.above_supply,
+            stand.peaks.above_supply, way.brief,
         )  # fmt: skip
         self._mend()
         return outcome
@@ -209,8 +211,9 @@ class Trial:
                 stand.recorder.said.clear()
             stand.turn()
             now = stand.clock.now()
-            if since is None and way.since is not None and way.since(stand, self.joint):
-                since = now - round(stand.cycle * SECOND)
+            if way.since is not None:
+                beyond = way.since(stand, self.joint)
+                since = (since or now - round(stand.cycle * SECOND)) if beyond else None
             said = "\n".join(stand.recorder.said)
             by = [fault for fault in way.found if TABLE[fault].title in said]
             if by and now > instant:
@@ -219,7 +222,7 @@ class Trial:
                 return (now - (since if since is not None else now)) / SECOND, TABLE[by[0]].title, limit
         return inf, "", limit
 
-    def _host_gone(self, instant: int) -> tuple[float, str, float]:
+    def _host_gone(self) -> tuple[float, str, float]:
         """Stop the loop for a while: the far side has to centre its valves, and to let out the air later."""
         stand, machine = self.stand, self.stand.machine
         last = stand.clock.now()

@@ -1,7 +1,7 @@
 """The rig that is tried: a loop in this process, a far side in another, and a clock that both live by.
 
-Time passes on both sides only while the loop waits for its next deadline: trials go faster than real ones, over the real
-protocol, and the same seed gives the same instants.
+Time passes on both sides only while the loop waits for its next deadline: trials go faster than real ones, over the
+real protocol, and the same seed gives the same instants.
 """
 
 from __future__ import annotations
@@ -173,11 +173,18 @@ class Stand:
         self.peaks = Peaks([0.0] * len(machine.joints))
         self._line = 0.0
         self.truth: Truth = far.call(truth)
+        self.reaches = list(self.truth.angles)
+        """Where each joint's demand has led it by now, as the watch of the following error means it, rad."""
 
     @property
     def supervisor(self):  # type: ignore[no-untyped-def]
         """Of the loop."""
         return self.loop.supervisor
+
+    @property
+    def lead(self) -> float:
+        """How far any joint's demand is ahead of what it could reach, rad."""
+        return max(gate.ahead for gate in self.supervisor.gates)
 
     def turn(self) -> None:
         """One control cycle, and a look at what is so."""
@@ -190,6 +197,11 @@ class Stand:
         peaks = self.peaks
         peaks.angles = [max(a, abs(b)) for a, b in zip(peaks.angles, self.truth.angles, strict=True)]
         self._line = max(self._line, self.truth.supply)
+        way = self.machine.safety.demand_speed * self.cycle
+        for j, (angle, demand) in enumerate(zip(self.truth.angles, self.supervisor.demands, strict=True)):
+            reach = self.reaches[j]
+            up = min(max(reach + way, angle), demand)
+            self.reaches[j] = up if demand >= reach else max(min(reach - way, angle), demand)
         peaks.pressure = max(peaks.pressure, *self.truth.pressures)
         peaks.above_supply = max(peaks.above_supply, max(self.truth.pressures) - self._line)
 

@@ -56,7 +56,7 @@ class Way(NamedTuple):
     safe: Safe
     moving: bool = False
     since: Callable[[Stand, int], bool] | None = None
-    """Whether a limit is passed in truth, where the time counts from then on."""
+    """Whether a limit is passed in truth, where the time counts from then on, as long as it is."""
     brief: bool = False
     """Whether it ends by itself when it is found: who pushes a joint lets go of it."""
 
@@ -121,11 +121,30 @@ def _away(stand: Stand, joint: int) -> bool:
     return abs(stand.truth.velocities[joint]) > limits.speed or abs(stand.truth.angles[joint]) > limits.stroke
 
 
+def _hold_back(stand: Stand, joint: int) -> None:
+    way = stand.host.demands[joint] - stand.truth.angles[joint]
+    stand.far.call(inject, "push", joint, -HAND if way > 0.0 else HAND)
+
+
+def _let_go(stand: Stand, joint: int) -> None:
+    stand.far.call(heal, "push", joint)
+
+
+def _left_behind(stand: Stand, joint: int) -> bool:
+    limits, speed = stand.limits[joint], abs(stand.truth.velocities[joint])
+    allowed = limits.following + limits.following_time * speed + stand.lead
+    return abs(stand.truth.angles[joint] - stand.reaches[joint]) > allowed
+
+
+HAND = 0.8
+"""Of a joint's greatest torque: what holds it back."""
+
 LINK = (Fault.LINK_LOST, Fault.FAR_CENTRED, Fault.FAR_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
 ANSWER = (Fault.NO_ANSWER, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
-BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.NO_ANSWER)
+FOLLOWING = (Fault.FOLLOWING_ERROR, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
+BEYOND = (Fault.FOLLOWING_ERROR, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.NO_ANSWER)
 
 ROWS: dict[str, tuple[Way, ...]] = {
     "reply lost, bad CRC or sequence": (
@@ -143,9 +162,10 @@ ROWS: dict[str, tuple[Way, ...]] = {
     ),
     "sensor frozen": (
         _of_rig("pressure-frozen", (Fault.PRESSURE_FROZEN,), Safe.VENTED, seconds=0.1),
-        _of_rig("converter-frozen", FROZEN, Safe.VENTED, seconds=0.1),
+        _of_rig("converter-frozen", (*FROZEN, Fault.NO_ANSWER), Safe.VENTED, seconds=0.1),
         _of_rig("angle-frozen", (*FROZEN, Fault.NO_ANSWER), Safe.VENTED, seconds=0.1, moving=True),
     ),
+    "following error": (Way("held back", _hold_back, _let_go, FOLLOWING, 0, 0.1, Safe.HELD, True, _left_behind, True),),
     "valve driven, pressure does not answer": (
         _of_rig("stuck-spool", ANSWER, Safe.ALL_VENTED, seconds=0.2, moving=True),
         _of_rig("burst-hose", ANSWER, Safe.ALL_VENTED, seconds=0.2),
