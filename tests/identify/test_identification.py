@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -203,6 +204,22 @@ def test_the_page_says_first_what_was_fitted_and_how_well_it_predicts(tmp_path: 
     kept = json.loads(session.path.with_suffix(".json").read_text(encoding="utf-8"))
     assert kept["values"]["joint.small.brake.torque"]["value"] == pytest.approx(3.1, rel=0.05)
     assert kept["logs"]["log"] == session.checksums["log"]
+
+
+def test_a_fit_that_goes_astray_where_it_was_not_fitted_is_not_to_be_trusted(tmp_path: Path) -> None:
+    session = begin([written(tmp_path / "log.csv", columns())], SMALL, tmp_path, blocks="friction")
+    found = session.fit(starts=0)
+    assert found.trusted
+    place = session.model.slices[0]
+    simulated = found.simulated.copy()
+    simulated[place.stop - 50 : place.stop] += 2.0
+    lost = replace(found, simulated=simulated)
+    assert not lost.trusted
+    text = distrusted(lost, session.values(lost))
+    assert text is not None
+    assert text.startswith("angle is missed by ")
+    session.keep(lost)
+    assert load(session.path).title.startswith("not to be trusted")
 
 
 LOGS = Path(__file__).parents[2] / "examples" / "logs"

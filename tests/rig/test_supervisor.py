@@ -16,6 +16,7 @@ from layflat.sim.run import rollout
 
 ARM = load("paper-arm")
 WORKING, SPEED = ARM.joint["small"].stops.working_stroke / 2, ARM.safety.demand_speed
+MECHANICAL = ARM.joint["small"].stops.mechanical_stroke / 2
 
 
 def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
@@ -124,11 +125,11 @@ def test_a_demand_outside_is_refused(outside: float) -> None:
 
 @given(st.lists(st.floats(-1.2, 1.2) | st.just(nan), min_size=1, max_size=40), st.integers(1, 50))
 def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], each: int) -> None:
-    gate, lead, speed = DemandGate(WORKING, SPEED, 0.5), 0.5, SPEED
+    gate, lead, speed = DemandGate(WORKING, MECHANICAL, SPEED), 0.5, SPEED
     reference = 0.0
     for demand in asked:
         for _ in range(each):
-            given_ = gate.follow(demand, 0.005)
+            given_ = gate.follow(demand, lead, 0.005)
             assert abs(given_) <= WORKING + 1e-9
             assert abs(given_ - reference) <= lead + 1e-12
             assert abs(gate.reference - reference) <= speed * 0.005 + 1e-12
@@ -136,14 +137,23 @@ def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], e
 
 
 def test_a_step_of_the_paper_passes_as_it_is_and_a_greater_one_is_limited() -> None:
-    gate = DemandGate(WORKING, SPEED, ARM.safety.demand_lead)
-    assert gate.follow(radians(40.0), 0.005) == radians(40.0)
+    gate, lead = DemandGate(WORKING, MECHANICAL, SPEED), ARM.safety.demand_lead
+    assert gate.follow(radians(40.0), lead, 0.005) == radians(40.0)
     gate.freeze(-radians(40.0))
-    assert gate.follow(radians(40.0), 0.005) == pytest.approx(radians(5.0))
+    assert gate.follow(radians(40.0), lead, 0.005) == pytest.approx(radians(5.0))
     assert gate.limited
     for _ in range(200):
-        gate.follow(radians(40.0), 0.005)
+        gate.follow(radians(40.0), lead, 0.005)
     assert gate.demand == radians(40.0)
+
+
+def test_near_the_stops_demands_jump_less_and_the_moves_of_the_paper_pass_as_they_are() -> None:
+    gate = DemandGate(WORKING, MECHANICAL, SPEED)
+    gate.freeze(-radians(20.0))
+    assert ARM.safety.demand_margin * gate.margin(radians(20.0)) >= radians(40.0)
+    gate.freeze(-radians(55.0))
+    assert gate.margin(radians(20.0)) == pytest.approx(radians(15.0))
+    assert gate.margin(nan) == pytest.approx(radians(15.0))
 
 
 @pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "paper-large-joint", "earlier-actuator"])

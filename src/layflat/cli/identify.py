@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from layflat.identify.identification import Identification
 
 NOT_TRUSTED = 3
-"""Exit status of a fit at a bound, or that came to no end."""
+"""Exit status of a fit at a bound, that came to no end, or that does not predict."""
 
 
 @app.command()

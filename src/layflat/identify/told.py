@@ -139,6 +139,11 @@ def distrusted(found: Fit, values: Sequence[Written]) -> str | None:
     nuisances = [one.unknown.path for one in found.estimates if one.at_bound and one.unknown.nuisance]
     if at or nuisances:
         return f"{(at or nuisances)[0]} ran into the end of its range: the description or the log is far off"
+    if found.astray is not None:
+        miss = (
+            f"{found.astray.output} is missed by {100 * found.astray.share:.0f} % of its range where it was not fitted"
+        )
+        return f"{miss}: begin with a description that is closer, or record slower moves within the stroke"
     return "the search came to no end"
 
 

@@ -15,6 +15,7 @@ from layflat.identify.fit.scaled import Scaled
 from layflat.machine import Machine, changed, load
 from layflat.machine.change import value_at
 from layflat.machine.parameters import arm
+from layflat.physics.arm import OneLink
 from layflat.sim import rollout
 
 SMALL, ARM = load("paper-small-joint"), load("paper-arm")
@@ -89,7 +90,9 @@ def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
     model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, ["valve", "hose", "friction", "inertia"])
     paths, scaled = [unknown.path for unknown in model.unknowns], Scaled(model.unknowns)
     inertia = paths.index("joint.small.link.inertia")
-    known = arm(SMALL).inertia + SMALL.arm.payload * SMALL.joint["small"].link.length ** 2
+    masses = arm(SMALL)
+    assert isinstance(masses, OneLink)
+    known = masses.inertia + SMALL.arm.payload * masses.length**2
     factor = 1.0 + model.guess[inertia] / known
     values = np.tile(model.guess, (3, 1))
     values[1, [paths.index(path) for path in GROW]] *= factor

@@ -21,6 +21,10 @@ ALIKE = 0.95
 """Correlation from which on two values are told only together."""
 
 
+ASTRAY = 0.25
+"""A prediction that misses by more (rms, as a share of the range) is none: the search ended in a wrong valley."""
+
+
 @dataclass(frozen=True)
 class Estimate:
     """A value with its 95 % interval, SI.
@@ -76,8 +80,15 @@ class Fit:
 
     @property
     def trusted(self) -> bool:
-        """Whether it converged with no value at a bound."""
-        return self.converged and not any(estimate.at_bound for estimate in self.estimates)
+        """Whether it converged with no value at a bound, and predicts."""
+        return self.converged and not any(estimate.at_bound for estimate in self.estimates) and self.astray is None
+
+    @cached_property
+    def astray(self) -> Quality | None:
+        """The worst prediction of what was not fitted, if it goes astray."""
+        judged = [one for one in self.qualities() if one.judged]
+        worst = max(judged, key=lambda one: one.share, default=None)
+        return worst if worst is not None and worst.share > ASTRAY else None
 
     def of(self, path: str) -> Estimate:
         """The estimate of an unknown."""

@@ -22,7 +22,7 @@ from layflat.rig.far.process import FarSide
 from layflat.rig.loop import Loop, Recorder
 from layflat.rig.safety.limits import limits
 from layflat.rig.safety.states import State
-from layflat.rig.safety.supervisor import Wish
+from layflat.rig.safety.supervisor import Supervisor, Wish
 
 Array = NDArray[np.float64]
 
@@ -177,7 +177,7 @@ class Stand:
         """Where each joint's demand has led it by now, as the watch of the following error means it, rad."""
 
     @property
-    def supervisor(self):  # type: ignore[no-untyped-def]
+    def supervisor(self) -> Supervisor:
         """Of the loop."""
         return self.loop.supervisor
 

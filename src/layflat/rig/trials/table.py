@@ -133,7 +133,7 @@ def _let_go(stand: Stand, joint: int) -> None:
 def _left_behind(stand: Stand, joint: int) -> bool:
     limits, speed = stand.limits[joint], abs(stand.truth.velocities[joint])
     allowed = limits.following + limits.following_time * speed + stand.lead
-    return abs(stand.truth.angles[joint] - stand.reaches[joint]) > allowed
+    return bool(abs(stand.truth.angles[joint] - stand.reaches[joint]) > allowed)
 
 
 HAND = 0.8
