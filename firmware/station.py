@@ -43,6 +43,7 @@ class Station:
         self.heard = io.ticks()
         self.reset = True  # low has to be seen before it rises
         self.counts = [self.centre] * settings.JOINTS
+        self.state = RUNNING
         self.dump()
 
     def step(self):
@@ -95,14 +96,21 @@ class Station:
             self.counts = [self.centre] * self.settings.JOINTS
 
     def dump(self):
-        """Let out the air: hoses A through the supply's line, hoses B through the valves' exhaust."""
-        self.state = DUMPED
-        self.counts = [self.top] * self.settings.JOINTS
+        """Let out the air: first that of the supply's line, with the valves centred, then that of the hoses.
+
+        Hoses A let go through the line, hoses B through the valves' exhaust.
+        """
+        if self.state != DUMPED:
+            self.state, self.dumped, self.opened = DUMPED, self.io.ticks(), False
+            self.counts = [self.centre] * self.settings.JOINTS
         self.io.air(False)
 
     def output(self):
         """Drive the valves, with the dither unless the air is out."""
         if self.state == DUMPED:
+            if not self.opened and self.io.elapsed(self.dumped) >= self.settings.EMPTIES_AFTER:
+                self.opened = True
+                self.counts = [self.top] * self.settings.JOINTS
             self.io.drive(self.counts)
             return
         period = self.settings.DITHER_PERIOD

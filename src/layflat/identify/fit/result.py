@@ -85,8 +85,10 @@ class Fit:
 
     @cached_property
     def astray(self) -> Quality | None:
-        """The worst prediction of what was not fitted, if it goes astray."""
-        judged = [one for one in self.qualities() if one.judged]
+        """The worst prediction of what is fitted elsewhere, if it goes astray."""
+        found = self.qualities()
+        fitted = {one.output for one in found if not one.judged}
+        judged = [one for one in found if one.judged and one.output in fitted]
         worst = max(judged, key=lambda one: one.share, default=None)
         return worst if worst is not None and worst.share > ASTRAY else None
 

@@ -135,6 +135,7 @@ class Device:
     def _dump(self) -> None:
         if self.state is not FarState.DUMPED:
             self._opens = self._at + EMPTIES
+        if self.state is FarState.RUNNING:
             self.plant.drive(self._centred)
         self.state = FarState.DUMPED
         self.line.air = False

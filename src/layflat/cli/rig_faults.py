@@ -1,0 +1,173 @@
+"""The command that tries every fault on a virtual rig: rig faults."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from layflat.cli.app import MachineName, print_table
+from layflat.errors import InputError
+
+if TYPE_CHECKING:
+    from queue import Queue
+
+    from layflat.machine import Machine
+    from layflat.rig.trials.campaign import Outcome
+    from layflat.rig.trials.quiet import Quiet
+
+LONG_ENOUGH = 0.05
+"""Time limit of a reply in a trial, s: time that passes for the processor is none for the rig."""
+
+PROTOCOLS = ("modbus", "serial")
+
+MISSED = 3
+"""Exit status where a fault was missed, or found where there was none."""
+
+
+def faults(
+    machine: MachineName,
+    instants: Annotated[int, typer.Option(min=1, help="at which each fault is tried, on each protocol")] = 20,
+    protocol: Annotated[str, typer.Option(help="modbus, serial or both")] = "both",
+    quiet: Annotated[str, typer.Option(help="simulated time in which nothing may be found; 0 s for none")] = "1 h",
+    seed: Annotated[int, typer.Option(help="of moves, joints and instants")] = 0,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="all trials as JSON")] = Path(
+        "build/rig/faults.json"
+    ),
+) -> None:
+    """Try every fault on a virtual rig, at random instants of random moves; then move for long without any.
+
+    Exit status 3 where a fault was missed, found too late, or found where there was none.
+    """
+    from layflat.files import check_folder, whole_file  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.machine import units as u  # noqa: PLC0415
+
+    if protocol not in (*PROTOCOLS, "both"):
+        raise InputError(f"{protocol!r} is no protocol", where="--protocol", right="give modbus, serial or both")
+    hours = u.quantity(quiet, u.TIME, "--quiet") / 3600.0
+    described = load(machine)
+    check_folder(out.parent)
+    chosen = PROTOCOLS if protocol == "both" else (protocol,)
+    outcomes, found = _tried(described, chosen, instants, seed, hours)
+    with whole_file(out) as temporary:
+        temporary.write_text(json.dumps(_written(described, outcomes, found, seed), indent=1), encoding="utf-8")
+    good = _print(outcomes, found)
+    typer.echo(f"wrote {out}")
+    if not good:
+        raise typer.Exit(MISSED)
+
+
+def _tried(
+    machine: Machine, protocols: tuple[str, ...], instants: int, seed: int, hours: float
+) -> tuple[dict[str, list[Outcome]], Quiet | None]:
+    """Outcomes by protocol, and of the quiet time; each in a process of its own."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+    from layflat.rig.trials.campaign import HOST_GONE  # noqa: PLC0415
+    from layflat.rig.trials.table import ROWS  # noqa: PLC0415
+
+    context = get_context("spawn")
+    trials = instants * len((HOST_GONE, *ROWS))
+    columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
+    with (
+        context.Manager() as manager,
+        ProcessPoolExecutor(2, mp_context=context) as pool,
+        Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress,
+    ):
+        told: Queue[Any] = manager.Queue()
+        bars = {name: progress.add_task(f"faults, {name}", total=trials) for name in protocols}
+        jobs: dict[str, Future[Any]] = {
+            name: pool.submit(campaign, machine, name, instants, seed, told) for name in protocols
+        }
+        if hours > 0.0:
+            bars["quiet"] = progress.add_task("moves without a fault", total=1.0)
+            jobs["quiet"] = pool.submit(stay_quiet, machine, hours, seed, told)
+        left = set(jobs.values())
+        while left:
+            _, left = wait(left, timeout=0.2, return_when=FIRST_COMPLETED)
+            while not told.empty():
+                name, share = told.get()
+                progress.update(bars[name], completed=share)
+        results = {name: job.result() for name, job in jobs.items()}
+    return {name: results[name] for name in protocols}, results.get("quiet")
+
+
+def campaign(machine: Machine, protocol: str, instants: int, seed: int, told: Queue[Any]) -> list[Outcome]:
+    """All trials over a protocol; the far side is in another process, in step with this one."""
+    from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
+    from layflat.machine import changed  # noqa: PLC0415
+    from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
+    from layflat.rig.far.process import FarSide, ModbusPort, SerialPort  # noqa: PLC0415
+    from layflat.rig.trials.campaign import Campaign  # noqa: PLC0415
+    from layflat.rig.trials.stand import Stand  # noqa: PLC0415
+
+    patient = changed(machine, f"interface.{protocol}.timeout", LONG_ENOUGH)
+    at = ModbusPort() if protocol == "modbus" else SerialPort()
+    outcomes = []
+    with FarSide(VirtualRig(patient, seed), patient, at, lockstep=True) as far:
+        stand = Stand(patient, far, driver_of(far.address, patient))
+        for outcome in Campaign(stand, instants, seed).run():
+            outcomes.append(outcome)
+            told.put((protocol, len(outcomes)))
+    return outcomes
+
+
+def stay_quiet(machine: Machine, hours: float, seed: int, told: Queue[Any]) -> Quiet:
+    """Random moves of a sound rig, with the far side in the same process."""
+    from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
+    from layflat.rig.trials.quiet import quiet  # noqa: PLC0415
+
+    return quiet(machine, VirtualRig(machine, seed), hours, seed, lambda share: told.put(("quiet", share)))
+
+
+def _written(machine: Machine, outcomes: dict[str, list[Outcome]], found: Quiet | None, seed: int) -> dict[str, Any]:
+    from layflat.rig.trials.campaign import judged  # noqa: PLC0415
+
+    return {
+        "machine": machine.name,
+        "seed": seed,
+        "rows": {name: judged(own) for name, own in outcomes.items()},
+        "quiet": asdict(found) if found is not None else None,
+        "trials": {name: [one._asdict() | {"good": one.good} for one in own] for name, own in outcomes.items()},
+    }
+
+
+def _print(outcomes: dict[str, list[Outcome]], found: Quiet | None) -> bool:
+    """Print what came of it, and whether all was good."""
+    from layflat.rig.trials.campaign import judged  # noqa: PLC0415
+
+    good = True
+    for name, own in outcomes.items():
+        rows = []
+        for row, of in judged(own).items():
+            good &= of["good"] == of["trials"]
+            rows.append(
+                [
+                    row,
+                    f"{of['good']:.0f} of {of['trials']:.0f}",
+                    f"{1e3 * of['found_after']:.0f}",
+                    f"{1e3 * of['limit']:.0f}",
+                    f"{of['safe_after']:.2f}",
+                    f"{100 * of['turned']:.0f}",
+                ]
+            )
+        print_table(
+            ["fault", "good", "found after (ms)", "limit (ms)", "safe after (s)", "furthest (% of stroke)"],
+            rows,
+            f"over {name}",
+        )
+        typer.echo()
+    if found is not None:
+        good &= found.trips == 0
+        typer.echo(
+            f"{found.hours:.3g} h of {found.moves} moves and {found.payloads} changes of the payload: "
+            f"{found.trips} false trips"
+        )
+    return good
