@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import IO
+from typing import IO, Protocol
 
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
@@ -22,6 +22,14 @@ from layflat.rig.loop import Loop, NoRecorder, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
 from layflat.rig.warm import warm_up
+
+
+class Keeper(Recorder, Protocol):
+    """A recorder that has to be told when the loop has ended."""
+
+    def end(self) -> object:
+        """Nothing more will come."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -41,7 +49,7 @@ class Job:
     driver: Callable[[], Driver]
     mailbox: Path
     rig: str
-    recorder: Callable[[], Recorder] | None = None
+    recorder: Callable[[], Keeper] | None = None
     realtime: bool = True
 
 
@@ -74,9 +82,9 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
     machine, n = job.machine, len(job.machine.joints)
     clock, mailbox = MonotonicClock(), Mailbox(job.mailbox, n)
     driver = job.driver()
+    recorder: Keeper = job.recorder() if job.recorder is not None else NoRecorder()
     try:
         check_capabilities(machine, driver.configure())
-        recorder: Recorder = job.recorder() if job.recorder is not None else NoRecorder()
         warm_up(machine)
         loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, n), recorder)
         refused = go_realtime() if job.realtime else []
@@ -85,9 +93,11 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
         driver.activate()
         pipe.send(Said("running", tuple(refused)))
         loop.run()
+        recorder.event(loop.deadlines.told())
         return (loop.deadlines.told(),)
     finally:
         driver.finalize()
+        recorder.end()
         mailbox.close()
 
 

@@ -9,6 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.rig.recorder.ring import Event, Level, Ring
+from layflat.rig.safety.faults import REACTIONS, Reaction
+
+LEVELS = [Level.INFO, *(Level.WARN if reaction is Reaction.TELL else Level.ERROR for reaction in REACTIONS[1:])]
+"""How much a cycle's events matter, by its worst fault."""
 
 
 class Hand:
@@ -19,16 +23,17 @@ class Hand:
     """
 
     def __init__(self, ring: Ring) -> None:
-        self._ring, self._time = ring, 0.0
+        self._ring, self._time, self._level = ring, 0.0, Level.INFO
+        self._fault = ring.layout.shared["fault"]
 
     def push(self, row: NDArray[np.float64]) -> None:
         """Hand over a row of `record.Layout`."""
-        self._time = float(row[0])
+        self._time, self._level = float(row[0]), LEVELS[int(row[self._fault])]
         self._ring.push(row)
 
-    def event(self, text: str, *, serious: bool = True) -> None:
-        """Hand over a line for people."""
-        self._ring.tell(Event(self._time, Level.WARN if serious else Level.INFO, text))
+    def event(self, text: str) -> None:
+        """Hand over a line for people; it matters as much as the worst fault of the cycle that it belongs to."""
+        self._ring.tell(Event(self._time, self._level, text))
 
     def alive(self) -> bool:
         """Whether rows reach the disk."""
