@@ -23,7 +23,7 @@ SPARE = 5.0
 """Beyond the machine's start time, in which a start that is refused shows, s."""
 
 
-class EndedEarly(LayflatError):
+class EarlyEndError(LayflatError):
     """A run ended before its plan did.
 
     Args:
@@ -97,7 +97,7 @@ class Performance:
         """Start softly; angles at which the joints are held then, rad.
 
         Raises:
-            EndedEarly: there is no air.
+            EarlyEndError: there is no air.
         """
         session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + SPARE
         self._look()
@@ -108,21 +108,21 @@ class Performance:
                 self._running = True
                 return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
             if time.monotonic() > give_up:
-                raise EndedEarly("the rig did not start", fault=True)
+                raise EarlyEndError("the rig did not start", fault=True)
             time.sleep(TICK)
 
     def follow(self, plan: Plan) -> None:
         """Ask for the plan's demands in time, until it ends.
 
         Raises:
-            EndedEarly: something ended it.
+            EarlyEndError: something ended it.
         """
         begin, done = time.monotonic(), 0
         while (now := time.monotonic() - begin) < plan.duration:
             shot = self._look()
             due = bisect_right(plan.times, now)
             if due > done and shot is not None:
-                self.asked += [float(shot["time"])] * (due - done)  # type: ignore[arg-type]
+                self.asked += [float(shot["time"])] * (due - done)
                 self._rig.session.ask(plan.demands[due - 1])
                 done = due
             time.sleep(TICK)
@@ -132,20 +132,20 @@ class Performance:
         """The last cycle.
 
         Raises:
-            EndedEarly: the run has ended.
+            EarlyEndError: the run has ended.
         """
         shot = self._rig.session.snapshot()
         self.ended = float(shot["time"]) if shot is not None else 0.0  # type: ignore[arg-type]
         if self._stopped():
-            raise EndedEarly("stopped", fault=False)
+            raise EarlyEndError("stopped", fault=False)
         try:
             self._rig.session.check()
         except LoopError as error:
-            raise EndedEarly(str(error), fault=True) from None
+            raise EarlyEndError(str(error), fault=True) from None
         if not self._rig.recording:
-            raise EndedEarly("the recorder is gone", fault=True)
+            raise EarlyEndError("the recorder is gone", fault=True)
         if shot is not None and (shot.state is State.FAULT or (self._running and shot.state is State.STOPPED)):
-            raise EndedEarly(told(shot, list(self._rig.machine.joints)), fault=True)
+            raise EarlyEndError(told(shot, list(self._rig.machine.joints)), fault=True)
         return shot
 
 
