@@ -31,12 +31,12 @@ def line_of(shot: Snapshot, joints: list[str]) -> str:
     from layflat.rig.performance import told  # noqa: PLC0415
 
     state = shot.state.name.lower()
-    parts = [f"{state:8s}", f"{float(shot['time']):6.1f} s"]  # type: ignore[arg-type]
+    parts = [f"{state:8s}", f"{float(shot['time']):6.1f} s"]
     angles, demands = shot["averaged_angle"], shot["demand"]
     pressures = shot["averaged_pressure"]
     for name, angle, demand, pressure in zip(joints, angles, demands, pressures, strict=True):  # type: ignore[arg-type]
         parts.append(f"{name} {57.29578 * angle:.1f}/{57.29578 * demand:.1f} deg {pressure / 1e5:+.1f} bar")
-    parts += [f"supply {float(shot['supply']) / 1e5:.1f} bar", f"late {1e6 * float(shot['lateness']):.0f} us"]  # type: ignore[arg-type]
+    parts += [f"supply {float(shot['supply']) / 1e5:.1f} bar", f"late {1e6 * float(shot['lateness']):.0f} us"]
     if shot.fault:
         parts.insert(1, f"FAULT {told(shot, joints)}")
     return "  ".join(parts)[: WIDTH + 60]

@@ -135,7 +135,7 @@ class Performance:
             EarlyEndError: the run has ended.
         """
         shot = self._rig.session.snapshot()
-        self.ended = float(shot["time"]) if shot is not None else 0.0  # type: ignore[arg-type]
+        self.ended = float(shot["time"]) if shot is not None else 0.0
         if self._stopped():
             raise EarlyEndError("stopped", fault=False)
         try:
