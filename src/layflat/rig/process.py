@@ -74,6 +74,7 @@ def run_loop(job: Job, pipe: Connection) -> None:
         said = Said("failed", (str(error),))
     except Exception as error:  # whatever happens, the host is told; the far side centres by itself
         said = Said("failed", (f"the loop broke: {type(error).__name__}: {error}",))
+    job.mailbox.unlink(missing_ok=True)  # who has it open keeps it; the host may be gone
     with contextlib.suppress(OSError):  # the host may be gone
         pipe.send(said)
 

@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from math import nan
+from pathlib import Path
 from types import TracebackType
 
 import numpy as np
@@ -136,6 +137,11 @@ class Session:
         with self._guard:
             self._wanted.demands = [float(demand) for demand in demands]
             self._mailbox.ask(self._wanted)
+
+    @property
+    def mailbox(self) -> Path:
+        """File of shared memory, in which anyone may look on."""
+        return self._path
 
     def refresh(self) -> None:
         """Show that the host lives."""

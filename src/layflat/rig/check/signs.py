@@ -139,9 +139,9 @@ WRONG = {
 def _right(turned: list[int], pressed: list[int], other: str) -> str:
     if other:
         return f"its valve moves {other}: swap their plugs or hoses"
-    known = WRONG.get((tuple(turned), tuple(pressed)))  # type: ignore[call-overload]
-    if known is not None:
-        return str(known)
+    (a, b), (p, q) = turned, pressed
+    if ((a, b), (p, q)) in WRONG:
+        return WRONG[(a, b), (p, q)]
     if not any(turned):
         return "it does not turn: it is blocked, or its angle sensor is loose"
     if not any(pressed):
