@@ -37,6 +37,9 @@ VICTIMS = ("recorder", "loop", "host")
 EMPTY = 0.2e5
 """Gauge pressure below which hoses are taken to be empty, Pa."""
 
+HOME, HAND = 0.5, 2.0
+"""Joints that are further from mid-stroke (rad) are led back by a hand of so many times what the brake holds."""
+
 PATIENCE = 30.0
 """For anything that has to happen, s."""
 
@@ -60,6 +63,7 @@ def patient(machine: Machine) -> Machine:
         ("interface.watchdog_cycles", 40),
         ("interface.dump_after", 0.4),
         ("safety.setpoint_age", 0.3),
+        ("safety.surplus", 1.0),
     ):
         machine = changed(machine, path, value)
     return machine
@@ -85,12 +89,24 @@ def pressure(device: Device) -> float:
     return float(device.plant.pressures.max() - device.line.ambient)
 
 
+def lead_home(device: Device) -> bool:
+    """Turn joints by hand that a killed loop has left far out; whether there are any."""
+    device.tick()
+    plant, away = device.plant, False
+    for j, angle in enumerate(plant.angles):
+        out = abs(angle) > HOME
+        plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if out else 0.0
+        away = away or bool(out)
+    return away
+
+
 def trial(far: FarSide, machine: Machine, victim: str, instant: float, folder: Path) -> Result:
     """Kill one of the three processes so many seconds after the first demand."""
     place = folder / f"{victim}-{time.monotonic_ns()}.mcap"
     context = multiprocessing.get_context("spawn")
     mine, its = context.Pipe()
     process = context.Process(target=host, args=(machine, far.address, str(place), its), name="host")
+    _until(lambda: not far.call(lead_home))
     process.start()
     its.close()
     if not mine.poll(2.0 * PATIENCE):

@@ -94,7 +94,6 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
         driver.activate()
         pipe.send(Said("running", tuple(refused)))
         loop.run()
-        recorder.event(loop.deadlines.told())
         return (loop.deadlines.told(),)
     finally:
         driver.finalize()

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
-from layflat.errors import OutputError
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
@@ -16,9 +15,6 @@ from layflat.rig.recorder.hand import HandOf
 from layflat.rig.recorder.process import part_of, start_recorder
 from layflat.rig.recorder.ring import RecorderState, Ring
 from layflat.rig.session import Session
-
-STARTS_WITHIN = 30.0
-"""The recorder has to be there by then, s."""
 
 PATIENCE = 20.0
 """A recorder that has shown no sign of life for so long will not finish its log, s."""
@@ -50,7 +46,6 @@ class Recorded:
             self._let_go()
             raise
         try:
-            self._begun()
             self.session = Session(machine, driver, address, HandOf(self._ring.path), realtime=realtime)
         except BaseException:
             self._finish()
@@ -86,13 +81,6 @@ class Recorded:
         self.close()
 
     _ring_is_there = True
-
-    def _begun(self) -> None:
-        until = time.monotonic() + STARTS_WITHIN
-        while not self._ring.recorder_alive():
-            if not self.recording or time.monotonic() > until:
-                raise OutputError("the recorder did not start", where=str(self.place), right="try another folder")
-            time.sleep(0.01)
 
     def _finish(self) -> None:
         """Let the recorder finish; one that does nothing any more is ended."""

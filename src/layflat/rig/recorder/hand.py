@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.recorder.ring import Event, Level, Ring
+from layflat.errors import OutputError
+from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import REACTIONS, Reaction
 
 LEVELS = [Level.INFO, *(Level.WARN if reaction is Reaction.TELL else Level.ERROR for reaction in REACTIONS[1:])]
 """How much a cycle's events matter, by its worst fault."""
+
+STARTS_WITHIN = 30.0
+"""A recorder has to be there by then, s."""
 
 
 class Hand:
@@ -55,5 +60,14 @@ class HandOf:
     ring: Path
 
     def __call__(self) -> Hand:
-        """Take hold of the ring."""
-        return Hand(Ring.attach(self.ring))
+        """Take hold of the ring, as soon as the recorder is there.
+
+        Raises:
+            OutputError: it is not.
+        """
+        ring, until = Ring.attach(self.ring), time.monotonic() + STARTS_WITHIN
+        while not ring.recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
+            if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
+                raise OutputError("the recorder did not start", where="rig", right="see that logs can be written")
+            time.sleep(0.005)
+        return Hand(ring)
