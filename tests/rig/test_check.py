@@ -123,9 +123,12 @@ def test_what_is_wrong_without_air_keeps_the_air_off(name: str, joint: int, what
 def test_a_line_with_air_in_it_is_told() -> None:
     driver = Wired()
     driver.device = VirtualRig(ARM, filled=True)(driver.clock)
-    driver.device.reading = (  # type: ignore[method-assign]  # a sensor whose zero is off
-        lambda take=driver.device.reading: take()._replace(supply=ARM.supply.ambient_pressure + 0.4e5)
-    )
+    take = driver.device.reading
+
+    def offset() -> Reading:
+        return take()._replace(supply=ARM.supply.ambient_pressure + 0.4e5)
+
+    driver.device.reading = offset  # type: ignore[method-assign]
     assert "shut off the air" in wrong(checked(driver))["supply"]
 
 
