@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -29,11 +30,14 @@ def check_rig(
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.check.all import check_rig as check  # noqa: PLC0415
     from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
+    from layflat.rig.realtime import first_in  # noqa: PLC0415
 
     described = load(machine)
     factory, _ = driver_at(driver, described)
     gc.freeze()
     gc.disable()  # a collection takes many cycles
+    with suppress(OSError, AttributeError):
+        first_in()
     with Console(stderr=True).status("starting") as shown:
         findings = check(described, factory(), MonotonicClock(), air=air, tell=lambda what: _show(shown, what))
     gc.enable()

@@ -16,8 +16,8 @@ from layflat.rig.safety.limits import limits
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Snapshot
 
-TICK = 2e-3
-"""Between two looks at the rig, s."""
+TICK = 0.02
+"""Between two looks at the rig, at most, s: who looks all the time takes a processor from the loop."""
 
 SPARE = 5.0
 """Beyond the machine's start time, in which a start that is refused shows, s."""
@@ -125,7 +125,8 @@ class Performance:
                 self.asked += [float(shot["time"])] * (due - done)
                 self._rig.session.ask(plan.demands[due - 1])
                 done = due
-            time.sleep(TICK)
+            coming = plan.times[done] if done < len(plan.times) else plan.duration
+            time.sleep(min(max(begin + coming - time.monotonic(), 1e-3), TICK))
         self._look()
 
     def _look(self) -> Snapshot | None:

@@ -19,6 +19,7 @@ from layflat.machine.model import Machine
 from layflat.rig.clock import SECOND, Clock, MonotonicClock, VirtualClock
 from layflat.rig.driver import DriverError
 from layflat.rig.far.exchange import Device
+from layflat.rig.realtime import first_in
 from layflat.rig.shielded import shielded
 
 TICK = 5e-3
@@ -91,6 +92,9 @@ class _Serving:
         # To look through all that was imported takes a tenth of a second, for which nobody would be answered.
         gc.freeze()
         if not self._lockstep:
+            # What it stands for has a processor to itself.
+            with suppress(OSError, AttributeError):
+                first_in()
             self._tick()
         try:
             ready(address)
