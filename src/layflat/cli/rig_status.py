@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from layflat.cli.app import WIDTH
-
 if TYPE_CHECKING:
     from rich.text import Text
 
@@ -23,7 +21,7 @@ def status(rig: Recorded) -> Text:
         shot = None
     text = "waiting for the loop" if shot is None else line_of(shot, list(rig.machine.joints))
     style = "bold red" if shot is not None and shot.fault else ""
-    return Text(text if rig.recording else f"NOT RECORDED  {text}", style=style, no_wrap=True, overflow="ellipsis")
+    return Text(text if rig.recording else f"NOT RECORDED  {text}", style=style)
 
 
 def line_of(shot: Snapshot, joints: list[str]) -> str:
@@ -39,4 +37,4 @@ def line_of(shot: Snapshot, joints: list[str]) -> str:
     parts += [f"supply {float(shot['supply']) / 1e5:.1f} bar", f"late {1e6 * float(shot['lateness']):.0f} us"]
     if shot.fault:
         parts.insert(1, f"FAULT {told(shot, joints)}")
-    return "  ".join(parts)[: WIDTH + 60]
+    return "  ".join(parts)

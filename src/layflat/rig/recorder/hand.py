@@ -16,6 +16,9 @@ from layflat.rig.safety.faults import REACTIONS, Reaction
 LEVELS = [Level.INFO, *(Level.WARN if reaction is Reaction.TELL else Level.ERROR for reaction in REACTIONS[1:])]
 """How much a cycle's events matter, by its worst fault."""
 
+CHANGE = " -> "
+"""In the line of a change of state."""
+
 STARTS_WITHIN = 30.0
 """A recorder has to be there by then, s."""
 
@@ -37,8 +40,12 @@ class Hand:
         self._ring.push(row)
 
     def event(self, text: str) -> None:
-        """Hand over a line for people; it matters as much as the worst fault of the cycle that it belongs to."""
-        self._ring.tell(Event(self._time, self._level, text))
+        """Hand over a line for people; it matters as much as the worst fault of the cycle that it belongs to.
+
+        A change of state beside a fault that is only told matters no more than any other.
+        """
+        mild = CHANGE in text and self._level is Level.WARN
+        self._ring.tell(Event(self._time, Level.INFO if mild else self._level, text))
 
     def alive(self) -> bool:
         """Whether rows reach the disk."""
