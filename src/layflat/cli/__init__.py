@@ -6,11 +6,39 @@ import sys
 
 import typer
 
-from layflat.cli import describe, design, identify, log, recorded, reproduce, simulate, study, tune
+from layflat.cli import (
+    describe,
+    design,
+    identify,
+    log,
+    recorded,
+    reproduce,
+    rig_check,
+    rig_run,
+    rig_serve,
+    simulate,
+    study,
+    tune,
+)
 from layflat.cli.app import app
 from layflat.errors import LayflatError
 
-__all__ = ["app", "describe", "design", "identify", "log", "main", "recorded", "reproduce", "simulate", "study", "tune"]
+__all__ = [
+    "app",
+    "describe",
+    "design",
+    "identify",
+    "log",
+    "main",
+    "recorded",
+    "reproduce",
+    "rig_check",
+    "rig_run",
+    "rig_serve",
+    "simulate",
+    "study",
+    "tune",
+]
 
 
 def main() -> None:

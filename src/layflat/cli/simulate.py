@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from layflat.cli.app import MachineName, Out, app, known_joint, print_table
+from layflat.cli.moves import print_missed, print_moves
 from layflat.errors import DivergedError, InputError
 
 if TYPE_CHECKING:
@@ -140,25 +141,10 @@ def _waiting(what: str, work: Callable[[], Any]) -> Any:
 def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, demand: Path | None) -> None:
     from layflat.sim.metrics import air_used, moves_of, peak_tip_acceleration  # noqa: PLC0415
 
-    def seconds(value: float) -> str:
-        return f"{value:.3f}" if value < 1e6 else "not settled"
-
     if demand is not None:
-        missed = 57.29578 * ((run["angle"] - run["demand"]) ** 2).mean("time") ** 0.5
-        told = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in machine.joints)
-        typer.echo(f"rms error against {demand.name}: {told}")
+        print_missed(run, demand.name)
     elif scenario.opening is None:
-        rows = [
-            [
-                f"{since:g}",
-                m.joint,
-                seconds(m.settling),
-                *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error)),
-            ]
-            for since, m in moves_of(run)
-        ]
-        columns = ["from (s)", "joint", "settling (s)", "overshoot (deg)", "steady error (deg)"]
-        print_table(columns, rows, f"{machine.name}: moves, settled within 0.3 deg")
+        print_moves(moves_of(run), machine.name)
     typer.echo(
         f"air used {air_used(run):.2f} normal litres, peak tip acceleration {peak_tip_acceleration(run):.1f} m/s2"
     )

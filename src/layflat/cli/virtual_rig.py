@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.rig.clock import Clock
+    from layflat.rig.driver import Driver
     from layflat.rig.far.device import Device
 
 
@@ -33,3 +34,23 @@ class VirtualRig:
         ambient = self.machine.supply.ambient_pressure
         plant = SteppedPlant(self.machine, seed=self.seed, pressures=None if self.filled else (ambient, ambient))
         return Device(self.machine, plant, clock, running=self.filled)
+
+
+@dataclass(frozen=True)
+class SimulatedRig:
+    """Makes a driver of a virtual rig in the same process; it can be pickled.
+
+    Args:
+        machine: what is simulated.
+        seed: of the sensors' noise.
+    """
+
+    machine: Machine
+    seed: int = 0
+
+    def __call__(self) -> Driver:
+        """Make it."""
+        from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
+        from layflat.rig.drivers.simulated import SimulatedDriver  # noqa: PLC0415
+
+        return SimulatedDriver(VirtualRig(self.machine, self.seed)(MonotonicClock()))

@@ -72,6 +72,9 @@ class NoRecorder:
         """It can't die."""
         return True
 
+    def end(self) -> None:
+        """Nothing more will come."""
+
 
 class Loop:
     """One rig in motion; `cycle` performs one control cycle, `run` all of them.

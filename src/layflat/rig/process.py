@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import IO
+from typing import IO, Protocol
 
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
@@ -22,6 +22,14 @@ from layflat.rig.loop import Loop, NoRecorder, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
 from layflat.rig.warm import warm_up
+
+
+class Keeper(Recorder, Protocol):
+    """A recorder that has to be told when the loop has ended."""
+
+    def end(self) -> object:
+        """Nothing more will come."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -41,7 +49,7 @@ class Job:
     driver: Callable[[], Driver]
     mailbox: Path
     rig: str
-    recorder: Callable[[], Recorder] | None = None
+    recorder: Callable[[], Keeper] | None = None
     realtime: bool = True
 
 
@@ -66,6 +74,7 @@ def run_loop(job: Job, pipe: Connection) -> None:
         said = Said("failed", (str(error),))
     except Exception as error:  # whatever happens, the host is told; the far side centres by itself
         said = Said("failed", (f"the loop broke: {type(error).__name__}: {error}",))
+    job.mailbox.unlink(missing_ok=True)  # who has it open keeps it; the host may be gone
     with contextlib.suppress(OSError):  # the host may be gone
         pipe.send(said)
 
@@ -74,9 +83,9 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
     machine, n = job.machine, len(job.machine.joints)
     clock, mailbox = MonotonicClock(), Mailbox(job.mailbox, n)
     driver = job.driver()
+    recorder: Keeper = job.recorder() if job.recorder is not None else NoRecorder()
     try:
         check_capabilities(machine, driver.configure())
-        recorder: Recorder = job.recorder() if job.recorder is not None else NoRecorder()
         warm_up(machine)
         loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, n), recorder)
         refused = go_realtime() if job.realtime else []
@@ -88,6 +97,7 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
         return (loop.deadlines.told(),)
     finally:
         driver.finalize()
+        recorder.end()
         mailbox.close()
 
 

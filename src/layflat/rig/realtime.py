@@ -23,7 +23,7 @@ def go_realtime() -> list[str]:
     gc.freeze()
     gc.disable()
     asked: list[tuple[str, Callable[[], None], str]] = [
-        ("real-time priority (SCHED_FIFO)", _first_in, "allow rtprio in /etc/security/limits.conf"),
+        ("real-time priority (SCHED_FIFO)", first_in, "allow rtprio in /etc/security/limits.conf"),
         ("memory that stays in place (mlockall)", _lock_memory, "allow memlock in /etc/security/limits.conf"),
         ("a processor of its own (affinity)", _own_processor, "give it two processors or more"),
         ("exact timers (timer slack)", _exact_timers, "run it on Linux"),
@@ -37,7 +37,12 @@ def go_realtime() -> list[str]:
     return refused
 
 
-def _first_in() -> None:
+def first_in() -> None:
+    """Run before everything that is not real-time itself.
+
+    Raises:
+        OSError: that is not granted.
+    """
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
 
 

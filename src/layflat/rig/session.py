@@ -8,6 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from math import nan
+from pathlib import Path
 from types import TracebackType
 
 import numpy as np
@@ -16,12 +17,12 @@ from numpy.typing import NDArray
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
-from layflat.rig.loop import Recorder
 from layflat.rig.mailbox import Mailbox, Setpoints
-from layflat.rig.process import Job, Said, run_loop
+from layflat.rig.process import Job, Keeper, Said, run_loop
 from layflat.rig.record import BY_JOINT, SHARED, Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
+from layflat.rig.shielded import shielded
 
 Array = NDArray[np.float64]
 
@@ -80,7 +81,7 @@ class Session:
     """
 
     def __init__(
-        self, machine: Machine, driver: Callable[[], Driver], rig: str, recorder: Callable[[], Recorder] | None = None,
+        self, machine: Machine, driver: Callable[[], Driver], rig: str, recorder: Callable[[], Keeper] | None = None,
         *, realtime: bool = True, refresh: bool = True,
     ) -> None:  # fmt: skip
         self._layout = Layout.of(list(machine.joints))
@@ -94,7 +95,8 @@ class Session:
         self._pipe, other = context.Pipe()
         job = Job(machine, driver, self._path, rig, recorder, realtime)
         self.process = context.Process(target=run_loop, args=(job, other), name="layflat-loop")
-        self.process.start()
+        with shielded():
+            self.process.start()
         other.close()
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._keep_fresh, daemon=True) if refresh else None
@@ -138,6 +140,11 @@ class Session:
             self._wanted.demands = [float(demand) for demand in demands]
             self._mailbox.ask(self._wanted)
 
+    @property
+    def mailbox(self) -> Path:
+        """File of shared memory, in which anyone may look on."""
+        return self._path
+
     def refresh(self) -> None:
         """Show that the host lives."""
         with self._guard:
@@ -160,12 +167,16 @@ class Session:
                 f"the loop's process is gone (status {self.process.exitcode}); the far side vents by itself"
             )
 
-    def close(self) -> None:
-        """Stop, wait until the air is out and the loop has ended."""
+    def end(self) -> None:
+        """Stop, and let the loop end once the air is out; this does not wait for it."""
         with self._guard:
             self._wanted.ended = True
             self._wanted.stops += 1
             self._mailbox.ask(self._wanted)
+
+    def close(self) -> None:
+        """Stop, wait until the air is out and the loop has ended."""
+        self.end()
         try:
             self.process.join(ENDS_WITHIN)
             if self.process.is_alive():

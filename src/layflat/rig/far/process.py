@@ -19,6 +19,8 @@ from layflat.machine.model import Machine
 from layflat.rig.clock import SECOND, Clock, MonotonicClock, VirtualClock
 from layflat.rig.driver import DriverError
 from layflat.rig.far.exchange import Device
+from layflat.rig.realtime import first_in
+from layflat.rig.shielded import shielded
 
 TICK = 5e-3
 """Between two looks at the clock in real time, s; a device makes up for what happened between them."""
@@ -90,6 +92,9 @@ class _Serving:
         # To look through all that was imported takes a tenth of a second, for which nobody would be answered.
         gc.freeze()
         if not self._lockstep:
+            # What it stands for has a processor to itself.
+            with suppress(OSError, AttributeError):
+                first_in()
             self._tick()
         try:
             ready(address)
@@ -194,7 +199,8 @@ class FarSide:
         Raises:
             LayflatError: it can't; the message is that of the other process.
         """
-        self._process.start()
+        with shielded():
+            self._process.start()
         self._theirs.close()
         if not self._control.poll(START):
             self._process.kill()
@@ -223,6 +229,11 @@ class FarSide:
         """Of the other process."""
         assert self._process.pid is not None
         return self._process.pid
+
+    @property
+    def sentinel(self) -> int:
+        """A handle that `select` finds ready once the other process is gone."""
+        return self._process.sentinel
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.recorder.ring import Event, Level, Ring
+from layflat.errors import OutputError
+from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
+from layflat.rig.safety.faults import REACTIONS, Reaction
+
+LEVELS = [Level.INFO, *(Level.WARN if reaction is Reaction.TELL else Level.ERROR for reaction in REACTIONS[1:])]
+"""How much a cycle's events matter, by its worst fault."""
+
+CHANGE = " -> "
+"""In the line of a change of state."""
+
+STARTS_WITHIN = 30.0
+"""A recorder has to be there by then, s."""
 
 
 class Hand:
@@ -19,16 +31,21 @@ class Hand:
     """
 
     def __init__(self, ring: Ring) -> None:
-        self._ring, self._time = ring, 0.0
+        self._ring, self._time, self._level = ring, 0.0, Level.INFO
+        self._fault = ring.layout.shared["fault"]
 
     def push(self, row: NDArray[np.float64]) -> None:
         """Hand over a row of `record.Layout`."""
-        self._time = float(row[0])
+        self._time, self._level = float(row[0]), LEVELS[int(row[self._fault])]
         self._ring.push(row)
 
-    def event(self, text: str, *, serious: bool = True) -> None:
-        """Hand over a line for people."""
-        self._ring.tell(Event(self._time, Level.WARN if serious else Level.INFO, text))
+    def event(self, text: str) -> None:
+        """Hand over a line for people; it matters as much as the worst fault of the cycle that it belongs to.
+
+        A change of state beside a fault that is only told matters no more than any other.
+        """
+        mild = CHANGE in text and self._level is Level.WARN
+        self._ring.tell(Event(self._time, Level.INFO if mild else self._level, text))
 
     def alive(self) -> bool:
         """Whether rows reach the disk."""
@@ -50,5 +67,14 @@ class HandOf:
     ring: Path
 
     def __call__(self) -> Hand:
-        """Take hold of the ring."""
-        return Hand(Ring.attach(self.ring))
+        """Take hold of the ring, as soon as the recorder is there.
+
+        Raises:
+            OutputError: it is not.
+        """
+        ring, until = Ring.attach(self.ring), time.monotonic() + STARTS_WITHIN
+        while not ring.recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
+            if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
+                raise OutputError("the recorder did not start", where="rig", right="see that logs can be written")
+            time.sleep(0.005)
+        return Hand(ring)

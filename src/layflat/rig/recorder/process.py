@@ -18,6 +18,7 @@ from layflat.rig.recorder.blackbox import BlackBox
 from layflat.rig.recorder.file import GrowingFile, synced
 from layflat.rig.recorder.repair import PART, indexed
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
+from layflat.rig.shielded import shielded
 
 TICK = 0.01
 """Between two looks into the ring, s."""
@@ -43,7 +44,8 @@ def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
     process = multiprocessing.get_context("spawn").Process(
         target=record, args=(str(ring.path), str(place), heading), name="layflat recorder"
     )
-    process.start()
+    with shielded():
+        process.start()
     return process
 
 

@@ -1,0 +1,83 @@
+"""Commands of a rig: rig run, rig serve, rig check; what they share. Each stands in a module of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import app
+
+if TYPE_CHECKING:
+    from layflat.machine import Machine
+    from layflat.rig.driver import Driver
+
+rigs = typer.Typer(help="Run a machine on a rig, real or virtual.", no_args_is_help=True)
+app.add_typer(rigs, name="rig")
+
+Address = Annotated[
+    str, typer.Option("--driver", metavar="ADDRESS", help="modbus://HOST:PORT, serial:///dev/NAME or simulated")
+]
+
+FAULT, INTERRUPTED = 3, 130
+"""Exit statuses: a fault was found; stopped by hand."""
+
+SIMULATED = "simulated"
+"""Address of a virtual rig in the loop's own process."""
+
+
+@dataclass(frozen=True)
+class DriverOf:
+    """Makes the driver of an address in another process; it can be pickled."""
+
+    address: str
+    machine: Machine
+
+    def __call__(self) -> Driver:
+        """Make it."""
+        from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
+
+        return driver_of(self.address, self.machine)
+
+
+def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str]:
+    """What makes the driver of an address, and the name of the rig behind it.
+
+    Raises:
+        InputError: it is no address, or a package is missing.
+        MachineError: the machine can't be driven.
+    """
+    from layflat.cli.virtual_rig import SimulatedRig  # noqa: PLC0415
+    from layflat.machine import parameters  # noqa: PLC0415
+
+    for name in machine.joints:
+        parameters.gains(machine, name)
+    if address == SIMULATED:
+        return SimulatedRig(machine), f"{SIMULATED} by process {os.getpid()}"
+    factory = DriverOf(address, machine)
+    factory()  # it connects later, in the process that needs it
+    return factory, address
+
+
+@contextmanager
+def stopping() -> Iterator[Callable[[], bool]]:
+    """Whether somebody has asked for an end (Ctrl-C, SIGTERM, a closed terminal); nothing is interrupted by it."""
+    asked = False
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = [signal.signal(number, note) for number in numbers]
+    try:
+        yield lambda: asked
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)

@@ -1,0 +1,54 @@
+"""Command that looks whether a rig is what its description says: rig check."""
+
+from __future__ import annotations
+
+import gc
+from contextlib import suppress
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import MachineName, print_table
+from layflat.cli.rig import FAULT, Address, driver_at, rigs
+
+if TYPE_CHECKING:
+    from rich.status import Status
+
+
+@rigs.command("check")
+def check_rig(
+    machine: MachineName,
+    driver: Address,
+    air: Annotated[bool, typer.Option("--air", help="bring the air and move each joint by some degrees")] = False,
+) -> None:
+    """Check a rig before it is used: link, timing, sensors; with --air the signs of valves and sensors too.
+
+    Exit status 3 if something is wrong.
+    """
+    from rich.console import Console  # noqa: PLC0415
+
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.rig.check.all import check_rig as check  # noqa: PLC0415
+    from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
+    from layflat.rig.realtime import first_in  # noqa: PLC0415
+
+    described = load(machine)
+    factory, _ = driver_at(driver, described)
+    gc.freeze()
+    gc.disable()  # a collection takes many cycles
+    with suppress(OSError, AttributeError):
+        first_in()
+    with Console(stderr=True).status("starting") as shown:
+        findings = check(described, factory(), MonotonicClock(), air=air, tell=lambda what: _show(shown, what))
+    gc.enable()
+    rows = [[one.what, one.found, one.right or "ok"] for one in findings]
+    print_table(["what", "found", "ok, or what to do"], rows, f"{described.name} at {driver}")
+    wrong = sum(not one.sound for one in findings)
+    if wrong:
+        typer.echo(f"{wrong} wrong")
+        raise typer.Exit(FAULT)
+    typer.echo("all is well" if air else "all is well without air; --air tries valves and signs")
+
+
+def _show(shown: Status, what: str) -> None:
+    shown.update(what)

@@ -1,0 +1,210 @@
+"""Command that moves a rig: rig run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import MachineName, Out, print_table
+from layflat.cli.log import busy
+from layflat.cli.moves import print_missed, print_moves
+from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
+from layflat.cli.text import timed
+from layflat.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray
+
+    from layflat.machine import Machine
+    from layflat.rig.performance import EarlyEndError, Performance, Plan
+    from layflat.rig.recorded import Recorded
+    from layflat.sim.metrics import Move
+
+LEAD = 0.1
+"""A move without a time begins so long after the soft start, s: the joints are at rest before it."""
+
+AFTER = 3.0
+"""From the last move to the end, where no duration is given, s."""
+
+SHOWN = 20
+"""Events that are listed; `layflat log info` lists all."""
+
+
+@rigs.command("run")
+def run(
+    machine: MachineName,
+    driver: Address,
+    demand: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="FILE|TEXT",
+            help='file of demands over time, or "40 deg", "40 deg, 20 deg" or "large=40 deg", with "@ 2 s" for later; '
+            "repeatable; joints are held where not given",
+        ),
+    ] = None,
+    duration: Annotated[
+        str | None, typer.Option(help="from the end of the soft start; 3 s after the last move where not given")
+    ] = None,
+    out: Out = Path("build/rig"),
+) -> None:
+    """Run a machine on a rig: soft start, moves, controlled stop; a log, metrics and a figure.
+
+    Ctrl-C is a controlled stop. Exit status 3 if a fault ended the run.
+    """
+    from layflat.files import check_folder  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.rig.performance import EarlyEndError, Performance, free_place  # noqa: PLC0415
+    from layflat.rig.recorded import Recorded  # noqa: PLC0415
+
+    described = load(machine)
+    factory, name = driver_at(driver, described)
+    plan_from = _plans(described, demand or [], duration)
+    place = free_place(check_folder(out), f"{described.name}-rig")
+    early: EarlyEndError | None = None
+    with stopping() as stopped:
+        with busy(f"connecting to {driver} (compiles for some seconds the first time)"):
+            rig = Recorded(described, factory, name, place)
+        with rig, _status(rig):
+            performance = Performance(rig, stopped)
+            try:
+                performance.follow(plan_from(performance.bring_air()))
+            except EarlyEndError as error:
+                early = error
+            rig.session.end()
+            rig.session.process.join(DEFLATES)
+    followed = demand[0] if demand and _is_file(demand[0]) else None
+    _report(rig, performance, followed)
+    if early is not None:
+        typer.echo(f"layflat: the run ended early: {early}", err=True)
+        raise typer.Exit(FAULT if early.fault else INTERRUPTED)
+    if not place.exists():
+        raise typer.Exit(FAULT)
+
+
+DEFLATES = 10.0
+"""A controlled stop takes less, s."""
+
+
+def _is_file(text: str) -> bool:
+    return Path(text).suffix.lower() == ".csv" or Path(text).is_file()
+
+
+def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callable[[list[float]], Plan]:
+    """What makes the plan once it is known where the joints are; all of it is checked now.
+
+    Raises:
+        InputError: a demand makes no sense, or lies outside the stroke.
+    """
+    from layflat.machine import units as u  # noqa: PLC0415
+    from layflat.rig.performance import Plan, check_stroke  # noqa: PLC0415
+
+    lasts = u.quantity(duration, u.TIME, "--duration") if duration else None
+    if lasts is not None and lasts <= 0.0:
+        raise InputError(f"{duration!r} is no time to run", where="--duration", right='give a time such as "3 s"')
+    if any(_is_file(text) for text in demand):
+        plan = _from_file(machine, demand, duration)
+        check_stroke(machine, plan.demands, f"--demand {demand[0]}")
+        return lambda _held: plan
+
+    def moves(held: list[float]) -> Plan:
+        first: dict[str, str | float] = dict(zip(machine.joints, held, strict=True))
+        steps = timed(demand, first, "--demand")
+        rows = [
+            [u.quantity(values[name], u.ANGLE, f"--demand: {name}") for name in machine.joints] for _, values in steps
+        ]
+        times = [time for time, _ in steps]
+        if rows[0] != held:
+            times[0] = min([LEAD, *times[1:2]])
+        return Plan(times, rows, lasts if lasts is not None else times[-1] + AFTER)
+
+    tried = moves([0.0] * len(machine.joints))
+    check_stroke(machine, tried.demands, "--demand")
+    if tried.times[-1] >= tried.duration:
+        raise InputError(f"{duration!r} ends before the last move", where="--duration", right="give more")
+    return moves
+
+
+def _from_file(machine: Machine, demand: list[str], duration: str | None) -> Plan:
+    from layflat.rig.performance import Plan  # noqa: PLC0415
+    from layflat.sim.demand_file import read_demand  # noqa: PLC0415
+
+    if len(demand) > 1 or duration:
+        right = "leave other demands and --duration out"
+        raise InputError("says it all", where=f"--demand {demand[0]}", right=right)
+    assert machine.controller is not None  # its gains were there
+    cycle = machine.controller.cycle
+    rows = read_demand(machine, Path(demand[0]), cycle)
+    return Plan([k * cycle for k in range(len(rows))], rows.tolist(), len(rows) * cycle)
+
+
+@contextmanager
+def _status(rig: Recorded) -> Iterator[None]:
+    """A line on a terminal that tells what the rig does."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.live import Live  # noqa: PLC0415
+
+    from layflat.cli.rig_status import status  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield
+        return
+    with Live(get_renderable=lambda: status(rig), console=console, refresh_per_second=10, transient=True):
+        yield
+
+
+def _report(rig: Recorded, performance: Performance, followed: str | None) -> None:
+    """Tell how it went, and where its log is."""
+    from layflat.plot.runs import run_figure  # noqa: PLC0415
+    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.rig.recorder.run import read_run  # noqa: PLC0415
+
+    if rig.place.exists():
+        with busy("reading the log"):
+            log = read_run(rig.place)
+        if performance.asked and followed:
+            part = log.sel(time=slice(performance.asked[0], performance.ended))
+            print_missed(part, Path(followed).name)
+        elif performance.asked:
+            print_moves(_moves(log, performance), rig.machine.name)
+        _print_events(log)
+    for line in rig.session.told:
+        typer.echo(line)
+    if rig.place.exists():
+        typer.echo(f"wrote {rig.place}")
+        typer.echo(f"wrote {save(run_figure(log), rig.place.with_suffix('.png'))}")
+    elif rig.part is not None:
+        typer.echo(f"{rig.part}: was not finished; `layflat log repair {rig.part}` makes it whole", err=True)
+    else:
+        typer.echo("nothing was recorded", err=True)
+
+
+def _moves(log: xarray.Dataset, performance: Performance) -> list[tuple[float, Move]]:
+    """Metrics of every joint from each demand to the next; a demand counts from the cycle that takes it."""
+    import numpy as np  # noqa: PLC0415
+
+    from layflat.sim.metrics import move  # noqa: PLC0415
+
+    time, demand = log["time"].to_numpy(), log["demand"].to_numpy()
+    changes = time[1:][np.any(np.diff(demand, axis=0) != 0.0, axis=1)]
+    ends = [*performance.asked[1:], performance.ended]
+    found = []
+    for asked, end in zip(performance.asked, ends, strict=True):
+        after = changes[(changes > asked) & (changes <= end)]
+        if len(after):
+            since = float(after[0])
+            found += [(round(since, 3), move(log, str(joint), since, end)) for joint in log["joint"].values]
+    return found
+
+
+def _print_events(log: xarray.Dataset) -> None:
+    """Warnings and errors."""
+    told = zip(log["event_time"].values, log["event_level"].values, log["event_text"].values, strict=True)
+    rows = [[f"{t:.3f}", {30: "warning", 40: "error"}[int(n)], str(text)] for t, n, text in told if n >= 30]
+    if rows:
+        left = f", the first {SHOWN} of {len(rows)}" if len(rows) > SHOWN else ""
+        print_table(["at (s)", "", "what"], rows[:SHOWN], f"faults and events{left}")

@@ -1,0 +1,102 @@
+"""Command that is a rig: rig serve."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from select import select
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import MachineName
+from layflat.cli.log import busy
+from layflat.cli.rig import rigs, stopping
+from layflat.errors import InputError, LayflatError
+
+if TYPE_CHECKING:
+    from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
+
+LOOKS = 0.1
+"""Between two looks whether to end, s."""
+
+
+@rigs.command("serve")
+def serve(
+    machine: MachineName,
+    modbus: Annotated[int | None, typer.Option(metavar="PORT", help="Modbus TCP; 0 is any port that is free")] = None,
+    serial: Annotated[bool, typer.Option("--serial", help="a pseudo-terminal")] = False,
+    link: Annotated[Path | None, typer.Option(metavar="PATH", help="a second name for the pseudo-terminal")] = None,
+    seed: Annotated[int, typer.Option(help="of the sensors' noise")] = 0,
+) -> None:
+    """Be a virtual rig that speaks the real protocol, until Ctrl-C.
+
+    Lines on stdin: fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures, quit.
+    """
+    from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.rig.far.process import FarSide  # noqa: PLC0415
+
+    described = load(machine)
+    at = _place(modbus, serial or link is not None, link)
+    with stopping() as stopped:
+        far = FarSide(VirtualRig(described, seed), described, at)
+        with busy("starting (compiles for some seconds the first time)"):
+            far.__enter__()
+        try:
+            typer.echo(f"{described.name} at {far.address}")
+            sys.stdout.flush()
+            _answer(far, stopped)
+        finally:
+            far.__exit__(None, None, None)
+
+
+def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | SerialPort:
+    from layflat.rig.far.process import ModbusPort, SerialPort  # noqa: PLC0415
+
+    if (modbus is None) is not serial:
+        raise InputError("give one of both", where="--modbus, --serial", right="for example --modbus 5020")
+    needs = "pymodbus" if modbus is not None else "cobs"
+    if find_spec(needs) is None:
+        raise InputError(f"needs {needs}", where="rig serve", right="pip install 'layflat[rig]'")
+    return ModbusPort(modbus) if modbus is not None else SerialPort(link)
+
+
+def _answer(far: FarSide, stopped: Callable[[], bool]) -> None:
+    """Do what lines on stdin say, until told to quit or to stop.
+
+    Raises:
+        LayflatError: the far side is gone.
+    """
+    from layflat.rig.far.console import obey  # noqa: PLC0415
+
+    for words in _lines(far, stopped):
+        if words == ["quit"]:
+            return
+        try:
+            typer.echo(far.call(obey, words))
+        except LayflatError as error:
+            typer.echo(f"layflat: {error}", err=True)
+        sys.stdout.flush()
+    if not stopped():
+        raise LayflatError("the far side is gone")
+
+
+def _lines(far: FarSide, stopped: Callable[[], bool]) -> Iterator[list[str]]:
+    """Words of each line; after the last there may be none for long. It ends with the far side, or when stopped."""
+    source = [sys.stdin.fileno()] if sys.stdin is not None and not sys.stdin.closed else []
+    rest = b""
+    while not stopped():
+        ready, _, _ = select([*source, far.sentinel], [], [], LOOKS)
+        if far.sentinel in ready:
+            return
+        if not ready:
+            continue
+        data = os.read(source[0], 4096)
+        if not data:
+            source = []
+        *whole, rest = (rest + (data or b"\n")).split(b"\n")
+        yield from (words for line in whole if (words := line.decode(errors="replace").split()))

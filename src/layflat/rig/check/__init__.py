@@ -1,0 +1,1 @@
+"""Is a rig what its description says? First without air, then with a little."""

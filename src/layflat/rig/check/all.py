@@ -1,0 +1,47 @@
+"""The whole check of a rig."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from layflat.machine import Machine
+from layflat.rig.capabilities import check_capabilities
+from layflat.rig.check.bench import Bench
+from layflat.rig.check.finding import Finding
+from layflat.rig.check.signs import try_signs
+from layflat.rig.check.still import look
+from layflat.rig.clock import Clock
+from layflat.rig.driver import Driver
+
+
+def check_rig(
+    machine: Machine, driver: Driver, clock: Clock, *, air: bool = False, tell: Callable[[str], object] = str
+) -> list[Finding]:
+    """Look at a rig without air, and if that finds nothing wrong and it is asked for, with air.
+
+    Args:
+        machine: what the rig is said to be.
+        driver: unconfigured; it is finalized afterwards.
+        clock: what cycles are timed by.
+        air: whether to bring the air and move every joint by some degrees.
+        tell: called with what is being done.
+
+    Raises:
+        DriverError: nothing that fits is there.
+        InputError: it has other joints, voltages or times than the machine.
+    """
+    try:
+        able = driver.configure()
+        check_capabilities(machine, able)
+        volts = f"{able.voltage_low:g} to {able.voltage_high:g} V, closed at {able.centre_voltage:g} V"
+        findings = [Finding("far side", f"{able.joints} joints, {volts}, as described")]
+        bench = Bench(machine, driver, clock)
+        tell("looking on")
+        findings += look(bench)
+        if air and all(one.sound for one in findings):
+            findings += try_signs(bench, tell)
+        elif air:
+            findings.append(Finding("air", "was left off", "put right what is wrong without air"))
+        return findings
+    finally:
+        driver.finalize()

@@ -1,0 +1,112 @@
+"""Control cycles without a controller: read, look whether it is safe to go on, write."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import LayflatError
+from layflat.machine import Machine
+from layflat.machine.parameters.drives import drive_parts
+from layflat.rig.clock import SECOND, Clock
+from layflat.rig.deadlines import Deadlines
+from layflat.rig.driver import Command, Driver, FarState, Lifecycle, LinkError, Reading
+from layflat.rig.safety.faults import TABLE, Fault
+from layflat.rig.safety.joint_watch import JointWatch, Signals
+from layflat.rig.safety.lasting import Samples
+from layflat.rig.safety.limits import limits
+
+Array = NDArray[np.float64]
+
+
+class UnsafeError(LayflatError):
+    """Something that ends a check with air at once; the message is the fault."""
+
+
+class Bench:
+    """A driver that is configured, its clock, and what is noted of the link.
+
+    Args:
+        machine: what the rig is said to be.
+        driver: inactive.
+        clock: what cycles are timed by.
+    """
+
+    def __init__(self, machine: Machine, driver: Driver, clock: Clock) -> None:
+        self.machine, self.driver, self.clock = machine, driver, clock
+        self.names = list(machine.joints)
+        self.cycle = machine.controller.cycle if machine.controller is not None else 5e-3
+        self.limits = [limits(machine, name) for name in self.names]
+        valve, self.angle_part, self.pressure_part = drive_parts(machine)
+        self.span = valve.volts_to_full
+        self.centred = np.full(len(self.names), valve.centre_voltage)
+        self.deadlines = Deadlines(clock, self.cycle)
+        self.transactions: list[float] = []
+        """Time that each took, s."""
+        self.lost = 0
+        """Transactions without a good reply."""
+        self._watches = [JointWatch(one, self.cycle) for one in self.limits]
+        self._gone, self._pressed = Samples(TABLE[Fault.LINK_LOST].cycles), Samples(2)
+        self._obeyed = False
+
+    def cycles(self, seconds: float) -> int:
+        """Control cycles in a time, s."""
+        return round(seconds / self.cycle)
+
+    def look(self) -> Reading | None:
+        """Read in the next cycle; None where the reply was lost."""
+        self.deadlines.wait()
+        begun = self.clock.now()
+        try:
+            reading = self.driver.read()
+        except LinkError:
+            self.lost += 1
+            reading = None
+        self.transactions.append((self.clock.now() - begun) / SECOND)
+        return reading
+
+    def act(self, voltages: Array, *, reset: bool = False) -> Reading:
+        """With air on: look, and ask for voltages; where a reply is lost, look again in the next cycle.
+
+        Raises:
+            UnsafeError: it is not safe to go on.
+        """
+        while True:
+            reading = self.look()
+            if reading is not None:
+                self._judge(reading)
+            elif self._gone(True):
+                raise UnsafeError(TABLE[Fault.LINK_LOST].title)
+            self.driver.write(Command(voltages.copy(), air=True, reset=reset))
+            if reading is not None:
+                return reading
+
+    def vent(self) -> None:
+        """Air off; centred at first, then open to one end until the hoses are empty; the driver is left inactive."""
+        if self.driver.state is not Lifecycle.ACTIVE:
+            return
+        for voltages, seconds in ((self.centred, 0.1), (self.centred + self.span, self.machine.safety.vent_time)):
+            for _ in range(self.cycles(seconds)):
+                self.look()
+                self.driver.write(Command(voltages.copy(), air=False))
+        self.driver.deactivate()
+
+    def _judge(self, reading: Reading) -> None:
+        self._gone(False)
+        supply = self.machine.supply
+        high = supply.ambient_pressure + self.machine.safety.overpressure * supply.pressure_gauge
+        fault = Fault.OVER_PRESSURE if self._pressed(not reading.supply < high) else Fault.NONE
+        self._obeyed = self._obeyed or reading.far is FarState.RUNNING
+        if self._obeyed and reading.far is not FarState.RUNNING:
+            fault = Fault.FAR_DUMPED if reading.far is FarState.DUMPED else Fault.FAR_CENTRED
+        if reading.stopped:
+            fault = Fault.E_STOP
+        if fault:
+            raise UnsafeError(TABLE[fault].title)
+        for name, watch, angle, pressure in zip(
+            self.names, self._watches, reading.angles.tolist(), reading.pressures.tolist(), strict=True
+        ):
+            seen = Signals(angle, pressure, pressure, 0.0, 0.0, angle, 0.0)
+            found = max(watch.sensors(seen), watch.motion(seen, self.cycle))
+            if found:
+                raise UnsafeError(f"joint {name!r}: {TABLE[found].title}")

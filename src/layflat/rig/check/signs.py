@@ -1,0 +1,163 @@
+"""Which way valves and sensors go: with air on, each valve is opened slowly to either side until its joint stirs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.rig.check.bench import Bench, UnsafeError
+from layflat.rig.check.finding import Finding
+from layflat.rig.safety.supervisor import RESET_HIGH, RESET_LOW
+
+Array = NDArray[np.float64]
+
+STIRS = np.radians(1.5)
+"""A joint that went so far is stopped; it swings on by some degrees, on the air that it has."""
+
+RATE = 0.05
+"""By which the valve is opened, of its full opening in a second; faster pulses throw a light joint further, 1/s."""
+
+LONGEST = 5.0
+"""Until something has to have stirred, s."""
+
+ANSWERS = 0.1e5
+"""Change of a differential pressure that is an answer, Pa."""
+
+MOST = 0.8
+"""Share of the supply's pressure, at which a joint that does not stir is taken to be blocked."""
+
+MEAN = 4
+"""Cycles over which samples are averaged: a period of the dither."""
+
+RESTS = 1.0
+"""Between two pulses, and after the air has come: hoses get air through the valves' leaks, s."""
+
+
+class Pulse(NamedTuple):
+    """What came of opening a valve."""
+
+    way: int
+    """1: towards filling hose A, -1: hose B."""
+    opening: float
+    """Reached, of full."""
+    angles: Array
+    """Changes, rad, (joints,)."""
+    pressures: Array
+    """Changes, Pa, (joints,)."""
+
+
+def try_signs(bench: Bench, tell: Callable[[str], object] = str) -> list[Finding]:
+    """Bring the air, try every joint, let the air out again, whatever happens.
+
+    Args:
+        bench: sound without air.
+        tell: called with what is being done.
+    """
+    findings: list[Finding] = []
+    bench.driver.activate()
+    try:
+        tell("soft start")
+        findings.append(_bring_air(bench))
+        if findings[-1].sound:
+            for joint, name in enumerate(bench.names):
+                tell(f"joint {name}")
+                findings.append(judged([_pulse(bench, joint, way) for way in (1, -1)], joint, bench.names))
+    except UnsafeError as error:
+        findings.append(Finding("ended early", str(error), "find the cause; the air was let out"))
+    finally:
+        tell("letting the air out")
+        bench.vent()
+    return findings
+
+
+def _bring_air(bench: Bench) -> Finding:
+    for k in range(RESET_LOW + RESET_HIGH):
+        bench.act(bench.centred, reset=k >= RESET_LOW)
+    safety, supply = bench.machine.safety, bench.machine.supply
+    ready = supply.ambient_pressure + safety.supply_ready * supply.pressure_gauge
+    reading = bench.act(bench.centred)
+    took = RESET_LOW + RESET_HIGH + 1
+    while not reading.supply >= ready:
+        if took > bench.cycles(safety.start_time):
+            gauge = (reading.supply - supply.ambient_pressure) / 1e5
+            right = "look at compressor, regulator, dump valve and the sensor behind it"
+            return Finding("air", f"{gauge:.2f} bar after {safety.start_time:g} s", right)
+        reading = bench.act(bench.centred)
+        took += 1
+    _rest(bench)
+    return Finding("air", f"there {took * bench.cycle:.2f} s after it was asked for")
+
+
+def _rest(bench: Bench) -> None:
+    for _ in range(bench.cycles(RESTS)):
+        bench.act(bench.centred)
+
+
+def _pulse(bench: Bench, joint: int, way: int) -> Pulse:
+    """Open a valve slowly until any joint stirs; it is centred at once then."""
+    recent = [bench.act(bench.centred) for _ in range(MEAN)]
+    angles, pressures = np.mean([r.angles for r in recent], axis=0), np.mean([r.pressures for r in recent], axis=0)
+    voltages, opening = bench.centred.copy(), 0.0
+    for k in range(bench.cycles(LONGEST)):
+        opening = RATE * (k + 1) * bench.cycle
+        voltages[joint] = bench.centred[joint] + way * opening * bench.span
+        recent = [*recent[1:], bench.act(voltages)]
+        by = np.mean([r.pressures for r in recent], axis=0) - pressures
+        blocked = np.abs(by).max() > MOST * bench.machine.supply.pressure_gauge
+        if blocked or np.abs(recent[-1].angles - angles).max() > STIRS:
+            break
+    pulse = Pulse(way, opening, recent[-1].angles - angles, by)
+    _rest(bench)
+    return pulse
+
+
+def judged(pulses: list[Pulse], joint: int, names: list[str]) -> Finding:
+    """What two pulses of a joint's valve, one each way, say of its valve and sensors."""
+    turned = [_sign(pulse.way * pulse.angles[joint], STIRS / 2) for pulse in pulses]
+    pressed = [_sign(pulse.way * pulse.pressures[joint], ANSWERS) for pulse in pulses]
+    found = "; ".join(
+        f"{pulse.way * 100 * pulse.opening:+.1f} % open gave {pulse.pressures[joint] / 1e5:+.2f} bar, "
+        f"{np.degrees(pulse.angles[joint]):+.1f} deg"
+        for pulse in pulses
+    )
+    return Finding(f"signs of {names[joint]}", found, _right(turned, pressed, _other(pulses, joint, names)))
+
+
+WRONG = {
+    ((1, 1), (1, 1)): "",
+    ((-1, -1), (-1, -1)): "its valve goes the wrong way: swap its two hoses",
+    ((1, 1), (-1, -1)): "its pressure sensor goes the wrong way: swap its two lines",
+    ((-1, -1), (1, 1)): "its angle sensor goes the wrong way: turn its sign",
+    ((0, 0), (0, 0)): "nothing stirs: look at the plug of its valve, and at its lines",
+}
+"""What is wrong, by the ways that angle and pressure went when hose A was to be filled, then hose B."""
+
+
+def _right(turned: list[int], pressed: list[int], other: str) -> str:
+    if other:
+        return f"its valve moves {other}: swap their plugs or hoses"
+    (a, b), (p, q) = turned, pressed
+    if ((a, b), (p, q)) in WRONG:
+        return WRONG[(a, b), (p, q)]
+    if not any(turned):
+        return "it does not turn: it is blocked, or its angle sensor is loose"
+    if not any(pressed):
+        return "its pressure does not answer: look at the pressure sensor's lines"
+    return "it does not go one way with its valve: look at the valve's centre, and for leaks"
+
+
+def _other(pulses: list[Pulse], joint: int, names: list[str]) -> str:
+    """Another joint whose pressure answered instead; empty if none did."""
+    for pulse in pulses:
+        most = int(np.abs(pulse.pressures).argmax())
+        other = abs(pulse.pressures[most])
+        if most != joint and other > 3.0 * ANSWERS and abs(pulse.pressures[joint]) < other / 3.0:
+            return names[most]
+    return ""
+
+
+def _sign(value: float, least: float) -> int:
+    return int(np.sign(value)) if abs(value) >= least else 0

@@ -1,0 +1,112 @@
+"""What can be told of a rig without air: link, timing, far side, e-stop, supply and every sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.machine.parameters.drives import sensor as sensor_law
+from layflat.physics.sensor import Sensor
+from layflat.rig.check.bench import Bench
+from layflat.rig.check.finding import Finding
+from layflat.rig.driver import FarState, Reading
+
+Array = NDArray[np.float64]
+
+SECONDS = 2.0
+"""For which a rig is looked at, s."""
+
+FEW = 0.01
+"""Share of replies that may be lost, and of cycles that may be late by more than a cycle."""
+
+NO_PRESSURE = 0.1e5
+"""What an empty line or joint may show, Pa."""
+
+LIVELY = 0.2
+"""Noise in counts from which on a sound sensor changes within `SECONDS`."""
+
+NOISY = 5.0
+"""Times the noise of the description, from which on something is wrong."""
+
+FAR = {FarState.RUNNING: "obeys", FarState.CENTRED: "has centred the valves", FarState.DUMPED: "has let out the air"}
+
+
+def look(bench: Bench) -> list[Finding]:
+    """Look at a rig that is not moved."""
+    found = [reading for _ in range(bench.cycles(SECONDS)) if (reading := bench.look()) is not None]
+    findings = [_link(bench, len(found)), _timing(bench)]
+    if not found:
+        return findings
+    findings += [_far(found[-1]), _supply(bench, found)]
+    angles, pressures = np.array([r.angles for r in found]), np.array([r.pressures for r in found])
+    angle, pressure = sensor_law(bench.angle_part), sensor_law(bench.pressure_part)
+    for j, name in enumerate(bench.names):
+        findings += [_angle(bench, j, name, angles[:, j], angle), _pressure(bench, j, name, pressures[:, j], pressure)]
+    return findings
+
+
+def _link(bench: Bench, answered: int) -> Finding:
+    asked = answered + bench.lost
+    found = f"{answered} of {asked} replies came, {1e6 * float(np.median(bench.transactions)):.0f} us at the median"
+    right = "look at cable and load of the far side, and at `timeout` in [interface]"
+    return Finding("link", found, right if bench.lost > FEW * asked else "")
+
+
+def _timing(bench: Bench) -> Finding:
+    late = bench.deadlines
+    found = (
+        f"{1e6 * late.lateness_at(0.5):.0f} us late at the median, {1e6 * late.lateness_at(0.99):.0f} us at 99 %, "
+        f"{late.missed} cycles missed"
+    )
+    right = "run nothing else on this computer, or take a longer cycle"
+    return Finding("cycles", found, right if late.missed > FEW * bench.cycles(SECONDS) else "")
+
+
+def _far(reading: Reading) -> Finding:
+    if reading.stopped:
+        return Finding("e-stop", "pressed", "release it")
+    return Finding("e-stop", f"released; the far side {FAR[FarState(reading.far)]}")
+
+
+def _supply(bench: Bench, found: list[Reading]) -> Finding:
+    gauge = float(np.mean([r.supply for r in found])) - bench.machine.supply.ambient_pressure
+    right = "shut off the air and vent the line, or set the sensor's zero" if abs(gauge) > NO_PRESSURE else ""
+    return Finding("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right)
+
+
+def _angle(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> Finding:
+    limits, middle = bench.limits[j], float(np.median(samples))
+    right = ""
+    if not limits.angle_low < middle < limits.angle_high:
+        right = "at its rail: it is open or shorted, look at its wires"
+    elif abs(middle) > limits.mechanical:
+        right = f"outside the mechanical stroke of {np.degrees(limits.mechanical):.0f} deg: set its zero"
+    right = right or _noise(samples, law)
+    told = f"{np.degrees(middle):.2f} deg, noise {_spread(samples) / law.lsb:.1f} counts"
+    return Finding(f"angle of {name}", told, right)
+
+
+def _pressure(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> Finding:
+    middle = float(np.median(samples))
+    right = ""
+    if not abs(middle) < bench.limits[j].pressure:
+        right = "at its rail: look at its wires"
+    elif abs(middle) > NO_PRESSURE:
+        right = "let the air out of the hoses, or set its zero"
+    right = right or _noise(samples, law)
+    told = f"{middle / 1e5:+.3f} bar, noise {_spread(samples) / law.lsb:.1f} counts"
+    return Finding(f"pressure of {name}", told, right)
+
+
+def _noise(samples: Array, law: Sensor) -> str:
+    """What is wrong with a sensor's noise."""
+    if law.noise > LIVELY * law.lsb and np.ptp(samples) == 0.0:
+        return "it repeats itself: its converter is frozen, or the wire is off"
+    if _spread(samples) > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
+        return "much noise: look at its screen and ground"
+    return ""
+
+
+def _spread(samples: Array) -> float:
+    """Noise without drift: of the differences from one sample to the next."""
+    return float(np.std(np.diff(samples)) / np.sqrt(2.0)) if len(samples) > 2 else 0.0

@@ -1,0 +1,159 @@
+"""A plan of demands, performed on a rig: soft start, demands in time, and what ends it early."""
+
+from __future__ import annotations
+
+import time
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from layflat.errors import InputError, LayflatError
+from layflat.machine import Machine
+from layflat.rig.recorded import Recorded
+from layflat.rig.safety.faults import TABLE, Fault
+from layflat.rig.safety.limits import limits
+from layflat.rig.safety.states import State
+from layflat.rig.session import LoopError, Snapshot
+
+TICK = 0.02
+"""Between two looks at the rig, at most, s: who looks all the time takes a processor from the loop."""
+
+SPARE = 5.0
+"""Beyond the machine's start time, in which a start that is refused shows, s."""
+
+
+class EarlyEndError(LayflatError):
+    """A run ended before its plan did.
+
+    Args:
+        what: ended it.
+        fault: whether it was no wish of the user's.
+    """
+
+    def __init__(self, what: str, *, fault: bool) -> None:
+        self.fault = fault
+        super().__init__(what)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Demands in time, from the end of the soft start.
+
+    Args:
+        times: from which on each holds, growing, s.
+        demands: rad, one for each joint from base to tip, a row for each time.
+        duration: until the joints are held and the air is let out, s.
+    """
+
+    times: Sequence[float]
+    demands: Sequence[Sequence[float]]
+    duration: float
+
+
+def check_stroke(machine: Machine, demands: Sequence[Sequence[float]], where: str) -> None:
+    """Make sure that demands lie inside the working stroke of every joint.
+
+    Raises:
+        InputError: one does not.
+        MachineError: the machine has no valve or sensors.
+    """
+    for j, name in enumerate(machine.joints):
+        end = limits(machine, name).working
+        worst = max((row[j] for row in demands), key=abs, default=0.0)
+        if not abs(worst) <= end + 1e-9:
+            raise InputError(
+                f"{57.29578 * worst:.4g} deg is outside the stroke of {name!r}",
+                where=where,
+                right=f"give {57.29578 * -end:.4g} to {57.29578 * end:.4g} deg",
+            )
+
+
+def free_place(folder: Path, name: str) -> Path:
+    """A place for a log that nothing has yet: NAME.mcap, NAME-2.mcap, and so on."""
+    count = 1
+    while any(folder.glob(f"{(stem := name if count == 1 else f'{name}-{count}')}.*")):
+        count += 1
+    return folder / f"{stem}.mcap"
+
+
+class Performance:
+    """A rig that is led through a plan.
+
+    Args:
+        rig: in use.
+        stopped: whether the user wants it to end.
+    """
+
+    def __init__(self, rig: Recorded, stopped: Callable[[], bool] = bool) -> None:
+        self._rig, self._stopped = rig, stopped
+        self._running = False
+        self.asked: list[float] = []
+        """When each of the plan's demands was asked for, by the loop's time, s."""
+        self.ended = 0.0
+        """When the plan ended, or what ended it was seen, by the same, s."""
+
+    def bring_air(self) -> list[float]:
+        """Start softly; angles at which the joints are held then, rad.
+
+        Raises:
+            EarlyEndError: there is no air.
+        """
+        session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + SPARE
+        self._look()
+        session.start()
+        while True:
+            shot = self._look()
+            if shot is not None and shot.state is State.READY:
+                self._running = True
+                return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
+            if time.monotonic() > give_up:
+                raise EarlyEndError("the rig did not start", fault=True)
+            time.sleep(TICK)
+
+    def follow(self, plan: Plan) -> None:
+        """Ask for the plan's demands in time, until it ends.
+
+        Raises:
+            EarlyEndError: something ended it.
+        """
+        begin, done = time.monotonic(), 0
+        while (now := time.monotonic() - begin) < plan.duration:
+            shot = self._look()
+            due = bisect_right(plan.times, now)
+            if due > done and shot is not None:
+                self.asked += [float(shot["time"])] * (due - done)
+                self._rig.session.ask(plan.demands[due - 1])
+                done = due
+            coming = plan.times[done] if done < len(plan.times) else plan.duration
+            time.sleep(min(max(begin + coming - time.monotonic(), 1e-3), TICK))
+        self._look()
+
+    def _look(self) -> Snapshot | None:
+        """The last cycle.
+
+        Raises:
+            EarlyEndError: the run has ended.
+        """
+        shot = self._rig.session.snapshot()
+        self.ended = float(shot["time"]) if shot is not None else 0.0
+        if self._stopped():
+            raise EarlyEndError("stopped", fault=False)
+        try:
+            self._rig.session.check()
+        except LoopError as error:
+            raise EarlyEndError(str(error), fault=True) from None
+        if not self._rig.recording:
+            raise EarlyEndError("the recorder is gone", fault=True)
+        if shot is not None and (shot.state is State.FAULT or (self._running and shot.state is State.STOPPED)):
+            raise EarlyEndError(told(shot, list(self._rig.machine.joints)), fault=True)
+        return shot
+
+
+def told(shot: Snapshot, joints: Sequence[str]) -> str:
+    """The worst fault there is, with its joint."""
+    if shot.fault is Fault.NONE:
+        return "stopped by the loop"
+    each = list(shot["joint_fault"])  # type: ignore[arg-type]
+    where = f"joint {joints[each.index(shot.fault)]!r}: " if shot.fault in each else ""
+    return where + TABLE[shot.fault].title

@@ -1,0 +1,265 @@
+"""Commands of a rig as a person uses them: a virtual rig in one process, the rig's own in others, in real time."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat import cli
+from layflat.cli.rig_status import line_of
+from layflat.errors import LayflatError
+from layflat.rig.record import Layout
+from layflat.rig.recorder.run import read_run
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.states import State
+from layflat.rig.session import Snapshot
+
+LAYFLAT = [sys.executable, "-c", "from layflat.cli import main; main()"]
+
+PATIENT = """
+extends = "paper-arm"
+name = "arm"
+[interface]
+watchdog_cycles = 40
+dump_after = "0.4 s"
+[interface.modbus]
+timeout = "100 ms"
+[interface.serial]
+timeout = "100 ms"
+[safety]
+setpoint_age = "0.3 s"
+surplus = 1.0
+"""
+"""Replies may take long, and what the valves do then is not known: tests share their cores."""
+
+
+class Served:
+    """A virtual rig in a process of its own."""
+
+    def __init__(self, *words: str, cwd: Path) -> None:
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(
+            [*LAYFLAT, "rig", "serve", *words], stdin=pipe, stdout=pipe, stderr=pipe, text=True, cwd=cwd
+        )
+        told = self.line()
+        assert " at " in told, self.process.communicate()
+        self.address = told.split(" at ")[1]
+
+    def line(self) -> str:
+        assert self.process.stdout is not None
+        return self.process.stdout.readline().strip()
+
+    def send(self, text: str) -> None:
+        assert self.process.stdin is not None
+        self.process.stdin.write(text + "\n")
+        self.process.stdin.flush()
+
+    def ask(self, text: str) -> str:
+        self.send(text)
+        return self.line()
+
+    def vented(self) -> bool:
+        """Whether no hose holds more than a tenth of a bar, within some seconds."""
+        until = time.monotonic() + 5.0
+        while time.monotonic() < until:
+            hoses = re.findall(r"hoses ([\d.]+) bar and ([\d.]+) bar", self.ask("state"))
+            assert len(hoses) == 2
+            if all(float(hose) < 0.1 for joint in hoses for hose in joint):
+                return True
+            time.sleep(0.1)
+        return False
+
+    def end(self, number: int = signal.SIGINT) -> int:
+        self.process.send_signal(number)
+        status = self.process.wait(10.0)
+        self.process.communicate()
+        return status
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("rig")
+    (folder / "arm.toml").write_text(PATIENT)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def modbus(place: Path) -> Iterator[Served]:
+    served = Served("arm.toml", "--modbus", "0", cwd=place)
+    yield served
+    assert served.end() == 0
+
+
+def start(*words: str, cwd: Path) -> subprocess.Popen[str]:
+    return subprocess.Popen([*LAYFLAT, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd)
+
+
+def refused(*words: str) -> str:
+    with pytest.raises(LayflatError) as error:
+        cli.app(list(words), standalone_mode=False)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def complete(path: Path) -> None:
+    """A log that begins without air and ends without, with no cycle missing."""
+    log = read_run(path)
+    assert log["mode"].values[0] == State.STARTING or log["mode"].values[0] == State.OFF
+    assert log["mode"].values[-1] == State.STOPPED
+    assert log["air"].values[-1] == 0.0
+    time_, elapsed = log["time"].to_numpy(), log["elapsed"].to_numpy()
+    assert np.all(np.diff(time_) <= elapsed[1:] + 0.002)
+
+
+def test_a_move_through_modbus_settles_and_is_logged(modbus: Served, place: Path) -> None:
+    words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "out")
+    done = subprocess.run(
+        [*LAYFLAT, *words, "--demand", "15 deg, 10 deg", "--demand", "large=5 deg @ 1.7 s", "--duration", "3.3 s"],
+        capture_output=True, text=True, cwd=place, check=False, timeout=100.0,
+    )  # fmt: skip
+    assert done.returncode == 0, done
+    rows = [line.split("│") for line in done.stdout.splitlines() if "│ large" in line or "│ small" in line]
+    assert len(rows) == 4
+    assert all(float(row[2]) < 1.5 and abs(float(row[4])) < 0.3 for row in rows), done.stdout
+    assert "cycles, late by" in done.stdout
+    assert max(len(line) for line in done.stdout.splitlines() if "late by" not in line) <= 100
+    log, figure = place / "out" / "arm-rig.mcap", place / "out" / "arm-rig.png"
+    complete(log)
+    assert modbus.vented()
+    assert figure.stat().st_size > 10_000
+    assert json.loads(read_run(log).attrs["notes"])["driver"] == modbus.address
+    again = place / "again.png"
+    cli.app(["log", "plot", str(log), "--out", str(again)], standalone_mode=False)
+    assert again.read_bytes() == figure.read_bytes()
+
+
+def test_ctrl_c_through_serial_is_a_controlled_stop(place: Path) -> None:
+    served = Served("arm.toml", "--link", "tty", cwd=place)
+    assert served.address == "serial://tty"
+    words = ("rig", "run", "arm.toml", "--driver", f"serial://{place / 'tty'}", "--out", "serial")
+    running = start(*words, "--demand", "large=15 deg, small=10 deg", "--duration", "60 s", cwd=place)
+    wait_until_moving(place / "serial" / "arm-rig.mcap.part")
+    second = subprocess.run([*LAYFLAT, *words], capture_output=True, text=True, cwd=place, check=False, timeout=60.0)
+    assert second.returncode == 2, second
+    assert "another loop runs this rig" in second.stderr
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=60.0)
+    assert running.returncode == 130, (out, err)
+    assert err.strip() == "layflat: the run ended early: stopped"
+    rows = [line.split("│") for line in out.splitlines() if "│ large" in line or "│ small" in line]
+    assert [float(row[2]) < 1.5 for row in rows] == [True, True], out
+    complete(place / "serial" / "arm-rig.mcap")
+    assert {path.suffix for path in (place / "serial").glob("arm-rig*")} == {".mcap", ".png"}
+    assert served.vented()
+    assert served.end(signal.SIGTERM) == 0
+    assert not (place / "tty").is_symlink()
+
+
+def wait_until_moving(part: Path) -> None:
+    """Until a log holds two seconds."""
+    until = time.monotonic() + 60.0
+    while not part.exists() or part.stat().st_size < 400_000:
+        assert time.monotonic() < until
+        time.sleep(0.05)
+
+
+def test_an_e_stop_ends_a_run_with_status_3(modbus: Served, place: Path) -> None:
+    assert modbus.ask("fail e-stop").startswith("e-stop: ")
+    assert "e-stop pressed" in modbus.ask("state")
+    words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "stopped", "--demand", "10 deg")
+    done = subprocess.run([*LAYFLAT, *words], capture_output=True, text=True, cwd=place, check=False, timeout=100.0)
+    assert modbus.ask("heal e-stop") == "e-stop: healed"
+    assert done.returncode == 3, done
+    assert "the run ended early: e-stop" in done.stderr
+    assert "error" in done.stdout
+    assert np.all(read_run(place / "stopped" / "arm-rig.mcap")["supply"].to_numpy() < 1.1e5)
+
+
+def test_a_served_rig_says_what_it_is_told(modbus: Served) -> None:
+    assert modbus.ask("fail stuck-spool small 0.2") == "stuck-spool: the joint's valve stays at an opening"
+    assert modbus.ask("heal stuck-spool small") == "stuck-spool: healed"
+    modbus.send("failures")
+    lines = [modbus.line() for _ in range(18)]
+    assert any(line.startswith("burst-hose: ") for line in lines)
+    for text, what in (
+        ("fail moonquake", "'moonquake' is no failure"),
+        ("fail push elbow 1", "'elbow' is no joint here; give large or small"),
+        ("fail push large much", "neither joint nor number"),
+        ("dance", "'dance' is not understood"),
+    ):
+        modbus.send(text)
+        assert modbus.process.stderr is not None
+        assert what in modbus.process.stderr.readline()
+    port = modbus.address.rsplit(":", 1)[1]
+    assert "address already in use" in refused("rig", "serve", "paper-arm", "--modbus", port)
+
+
+def test_a_rig_is_checked(modbus: Served, place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arm = str(place / "arm.toml")
+    status = cli.app(["rig", "check", arm, "--driver", modbus.address], standalone_mode=False)
+    out = capsys.readouterr().out
+    assert "pressure of small" in out
+    assert status in (None, 0, 3)  # 3 where this computer was too busy
+    modbus.ask("fail angle-open large")
+    assert cli.app(["rig", "check", arm, "--driver", modbus.address, "--air"], standalone_mode=False) == 3
+    modbus.ask("heal angle-open large")
+    out = " ".join(capsys.readouterr().out.split())
+    assert "open or shorted" in out
+    assert "was left off" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--driver", "modbus://127.0.0.1:1"], "can't be reached (Connection refused)"),
+        (["--driver", "serial:///dev/nothing"], "is not there"),
+        (["--driver", "telepathy"], "is no driver's address"),
+        (["--driver", "simulated", "--demand", "61 deg"], "outside the stroke of 'large'; give -60 to 60 deg"),
+        (["--driver", "simulated", "--demand", "1 deg, 2 deg, 3 deg"], "has 3 values"),
+        (["--driver", "simulated", "--demand", "absent.csv"], "can't be read"),
+        (["--driver", "simulated", "--demand", "5 deg @ 4 s", "--duration", "2 s"], "ends before the last move"),
+        (["--driver", "simulated", "--duration", "-1 s"], "is no time to run"),
+        (["--driver", "simulated", "--out", "/proc/rig"], "can't write here"),
+    ],
+)
+def test_mistakes_are_told_before_anything_moves(
+    words: list[str], line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert line in refused("rig", "run", "paper-arm", *words)
+    assert not list(tmp_path.rglob("*.mcap*"))
+
+
+def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "has no controller gains" in refused("rig", "run", "rig-kevlar", "--driver", "simulated")
+    assert "give one of both" in refused("rig", "serve", "paper-arm")
+    assert "give one of both" in refused("rig", "serve", "paper-arm", "--modbus", "0", "--serial")
+    assert "nobody" in refused("rig", "serve", "nobody", "--modbus", "0")
+    (tmp_path / "taken").write_text("")
+    assert "can't be made" in refused("rig", "serve", "paper-arm", "--link", "taken")
+    (tmp_path / "far.csv").write_text("time [s],demand.large [deg],demand.small [deg]\n0,0,0\n1,0,70\n")
+    assert "outside the stroke of 'small'" in refused(
+        "rig", "run", "paper-arm", "--driver", "simulated", "--demand", "far.csv"
+    )
+
+
+def test_the_status_fits_a_line() -> None:
+    layout = Layout.of(["large", "small"])
+    row = np.zeros(layout.width)
+    row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.NO_ANSWER
+    row[layout.of_joint(1).stop - 1] = Fault.NO_ANSWER
+    line = line_of(Snapshot(layout, row), ["large", "small"])
+    assert "FAULT joint 'small': air does not answer" in line
+    assert "\n" not in line
+    row[layout.shared["fault"]] = Fault.NONE
+    assert len(line_of(Snapshot(layout, row), ["large", "small"])) <= 100

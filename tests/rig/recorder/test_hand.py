@@ -1,0 +1,33 @@
+"""How much events matter: as much as the worst fault of their cycle."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from layflat.rig.recorder.hand import HandOf
+from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
+from layflat.rig.safety.faults import Fault
+
+
+@pytest.mark.parametrize(
+    ("fault", "level", "change"),
+    [
+        (Fault.NONE, Level.INFO, Level.INFO),
+        (Fault.DEMAND_LIMITED, Level.WARN, Level.INFO),
+        (Fault.NO_ANSWER, Level.ERROR, Level.ERROR),
+    ],
+)
+def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: Level) -> None:
+    ring = Ring.create(["large", "small"])
+    ring.beat(RecorderState.RECORDING)
+    hand = HandOf(ring.path)()
+    row = np.zeros(ring.layout.width)
+    row[0], row[ring.layout.shared["fault"]] = 2.5, fault
+    hand.push(row)
+    hand.event("what there is")
+    hand.event("ready -> moving")
+    assert ring.take_events() == [Event(2.5, level, "what there is"), Event(2.5, change, "ready -> moving")]
+    hand.end()
+    assert ring.ended
+    ring.remove()

@@ -1,0 +1,177 @@
+"""Checks of a virtual rig in simulated time: a sound one passes, and what is wired wrongly is told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from layflat.cli.virtual_rig import VirtualRig
+from layflat.errors import InputError
+from layflat.machine import load
+from layflat.rig.check.all import check_rig
+from layflat.rig.check.finding import Finding
+from layflat.rig.clock import VirtualClock
+from layflat.rig.driver import Capabilities, Command, FarState, Lifecycle, Reading
+from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.far.failures import failure
+
+ARM = load("paper-arm")
+CENTRE = 5.0
+
+
+class Wired(SimulatedDriver):
+    """A virtual rig with something wrong about its wires; it notes how far the joints went."""
+
+    def __init__(self, machine: str = "paper-arm") -> None:
+        self.clock = VirtualClock()
+        super().__init__(VirtualRig(load(machine))(self.clock))
+        self.signs = {"valve": np.ones(2), "angle": np.ones(2), "pressure": np.ones(2)}
+        self.order = [0, 1]
+        self.breaks: tuple[float, Callable[[], None]] = (1e9, lambda: None)
+        self.reached = self.pressed = 0.0
+
+    def read(self) -> Reading:
+        if self.clock.now() > self.breaks[0] * 1e9:
+            begin, self.breaks = self.breaks[1], (1e9, lambda: None)
+            begin()
+        reading = super().read()
+        self.reached = max(self.reached, np.degrees(np.abs(self.device.plant.angles)).max())
+        self.pressed = max(self.pressed, self.device.line.pressure)
+        return reading._replace(
+            angles=self.signs["angle"] * reading.angles, pressures=self.signs["pressure"] * reading.pressures
+        )
+
+    def write(self, command: Command) -> None:
+        volts = CENTRE + self.signs["valve"] * (command.voltages - CENTRE)
+        super().write(command._replace(voltages=volts[self.order]))
+
+
+def checked(driver: Wired, *, air: bool = True) -> dict[str, Finding]:
+    found = check_rig(ARM, driver, driver.clock, air=air)
+    assert driver.state is Lifecycle.FINALIZED
+    return {one.what: one for one in found}
+
+
+def wrong(found: dict[str, Finding]) -> dict[str, str]:
+    return {one.what: one.right for one in found.values() if not one.sound}
+
+
+def test_a_sound_rig_passes_and_is_left_without_air() -> None:
+    driver = Wired()
+    found = checked(driver)
+    assert wrong(found) == {}
+    assert {"air", "signs of large", "signs of small", "e-stop", "angle of large", "pressure of small"} <= set(found)
+    assert 1.5 < driver.reached < 12.0
+    assert not driver.device.line.air
+    assert driver.device.plant.pressures.max() < ARM.supply.ambient_pressure + 0.2e5
+
+
+def test_without_air_nothing_is_moved() -> None:
+    driver = Wired()
+    assert wrong(checked(driver, air=False)) == {}
+    assert driver.pressed == ARM.supply.ambient_pressure
+    assert driver.device.state is FarState.DUMPED
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+@pytest.mark.parametrize(
+    ("part", "right"),
+    [
+        ("valve", "its valve goes the wrong way"),
+        ("angle", "its angle sensor goes the wrong way"),
+        ("pressure", "its pressure sensor goes the wrong way"),
+    ],
+)
+def test_a_wrong_sign_is_told_of_that_joint(part: str, joint: int, right: str) -> None:
+    driver = Wired()
+    driver.signs[part][joint] = -1.0
+    found = wrong(checked(driver))
+    assert list(found) == [f"signs of {list(ARM.joints)[joint]}"]
+    assert right in next(iter(found.values()))
+    assert driver.reached < 12.0
+
+
+def test_swapped_valves_are_told() -> None:
+    driver = Wired()
+    driver.order = [1, 0]
+    found = wrong(checked(driver))
+    assert "its valve moves small" in found["signs of large"]
+    assert "its valve moves large" in found["signs of small"]
+
+
+@pytest.mark.parametrize(
+    ("name", "joint", "what", "right"),
+    [
+        ("angle-shorted", 1, "angle of small", "open or shorted"),
+        ("pressure-open", 0, "pressure of large", "at its rail"),
+        ("angle-frozen", 0, "angle of large", "it repeats itself"),
+        ("pressure-frozen", 1, "pressure of small", "it repeats itself"),
+        ("e-stop", 0, "e-stop", "release it"),
+    ],
+)
+def test_what_is_wrong_without_air_keeps_the_air_off(name: str, joint: int, what: str, right: str) -> None:
+    driver = Wired()
+    failure(name).begin(driver.device, joint)
+    found = wrong(checked(driver))
+    assert set(found) == {what, "air"}
+    assert right in found[what]
+    assert driver.pressed == ARM.supply.ambient_pressure
+
+
+def test_a_line_with_air_in_it_is_told() -> None:
+    driver = Wired()
+    driver.device = VirtualRig(ARM, filled=True)(driver.clock)
+    take = driver.device.reading
+
+    def offset() -> Reading:
+        return take()._replace(supply=ARM.supply.ambient_pressure + 0.4e5)
+
+    driver.device.reading = offset  # type: ignore[method-assign]
+    assert "shut off the air" in wrong(checked(driver))["supply"]
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "what", "right"),
+    [
+        ("supply-lost", None, "air", "look at compressor"),
+        ("kinked-hose", 0.0, "signs of large", "nothing stirs"),
+    ],
+)
+def test_what_is_wrong_with_air(name: str, size: float | None, what: str, right: str) -> None:
+    driver = Wired()
+    failure(name).begin(driver.device, 0, size)
+    assert right in wrong(checked(driver))[what]
+
+
+@pytest.mark.parametrize(
+    ("after", "name", "right"),
+    [(4.2, "e-stop", "e-stop"), (4.2, "silence", "link lost"), (5.0, "angle-open", "open or shorted")],
+)
+def test_what_happens_with_air_ends_the_check(after: float, name: str, right: str) -> None:
+    driver = Wired()
+    driver.breaks = (after, lambda: failure(name).begin(driver.device, 0))
+    found = checked(driver)
+    assert right in found["ended early"].found
+    assert "signs of small" not in found
+
+
+def test_an_interrupt_lets_the_air_out() -> None:
+    driver = Wired()
+
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    driver.breaks = (4.5, interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        checked(driver)
+    assert driver.pressed > 4e5
+    assert driver.device.plant.pressures.max() < ARM.supply.ambient_pressure + 0.2e5
+
+
+def test_a_rig_of_another_size_is_refused() -> None:
+    driver = Wired()
+    driver._configure = lambda: Capabilities(1, 0.0, 10.0, 5.0, True, 1e-3)  # type: ignore[method-assign]
+    with pytest.raises(InputError, match="it has 1 joints, the machine 2"):
+        check_rig(ARM, driver, driver.clock)
