@@ -1,4 +1,4 @@
-"""Commands of a rig: rig run, rig serve, rig check; what they share. Each stands in a module of its own."""
+"""Commands of a rig: rig run, rig serve, rig check, rig faults; what they share. Each stands in a module of its own."""
 
 from __future__ import annotations
 

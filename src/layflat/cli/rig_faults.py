@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from layflat.cli.app import MachineName, print_table
+from layflat.cli.rig import FAULT, rigs
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -26,10 +27,8 @@ LONG_ENOUGH = 0.05
 
 PROTOCOLS = ("modbus", "serial")
 
-MISSED = 3
-"""Exit status where a fault was missed, or found where there was none."""
 
-
+@rigs.command("faults")
 def faults(
     machine: MachineName,
     instants: Annotated[int, typer.Option(min=1, help="at which each fault is tried, on each protocol")] = 20,
@@ -60,7 +59,7 @@ def faults(
     good = _print(outcomes, found)
     typer.echo(f"wrote {out}")
     if not good:
-        raise typer.Exit(MISSED)
+        raise typer.Exit(FAULT)
 
 
 def _tried(

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from layflat.errors import InputError, LayflatError
-from layflat.machine import Machine
+from layflat.machine import Machine, parameters
 from layflat.rig.recorded import Recorded
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.limits import limits
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Snapshot
 
@@ -58,8 +57,9 @@ def check_stroke(machine: Machine, demands: Sequence[Sequence[float]], where: st
         InputError: one does not.
         MachineError: the machine has no valve or sensors.
     """
-    for j, name in enumerate(machine.joints):
-        end = limits(machine, name).working
+    parameters.drive_parts(machine)
+    for j, (name, joint) in enumerate(machine.joints.items()):
+        end = 0.5 * joint.stops.working_stroke
         worst = max((row[j] for row in demands), key=abs, default=0.0)
         if not abs(worst) <= end + 1e-9:
             raise InputError(

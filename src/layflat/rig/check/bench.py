@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.control.update import MEMORY, STATUS
+from layflat.control.watch import MOTION
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters.drives import drive_parts
@@ -12,9 +14,9 @@ from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, Driver, FarState, Lifecycle, LinkError, Reading
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.joint_watch import JointWatch, Signals
 from layflat.rig.safety.lasting import Samples
 from layflat.rig.safety.limits import limits
+from layflat.rig.safety.machine_watch import MachineWatch
 
 Array = NDArray[np.float64]
 
@@ -45,8 +47,10 @@ class Bench:
         """Time that each took, s."""
         self.lost = 0
         """Transactions without a good reply."""
-        self._watches = [JointWatch(one, self.cycle) for one in self.limits]
-        self._gone, self._pressed = Samples(TABLE[Fault.LINK_LOST].cycles), Samples(2)
+        self._watch = MachineWatch(machine, self.cycle, self.limits)
+        n = len(self.names)
+        self._status, self._memory = np.zeros((1, n, STATUS)), np.zeros((1, n, MEMORY))
+        self._gone = Samples(TABLE[Fault.LINK_LOST].cycles)
         self._obeyed = False
 
     def cycles(self, seconds: float) -> int:
@@ -93,9 +97,10 @@ class Bench:
 
     def _judge(self, reading: Reading) -> None:
         self._gone(False)
-        supply = self.machine.supply
-        high = supply.ambient_pressure + self.machine.safety.overpressure * supply.pressure_gauge
-        fault = Fault.OVER_PRESSURE if self._pressed(not reading.supply < high) else Fault.NONE
+        angles = reading.angles.tolist()
+        fault = self._watch.look(
+            reading, self._status, self._memory, self.centred, angles, 0.0, self.cycle, MOTION
+        )  # fmt: skip
         self._obeyed = self._obeyed or reading.far is FarState.RUNNING
         if self._obeyed and reading.far is not FarState.RUNNING:
             fault = Fault.FAR_DUMPED if reading.far is FarState.DUMPED else Fault.FAR_CENTRED
@@ -103,10 +108,6 @@ class Bench:
             fault = Fault.E_STOP
         if fault:
             raise UnsafeError(TABLE[fault].title)
-        for name, watch, angle, pressure in zip(
-            self.names, self._watches, reading.angles.tolist(), reading.pressures.tolist(), strict=True
-        ):
-            seen = Signals(angle, pressure, pressure, 0.0, 0.0, angle, 0.0)
-            found = max(watch.sensors(seen), watch.motion(seen, self.cycle))
+        for name, found in zip(self.names, self._watch.found, strict=True):
             if found:
                 raise UnsafeError(f"joint {name!r}: {TABLE[found].title}")

@@ -76,11 +76,12 @@ def _supply(bench: Bench, found: list[Reading]) -> Finding:
 
 def _angle(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> Finding:
     limits, middle = bench.limits[j], float(np.median(samples))
+    end = 0.5 * bench.machine.joint[name].stops.mechanical_stroke
     right = ""
     if not limits.angle_low < middle < limits.angle_high:
         right = "at its rail: it is open or shorted, look at its wires"
-    elif abs(middle) > limits.mechanical:
-        right = f"outside the mechanical stroke of {np.degrees(limits.mechanical):.0f} deg: set its zero"
+    elif abs(middle) > end:
+        right = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
     right = right or _noise(samples, law)
     told = f"{np.degrees(middle):.2f} deg, noise {_spread(samples) / law.lsb:.1f} counts"
     return Finding(f"angle of {name}", told, right)

@@ -19,7 +19,7 @@ from layflat.rig.trials.table import ROWS, Safe, Way
 SPAN = 0.6
 """Of the working stroke in which moves end."""
 
-PAUSE = (0.2, 1.2)
+PAUSE = (0.5, 1.5)
 """Between two demands, s."""
 
 WHEN = (0.3, 2.0)

@@ -126,6 +126,10 @@ def _hold_back(stand: Stand, joint: int) -> None:
     stand.far.call(inject, "push", joint, -HAND if way > 0.0 else HAND)
 
 
+def _push_out(stand: Stand, joint: int) -> None:
+    stand.far.call(inject, "push", joint, PUSH if stand.truth.angles[joint] > 0.0 else -PUSH)
+
+
 def _let_go(stand: Stand, joint: int) -> None:
     stand.far.call(heal, "push", joint)
 
@@ -139,12 +143,15 @@ def _left_behind(stand: Stand, joint: int) -> bool:
 HAND = 0.8
 """Of a joint's greatest torque: what holds it back."""
 
+PUSH = 1.2
+"""The same, of what pushes it out against its controller."""
+
 LINK = (Fault.LINK_LOST, Fault.FAR_CENTRED, Fault.FAR_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
 ANSWER = (Fault.NO_ANSWER, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
 FOLLOWING = (Fault.FOLLOWING_ERROR, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
-BEYOND = (Fault.FOLLOWING_ERROR, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.NO_ANSWER)
+BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.NO_ANSWER)
 
 ROWS: dict[str, tuple[Way, ...]] = {
     "reply lost, bad CRC or sequence": (
@@ -173,7 +180,7 @@ ROWS: dict[str, tuple[Way, ...]] = {
     ),
     "over-pressure, over-speed, outside the stroke": (
         _of_rig("supply-high", (Fault.OVER_PRESSURE,), Safe.ALL_VENTED, cycles=2, since=_too_high),
-        _of_rig("push", BEYOND, Safe.ALL_VENTED, size=0.35, cycles=2, since=_away, brief=True),
+        Way("pushed out", _push_out, _let_go, BEYOND, 2, 0.0, Safe.ALL_VENTED, since=_away, brief=True),
     ),
     "supply lost": (_of_rig("supply-lost", (Fault.SUPPLY_LOST,), Safe.ALL_VENTED, seconds=0.1),),
     "recorder dead": (Way("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), 0, 1.0, Safe.TOLD),),
