@@ -21,8 +21,9 @@ reproduce: $(READY)  ## reproduce the paper: build/reproduce/report.html and cla
 questions: $(READY)  ## the same with the paper's open questions, studies of thousands of runs
 	$(BIN)/layflat reproduce --out build/reproduce --questions
 
-test: $(READY)  ## run the tests, with compiled laws and then the laws' own tests without
-	$(BIN)/python -m pytest -n 2
+test: $(READY)  ## run the tests: side by side, those in real time alone, and the laws' own without compiler
+	$(BIN)/python -m pytest -n 2 -m "not realtime"
+	$(BIN)/python -m pytest -m realtime
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 tests/physics tests/control
 
 lint: $(READY)  ## style, types, import contracts

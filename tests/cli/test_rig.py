@@ -23,6 +23,8 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import Snapshot
 
+pytestmark = pytest.mark.realtime
+
 LAYFLAT = [sys.executable, "-c", "from layflat.cli import main; main()"]
 
 PATIENT = """

@@ -13,6 +13,8 @@ from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import load
 from layflat.rig.far.process import FarSide, ModbusPort
 
+pytestmark = pytest.mark.realtime
+
 ARM = patient(load("paper-arm"))
 
 

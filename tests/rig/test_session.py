@@ -17,6 +17,8 @@ from layflat.rig.process import lock
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session
 
+pytestmark = pytest.mark.realtime
+
 ARM = load("paper-arm")
 
 

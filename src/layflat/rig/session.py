@@ -109,8 +109,6 @@ class Session:
         except BaseException:
             self.close()
             raise
-        # Both sides have mapped it by now: whoever is killed, no file is left.
-        self._path.unlink(missing_ok=True)
 
     def start(self) -> None:
         """Bring the air, softly; demands are obeyed from then on."""
