@@ -135,14 +135,14 @@ class Loop:
             lost = False
         except LinkError:
             reading, lost = self._reading, True
-        answered = perf_counter_ns()
+        answered, seen = perf_counter_ns(), self.clock.now()
         supervisor = self.supervisor
-        elapsed = self.deadlines.cycle if self._seen_at is None else (now - self._seen_at) / SECOND
+        elapsed = self.deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / SECOND
         if lost:
             self._lost += 1
             supervisor.lost()
         else:
-            self._lost, self._seen_at = 0, now
+            self._lost, self._seen_at = 0, seen
             if self._cycles == 0:
                 supervisor.begin(reading)
             supervisor.judge(reading, self._status, self._memory, self._voltages, elapsed)

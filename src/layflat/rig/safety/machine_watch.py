@@ -36,6 +36,9 @@ Array = NDArray[np.float64]
 FILLED = 0.75
 """Of the supply's pressure: what hoses hold whose valve leaks equally to supply and exhaust."""
 
+UNEVEN, CALM = 0.3, 0.1
+"""A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s."""
+
 EMPTIES = 0.03
 """Time that a supply line takes to show that nothing comes any more, s."""
 
@@ -89,6 +92,7 @@ class MachineWatch:
         """Forget what was seen; what the hoses hold is kept."""
         cycle = self._cycle
         self._memory[0] = FRESH
+        self._even = CALM
         self._pressed = Samples(TABLE[Fault.OVER_PRESSURE].cycles)
         self._gone = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - EMPTIES, cycle)
         self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
@@ -130,9 +134,13 @@ class MachineWatch:
         self._demands[:] = demands
         angles, pressures, supply = reading.angles, reading.pressures, reading.supply
         follow_hoses(self._parts, self._beliefs, openings, angles, pressures, supply, self._exhaust, elapsed)
+        # When a late cycle's voltage reached its valve, and when it was sampled, is not known well enough.
+        uneven = abs(elapsed - self._cycle) > UNEVEN * self._cycle
+        self._even = 0.0 if uneven else self._even + elapsed
+        trusted = supply >= self._low and self._even >= CALM
         still = watch_joints(
             self._limits, self._patience, self._memory, angles, pressures, status, self._beliefs, self._demands, lead,
-            elapsed, level, supply >= self._low, self._bits,
+            elapsed, level, trusted, self._bits,
         )  # fmt: skip
         for j, bits in enumerate(self._bits.tolist()):
             self.found[j] = _worst(bits) if bits else Fault.NONE

@@ -9,6 +9,7 @@ import numpy as np
 
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.driver import Driver
 from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.rig.far.device import Device
 from layflat.rig.loop import Loop
@@ -44,7 +45,8 @@ class Quiet:
 
 def quiet(
     machine: Machine, device_of: Callable[[VirtualClock], Device], hours: float, seed: int,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[float], None] | None = None, clock: VirtualClock | None = None,
+    driver_of: Callable[[Device], Driver] = SimulatedDriver,
 ) -> Quiet:  # fmt: skip
     """Move at random, in simulated time, and note every fault; after a trip the rig is reset and goes on.
 
@@ -54,10 +56,12 @@ def quiet(
         hours: simulated.
         seed: of moves and payloads.
         progress: is told the share that is done.
+        clock: that the loop waits by; one that is never late where not given.
+        driver_of: makes the driver.
     """
-    clock, host, recorder = VirtualClock(), Script(len(machine.joints)), MortalRecorder()
+    clock, host, recorder = clock or VirtualClock(), Script(len(machine.joints)), MortalRecorder()
     device = device_of(clock)
-    driver = SimulatedDriver(device)
+    driver = driver_of(device)
     driver.configure()
     loop = Loop(machine, driver, clock, host, recorder)
     driver.activate()

@@ -1,0 +1,65 @@
+"""A sound rig moves at random and nothing is found; a failing one is found, and made safe."""
+
+import numpy as np
+import pytest
+
+from layflat.cli.virtual_rig import VirtualRig
+from layflat.machine import changed, load
+from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.driver import Reading
+from layflat.rig.drivers.address import driver_of
+from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.far.process import FarSide, SerialPort
+from layflat.rig.trials.campaign import HOST_GONE, Campaign, judged
+from layflat.rig.trials.quiet import quiet
+from layflat.rig.trials.stand import Stand
+from layflat.rig.trials.table import ROWS
+
+ARM = load("paper-arm")
+PATIENT = changed(ARM, "interface.serial.timeout", 0.1)
+
+
+class LateClock(VirtualClock):
+    """Now and then it wakes up late, as a clock does on a computer that others use too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.random = np.random.default_rng(5)
+
+    def wait(self, until: int) -> None:
+        late = self.random.uniform(0.001, 0.013) if self.random.uniform() < 0.05 else 0.0
+        super().wait(until + round(late * SECOND))
+
+
+class SlowDriver(SimulatedDriver):
+    """Now and then its replies take long: what they hold was sampled later than the loop asked."""
+
+    random = np.random.default_rng(6)
+
+    def read(self) -> Reading:
+        if self.random.uniform() < 0.12:
+            clock = self.device.clock
+            clock.wait(clock.now() + round(self.random.uniform(0.001, 0.009) * SECOND))
+        return super().read()
+
+
+@pytest.mark.parametrize("clock", [VirtualClock, LateClock])
+def test_nothing_is_found_of_a_sound_rig(clock: type[VirtualClock]) -> None:
+    found = quiet(ARM, VirtualRig(ARM), 60.0 / 3600.0, seed=3, clock=clock())
+    assert found.moves > 20
+    assert found.payloads > 5
+    assert found.trips == 0, found.told
+
+
+def test_replies_that_take_long_are_no_fault_of_the_air() -> None:
+    found = quiet(ARM, VirtualRig(ARM), 60.0 / 3600.0, seed=3, driver_of=SlowDriver)
+    assert found.trips == 0, found.told
+
+
+def test_every_fault_is_found_over_the_wire_in_time_and_the_rig_is_made_safe() -> None:
+    with FarSide(VirtualRig(PATIENT), PATIENT, SerialPort(), lockstep=True) as far:
+        stand = Stand(PATIENT, far, driver_of(far.address, PATIENT))
+        outcomes = list(Campaign(stand, 1).run())
+    assert [outcome.row for outcome in outcomes] == [HOST_GONE, *ROWS]
+    assert all(outcome.good for outcome in outcomes), [outcome for outcome in outcomes if not outcome.good]
+    assert all(of["good"] == of["trials"] == 1 for of in judged(outcomes).values())
