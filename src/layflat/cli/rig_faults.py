@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import json
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from dataclasses import asdict
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,6 +13,7 @@ from layflat.cli.rig import FAULT, rigs
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
     from queue import Queue
 
     from layflat.machine import Machine
@@ -66,6 +64,9 @@ def _tried(
     machine: Machine, protocols: tuple[str, ...], instants: int, seed: int, hours: float
 ) -> tuple[dict[str, list[Outcome]], Quiet | None]:
     """Outcomes by protocol, and of the quiet time; each in a process of its own."""
+    from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait  # noqa: PLC0415
+    from multiprocessing import get_context  # noqa: PLC0415
+
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
@@ -127,6 +128,8 @@ def stay_quiet(machine: Machine, hours: float, seed: int, told: Queue[Any]) -> Q
 
 
 def _written(machine: Machine, outcomes: dict[str, list[Outcome]], found: Quiet | None, seed: int) -> dict[str, Any]:
+    from dataclasses import asdict  # noqa: PLC0415
+
     from layflat.rig.trials.campaign import judged  # noqa: PLC0415
 
     return {

@@ -13,7 +13,6 @@ from layflat.cli.app import MachineName, Out, print_table
 from layflat.cli.log import busy
 from layflat.cli.moves import print_missed, print_moves
 from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
-from layflat.cli.text import timed
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -99,6 +98,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
     Raises:
         InputError: a demand makes no sense, or lies outside the stroke.
     """
+    from layflat.cli.text import timed  # noqa: PLC0415
     from layflat.machine import units as u  # noqa: PLC0415
     from layflat.rig.performance import Plan, check_stroke  # noqa: PLC0415
 
