@@ -153,7 +153,7 @@ class Loop:
             self._update(reading, elapsed)
         self._voltages = supervisor.gate(self._asked)
         self.driver.write(Command(self._voltages.copy(), supervisor.air, supervisor.resets))
-        self._record(reading, now, elapsed, (answered - begun) / SECOND)
+        self._record(reading, now, self.deadlines.elapsed, (answered - begun) / SECOND)
         self._compute = (perf_counter_ns() - answered) / SECOND
         self.deadlines.took(self._compute)
 
