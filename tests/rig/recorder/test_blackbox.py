@@ -30,7 +30,7 @@ def fed(box: BlackBox, faults: dict[int, tuple[int, float]], count: int) -> list
 
 
 def test_a_fault_leaves_its_last_seconds_at_full_rate(tmp_path: Path) -> None:
-    told = fed(BlackBox(tmp_path / "run.mcap", HEADING), {4000: (4400, 3.0)}, 5000)
+    told = fed(BlackBox(tmp_path / "run.mcap", HEADING), {4000: (4400, 13.0)}, 5000)
     assert told == ["black box written: run-fault-001.mcap"]
     log = read_recording(tmp_path / "run-fault-001.mcap")
     time = log.columns["time"]
@@ -46,7 +46,7 @@ def test_a_fault_leaves_its_last_seconds_at_full_rate(tmp_path: Path) -> None:
 
 
 def test_a_fault_that_stays_is_one_and_one_that_gets_worse_later_another(tmp_path: Path) -> None:
-    faults = {100: (200, 1.0), 200: (1500, 5.0), 1500: (2600, 7.0)}
+    faults = {100: (200, 11.0), 200: (1500, 15.0), 1500: (2600, 17.0)}
     told = fed(BlackBox(tmp_path / "run.mcap", HEADING), faults, 2600)
     assert [text[-16:-5] for text in told] == ["n-fault-001", "n-fault-002"]
     assert read_recording(tmp_path / "run-fault-001.mcap").columns["time"][0] == 0.0
@@ -54,7 +54,7 @@ def test_a_fault_that_stays_is_one_and_one_that_gets_worse_later_another(tmp_pat
 
 def test_at_the_end_what_is_due_is_written_though_its_time_is_not_over(tmp_path: Path) -> None:
     box = BlackBox(tmp_path / "run.mcap", HEADING)
-    assert fed(box, {380: (400, 2.0)}, 400) == []
+    assert fed(box, {380: (400, 12.0)}, 400) == []
     assert [event.text for event in box.end(BEGIN)] == ["black box written: run-fault-001.mcap"]
     assert len(read_recording(tmp_path / "run-fault-001.mcap").columns["time"]) == 400
     assert box.end(BEGIN) == []
@@ -66,8 +66,13 @@ def test_one_that_can_t_be_written_is_told_and_leaves_nothing(tmp_path: Path, mo
 
     box = BlackBox(tmp_path / "run.mcap", HEADING)
     monkeypatch.setattr(blackbox, "synced", full)
-    fed(box, {10: (20, 2.0)}, 40)
+    fed(box, {10: (20, 12.0)}, 40)
     (event,) = box.end(BEGIN)
     assert event.level == Level.WARN
     assert "run-fault-001.mcap can't be written" in event.text
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fault_that_is_only_told_leaves_nothing(tmp_path: Path) -> None:
+    assert fed(BlackBox(tmp_path / "run.mcap", HEADING), {100: (200, 5.0)}, 2600) == []
     assert list(tmp_path.iterdir()) == []

@@ -16,11 +16,15 @@ from layflat.rig.record import Layout
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.file import synced
 from layflat.rig.recorder.ring import Event, Level
+from layflat.rig.safety.faults import TABLE, Reaction
 
 Array = NDArray[np.float64]
 
 BEFORE, AFTER = 10.0, 2.0
 """s around a fault that are kept."""
+
+MILD = max(fault for fault, entry in TABLE.items() if entry.reaction is Reaction.TELL)
+"""Up to this one faults are told and no more: they make no file."""
 
 MOST = 100
 """Files that one log gets."""
@@ -55,7 +59,7 @@ class BlackBox:
         self._events.extend(events)
         if len(rows):
             self._rows.append(rows)
-            faults = rows[:, self._fault]
+            faults = np.where(rows[:, self._fault] > MILD, rows[:, self._fault], 0.0)
             new = np.flatnonzero((faults != np.append(self._last, faults[:-1])) & (faults > 0.0))
             self._last = float(faults[-1])
             if len(new) and self._due is None and self._made < MOST:
