@@ -11,56 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
-from layflat.machine import Machine, load
-from layflat.rig.clock import MonotonicClock
-from layflat.rig.driver import Capabilities, Command, Driver, FarState, Reading
+from layflat.machine import load
+from layflat.rig.clock import PunctualClock
 from layflat.rig.loop import Loop, NoRecorder
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.realtime import go_realtime
-from layflat.rig.warm import warm_up
+from layflat.rig.rehearsal import Rehearsal, Resting
 
 SECONDS = 10.0
 """Of real time that are measured."""
 
 PANEL_RATE = 30.0
 """Pictures a second of what stands for a panel."""
-
-RING = 256
-"""Readings that the driver gives one after the other."""
-
-
-class Replay(Driver):
-    """Costs next to nothing: it gives noisy readings of an arm at rest."""
-
-    def __init__(self, machine: Machine) -> None:
-        super().__init__()
-        rng, n = np.random.default_rng(0), len(machine.joints)
-        swing = np.array([0.0, 3e3, 0.0, -3e3])
-        self._readings = [
-            Reading(
-                2e-4 * rng.standard_normal(n), swing[k % 4] + 200.0 * rng.standard_normal(n),
-                machine.supply.pressure, False, FarState.RUNNING,
-            )
-            for k in range(RING)
-        ]  # fmt: skip
-        self._k = 0
-
-    def read(self) -> Reading:
-        """The next reading."""
-        self._k = (self._k + 1) % RING
-        return self._readings[self._k]
-
-    def write(self, command: Command) -> None:
-        """Nothing moves."""
-
-    def _configure(self) -> Capabilities:
-        return Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
-
-    def _activate(self) -> None: ...
-
-    def _deactivate(self) -> None: ...
-
-    def _finalize(self) -> None: ...
 
 
 def panel(mailbox: str, over: Event) -> None:
@@ -78,11 +40,10 @@ def panel(mailbox: str, over: Event) -> None:
 
 def work(mailbox: str, sender: Connection) -> None:
     """The loop's process: cycles of an arm at rest, with air and demands."""
-    machine, clock = load("paper-arm"), MonotonicClock()
-    driver = Replay(machine)
+    machine = load("paper-arm")
+    clock, driver = PunctualClock(Rehearsal(machine)), Resting(machine)
     driver.configure()
     driver.activate()
-    warm_up(machine)
     loop = Loop(machine, driver, clock, RemoteHost(Mailbox(Path(mailbox), 2), clock, 2), NoRecorder())
     refused = go_realtime()
     loop.begin(driver.read())

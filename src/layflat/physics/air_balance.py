@@ -109,11 +109,11 @@ def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elaps
 
 
 @kernel
-def follow_hoses(parts, beliefs, openings, angles, differences, supply, exhaust, elapsed):
+def follow_hoses(parts, beliefs, voltages, neutrals, per_volt, angles, differences, supply, exhaust, elapsed):
     """`follow_air` for all joints: rows of `AirParts` (joints, 12), and beliefs (1, joints, 4), which are changed.
 
-    A joint of which something is not a number keeps its belief. Other arguments as of `follow_air`, arrays (joints,)
-    where they differ from joint to joint.
+    A joint of which something is not a number keeps its belief. A valve opens `per_volt` by which the voltage differs
+    from the neutral one. Other arguments as of `follow_air`, arrays (joints,) where they differ from joint to joint.
     """
     for j in range(len(angles)):
         if not (np.isfinite(angles[j]) and np.isfinite(differences[j]) and np.isfinite(supply)):
@@ -121,5 +121,6 @@ def follow_hoses(parts, beliefs, openings, angles, differences, supply, exhaust,
         p, b = parts[j], beliefs[0, j]
         known = AirParts(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
         belief = AirBelief(b[0], b[1], b[2], b[3])
-        after = follow_air(known, belief, openings[j], angles[j], differences[j], supply, exhaust, elapsed)
+        opening = (voltages[j] - neutrals[j]) * per_volt
+        after = follow_air(known, belief, opening, angles[j], differences[j], supply, exhaust, elapsed)
         write_row(beliefs, 0, j, after)

@@ -105,7 +105,7 @@ class Loop:
         self._joint_rows = self.row[len(SHARED) :].reshape(n, len(BY_JOINT))
         self._memory, self._status = np.zeros((1, n, MEMORY)), np.zeros((1, n, STATUS))
         self._voltages = np.full(n, machine.valve.centre_voltage if machine.valve is not None else 0.0)
-        self._asked, self._demands = self._voltages.copy(), np.zeros(n)
+        self._asked = self._voltages.copy()
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, FarState.RUNNING)
         self._seen_at: int | None = None
         self._lost = self._cycles = 0
@@ -172,14 +172,13 @@ class Loop:
         if supervisor.wake:
             wake(self._memory, reading.angles, reading.pressures)
             supervisor.wake = False
-        self._demands[:] = supervisor.demands
         update(
             self.gains,
             self._memory,
             reading.angles,
             reading.pressures,
             elapsed,
-            self._demands,
+            supervisor.demands,
             self._asked,
             self._status,
         )
@@ -195,7 +194,7 @@ class Loop:
             supervisor.air, reading.stopped, reading.far, supervisor.state, ledger.worst, self._lost,
         )  # fmt: skip
         status, memory = self._status[0], self._memory[0]
-        joints[:, 0] = self._demands
+        joints[:, 0] = supervisor.demands
         joints[:, 1] = self._voltages
         joints[:, 2] = reading.angles
         joints[:, 3] = reading.pressures

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import hashlib
+import os
 import signal
 import tempfile
 from collections.abc import Callable
@@ -16,12 +17,15 @@ from typing import IO, Protocol
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.capabilities import check_capabilities
-from layflat.rig.clock import MonotonicClock
+from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock
 from layflat.rig.driver import Driver
 from layflat.rig.loop import Loop, NoRecorder, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
-from layflat.rig.warm import warm_up
+from layflat.rig.rehearsal import Rehearsal
+
+LEADS = 4
+"""Shorter cycles than so many leads of a punctual clock leave others too little of a processor."""
 
 
 class Keeper(Recorder, Protocol):
@@ -81,12 +85,11 @@ def run_loop(job: Job, pipe: Connection) -> None:
 
 def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
     machine, n = job.machine, len(job.machine.joints)
-    clock, mailbox = MonotonicClock(), Mailbox(job.mailbox, n)
+    clock, mailbox = _clock(job), Mailbox(job.mailbox, n)
     driver = job.driver()
     recorder: Keeper = job.recorder() if job.recorder is not None else NoRecorder()
     try:
         check_capabilities(machine, driver.configure())
-        warm_up(machine)
         loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, n), recorder)
         refused = go_realtime() if job.realtime else []
         for line in refused:
@@ -99,6 +102,14 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
         driver.finalize()
         recorder.end()
         mailbox.close()
+
+
+def _clock(job: Job) -> MonotonicClock:
+    """A punctual one where a processor can be had for it; what the first cycle calls is loaded in any case."""
+    rehearsal = Rehearsal(job.machine)
+    assert job.machine.controller is not None  # the rehearsal needed it too
+    spare = job.machine.controller.cycle * SECOND >= LEADS * LEAD and len(os.sched_getaffinity(0)) > 1
+    return PunctualClock(rehearsal) if job.realtime and spare else MonotonicClock()
 
 
 def lock(rig: str) -> IO[str]:

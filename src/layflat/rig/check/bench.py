@@ -97,10 +97,9 @@ class Bench:
 
     def _judge(self, reading: Reading) -> None:
         self._gone(False)
-        angles = reading.angles.tolist()
         fault = self._watch.look(
-            reading, self._status, self._memory, self.centred, angles, 0.0, self.cycle, MOTION
-        )  # fmt: skip
+            reading, self._status, self._memory, self.centred, reading.angles, 0.0, self.cycle, MOTION
+        )
         self._obeyed = self._obeyed or reading.far is FarState.RUNNING
         if self._obeyed and reading.far is not FarState.RUNNING:
             fault = Fault.FAR_DUMPED if reading.far is FarState.DUMPED else Fault.FAR_CENTRED

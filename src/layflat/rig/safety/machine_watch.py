@@ -72,7 +72,7 @@ class MachineWatch:
         assert machine.valve is not None
         self._limits, self._patience = np.array(each), np.array(patience(cycle))
         self._memory = np.zeros((1, len(each), WATCH_MEMORY))
-        self._bits, self._demands = np.zeros(len(each), np.int64), np.zeros(len(each))
+        self._bits = np.zeros(len(each), np.int64)
         self.found = [Fault.NONE] * len(each)
         """The worst of each joint in this cycle."""
         safety, gauge = machine.safety, machine.supply.pressure_gauge
@@ -83,7 +83,7 @@ class MachineWatch:
         self._ripple_seen = all(one.ripple > 0.0 for one in each)
         self._parts = np.array([parameters.air_parts(machine, name) for name in machine.joints])
         self._beliefs = np.zeros((1, len(each), 4))
-        self._openings = np.zeros(len(each))
+        self._neutrals = np.zeros(len(each))
         self._centre, self._per_volt = machine.valve.centre_voltage, 1.0 / machine.valve.volts_to_full
         self._cycle = cycle
         self.reset()
@@ -112,7 +112,7 @@ class MachineWatch:
         return not self._ripple_seen or bool(((self._limits[:, LEAST] < ripple) & (ripple < inf)).all())
 
     def look(
-        self, reading: Reading, status: Array, memory: Array, voltages: Array, demands: list[float],
+        self, reading: Reading, status: Array, memory: Array, voltages: Array, demands: Array,
         lead: float, elapsed: float, level: int,
     ) -> Fault:  # fmt: skip
         """The worst fault of the machine as a whole; those of the joints stand in `found`.
@@ -122,24 +122,23 @@ class MachineWatch:
             status: of the controllers in the cycle before, (1, joints, STATUS).
             memory: of the controllers, (1, joints, MEMORY).
             voltages: that acted since then, V, (joints,).
-            demands: as the controllers were given them, rad.
+            demands: as the controllers were given them, rad, (joints,).
             lead: of the demands, the greatest, rad.
             elapsed: s.
             level: what there is to watch (see control/watch.py).
         """
-        openings = self._openings
-        np.subtract(voltages, memory[0, :, LONG_TERM], out=openings)
-        openings -= self._centre
-        openings *= self._per_volt
-        self._demands[:] = demands
         angles, pressures, supply = reading.angles, reading.pressures, reading.supply
-        follow_hoses(self._parts, self._beliefs, openings, angles, pressures, supply, self._exhaust, elapsed)
+        np.add(memory[0, :, LONG_TERM], self._centre, out=self._neutrals)
+        follow_hoses(
+            self._parts, self._beliefs, voltages, self._neutrals, self._per_volt, angles, pressures, supply,
+            self._exhaust, elapsed,
+        )  # fmt: skip
         # When a late cycle's voltage reached its valve, and when it was sampled, is not known well enough.
         uneven = abs(elapsed - self._cycle) > UNEVEN * self._cycle
         self._even = 0.0 if uneven else self._even + elapsed
         trusted = supply >= self._low and self._even >= CALM
         still = watch_joints(
-            self._limits, self._patience, self._memory, angles, pressures, status, self._beliefs, self._demands, lead,
+            self._limits, self._patience, self._memory, angles, pressures, status, self._beliefs, demands, lead,
             elapsed, level, trusted, self._bits,
         )  # fmt: skip
         for j, bits in enumerate(self._bits.tolist()):

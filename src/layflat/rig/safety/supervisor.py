@@ -81,8 +81,8 @@ class Supervisor:
         self._there = Lasting(THERE, 0.0)
         self._stale_after = machine.safety.setpoint_age - cycle
         self.state, self.act = State.OFF, Act.CENTRE
-        self.demands = [0.0] * len(each)
-        """What the controllers are to be given, rad."""
+        self.demands = np.zeros(len(each))
+        """What the controllers are to be given, rad, (joints,); the array stays the same."""
         self.wake = True
         """Whether the controllers have to begin anew in this cycle."""
         self._in_state = self._in_act = 0.0

@@ -1,0 +1,97 @@
+"""A loop that moves nothing, run just before each deadline: what the real cycle calls is loaded then, and at hand.
+
+A processor that slept for 5 ms has forgotten code and data of the loop: a cycle takes eight times as long as one that
+follows another. A rehearsal is the same code with data of its own; nothing of the real rig is touched.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from layflat.machine import Machine
+from layflat.rig.clock import VirtualClock
+from layflat.rig.driver import Capabilities, Command, Driver, FarState, Reading
+from layflat.rig.loop import Loop
+from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
+from layflat.rig.recorder.hand import Hand
+from layflat.rig.recorder.ring import RecorderState, Ring
+
+READINGS = 64
+"""Given one after the other."""
+
+ANGLE_NOISE, PRESSURE_NOISE, RIPPLE = 2e-4, 200.0, (0.0, 3e3, 0.0, -3e3)
+"""Of the readings, rad and Pa."""
+
+UNTIL_LOADED = 20
+"""Cycles after which everything was called once."""
+
+
+class Resting(Driver):
+    """A machine at rest, of which nothing is real: it gives noisy readings and forgets commands.
+
+    Args:
+        machine: any.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        super().__init__()
+        rng, n = np.random.default_rng(0), len(machine.joints)
+        self._joints, self._count = n, 0
+        self._readings = [
+            Reading(
+                ANGLE_NOISE * rng.standard_normal(n),
+                RIPPLE[k % len(RIPPLE)] + PRESSURE_NOISE * rng.standard_normal(n),
+                machine.supply.pressure,
+                False,
+                FarState.RUNNING,
+            )
+            for k in range(READINGS)
+        ]
+
+    def read(self) -> Reading:
+        """The next reading."""
+        self._count += 1
+        return self._readings[self._count % READINGS]
+
+    def write(self, command: Command) -> None:
+        """Nothing moves."""
+
+    def _configure(self) -> Capabilities:
+        return Capabilities(self._joints, 0.0, 10.0, 5.0, True, 1e-3)
+
+    def _activate(self) -> None: ...
+
+    def _deactivate(self) -> None: ...
+
+    def _finalize(self) -> None: ...
+
+
+class Rehearsal:
+    """Cycles of a loop in motion, with everything around it, on a machine that is not there.
+
+    Args:
+        machine: of the loop that is to be punctual.
+    """
+
+    def __init__(self, machine: Machine) -> None:
+        n, clock = len(machine.joints), VirtualClock()
+        path = Mailbox.create(n)
+        self._mailbox, ours = Mailbox(path, n), Mailbox(path, n)
+        path.unlink()
+        self.ring = Ring.create(list(machine.joints), rows=READINGS)
+        self.ring.remove()
+        self._wanted = Setpoints([0.0] * n)
+        driver = Resting(machine)
+        driver.configure()
+        driver.activate()
+        self.loop = Loop(machine, driver, clock, RemoteHost(ours, clock, n), Hand(self.ring))
+        self.loop.begin(driver.read())
+        for _ in range(UNTIL_LOADED):
+            self()
+
+    def __call__(self) -> None:
+        """One cycle."""
+        self._mailbox.ask(self._wanted)
+        self.ring.beat(RecorderState.RECORDING)
+        self.loop.cycle()
+        self.ring.take()

@@ -1,0 +1,34 @@
+import time
+
+from layflat.machine import load
+from layflat.rig.clock import LEAD, TIMES, PunctualClock
+from layflat.rig.rehearsal import READINGS, Rehearsal
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.states import State
+
+
+def test_a_punctual_clock_rehearses_and_never_comes_early() -> None:
+    made: list[int] = []
+    clock = PunctualClock(lambda: made.append(time.monotonic_ns()))
+    until = clock.now() + 3 * LEAD
+    clock.wait(until)
+    assert clock.now() >= until
+    assert len(made) <= TIMES
+    assert all(until - LEAD <= at < until for at in made)
+
+
+def test_a_punctual_clock_has_no_time_to_rehearse_where_it_comes_late() -> None:
+    made: list[int] = []
+    clock = PunctualClock(lambda: made.append(0))
+    clock.wait(clock.now())
+    assert made == []
+
+
+def test_a_rehearsal_goes_on_like_a_machine_in_motion() -> None:
+    rehearsal = Rehearsal(load("paper-arm"))
+    for _ in range(4 * READINGS):
+        rehearsal()
+    loop = rehearsal.loop
+    assert loop.supervisor.state is State.MOVING
+    assert loop.supervisor.ledger.worst is Fault.NONE
+    assert rehearsal.ring.dropped == 0
