@@ -13,7 +13,7 @@ CENTRE_VOLTAGE = 5000  # where the valves are closed
 
 CENTRES_AFTER = 20000  # us without a command: interface.watchdog_cycles times controller.cycle
 DUMPS_AFTER = 200000  # us without a command: interface.dump_after
-EMPTIES_AFTER = 100000  # us: until valves are opened to a line that is let out
+EMPTIES_AFTER = 300000  # us: until valves are opened to a line that is let out; meanwhile air that is shut in brakes
 SHORTEST_CYCLE = 4000  # us, with room to spare on a Pico
 
 DITHER_AMPLITUDE = 0.166  # share of full opening: valve.dither

@@ -17,6 +17,7 @@ import pytest
 from layflat import cli
 from layflat.cli.rig_status import line_of
 from layflat.errors import LayflatError
+from layflat.rig.far.failures import FAILURES
 from layflat.rig.record import Layout
 from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.faults import Fault
@@ -190,7 +191,7 @@ def test_a_served_rig_says_what_it_is_told(modbus: Served) -> None:
     assert modbus.ask("fail stuck-spool small 0.2") == "stuck-spool: the joint's valve stays at an opening"
     assert modbus.ask("heal stuck-spool small") == "stuck-spool: healed"
     modbus.send("failures")
-    lines = [modbus.line() for _ in range(18)]
+    lines = [modbus.line() for _ in FAILURES]
     assert any(line.startswith("burst-hose: ") for line in lines)
     for text, what in (
         ("fail moonquake", "'moonquake' is no failure"),

@@ -57,6 +57,18 @@ def test_speed_and_stroke_count_where_the_joint_may_move() -> None:
     assert follow(4, leap, level=watch.MOTION)[1] == [0, 0, watch.FAST, watch.FAST]
     assert not any(follow(4, leap, level=watch.SENSORS)[1])
     assert follow(2, [1.21, 1.2101], level=watch.MOTION)[1] == [0, watch.OUTSIDE]
+    assert follow(2, [1.25, 1.31], level=watch.MOTION)[1] == [0, watch.OUTSIDE], "it went on to the rail"
+
+
+@pytest.mark.parametrize("when", np.linspace(0.0, 0.9, 10))
+@pytest.mark.parametrize("rate", [200.0, 500.0])
+def test_a_joint_that_speeds_up_is_found_two_samples_after_it_is_too_fast(when: float, rate: float) -> None:
+    times = CYCLE * (np.arange(14.0) - 10.0 + when)
+    speeds = LIMITS.speed + rate * times
+    angles = np.where(speeds > 0.0, speeds**2, 0.0) / (2.0 * rate)
+    found = follow(len(angles), list(angles - angles.max()), level=watch.MOTION)[1]
+    first, last = int(np.argmax(times > 0.0)), int(np.argmax([bool(bits & watch.FAST) for bits in found]))
+    assert first <= last <= first + 1
 
 
 def test_a_pressure_that_repeats_itself_is_found() -> None:

@@ -29,6 +29,10 @@ def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
     assert rig.shows(State.STARTING)
     rig.until(lambda: rig.supervisor.state is State.READY, 4.0)
     assert rig.shows(Fault.NONE)
+    ambient, supply = rig.bench.around.ambient_pressure, rig.bench.around.supply_pressure
+    for state in rig.bench.states:
+        held = 0.5 * (state.hose_a.pressure + state.hose_b.pressure)
+        assert held - ambient > 0.35 * (supply - ambient), "joints with less air are soft"
     rig.seconds(1.0)
     at = [state.motion.angle for state in rig.bench.states]
     assert at == pytest.approx([0.1, -0.2], abs=radians(3.0))
@@ -126,14 +130,25 @@ def test_a_demand_outside_is_refused(outside: float) -> None:
 @given(st.lists(st.floats(-1.2, 1.2) | st.just(nan), min_size=1, max_size=40), st.integers(1, 50))
 def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], each: int) -> None:
     gate, lead, speed = DemandGate(WORKING, MECHANICAL, SPEED), 0.5, SPEED
-    reference = 0.0
+    reference = before = 0.0
     for demand in asked:
         for _ in range(each):
             given_ = gate.follow(demand, lead, 0.005)
             assert abs(given_) <= WORKING + 1e-9
-            assert abs(given_ - reference) <= lead + 1e-12
-            assert abs(gate.reference - reference) <= speed * 0.005 + 1e-12
-            reference = gate.reference
+            assert abs(given_ - before) <= lead + 1e-12
+            turned_back = (given_ - before) * (before - reference) < 0.0
+            begin = before if turned_back else reference
+            assert abs(given_ - begin) <= lead + 1e-12
+            assert abs(gate.reference - begin) <= speed * 0.005 + 1e-12
+            reference, before = gate.reference, given_
+
+
+def test_a_demand_that_turns_back_on_its_way_leaps_no_further_than_one_from_rest() -> None:
+    gate = DemandGate(WORKING, MECHANICAL, SPEED)
+    for _ in range(20):
+        gate.follow(radians(50.0), radians(20.0), 0.005)
+    there = gate.demand
+    assert gate.follow(radians(-50.0), radians(20.0), 0.005) == pytest.approx(there - radians(20.0))
 
 
 def test_a_step_of_the_paper_passes_as_it_is_and_a_greater_one_is_limited() -> None:

@@ -6,8 +6,8 @@ import xarray
 
 from layflat.errors import DivergedError, InputError
 from layflat.machine import changed, load
+from layflat.machine.signals import SIGNALS
 from layflat.sim import Scenario, rollout
-from layflat.sim.dataset import UNITS
 
 ARM = load("paper-arm")
 
@@ -15,7 +15,7 @@ ARM = load("paper-arm")
 def test_a_run_names_its_columns_and_units() -> None:
     run = rollout("paper-arm", duration="0.1 s")
     assert run.sizes == {"time": 21, "joint": 2, "axis": 2}
-    for name in UNITS:
+    for name in SIGNALS:
         assert run[name].attrs["units"]
         assert np.isfinite(run[name]).all()
     assert list(run["joint"].to_numpy()) == ["large", "small"]

@@ -21,7 +21,7 @@ MOVING = 2.5
 BRISK = 5.5
 """The same after which no joint stands still at once: 40 deg/s with the built-in sensor."""
 
-BEYOND = 2.4
+BEYOND = 1.9
 """Of the differential pressure that friction can hide: so much a joint never bears without a motion of one count. Sound
 ones at rest, shaken by another, bear 1.6 in an hour."""
 
@@ -144,6 +144,28 @@ def _reach(limits, reach, angle, demand, elapsed):
 
 
 @law
+def _limited(limits, patience, before, angle, pressure, elapsed, level):
+    """Counts of samples at the rail, under pressure, fast, and outside, and bits of those that are enough."""
+    sound = limits.angle_low < angle < limits.angle_high
+    was_sound = limits.angle_low < before.angle < limits.angle_high
+    step = abs(angle - before.angle)
+    # Of a joint that speeds up, the mean since the last sample tells half a cycle late.
+    gained = 0.5 * (step - before.step)
+    speed = (step + (gained if gained > 0.0 else 0.0)) / elapsed
+    rail = _count(before.rail, not sound)
+    pressed = _count(before.pressed, not (-limits.pressure < pressure < limits.pressure))
+    fast = _count(before.fast, level >= MOTION and sound and was_sound and speed > limits.speed)
+    # Past the stroke comes the sensor's rail: one that gets there is still outside.
+    beyond = abs(angle) > limits.stroke if sound else before.outside > 0.0
+    outside = _count(before.outside, level >= MOTION and beyond)
+    found = AT_RAIL if rail >= patience.rail else 0
+    found |= PRESSED if pressed >= patience.pressed else 0
+    found |= FAST if fast >= patience.fast else 0
+    found |= OUTSIDE if outside >= patience.outside else 0
+    return rail, pressed, fast, outside, found
+
+
+@law
 def watch_joint(
     limits, patience, before, angle, pressure, averaged, speed, surplus, demand, lead, elapsed, level, alone
 ):
@@ -153,21 +175,9 @@ def watch_joint(
     averaged, speed (rad/s); surplus of air; demand and the greatest lead of any demand (rad); s; what there is to
     watch; whether the supply is beyond doubt.
     """
-    found = 0
     swing, ripple = _listen(before, pressure)
-    sound = limits.angle_low < angle < limits.angle_high
-    rail = _count(before.rail, not sound)
-    pressed = _count(before.pressed, not (-limits.pressure < pressure < limits.pressure))
-    found |= AT_RAIL if rail >= patience.rail else 0
-    found |= PRESSED if pressed >= patience.pressed else 0
-
     step = abs(angle - before.angle)
-    was_sound = limits.angle_low < before.angle < limits.angle_high
-    fast = _count(before.fast, level >= MOTION and sound and was_sound and step > limits.speed * elapsed)
-    outside = _count(before.outside, level >= MOTION and sound and abs(angle) > limits.stroke)
-    found |= FAST if fast >= patience.fast else 0
-    found |= OUTSIDE if outside >= patience.outside else 0
-
+    rail, pressed, fast, outside, found = _limited(limits, patience, before, angle, pressure, elapsed, level)
     airy = level >= AIR
     same = airy and angle == before.angle
     last_step = before.step if same else step

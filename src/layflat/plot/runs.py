@@ -99,9 +99,11 @@ def _marked(run: xarray.Dataset) -> list[tuple[int, str, float]]:
 
 
 def _mark_faults(axes: Axes, run: xarray.Dataset, marked: Sequence[tuple[int, str, float]]) -> None:
-    """Shade where a recorded run has a fault, and draw a line at each event that is marked."""
-    if "fault" in run:
-        faulty, high = run["fault"].to_numpy() > 0.0, axes.get_xaxis_transform()
+    """Shade where a recorded run was stopped by a fault, and draw a line at each event that is marked."""
+    flags = run["mode"].attrs if "mode" in run else {}
+    if "flag_meanings" in flags:
+        fault = flags["flag_values"][flags["flag_meanings"].split().index("fault")]
+        faulty, high = run["mode"].to_numpy() == fault, axes.get_xaxis_transform()
         shade: dict[str, Any] = {"color": "#e6d3d3", "lw": 0, "zorder": 0, "label": "fault" if faulty.any() else None}
         axes.fill_between(run["time"], 0.0, 1.0, where=faulty, step="post", transform=high, **shade)
     for _, _, at in marked:

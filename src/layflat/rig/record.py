@@ -1,6 +1,6 @@
 """What is kept of every control cycle: one row of numbers, the same for the loop, the recorder and who looks on.
 
-Names and units are those of a simulated run (sim/dataset.py), so that plots, metrics and identification take either.
+Names are those of a simulated run, so that plots, metrics and identification take either.
 """
 
 from __future__ import annotations
@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+from layflat.machine.signals import SIGNALS
+
 SHARED: dict[str, tuple[str, str]] = {
     "time": ("s", "since the loop began"),
     "wall": ("s", "time of day when the cycle began, since 1970"),
@@ -16,7 +18,7 @@ SHARED: dict[str, tuple[str, str]] = {
     "lateness": ("s", "of the cycle, after its deadline"),
     "compute": ("s", "taken by the cycle before, waiting for the far side left out"),
     "link": ("s", "taken by this cycle's transaction"),
-    "supply": ("Pa", "absolute supply pressure"),
+    "supply": SIGNALS["supply"],
     "air": ("1", "1 where air is asked for"),
     "stopped": ("1", "1 while the e-stop is pressed"),
     "far": ("1", "what the far side does by itself"),
@@ -26,19 +28,13 @@ SHARED: dict[str, tuple[str, str]] = {
 }
 """Unit and meaning of what there is once."""
 
+_SIGNALS = (
+    "demand", "voltage", "measured_angle", "measured_pressure", "averaged_angle", "averaged_velocity",
+    "averaged_pressure", "ripple", "phase", "short_term", "long_term", "learning",
+)  # fmt: skip
+
 BY_JOINT: dict[str, tuple[str, str]] = {
-    "demand": ("rad", "angle asked for"),
-    "voltage": ("V", "control voltage"),
-    "measured_angle": ("rad", "angle as sampled"),
-    "measured_pressure": ("Pa", "differential pressure as sampled"),
-    "averaged_angle": ("rad", "angle averaged over the dither period"),
-    "averaged_velocity": ("rad/s", "velocity from the averaged angle"),
-    "averaged_pressure": ("Pa", "differential pressure averaged over the dither period"),
-    "ripple": ("Pa", "amplitude of the pressure at the dither frequency"),
-    "phase": ("1", "phase of the controller"),
-    "short_term": ("V", "short-term integral F"),
-    "long_term": ("V", "long-term integral FL"),
-    "learning": ("1", "1 while the long-term integral may build"),
+    **{name: SIGNALS[name] for name in _SIGNALS},
     "joint_fault": ("1", "number of the joint's worst fault, 0 for none"),
 }
 """Unit and meaning of what there is of every joint."""

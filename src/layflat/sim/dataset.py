@@ -14,39 +14,10 @@ import layflat
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
+from layflat.machine.signals import attributes
 from layflat.sim.kernel import Sample, Signals, Timing
 from layflat.sim.kinematics import tip_position
 from layflat.sim.scenario import Scenario
-
-UNITS: dict[str, tuple[str, str]] = {
-    "angle": ("rad", "joint angle"),
-    "velocity": ("rad/s", "joint velocity"),
-    "pressure_a": ("Pa", "absolute pressure in hose A"),
-    "pressure_b": ("Pa", "absolute pressure in hose B"),
-    "temperature_a": ("K", "temperature of the air in hose A"),
-    "temperature_b": ("K", "temperature of the air in hose B"),
-    "valve_opening": ("1", "opening of the valve towards filling hose A, share of full opening"),
-    "voltage": ("V", "control voltage"),
-    "measured_angle": ("rad", "angle as sampled"),
-    "measured_pressure": ("Pa", "differential pressure as sampled"),
-    "averaged_angle": ("rad", "angle averaged over the dither period"),
-    "averaged_velocity": ("rad/s", "velocity from the averaged angle"),
-    "averaged_pressure": ("Pa", "differential pressure averaged over the dither period"),
-    "ripple": ("Pa", "amplitude of the pressure at the dither frequency"),
-    "phase": ("1", "phase of the controller"),
-    "short_term": ("V", "short-term integral F"),
-    "long_term": ("V", "long-term integral FL"),
-    "learning": ("1", "1 while the long-term integral may build"),
-    "hose_torque": ("N m", "torque lost in hose and strap"),
-    "gas_work": ("J", "work of the air on the joint since the start"),
-    "load_work": ("J", "work of external torques and gravity since the start"),
-    "hose_work": ("J", "work done on hose and strap losses since the start"),
-    "hose_stored": ("J", "part of it that is stored"),
-    "brake_heat": ("J", "heat of the brake since the start"),
-    "damping_heat": ("J", "heat of viscous friction and stops since the start"),
-    "air_taken": ("kg", "air taken from the supply since the start"),
-}
-"""Unit and meaning of every recorded column."""
 
 
 def dataset(
@@ -57,14 +28,12 @@ def dataset(
     names = list(machine.joints)
     run = xarray.Dataset(coords={"time": ("time", time, {"units": "s"}), "joint": names})
     for column, name in enumerate(Sample._fields):
-        unit, meaning = UNITS[name]
-        run[name] = (("time", "joint"), rows[:, :, column], {"units": unit, "long_name": meaning})
+        run[name] = (("time", "joint"), rows[:, :, column], attributes(name))
     cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.demand) - 1)
-    run["demand"] = (("time", "joint"), acting.demand[cycle], {"units": "rad", "long_name": "angle asked for"})
-    run["payload"] = (("time",), acting.payload[cycle], {"units": "kg", "long_name": "payload"})
-    run["supply"] = (("time",), acting.supply[cycle], {"units": "Pa", "long_name": "absolute supply pressure"})
-    where = {"units": "m", "long_name": "position of the tip"}
-    run["tip"] = (("time", "axis"), tip_position(machine, run["angle"].to_numpy()), where)
+    run["demand"] = (("time", "joint"), acting.demand[cycle], attributes("demand"))
+    run["payload"] = (("time",), acting.payload[cycle], attributes("payload"))
+    run["supply"] = (("time",), acting.supply[cycle], attributes("supply"))
+    run["tip"] = (("time", "axis"), tip_position(machine, run["angle"].to_numpy()), attributes("tip"))
     run = run.assign_coords(axis=["x", "y"])
     run.attrs = {
         "machine": machine.model_dump_json(),

@@ -74,7 +74,7 @@ class SteppedPlant:
         self._given[:, 0] = [joint.valve.centre_voltage for joint in self._healthy.joints]
         self._at, self._due = 0, -1
         self._seized: dict[int, float] = {}
-        self._shares = np.ones(n)
+        self._shares, self._grips = np.ones(n), np.zeros(n)
         self._noise = noise_samples(seed if noise else None, n)
         if payload is not None:
             self.payload = u.quantity(payload, u.MASS, "payload")
@@ -167,12 +167,12 @@ class SteppedPlant:
             kept: Kept = read_numbers(self._like, self._kept[joint])
             valve = held_at(self._healthy.joints[joint].valve, opening)
             write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
-        self._set_valves()
+        self._set_joints()
 
     def kink(self, joint: int, share: float) -> None:
         """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
         self._shares[joint] = share
-        self._set_valves()
+        self._set_joints()
 
     def burst(self, joint: int, hose: int | None) -> None:
         """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
@@ -180,11 +180,17 @@ class SteppedPlant:
         if hose is not None:
             self._given[joint, 2 + hose] = 1.0 - exp(-self._h / BURST_TIME)
 
-    def _set_valves(self) -> None:
+    def grip(self, joint: int, torque: float) -> None:
+        """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
+        self._grips[joint] = torque
+        self._set_joints()
+
+    def _set_joints(self) -> None:
         joints = []
         for j, joint in enumerate(self._healthy.joints):
             valve = seized(joint.valve) if j in self._seized else joint.valve
-            joints.append(joint._replace(valve=kinked(valve, float(self._shares[j]))))
+            valve, brake = kinked(valve, float(self._shares[j])), joint.brake_torque + float(self._grips[j])
+            joints.append(joint._replace(valve=valve, brake_torque=brake))
         around = Surroundings(*self._around)
         write_numbers(self._setting, self._healthy._replace(joints=tuple(joints), around=around))
 

@@ -51,6 +51,8 @@ class Notebook:
 
     def kink(self, joint: int, share: float) -> None: ...
 
+    def grip(self, joint: int, torque: float) -> None: ...
+
 
 def noted(*, running: bool = True, **changes: Any) -> tuple[Device, Notebook, VirtualClock]:
     machine = SMALL
@@ -111,7 +113,7 @@ def test_the_watchdog_bites_to_the_instant_however_long_nobody_looks(
     clock.wait(heard + gap)
     far = device.reading().far
     assert far is (FarState.RUNNING if gap < 20 * MS else FarState.CENTRED if gap < 200 * MS else FarState.DUMPED)
-    due = [(at, voltages) for at, voltages in ((0.02, CENTRE), (0.3, OPEN)) if gap >= round(at * SECOND)]
+    due = [(at, voltages) for at, voltages in ((0.02, CENTRE), (0.5, OPEN)) if gap >= round(at * SECOND)]
     assert drives(plant)[begin:] == [(pytest.approx(since + at, abs=1e-9), voltages) for at, voltages in due]
     assert plant.time == pytest.approx(since + gap / SECOND)
     if far is FarState.DUMPED and gap > 600 * MS:
@@ -135,7 +137,7 @@ def test_a_dump_before_the_watchdog_leaves_out_the_centre() -> None:
     after(clock, SECOND)
     assert device.reading().far is FarState.DUMPED
     assert [voltages for _, voltages in drives(plant)] == [CENTRE, CENTRE, OPEN]
-    assert [at for at, _ in drives(plant)[1:]] == pytest.approx([0.1, 0.2])
+    assert [at for at, _ in drives(plant)[1:]] == pytest.approx([0.1, 0.4])
 
 
 def test_a_command_that_is_no_number_is_no_command() -> None:
@@ -170,9 +172,9 @@ def test_the_e_stop_dumps_at_once_and_a_reset_held_through_it_does_nothing() -> 
     device.stopped = False
     device.obey(asked(reset=True))
     assert state(device) is FarState.DUMPED
-    after(clock, 100 * MS)
+    after(clock, 300 * MS)
     device.tick()
-    assert drives(plant)[-1] == (pytest.approx(0.102), OPEN)
+    assert drives(plant)[-1] == (pytest.approx(0.302), OPEN)
     device.obey(asked(reset=False))
     device.obey(asked(9.0, reset=True))
     assert state(device) is FarState.RUNNING

@@ -123,6 +123,12 @@ def pushed(bench: Bench) -> bool:
     return max(bench.angles(60)) > radians(60.0)
 
 
+def held_fast(bench: Bench) -> bool:
+    before = bench.angles(1)[0]
+    bench.pressures(60, 10.0)
+    return abs(bench.angles(1)[0] - before) < radians(1.0)
+
+
 def stopped(bench: Bench) -> bool:
     reading: Reading = bench.readings(2)[-1]
     return reading.stopped and reading.far is FarState.DUMPED
@@ -146,6 +152,7 @@ SHOWS: dict[str, Callable[[Bench], bool]] = {
     "supply-lost": supply_is_gone,
     "supply-high": supply_is_high,
     "e-stop": stopped,
+    "grip": held_fast,
     "push": pushed,
 }
 

@@ -111,7 +111,7 @@ def test_from_the_reset_through_silence_and_e_stop_to_the_next_reset(board: Boar
     assert reading.angles.tolist() == [WIRE.angle.value(500), WIRE.angle.value(501)]
     assert board.let_in[-1]
     assert board.driven != [0xFFFF, 0xFFFF]
-    time.sleep(0.4)
+    time.sleep(0.6)
     assert board.driven == [0xFFFF, 0xFFFF]
     assert not board.let_in[-1]
     assert cycle(driver).far is FarState.DUMPED

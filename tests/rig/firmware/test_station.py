@@ -103,10 +103,10 @@ class Bench:
 
     @property
     def dumped(self) -> bool:
-        """The air is let out at once, the valves open a tenth of a second later."""
+        """The air is let out at once, the valves open some time later."""
         if self.pins.let_in or self.pins.driven not in ([0x8000, 0x8000], [0xFFFF, 0xFFFF]):
             return False
-        self.wait(100 * MS)
+        self.wait(SETTINGS.EMPTIES_AFTER)
         return not self.pins.let_in and self.pins.driven == [0xFFFF, 0xFFFF]
 
     def dither(self) -> list[list[int]]:

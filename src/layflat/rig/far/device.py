@@ -21,8 +21,8 @@ from layflat.rig.far.plant import Plant
 from layflat.rig.far.sensors import Converters
 from layflat.rig.far.supply import LineLaw, SupplyLine
 
-EMPTIES = SECOND // 10
-"""ns: until valves are opened to a line that is let out; what is shut in brakes the joints meanwhile."""
+EMPTIES = 3 * SECOND // 10
+"""ns: until valves are opened to a line that is let out; what is shut in brings the joints to rest meanwhile."""
 
 CHUNK = SECOND // 1000
 """ns: while the supply's pressure changes, the plant is moved on by so much at a time."""

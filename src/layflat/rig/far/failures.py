@@ -183,6 +183,15 @@ ALL = (
         lambda d, _: _press(d, pressed=False),
     ),
     Failure(
+        "grip",
+        "somebody holds the joint where it is",
+        lambda d, j, share: d.plant.grip(j, share * d.strengths[j]),
+        lambda d, j: d.plant.grip(j, 0.0),
+        1.5,
+        "share of its greatest torque",
+        (0.0, 10.0),
+    ),
+    Failure(
         "push",
         "somebody turns the joint",
         _push,

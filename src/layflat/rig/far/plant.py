@@ -69,6 +69,10 @@ class Plant(Protocol):
         """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends it."""
         ...
 
+    def grip(self, joint: int, torque: float) -> None:
+        """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
+        ...
+
     def kink(self, joint: int, share: float) -> None:
         """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
         ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +13,14 @@ from numpy.typing import NDArray
 
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
+from layflat.rig.driver import FarState
 from layflat.rig.record import BY_JOINT, SHARED
 from layflat.rig.recorder.bag import MACHINE, METADATA
 from layflat.rig.recorder.messages import CYCLE, LOG, Fixed
 from layflat.rig.recorder.ring import Event
 from layflat.rig.recorder.scan import check_magic
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.states import State
 
 if TYPE_CHECKING:
     import xarray
@@ -27,6 +31,9 @@ BEST_KNOWN = {
     "velocity": ("averaged_velocity", "rad/s", "joint velocity, from the averaged angle"),
 }
 """What a rig does not know of itself, and the signal that stands in for it."""
+
+FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "far": FarState}
+"""Columns that stand for something else than a quantity."""
 
 UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
 """What readers raise on bytes that make no sense."""
@@ -117,6 +124,17 @@ def _joints_of(definition: str, message: bytes) -> tuple[str, ...]:
     return tuple(decode(message).name)
 
 
+def _flags(name: str) -> dict[str, Any]:
+    """What the numbers of a column stand for, as the CF conventions tell it."""
+    kind = FLAGS.get(name)
+    if kind is None:
+        return {}
+    return {
+        "flag_values": np.array([int(flag) for flag in kind]),
+        "flag_meanings": " ".join(flag.name.lower() for flag in kind),
+    }
+
+
 def read_run(path: Path) -> xarray.Dataset:
     """Read a log as a run.
 
@@ -139,7 +157,7 @@ def read_run(path: Path) -> xarray.Dataset:
         if name == "time":
             continue
         unit, meaning = meanings.get(name, ("1", name))
-        run[name] = (("time", "joint")[: values.ndim], values, {"units": unit, "long_name": meaning})
+        run[name] = (("time", "joint")[: values.ndim], values, {"units": unit, "long_name": meaning, **_flags(name)})
     run["event_time"] = ("event", np.array([e.time for e in log.events]), {"units": "s", "long_name": "of an event"})
     run["event_level"] = ("event", np.array([e.level for e in log.events], dtype=np.int64), {"units": "1"})
     run["event_text"] = ("event", np.array([e.text for e in log.events], dtype=object))

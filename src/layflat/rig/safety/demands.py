@@ -43,6 +43,9 @@ class DemandGate:
         self.refused = not (isfinite(asked) and abs(asked) <= self.working + 1e-9)
         if self.refused:
             asked = self.demand
+        if (asked - self.demand) * (self.demand - self.reference) < 0.0:
+            # It turns back while the joint is on its way: from the reference it would leap by twice the lead.
+            self.reference = self.demand
         low, high = self.reference - lead, self.reference + lead
         allowed = low if asked < low else high if asked > high else asked
         self.limited = allowed != asked

@@ -36,11 +36,11 @@ class Fault(IntEnum):
     BAD_COMMAND = 7
     FAR_CENTRED = 8
     SETPOINT_STALE = 9
-    SUPPLY_LOST = 10
-    NO_AIR = 11
-    PRESSURE_FROZEN = 12
-    ANGLE_FROZEN = 13
-    ANGLE_AT_RAIL = 14
+    NO_AIR = 10
+    PRESSURE_FROZEN = 11
+    ANGLE_FROZEN = 12
+    ANGLE_AT_RAIL = 13
+    SUPPLY_LOST = 14
     NO_ANSWER = 15
     LINK_LOST = 16
     OVER_PRESSURE = 17
@@ -73,7 +73,6 @@ TABLE: dict[Fault, Entry] = {
     Fault.BAD_COMMAND: Entry("command not a number or out of range: refused", Reaction.HOLD, True),
     Fault.FAR_CENTRED: Entry("the far side heard nothing and centred the valves", Reaction.HOLD, True),
     Fault.SETPOINT_STALE: Entry("setpoint stale", Reaction.STOP, False, seconds=0.1),
-    Fault.SUPPLY_LOST: Entry("supply lost", Reaction.STOP, True, seconds=0.1),
     Fault.NO_AIR: Entry("the air did not come", Reaction.STOP, True, seconds=5.0),
     Fault.PRESSURE_FROZEN: Entry("pressure sensor frozen", Reaction.VENT_JOINT, True, seconds=0.1),
     Fault.ANGLE_FROZEN: Entry(
@@ -83,6 +82,7 @@ TABLE: dict[Fault, Entry] = {
         seconds=0.1,
     ),
     Fault.ANGLE_AT_RAIL: Entry("angle sensor open or shorted", Reaction.VENT_JOINT, True, cycles=3),
+    Fault.SUPPLY_LOST: Entry("supply lost", Reaction.VENT, True, seconds=0.1),
     Fault.NO_ANSWER: Entry(
         "air does not answer the valve (stuck spool, burst or kinked hose)", Reaction.VENT, True, seconds=0.2
     ),

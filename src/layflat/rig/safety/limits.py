@@ -16,6 +16,12 @@ RAIL = 2.0
 """Counts from the end of a converter's range, at which a sensor is taken to be open or shorted."""
 
 
+NOISE = 2.0
+"""Counts by which a sample may be wrong: a joint at a limit is found in spite of them."""
+
+DEFAULT_CYCLE = 0.005
+"""s, of a machine without controller."""
+
 RIPPLE_AFTER = 4.0
 """Cycles that the ripple takes to show that there is none any more."""
 
@@ -36,12 +42,13 @@ def limits(machine: Machine, name: str) -> Limits:
     K = parameters.torque_constant(joint)
     friction = 2.0 * joint.brake.torque / K + parameters.loss_share(joint) * gauge
     seen = _dither_is_seen(machine)
+    cycle = machine.controller.cycle if machine.controller is not None else DEFAULT_CYCLE
     return Limits(
         angle.low + RAIL * angle.lsb,
         angle.high - RAIL * angle.lsb,
         angle.lsb,
-        working + safety.overrun * (mechanical - working),
-        safety.speed,
+        working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
+        safety.speed - NOISE * angle.lsb / cycle,
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
         friction,
         safety.following_error,

@@ -36,11 +36,14 @@ Array = NDArray[np.float64]
 FILLED = 0.75
 """Of the supply's pressure: what hoses hold whose valve leaks equally to supply and exhaust."""
 
+ENOUGH = 0.4
+"""Of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones."""
+
 UNEVEN, CALM = 0.3, 0.1
 """A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s."""
 
-EMPTIES = 0.03
-"""Time that a supply line takes to show that nothing comes any more, s."""
+DIPS = 3
+"""Samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
 
 LONG_TERM = Memory._fields.index("long_term")
 RIPPLE, LEAST = WatchMemory._fields.index("ripple"), Limits._fields.index("ripple")
@@ -94,7 +97,7 @@ class MachineWatch:
         self._memory[0] = FRESH
         self._even = CALM
         self._pressed = Samples(TABLE[Fault.OVER_PRESSURE].cycles)
-        self._gone = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - EMPTIES, cycle)
+        self._gone = Samples(DIPS)
         self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
 
     def begin(self, reading: Reading, *, filled: bool) -> None:
@@ -110,6 +113,11 @@ class MachineWatch:
             return False
         ripple = self._memory[0, :, RIPPLE]
         return not self._ripple_seen or bool(((self._limits[:, LEAST] < ripple) & (ripple < inf)).all())
+
+    def hoses_are_filled(self, supply: float) -> bool:
+        """Whether every pair of hoses holds what it takes to move well; `supply` absolute, Pa."""
+        enough = self._exhaust + ENOUGH * (supply - self._exhaust)
+        return bool((self._beliefs[0, :, :2].sum(axis=1) >= 2.0 * enough).all())
 
     def look(
         self, reading: Reading, status: Array, memory: Array, voltages: Array, demands: Array,
@@ -150,7 +158,7 @@ class MachineWatch:
         if self._pressed(not supply < self._high):
             return Fault.OVER_PRESSURE
         airy, n = level >= AIR, len(self.found)
-        gone = self._gone(airy and supply < self._low, elapsed)
+        gone = self._gone(airy and supply < self._low)
         return Fault.SUPPLY_LOST if self._still(airy and 1 < n == still, elapsed) or gone else Fault.NONE
 
 

@@ -32,8 +32,12 @@ RESET_LOW, RESET_HIGH = 4, 4
 THERE = 0.2
 """Supply and ripple have to be there for so long until a soft start is over, s."""
 
-CENTRED = 0.1
-"""Before valves are opened to let out the air they are centred, until the dump valve has emptied the supply line, s."""
+FILLS = 0.7
+"""Of the time of a soft start: so long it waits for hoses to fill; valves that leak little never fill them."""
+
+CENTRED = 0.3
+"""Before valves are opened to let out the air they are centred: until the supply line is empty, and joints have come to
+rest between hoses that are shut, s."""
 
 
 class Wish(NamedTuple):
@@ -88,6 +92,7 @@ class Supervisor:
         self._in_state = self._in_act = 0.0
         self._reset_for = 0
         self._obeyed = self._barred = self._pressed = False
+        self._differences = np.zeros(len(each))
 
     @property
     def air(self) -> bool:
@@ -117,7 +122,7 @@ class Supervisor:
         note = self.ledger.note
         self.ledger.new_cycle()
         self._lost(False)
-        self._pressed = reading.stopped
+        self._pressed, self._differences = reading.stopped, reading.pressures
         if reading.stopped:
             note(Fault.E_STOP)
         self._far(reading.far)
@@ -198,6 +203,11 @@ class Supervisor:
             for j, fault in enumerate(self.ledger.joints):
                 if REACTIONS[fault] is Reaction.VENT_JOINT:
                     out[j] = self._high
+        elif self.act is Act.CENTRE and self.ledger.latched >= Fault.NO_ANSWER:
+            for j, fault in enumerate(self.ledger.joints):
+                if fault is Fault.NO_ANSWER:
+                    # One hose may be burst: the other throws the joint into its stop, unless it is let out at once.
+                    out[j] = self._low if self._differences[j] > 0.0 else self._high
         return out
 
     # States
@@ -231,7 +241,8 @@ class Supervisor:
             self.ledger.note(Fault.FAR_DUMPED if far == FarState.DUMPED else Fault.FAR_CENTRED)
 
     def _starting(self, reading: Reading, elapsed: float) -> None:
-        if self._there(self.watch.air_is_there(reading), elapsed):
+        filled = self.watch.hoses_are_filled(reading.supply) or self._in_state > FILLS * self.safety.start_time
+        if self._there(self.watch.air_is_there(reading), elapsed) and filled:
             self.watch.reset()
             self._enter(State.READY, Act.HOLD)
         elif self._in_state > self.safety.start_time:

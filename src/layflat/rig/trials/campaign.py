@@ -16,20 +16,20 @@ from layflat.rig.safety.faults import TABLE, Fault
 from layflat.rig.trials.stand import Stand
 from layflat.rig.trials.table import ROWS, Safe, Way
 
-SPAN = 0.6
-"""Of the working stroke in which moves end."""
+SPAN = 0.5
+"""Of the working stroke in which moves end: an arm that stops at once flings its elbow by half a stroke."""
 
-PAUSE = (0.5, 1.5)
+PAUSE = (0.7, 2.0)
 """Between two demands, s."""
 
 WHEN = (0.3, 2.0)
 """After the first demand, in which the failure comes, s."""
 
-DRIVEN = 0.35
-"""rad: a joint that has to be on its way is asked to go at least so far."""
-
 ON_ITS_WAY = (0.06, 0.2)
-"""After that demand, in which the failure comes, s."""
+"""After the demand that sets a joint going, in which the failure comes, s."""
+
+GOING = 0.6
+"""Speed that it has then at least, rad/s."""
 
 PATIENCE = 1.0
 """Beyond the time in which a fault has to be found, until it counts as missed, s."""
@@ -51,7 +51,7 @@ STILL = 0.02
 
 HOST_GONE = "host dead, frozen or late"
 LATE = Way(
-    "late host", lambda *_: None, lambda *_: None, (Fault.FAR_CENTRED, Fault.FAR_DUMPED), 4, 0.0, Safe.ALL_VENTED
+    "late host", lambda *_: None, lambda *_: None, (Fault.FAR_CENTRED, Fault.FAR_DUMPED), Safe.ALL_VENTED, cycles=4
 )
 
 
@@ -78,7 +78,7 @@ class Outcome(NamedTuple):
     above_supply: float
     """Highest pressure in a hose less the highest that the supply line had, Pa."""
     pushed: bool
-    """Whether somebody pushed the joint: into its stop, if they liked."""
+    """Whether somebody pushed the joint, or its valve did: into its stop, which alone could hold it."""
 
     @property
     def good(self) -> bool:
@@ -150,7 +150,7 @@ class Trial:
         )
         outcome = Outcome(
             self.row, way.name, self.name, (instant - begun) / SECOND, found, limit, by, safe, way.safe.value, turned,
-            stand.peaks.above_supply, way.brief,
+            stand.peaks.above_supply, way.pushed,
         )  # fmt: skip
         self._mend()
         return outcome
@@ -167,9 +167,9 @@ class Trial:
         if not self.way.moving:
             return stand.clock.now() + int(random.integers(1, round(stand.cycle * SECOND)))
         instant = stand.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
-        while stand.clock.now() + stand.cycle * SECOND < instant:
+        while stand.clock.now() + stand.cycle * SECOND < instant or abs(stand.truth.velocities[self.joint]) < GOING:
             stand.turn()
-        return instant
+        return max(instant, stand.clock.now() + 1)
 
     def _move(self) -> None:
         """Ask for another place now and then."""
@@ -192,7 +192,7 @@ class Trial:
         side = -1.0 if here > 0.0 else 1.0
         demands = self._place()
         demands[self.joint] = float(self.random.uniform(0.0, reach)) * side
-        if abs(demands[self.joint] - here) < DRIVEN:
+        if abs(demands[self.joint] - here) < self.way.way_to_go:
             return False
         stand.host.demands = demands
         self._next = stand.clock.now() + round(PAUSE[1] * SECOND)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,9 +41,9 @@ class Way(NamedTuple):
         begin: makes it happen to a joint, now.
         end: mends it.
         found: faults by which it may be found.
+        safe: what has to be reached.
         cycles: within so many control cycles, or
         seconds: within so long.
-        safe: what has to be reached.
         moving: whether the joint has to be on its way: at rest there is nothing to be seen of it.
     """
 
@@ -51,14 +51,18 @@ class Way(NamedTuple):
     begin: Callable[[Stand, int], None]
     end: Callable[[Stand, int], None]
     found: tuple[Fault, ...]
-    cycles: int
-    seconds: float
     safe: Safe
+    cycles: int = 0
+    seconds: float = 0.0
     moving: bool = False
     since: Callable[[Stand, int], bool] | None = None
     """Whether a limit is passed in truth, where the time counts from then on, as long as it is."""
     brief: bool = False
     """Whether it ends by itself when it is found: who pushes a joint lets go of it."""
+    way_to_go: float = 0.35
+    """A joint that has to be on its way is asked to go at least so far, rad."""
+    pushed: bool = False
+    """Whether somebody pushes the joint, or a valve that stays open: into its stop, which alone can hold it."""
 
 
 def inject(device: Device, name: str, joint: int, size: float | None) -> None:
@@ -72,17 +76,17 @@ def heal(device: Device, name: str, joint: int) -> None:
 
 
 def _of_rig(
-    name: str, found: tuple[Fault, ...], safe: Safe, *, size: float | None = None, cycles: int = 0,
-    seconds: float = 0.0, moving: bool = False, label: str = "", brief: bool = False,
-    since: Callable[[Stand, int], bool] | None = None,
-) -> Way:  # fmt: skip
+    name: str, found: tuple[Fault, ...], safe: Safe, *, size: float | None = None, label: str = "", **more: Any
+) -> Way:
+    """A way that the virtual rig is told to fail; `more` of `Way`."""
+
     def begin(stand: Stand, joint: int) -> None:
         stand.far.call(inject, name, joint, size)
 
     def end(stand: Stand, joint: int) -> None:
         stand.far.call(heal, name, joint)
 
-    return Way(label or name, begin, end, found, cycles, seconds, safe, moving, since, brief)
+    return Way(label or name, begin, end, found, safe, **more)
 
 
 def _stale(stand: Stand, _: int) -> None:
@@ -100,7 +104,7 @@ def _nonsense(value: float, label: str) -> Way:
     def end(stand: Stand, _: int) -> None:
         stand.loop.spoil = None
 
-    return Way(label, begin, end, (Fault.BAD_COMMAND,), 1, 0.0, Safe.HELD)
+    return Way(label, begin, end, (Fault.BAD_COMMAND,), Safe.HELD, cycles=1)
 
 
 def _die(stand: Stand, _: int) -> None:
@@ -117,13 +121,9 @@ def _too_high(stand: Stand, _: int) -> bool:
 
 
 def _away(stand: Stand, joint: int) -> bool:
-    limits = stand.limits[joint]
-    return abs(stand.truth.velocities[joint]) > limits.speed or abs(stand.truth.angles[joint]) > limits.stroke
-
-
-def _hold_back(stand: Stand, joint: int) -> None:
-    way = stand.host.demands[joint] - stand.truth.angles[joint]
-    stand.far.call(inject, "push", joint, -HAND if way > 0.0 else HAND)
+    safety, stops = stand.machine.safety, list(stand.machine.joints.values())[joint].stops
+    stroke = 0.5 * (stops.working_stroke + safety.overrun * (stops.mechanical_stroke - stops.working_stroke))
+    return abs(stand.truth.velocities[joint]) > safety.speed or abs(stand.truth.angles[joint]) > stroke
 
 
 def _push_out(stand: Stand, joint: int) -> None:
@@ -140,17 +140,16 @@ def _left_behind(stand: Stand, joint: int) -> bool:
     return bool(abs(stand.truth.angles[joint] - stand.reaches[joint]) > allowed)
 
 
-HAND = 0.8
-"""Of a joint's greatest torque: what holds it back."""
+GRIP = 1.0
+"""Of a joint's greatest torque: what holds it back. It slides; one that can't looks as if its sensor were frozen."""
 
 PUSH = 1.2
-"""The same, of what pushes it out against its controller."""
+"""Of a joint's greatest torque: what pushes it out against its controller."""
 
 LINK = (Fault.LINK_LOST, Fault.FAR_CENTRED, Fault.FAR_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
 ANSWER = (Fault.NO_ANSWER, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
-FOLLOWING = (Fault.FOLLOWING_ERROR, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
 BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.NO_ANSWER)
 
 ROWS: dict[str, tuple[Way, ...]] = {
@@ -161,7 +160,7 @@ ROWS: dict[str, tuple[Way, ...]] = {
         _of_rig("silence", LINK, Safe.ALL_VENTED, cycles=3),
         _of_rig("reply-lost", (Fault.REPLY_LOST,), Safe.TOLD, size=1.0, cycles=1, label="one reply lost"),
     ),
-    "setpoint stale": (Way("host silent", _stale, _heard, (Fault.SETPOINT_STALE,), 0, 0.1, Safe.ALL_VENTED),),
+    "setpoint stale": (Way("host silent", _stale, _heard, (Fault.SETPOINT_STALE,), Safe.ALL_VENTED, seconds=0.1),),
     "NaN or out-of-range command": (_nonsense(np.nan, "not a number"), _nonsense(25.0, "25 V")),
     "angle sensor open or shorted": (
         _of_rig("angle-open", SENSOR, Safe.VENTED, cycles=3),
@@ -172,17 +171,29 @@ ROWS: dict[str, tuple[Way, ...]] = {
         _of_rig("converter-frozen", (*FROZEN, Fault.NO_ANSWER), Safe.VENTED, seconds=0.1),
         _of_rig("angle-frozen", (*FROZEN, Fault.NO_ANSWER), Safe.VENTED, seconds=0.1, moving=True),
     ),
-    "following error": (Way("held back", _hold_back, _let_go, FOLLOWING, 0, 0.1, Safe.HELD, True, _left_behind, True),),
+    "following error": (
+        _of_rig(
+            "grip",
+            (Fault.FOLLOWING_ERROR, Fault.ANGLE_FROZEN),
+            Safe.HELD,
+            size=GRIP,
+            seconds=0.1,
+            moving=True,
+            since=_left_behind,
+            brief=True,
+            way_to_go=0.9,
+        ),
+    ),
     "valve driven, pressure does not answer": (
-        _of_rig("stuck-spool", ANSWER, Safe.ALL_VENTED, seconds=0.2, moving=True),
+        _of_rig("stuck-spool", ANSWER, Safe.ALL_VENTED, seconds=0.2, moving=True, pushed=True),
         _of_rig("burst-hose", ANSWER, Safe.ALL_VENTED, seconds=0.2),
         _of_rig("kinked-hose", (*ANSWER, Fault.ANGLE_FROZEN), Safe.OTHERS_VENTED, seconds=0.2, moving=True),
     ),
     "over-pressure, over-speed, outside the stroke": (
         _of_rig("supply-high", (Fault.OVER_PRESSURE,), Safe.ALL_VENTED, cycles=2, since=_too_high),
-        Way("pushed out", _push_out, _let_go, BEYOND, 2, 0.0, Safe.ALL_VENTED, since=_away, brief=True),
+        Way("pushed out", _push_out, _let_go, BEYOND, Safe.ALL_VENTED, cycles=2, since=_away, brief=True, pushed=True),
     ),
     "supply lost": (_of_rig("supply-lost", (Fault.SUPPLY_LOST,), Safe.ALL_VENTED, seconds=0.1),),
-    "recorder dead": (Way("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), 0, 1.0, Safe.TOLD),),
+    "recorder dead": (Way("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), Safe.TOLD, seconds=1.0),),
     "e-stop input": (_of_rig("e-stop", (Fault.E_STOP,), Safe.ALL_VENTED, cycles=1),),
 }

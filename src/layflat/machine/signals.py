@@ -1,0 +1,41 @@
+"""What is known of a machine in motion: the signals' names, units and meanings, simulated or recorded alike."""
+
+SIGNALS: dict[str, tuple[str, str]] = {
+    "demand": ("rad", "angle asked for"),
+    "angle": ("rad", "joint angle"),
+    "velocity": ("rad/s", "joint velocity"),
+    "pressure_a": ("Pa", "absolute pressure in hose A"),
+    "pressure_b": ("Pa", "absolute pressure in hose B"),
+    "temperature_a": ("K", "temperature of the air in hose A"),
+    "temperature_b": ("K", "temperature of the air in hose B"),
+    "valve_opening": ("1", "opening of the valve towards filling hose A, share of full opening"),
+    "voltage": ("V", "control voltage"),
+    "measured_angle": ("rad", "angle as sampled"),
+    "measured_pressure": ("Pa", "differential pressure as sampled"),
+    "averaged_angle": ("rad", "angle averaged over the dither period"),
+    "averaged_velocity": ("rad/s", "velocity from the averaged angle"),
+    "averaged_pressure": ("Pa", "differential pressure averaged over the dither period"),
+    "ripple": ("Pa", "amplitude of the pressure at the dither frequency"),
+    "phase": ("1", "phase of the controller"),
+    "short_term": ("V", "short-term integral F"),
+    "long_term": ("V", "long-term integral FL"),
+    "learning": ("1", "1 while the long-term integral may build"),
+    "hose_torque": ("N m", "torque lost in hose and strap"),
+    "gas_work": ("J", "work of the air on the joint since the start"),
+    "load_work": ("J", "work of external torques and gravity since the start"),
+    "hose_work": ("J", "work done on hose and strap losses since the start"),
+    "hose_stored": ("J", "part of it that is stored"),
+    "brake_heat": ("J", "heat of the brake since the start"),
+    "damping_heat": ("J", "heat of viscous friction and stops since the start"),
+    "air_taken": ("kg", "air taken from the supply since the start"),
+    "payload": ("kg", "payload"),
+    "supply": ("Pa", "absolute supply pressure"),
+    "tip": ("m", "position of the tip"),
+}
+"""Unit and meaning by name."""
+
+
+def attributes(name: str) -> dict[str, str]:
+    """Those of a signal in a data set."""
+    unit, meaning = SIGNALS[name]
+    return {"units": unit, "long_name": meaning}
