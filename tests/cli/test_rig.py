@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -40,9 +41,8 @@ timeout = "100 ms"
 timeout = "100 ms"
 [safety]
 setpoint_age = "0.3 s"
-surplus = 1.0
 """
-"""Replies may take long, and what the valves do then is not known: tests share their cores."""
+"""Replies may take long: tests share their cores."""
 
 
 class Served:
@@ -173,6 +173,46 @@ def wait_until_moving(part: Path) -> None:
     while not part.exists() or part.stat().st_size < 400_000:
         assert time.monotonic() < until
         time.sleep(0.05)
+
+
+def test_a_demand_file_is_followed(modbus: Served, place: Path) -> None:
+    times = np.arange(0.0, 1.5, 0.05)
+    rows = [f"{t:.2f},{10.0 * np.sin(3.0 * t):.3f},{-8.0 * np.sin(2.0 * t):.3f}" for t in times]
+    (place / "sines.csv").write_text("\n".join(["time [s],demand.large [deg],demand.small [deg]", *rows]))
+    words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "file", "--demand", "sines.csv")
+    done = subprocess.run([*LAYFLAT, *words], capture_output=True, text=True, cwd=place, check=False, timeout=100.0)
+    assert done.returncode == 0, done
+    assert "sines.csv" in done.stdout
+    log = read_run(place / "file" / "arm-rig.mcap")
+    moving = log.sel(time=log["time"][log["mode"].values == State.MOVING])
+    asked = np.degrees(np.ptp(moving["demand"].to_numpy(), axis=0))
+    assert asked == pytest.approx([10.0 + 10.0 * 0.93, 8.0], abs=3.0)
+    error = np.degrees(moving["angle"].to_numpy() - moving["demand"].to_numpy())
+    assert np.sqrt(np.mean(error**2)) < 6.0
+
+
+def test_a_run_ends_when_its_recorder_dies_and_the_log_can_be_repaired(modbus: Served, place: Path) -> None:
+    words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "dies", "--demand", "10 deg")
+    part = place / "dies" / "arm-rig.mcap.part"
+    running = start(*words, "--duration", "60 s", cwd=place)
+    wait_until_moving(part)
+    os.kill(who_writes(part, running.pid), signal.SIGKILL)
+    _, err = running.communicate(timeout=60.0)
+    assert running.returncode == 3, err
+    assert "the run ended early: the recorder is gone" in err
+    assert "`layflat log repair" in err
+    assert modbus.vented()
+    cli.app(["log", "repair", str(part)], standalone_mode=False)
+    assert len(read_run(place / "dies" / "arm-rig.mcap")["time"]) > 100
+
+
+def who_writes(path: Path, parent: int) -> int:
+    """The child process that has a file open."""
+    for child in Path(f"/proc/{parent}/task/{parent}/children").read_text().split():
+        for handle in Path(f"/proc/{child}/fd").iterdir():
+            if handle.resolve() == path.resolve():
+                return int(child)
+    raise AssertionError(f"nobody writes {path}")
 
 
 def test_an_e_stop_ends_a_run_with_status_3(modbus: Served, place: Path) -> None:
