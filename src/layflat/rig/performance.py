@@ -102,8 +102,14 @@ class Performance:
         session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + SPARE
         self._look()
         session.start()
+        starting = False
         while True:
             shot = self._look()
+            if shot is not None:
+                starting = starting or shot.state is State.STARTING
+                if starting and shot.state in {State.OFF, State.STOPPED}:
+                    why = told(shot, list(self._rig.machine.joints))
+                    raise EarlyEndError(f"the start was broken off: {why}", fault=True)
             if shot is not None and shot.state is State.READY:
                 self._running = True
                 return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
