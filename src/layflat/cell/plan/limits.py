@@ -9,10 +9,10 @@
 | V | volume of a hose in the middle of its travel | m3 |
 | M | mass matrix of the arm | kg m2 |
 
-Speed: the hose that is emptied has to lose the volume K w per second, and a choked path takes C p_0 whatever the pressure:
-w = C p_0 / K. Acceleration: the torque of a full hose against an empty one, less brake and gravity, over M, for all
-joints at once in their worst directions. Jerk: both hoses' pressures change by C p_0 (p_s phi + p_h phi) / V per second,
-which is a rate of torque, over M likewise. Derived in docs/cell-plan.md.
+Speed: the hose that is emptied has to lose the volume K w per second, and a choked path takes C p_0 whatever the
+pressure: w = C p_0 / K. Acceleration: the torque of a full hose against an empty one, less brake and gravity, over M,
+for all joints at once in their worst directions. Jerk: both hoses' pressures change by C p_0 (p_s phi + p_h phi) / V a
+second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md.
 """
 
 from __future__ import annotations
@@ -62,6 +62,8 @@ class Limits:
 class Shares:
     """How much of what hoses and valves can do is asked of them; the rest is left to controllers, losses and swing.
 
+    With more, moves settle hardly sooner, and swing further (docs/cell-plan.md).
+
     Args:
         speed: of what the open valve lets through.
         torque: of that of a full hose against an empty one.
@@ -69,8 +71,8 @@ class Shares:
     """
 
     speed: float = 0.3
-    torque: float = 0.3
-    jerk: float = 0.3
+    torque: float = 0.6
+    jerk: float = 0.6
 
 
 def arm_limits(

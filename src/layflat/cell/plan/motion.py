@@ -10,7 +10,7 @@ from math import ceil, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from layflat.cell.plan.limits import Limits, Shares, arm_limits
 from layflat.errors import InputError, LayflatError
@@ -19,8 +19,11 @@ from layflat.sim.kinematics import tip_position
 
 Array = NDArray[np.float64]
 
-FINE = 1e-3
-"""Time between the points at which the tip's acceleration is looked at, s."""
+LEAD = 0.2
+"""With which the paper's controllers follow best, s (docs/cell-plan.md)."""
+
+POINTS = 400
+"""At which the tip's acceleration along a path is looked at."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +37,29 @@ class Path:
     """s"""
     _trajectory: Any
 
-    def at(self, times: Array) -> Array:
+    def at(self, times: ArrayLike) -> Array:
         """Positions (times, axes) at times from the beginning on (s); at rest before and after."""
-        inside = np.clip(times, 0.0, self.duration)
-        return np.array([self._trajectory.at_time(float(time))[0] for time in inside]).reshape(len(times), -1)
+        return self._states(times, 0)
 
-    def demand(self, cycle: float, duration: float | None = None) -> Array:
-        """One row a control cycle, (cycles, axes), the first at the start, and on to the end or for `duration` s."""
-        least = ceil(self.duration / cycle - 1e-9)
-        last = least if duration is None else max(least, round(duration / cycle) - 1)
-        return self.at(cycle * np.arange(last + 1))
+    def velocities(self, times: ArrayLike) -> Array:
+        """Velocities, likewise."""
+        return self._states(times, 1)
+
+    def _states(self, times: ArrayLike, which: int) -> Array:
+        inside = np.clip(np.asarray(times, dtype=np.float64), 0.0, self.duration)
+        return np.array([self._trajectory.at_time(time)[which] for time in inside.tolist()])
+
+    def demand(self, cycle: float, *, lead: float = 0.0) -> Array:
+        """One row a control cycle, (cycles, axes), from the start to the end.
+
+        Args:
+            cycle: s.
+            lead: by which the demand runs ahead at the path's speed, but not past its end, s: a controller of the error
+                lags behind what moves.
+        """
+        times = cycle * np.arange(ceil(self.duration / cycle - 1e-9) + 1)
+        ahead = self.at(times) + lead * self.velocities(times)
+        return np.clip(ahead, np.minimum(self.start, self.end), np.maximum(self.start, self.end))
 
 
 def travel(start: Array, end: Array, limits: Limits) -> Path:
@@ -104,9 +120,10 @@ def move_arm(
 
 def peak_tip_acceleration(machine: Machine, path: Path) -> float:
     """Greatest acceleration of the tip along a planned motion of the arm, m/s2."""
-    count = max(ceil(path.duration / FINE), 4)
-    tips = tip_position(machine, path.at(np.linspace(0.0, path.duration, count + 1)))
-    second = np.diff(tips, n=2, axis=0) / (path.duration / count) ** 2 if path.duration > 0.0 else np.zeros((1, 2))
+    if path.duration == 0.0:
+        return 0.0
+    tips = tip_position(machine, path.at(np.linspace(0.0, path.duration, POINTS + 1)))
+    second = np.diff(tips, n=2, axis=0) / (path.duration / POINTS) ** 2
     return float(np.linalg.norm(second, axis=1).max())
 
 

@@ -9,8 +9,8 @@ A fruit is taken for a sphere on the table. The cup comes from above and rests o
 | h | height of the cup's rim on the fruit: R + sqrt(R^2 - c^2) | m |
 | w | how wide the neighbour still is at height h and above | m |
 
-The cup passes a neighbour if their centres are c + w apart. The fruit passes it on the way up if they are R + R_n apart,
-or if the neighbour is no higher: the way between them then only grows.
+The cup passes a neighbour if their centres are c + w apart. The fruit passes it on the way up if they are R + R_n
+apart, or if the neighbour is no higher: the way between them then only grows.
 """
 
 from __future__ import annotations

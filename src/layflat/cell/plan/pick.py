@@ -76,9 +76,9 @@ class Rules:
     tip: Callable[[Angles], tuple[float, float]]
     clear: Angles
     top: float
-    near: float = 1.5e-3
-    still: float = radians(4.0)
-    dwell: float = 0.03
+    near: float = 2e-3
+    still: float = radians(6.0)
+    dwell: float = 0.02
     off: float = 4e-3
     shaken: float = radians(20.0)
     sound: float = 30e3
