@@ -4,7 +4,7 @@ from math import dist
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scripted import CYCLE, RULES, TASK, Plant, phases, run
+from scripted_plant import CYCLE, RULES, TASK, Plant, phases, run
 
 from layflat.cell.plan.pick import Command, Measured, Outcome, Phase, Sighting, State, Task
 from layflat.cell.plan.picks import begun, step
@@ -120,6 +120,22 @@ def test_an_arm_that_is_pushed_while_the_cup_is_down_is_raised_at_once() -> None
         assert command.height == RULES.top
         assert command.suction
         assert after.shaken == 1
+
+
+def test_an_arm_that_is_pushed_again_and_again_ends_with_the_fruit_held() -> None:
+    state, lowered, now = State(TASK, Phase.CARRY, 0.0, TASK.over_place, suction=True), 0, 0.0
+    over = TASK.over_place
+    while state.phase is not Phase.DONE:
+        now += 0.05
+        pushed = state.phase is Phase.PLACE
+        lowered += pushed
+        at = (over[0] + 0.02 * pushed, over[1])
+        state, command = step(RULES, state, _measured(now, at, lift_up=not pushed, vacuum=50e3))
+        assert now < RULES.longest
+    assert lowered == RULES.tries
+    assert state.outcome is Outcome.STUCK
+    assert command.suction
+    assert command.height == RULES.top
 
 
 # Whatever sensors say.

@@ -1,5 +1,5 @@
 import numpy as np
-from bench import Bench
+from pick_bench import Bench
 
 from layflat.cell.plan.pick import Outcome, Task
 from layflat.machine import load

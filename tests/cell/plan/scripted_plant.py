@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import hypot
 
-from layflat.cell.plan.pick import Command, Measured, Outcome, Phase, Rules, Sighting, State, Task
+from layflat.cell.plan.pick import Command, Measured, Phase, Rules, Sighting, State, Task
 from layflat.cell.plan.picks import begun, step
 from layflat.cell.plan.reach import Reach
 from layflat.machine import load
@@ -98,6 +98,3 @@ def phases(trace: list[tuple[State, Command]]) -> list[Phase]:
         if not found or found[-1] is not state.phase:
             found.append(state.phase)
     return found
-
-
-__all__ = ["CYCLE", "RULES", "TASK", "Outcome", "Plant", "phases", "run"]
