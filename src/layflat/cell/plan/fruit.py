@@ -1,0 +1,31 @@
+"""What a camera told of one fruit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Fruit:
+    """One fruit that was seen, taken as a sphere that lies on the table.
+
+    Args:
+        x: of its centre, m, in the frame of the arm's base.
+        y: as x.
+        diameter: m.
+        kind: such as "tomato".
+        grade: such as "A".
+        confidence: that there is one, of this kind, 0 to 1.
+    """
+
+    x: float
+    y: float
+    diameter: float
+    kind: str
+    grade: str
+    confidence: float = 1.0
+
+    @property
+    def radius(self) -> float:
+        """Half its diameter, m."""
+        return self.diameter / 2

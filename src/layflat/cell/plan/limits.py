@@ -1,0 +1,155 @@
+"""How fast an arm's joints can be moved, from what their hoses and valves can do.
+
+| symbol | meaning | unit |
+|---|---|---|
+| K | torque per pressure = volume swept per radian | m3/rad |
+| C | sonic conductance of a fully open path of the valve | m3/(s Pa) |
+| p_0 | pressure at which ISO 6358 counts volumes | Pa |
+| p_s, p_h | absolute pressure of the supply, and in hoses that leak equally to supply and exhaust | Pa |
+| V | volume of a hose in the middle of its travel | m3 |
+| M | mass matrix of the arm | kg m2 |
+
+Speed: the hose that is emptied has to lose the volume K w per second, and a choked path takes C p_0 whatever the
+pressure: w = C p_0 / K. Acceleration: the torque of a full hose against an empty one, less brake and gravity, over M,
+for all joints at once in their worst directions. Jerk: both hoses' pressures change by C p_0 (p_s phi + p_h phi) / V a
+second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import remainder, tau
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.errors import MachineError
+from layflat.machine import Machine, parameters
+from layflat.physics.air_balance import REFERENCE_PRESSURE
+from layflat.physics.arm import (
+    OneLink,
+    TwoLink,
+    one_link_gravity,
+    one_link_mass,
+    two_link_gravity,
+    two_link_mass,
+)
+from layflat.physics.flow import effective_pressure, laminar_slope
+from layflat.physics.trig import sincos
+from layflat.sim.run import FILLED
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Greatest speed (rad/s or m/s), acceleration and jerk of each axis."""
+
+    speed: tuple[float, ...]
+    acceleration: tuple[float, ...]
+    jerk: tuple[float, ...]
+
+    def slower(self, factor: float) -> Limits:
+        """Limits with which every motion goes the same way in `factor` times its time."""
+        return Limits(
+            tuple(v / factor for v in self.speed),
+            tuple(a / factor**2 for a in self.acceleration),
+            tuple(j / factor**3 for j in self.jerk),
+        )
+
+
+@dataclass(frozen=True)
+class Shares:
+    """How much of what hoses and valves can do is asked of them; the rest is left to controllers, losses and swing.
+
+    With more, moves settle hardly sooner, and swing further (docs/cell-plan.md).
+
+    Args:
+        speed: of what the open valve lets through.
+        torque: of that of a full hose against an empty one.
+        jerk: of what the open valve changes the torque by.
+    """
+
+    speed: float = 0.3
+    torque: float = 0.6
+    jerk: float = 0.6
+
+
+def arm_limits(
+    machine: Machine, start: Array, end: Array, *, payload: float | None = None, shares: Shares | None = None
+) -> Limits:
+    """Limits of a move of the arm's joints, at the worst posture on its way.
+
+    Args:
+        machine: with valves.
+        start: rad, (joints,).
+        end: rad, (joints,).
+        payload: at the tip, kg; the machine's where not given.
+        shares: of what is possible.
+
+    Raises:
+        MachineError: the machine has no valves, or can't hold itself against gravity.
+    """
+    used = shares or Shares()
+    mass = machine.arm.payload if payload is None else payload
+    able = [_joint_ability(machine, name) for name in machine.joints]
+    speed = np.array([one[0] for one in able])
+    inertia, gravity = _worst(machine, start, end, mass)
+    torque = np.array([one[1] for one in able]) - gravity
+    if torque.min() <= 0.0:
+        name = list(machine.joints)[int(torque.argmin())]
+        raise MachineError(
+            f"joint {name!r} can't hold {mass:g} kg against gravity and its brake",
+            where=machine.origin,
+            right="a smaller payload, a wider hose or more pressure",
+        )
+    rate = np.array([one[2] for one in able])
+    return Limits(
+        tuple((used.speed * speed).tolist()),
+        tuple((used.torque * _together(inertia, torque)).tolist()),
+        tuple((used.jerk * _together(inertia, rate)).tolist()),
+    )
+
+
+def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
+    """Speed (rad/s), torque less the brake's (N m) and its rate (N m/s) of a joint with its valve fully open."""
+    valve, _, _ = parameters.drive_parts(machine)
+    joint = machine.joint[name]
+    K = parameters.torque_constant(joint)
+    volume = joint.hose.dead_volume + parameters.travel_volume(joint) / 2
+    b, supply, outside = valve.critical_ratio, machine.supply.pressure, machine.supply.ambient_pressure
+    slope, held = float(laminar_slope(b)), FILLED * supply
+    through = valve.conductance * REFERENCE_PRESSURE
+    filling = through * float(effective_pressure(supply, held, b, slope)) / volume
+    venting = through * float(effective_pressure(held, outside, b, slope)) / volume
+    hoses = filling + venting if joint.acting == "double" else min(filling, venting)
+    return through / K, K * machine.supply.pressure_gauge - joint.brake.torque, K * hoses
+
+
+def _together(inertia: Array, ability: Array) -> Array:
+    """Accelerations (joints,) that the joints are able to have at once, whatever their signs."""
+    alone = ability / inertia.diagonal()
+    return alone * float(np.min(ability / (np.abs(inertia) @ alone)))
+
+
+def _worst(machine: Machine, start: Array, end: Array, payload: float) -> tuple[Array, Array]:
+    """Greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way."""
+    arm = parameters.arm(machine)
+    if isinstance(arm, OneLink):
+        angles = np.linspace(start[0], end[0], _POSTURES)
+        pull = max(abs(float(one_link_gravity(arm, payload, q))) for q in angles)
+        return np.array([[float(one_link_mass(arm, payload))]]), np.array([pull])
+    inertias, pulls = [], []
+    for q_1, q_2 in zip(
+        np.linspace(start[0], end[0], _POSTURES), np.linspace(start[1], end[1], _POSTURES), strict=True
+    ):
+        sin_2, cos_2 = sincos(remainder(q_2 + arm.elbow, tau))
+        M_11, M_12, M_22, _ = two_link_mass(arm, payload, sin_2, cos_2)
+        inertias.append([[M_11, M_12], [M_12, M_22]])
+        level = not isinstance(arm, TwoLink)
+        pulls.append((0.0, 0.0) if level else two_link_gravity(arm, payload, *sincos(q_1), sin_2, cos_2))
+    return np.abs(inertias).max(axis=0), np.abs(pulls).max(axis=0)
+
+
+_POSTURES = 9
+"""Looked at along a move."""

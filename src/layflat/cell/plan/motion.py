@@ -1,0 +1,135 @@
+"""Demands that go from rest to rest with limited speed, acceleration and jerk, one row a control cycle.
+
+Time-optimal within the limits, all axes ending together. Source: berscheid2021, the library ruckig.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from layflat.cell.plan.limits import Limits, Shares, arm_limits
+from layflat.errors import InputError, LayflatError
+from layflat.machine import Machine
+from layflat.sim.kinematics import tip_position
+
+Array = NDArray[np.float64]
+
+LEAD = 0.2
+"""With which the paper's controllers follow best, s (docs/cell-plan.md)."""
+
+POINTS = 400
+"""At which the tip's acceleration along a path is looked at."""
+
+
+@dataclass(frozen=True)
+class Path:
+    """A motion from rest to rest; `limits` are those that it keeps."""
+
+    start: Array
+    end: Array
+    limits: Limits
+    duration: float
+    """s"""
+    _trajectory: Any
+
+    def at(self, times: ArrayLike) -> Array:
+        """Positions (times, axes) at times from the beginning on (s); at rest before and after."""
+        return self._states(times, 0)
+
+    def velocities(self, times: ArrayLike) -> Array:
+        """Velocities, likewise."""
+        return self._states(times, 1)
+
+    def _states(self, times: ArrayLike, which: int) -> Array:
+        inside = np.clip(np.asarray(times, dtype=np.float64), 0.0, self.duration)
+        return np.array([self._trajectory.at_time(time)[which] for time in inside.tolist()])
+
+    def demand(self, cycle: float, *, lead: float = 0.0) -> Array:
+        """One row a control cycle, (cycles, axes), from the start to the end.
+
+        Args:
+            cycle: s.
+            lead: by which the demand runs ahead at the path's speed, but not past its end, s: a controller of the error
+                lags behind what moves.
+        """
+        times = cycle * np.arange(ceil(self.duration / cycle - 1e-9) + 1)
+        ahead = self.at(times) + lead * self.velocities(times)
+        return np.clip(ahead, np.minimum(self.start, self.end), np.maximum(self.start, self.end))
+
+
+def travel(start: Array, end: Array, limits: Limits) -> Path:
+    """The quickest way from rest to rest, of any number of axes.
+
+    Args:
+        start: positions, (axes,), rad or m.
+        end: likewise.
+        limits: of every axis.
+
+    Raises:
+        InputError: ruckig is not installed, or a number is not finite.
+    """
+    otg = _ruckig()
+    axes = len(start)
+    if not (np.isfinite(start).all() and np.isfinite(end).all()):
+        raise InputError("a position is not finite", where="travel", right="give numbers only")
+    wanted = otg.InputParameter(axes)
+    wanted.current_position, wanted.target_position = start.tolist(), end.tolist()
+    wanted.max_velocity, wanted.max_acceleration = list(limits.speed), list(limits.acceleration)
+    wanted.max_jerk = list(limits.jerk)
+    # Phases that agree keep to the straight line between both postures.
+    wanted.synchronization = otg.Synchronization.Phase
+    trajectory = otg.Trajectory(axes)
+    result = otg.Ruckig(axes).calculate(wanted, trajectory)
+    if result not in {otg.Result.Working, otg.Result.Finished}:
+        raise LayflatError(f"no motion from {start.tolist()} to {end.tolist()} was found: {result}")
+    return Path(start.copy(), end.copy(), limits, float(trajectory.duration), trajectory)
+
+
+def move_arm(
+    machine: Machine, start: Array, end: Array, *,
+    payload: float | None = None, shares: Shares | None = None, tip_acceleration: float | None = None,
+) -> Path:  # fmt: skip
+    """A move of an arm's joints within a share of what it can do.
+
+    Args:
+        machine: the machine.
+        start: angles, rad, (joints,).
+        end: likewise.
+        payload: at the tip, kg; the machine's where not given.
+        shares: of what valves and hoses can do.
+        tip_acceleration: that the planned motion of the tip may not exceed, m/s2: soft fruit bruises.
+
+    Raises:
+        MachineError: the machine can't be driven.
+        InputError: as `travel`.
+    """
+    path = travel(start, end, arm_limits(machine, start, end, payload=payload, shares=shares))
+    if tip_acceleration is None:
+        return path
+    peak = peak_tip_acceleration(machine, path)
+    if peak <= tip_acceleration:
+        return path
+    # The same way in k times the time has accelerations 1/k^2 as great.
+    return travel(start, end, path.limits.slower(sqrt(peak / tip_acceleration)))
+
+
+def peak_tip_acceleration(machine: Machine, path: Path) -> float:
+    """Greatest acceleration of the tip along a planned motion of the arm, m/s2."""
+    if path.duration == 0.0:
+        return 0.0
+    tips = tip_position(machine, path.at(np.linspace(0.0, path.duration, POINTS + 1)))
+    second = np.diff(tips, n=2, axis=0) / (path.duration / POINTS) ** 2
+    return float(np.linalg.norm(second, axis=1).max())
+
+
+def _ruckig() -> Any:
+    try:
+        import ruckig  # noqa: PLC0415  # an extra
+    except ImportError:
+        raise InputError("ruckig is not installed", where="cell", right="pip install 'layflat[cell]'") from None
+    return ruckig

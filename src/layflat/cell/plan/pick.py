@@ -1,0 +1,181 @@
+"""One pick: what it is to do, what is measured of it, what it asks for, and how it may end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from math import radians
+
+from layflat.cell.plan.reach import Angles
+
+
+class Phase(Enum):
+    """What a pick is doing."""
+
+    APPROACH = "goes over the fruit and settles there"
+    LOWER = "lowers the cup on the fruit"
+    SUCK = "waits for the vacuum"
+    LIFT = "lifts the fruit"
+    CARRY = "carries it over its place and settles there"
+    PLACE = "lowers it into its place"
+    RELEASE = "lets go"
+    PUT_BACK = "lowers what it lifted where it was"
+    LET_BACK = "lets go where it was"
+    RAISE = "raises the empty cup"
+    CLEAR = "moves out of the camera's view"
+    LOOK = "waits for a new picture"
+    DONE = "has ended"
+
+
+class Outcome(Enum):
+    """How a pick ended."""
+
+    PLACED = "the fruit lies in its place"
+    MISSED = "the fruit was not picked in all tries"
+    GONE = "a new picture shows no fruit there"
+    LOST = "the fruit was lost on its way"
+    STUCK = "something did not happen in its time: the arm stays where it is, the lift goes up"
+
+
+@dataclass(frozen=True)
+class Task:
+    """One fruit and its place: postures over both (rad), and heights of the cup's rim on the fruit, in both (m)."""
+
+    over_fruit: Angles
+    over_place: Angles
+    fruit_height: float
+    place_height: float
+
+
+@dataclass(frozen=True)
+class Rules:
+    """When something has happened, and how long it may take.
+
+    Args:
+        tip: where the arm's tip is, m, from its angles.
+        clear: posture out of the camera's view, rad.
+        top: height of the cup's rim with the lift up, m.
+        near: of the tip to its target, within which the lift may begin to lower, m.
+        still: speed of every joint below which it may, rad/s.
+        dwell: how long both have to hold, s.
+        off: of the tip from its target, beyond which a lowered lift is raised at once, m.
+        shaken: speed of any joint beyond which it is, rad/s.
+        sound: vacuum with which one fruit is held, Pa below the surroundings.
+        gone: vacuum below which nothing is held, Pa.
+        tries: of one fruit, each after a new picture.
+        settle_time: longest time of a move until it is settled, s.
+        lower_time: longest time of the lift's way down, s.
+        suck_time: longest time until the vacuum is sound, s.
+        heavy_time: of the lift's way up, beyond which too much hangs on the cup, s.
+        raise_time: longest time of its way up, s.
+        release_time: longest time until the vacuum is gone, s.
+        look_time: longest time until a picture comes, s.
+    """
+
+    tip: Callable[[Angles], tuple[float, float]]
+    clear: Angles
+    top: float
+    near: float = 2e-3
+    still: float = radians(6.0)
+    dwell: float = 0.02
+    off: float = 4e-3
+    shaken: float = radians(20.0)
+    sound: float = 30e3
+    gone: float = 10e3
+    tries: int = 3
+    settle_time: float = 3.0
+    lower_time: float = 1.0
+    suck_time: float = 0.4
+    heavy_time: float = 0.6
+    raise_time: float = 1.5
+    release_time: float = 0.5
+    look_time: float = 2.0
+
+    @property
+    def longest(self) -> float:
+        """No pick takes longer, s."""
+        down = self.lower_time + self.suck_time + self.heavy_time + self.lower_time + self.release_time
+        one = self.settle_time + down + self.raise_time + self.settle_time + self.look_time
+        carried = self.settle_time + self.lower_time + self.raise_time
+        return self.tries * (one + carried) + self.release_time + self.raise_time
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """What a new picture told of the fruit that was missed: where it is now; None if it is gone."""
+
+    task: Task | None
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What sensors tell in one cycle.
+
+    Args:
+        time: s.
+        angles: rad, by joint.
+        velocities: rad/s, by joint.
+        vacuum: in the cup's line, Pa below the surroundings.
+        lift_up: the switch at the lift's top.
+        lift_down: the lift was lowered as far as it was asked to, or the cup met something.
+        sighting: the answer to a picture that was asked for.
+    """
+
+    time: float
+    angles: Angles
+    velocities: Angles
+    vacuum: float
+    lift_up: bool
+    lift_down: bool
+    sighting: Sighting | None = None
+
+    @property
+    def down(self) -> bool:
+        """Whether the cup is down; a switch that says both does not count."""
+        return self.lift_down and not self.lift_up
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a pick asks for: a posture (rad), a height of the cup's rim (m), suction, and a picture."""
+
+    target: Angles
+    height: float
+    suction: bool
+    picture: bool
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a pick stands; begin with `begun`.
+
+    Args:
+        task: as it is known by now.
+        phase: what it does.
+        since: when the phase began, s.
+        target: posture asked for, rad.
+        suction: whether it is on.
+        near_since: since when the tip has been near and still, s; None while it is not.
+        tried: how often the cup went down for the fruit.
+        shaken: how often the arm moved while it was over the fruit's place.
+        outcome: how it ended, or will, once the cup is raised.
+        trouble: what went wrong last, as one clause.
+    """
+
+    task: Task
+    phase: Phase
+    since: float
+    target: Angles
+    suction: bool = False
+    near_since: float | None = None
+    tried: int = 0
+    shaken: int = 0
+    outcome: Outcome | None = None
+    trouble: str = ""
+
+    @property
+    def over(self) -> Angles:
+        """The posture that this phase belongs to, rad: over the place with the fruit, else over the fruit."""
+        carried = self.phase in {Phase.CARRY, Phase.PLACE, Phase.RELEASE}
+        return self.task.over_place if carried else self.task.over_fruit

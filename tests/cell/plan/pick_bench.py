@@ -1,0 +1,105 @@
+"""The simulated arm with its controllers under the course of picks; a lift and a cup by their limits alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.plan.limits import Limits
+from layflat.cell.plan.motion import LEAD, Path, move_arm, travel
+from layflat.cell.plan.pick import Command, Measured, Phase, Rules, State, Task
+from layflat.cell.plan.picks import begun, step
+from layflat.cell.plan.reach import Reach
+from layflat.control.update import MEMORY, STATUS, flat, update, wake
+from layflat.machine import Machine, parameters
+from layflat.sim.plant import SteppedPlant
+
+Array = NDArray[np.float64]
+
+CYCLE = 0.005
+LIFT = Limits((0.8,), (8.0,), (400.0,))
+VACUUM, TIME_CONSTANT = 50e3, 0.04
+"""In the cup on a fruit (Pa), and with which it comes and goes (s)."""
+
+
+@dataclass
+class Picked:
+    """What became of a pick: s, m, and the phases with the time that each began."""
+
+    state: State
+    time: float
+    error: float
+    began: list[tuple[Phase, float]] = field(default_factory=list)
+
+
+class Bench:
+    """An arm at rest at `start` that picks.
+
+    Args:
+        machine: with controller.
+        start: rad, (joints,).
+        seed: of the sensors' noise.
+    """
+
+    def __init__(self, machine: Machine, start: Array, seed: int = 0) -> None:
+        self.machine, self.reach = machine, Reach(machine)
+        self.rules = Rules(tip=self.reach.tip, clear=(0.9, 0.5), top=0.15)
+        n = len(machine.joints)
+        self.plant = SteppedPlant(machine, start=start.tolist(), seed=seed, payload=1.2)
+        self.gains = np.array([flat(parameters.gains(machine, name)) for name in machine.joints])
+        self.memory, self.status = np.zeros((1, n, MEMORY)), np.zeros((1, n, STATUS))
+        self.voltages, self.demands = np.zeros(n), start.copy()
+        wake(self.memory, *self.plant.sense())
+        self.rows: list[Array] = []
+        self.height, self.vacuum, self.cycles = self.rules.top, 0.0, 0
+        self.sealed, self.fruit_height = False, 0.0
+        self.lift: tuple[Path, int] | None = None
+        self.target: tuple[float, ...] = tuple(start.tolist())
+
+    def pick(self, task: Task) -> Picked:
+        """One pick, from where the arm is."""
+        self.fruit_height = task.fruit_height
+        self.turn(None)
+        state = begun(task, self.measure())
+        began, since, error = [(state.phase, 0.0)], self.cycles, np.inf
+        while state.phase is not Phase.DONE:
+            state, command = step(self.rules, state, self.measure())
+            if state.phase is not began[-1][0]:
+                began.append((state.phase, CYCLE * (self.cycles - since)))
+                if state.phase is Phase.RELEASE:
+                    true, wanted = self.reach.tip(tuple(self.plant.angles.tolist())), self.reach.tip(task.over_place)
+                    error = float(np.hypot(true[0] - wanted[0], true[1] - wanted[1]))
+            self.turn(command)
+        return Picked(state, CYCLE * (self.cycles - since), error, began)
+
+    def measure(self) -> Measured:
+        """As the controllers and switches tell."""
+        found, top = self.status[0], self.rules.top
+        down = self.lift is not None and self.height <= self.lift[0].end[0] + 1e-9 and self.height < top
+        angles, velocities = tuple(found[:, 0].tolist()), tuple(found[:, 1].tolist())
+        return Measured(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height >= top - 1e-9, down)
+
+    def turn(self, command: Command | None) -> None:
+        """One control cycle."""
+        if command is not None:
+            self._plan(command)
+        if self.rows:
+            self.demands = self.rows.pop(0)
+        angles, pressures = self.plant.sense()
+        update(self.gains, self.memory, angles, pressures, CYCLE, self.demands, self.voltages, self.status)
+        self.plant.drive(self.voltages)
+        self.cycles += 1
+        self.plant.advance(CYCLE * self.cycles + 1e-9)
+
+    def _plan(self, command: Command) -> None:
+        if command.target != self.target:
+            path = move_arm(self.machine, self.demands, np.array(command.target), payload=1.2)
+            self.rows, self.target = list(path.demand(CYCLE, lead=LEAD)), command.target
+        if self.lift is None or command.height != self.lift[0].end[0]:
+            self.lift = travel(np.array([self.height]), np.array([command.height]), LIFT), self.cycles
+        path, begun_at = self.lift
+        self.height = float(path.at([CYCLE * (self.cycles + 1 - begun_at)])[0, 0])
+        self.sealed = command.suction and (self.sealed or self.height <= self.fruit_height + 1e-9)
+        self.vacuum += CYCLE / TIME_CONSTANT * ((VACUUM if self.sealed else 0.0) - self.vacuum)

@@ -1,0 +1,100 @@
+"""An arm, a lift and a cup by rule of thumb, for picks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import hypot
+
+from layflat.cell.plan.pick import Command, Measured, Phase, Rules, Sighting, State, Task
+from layflat.cell.plan.picks import begun, step
+from layflat.cell.plan.reach import Reach
+from layflat.machine import load
+
+CYCLE = 0.005
+REACH = Reach(load("paper-arm"))
+
+
+def _tip(angles: tuple[float, ...]) -> tuple[float, float]:
+    return REACH.tip(angles)
+
+
+RULES = Rules(tip=_tip, clear=(0.9, 0.5), top=0.2)
+TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.05)
+
+
+@dataclass
+class Plant:
+    """Joints go at 2 rad/s, the lift at 0.5 m/s, and the vacuum comes and goes in some cycles.
+
+    Args:
+        fruit: where fruit lies, with how sound a vacuum it gives (Pa).
+        sightings: answers to pictures, in order.
+        drops_at: phase in which what is held falls off.
+        lift_speed: with something on the cup, m/s.
+        leaves: whether the vacuum goes when suction is off.
+    """
+
+    fruit: dict[tuple[float, ...], float] = field(default_factory=lambda: {TASK.over_fruit: 50e3})
+    sightings: list[Sighting] = field(default_factory=list)
+    drops_at: Phase | None = None
+    lift_speed: float = 0.5
+    leaves: bool = True
+    angles: tuple[float, ...] = (0.0, 0.0)
+    velocities: tuple[float, ...] = (0.0, 0.0)
+    height: float = RULES.top
+    asked: float = RULES.top
+    vacuum: float = 0.0
+    time: float = 0.0
+    held: float = 0.0
+    laid: list[tuple[float, ...]] = field(default_factory=list)
+
+    def measure(self, *, picture: bool) -> Measured:
+        sighting = self.sightings.pop(0) if picture and self.sightings else None
+        down = self.height <= self.asked + 1e-9 and self.asked < RULES.top
+        up = self.height >= RULES.top - 1e-9
+        return Measured(self.time, self.angles, self.velocities, self.vacuum, up, down, sighting)
+
+    def turn(self, command: Command, state: State) -> None:
+        self.time += CYCLE
+        way = 2.0 * CYCLE
+        after = tuple(q + min(max(d - q, -way), way) for q, d in zip(self.angles, command.target, strict=True))
+        self.velocities = tuple((b - a) / CYCLE for a, b in zip(self.angles, after, strict=True))
+        self.angles, self.asked = after, command.height
+        speed = CYCLE * (self.lift_speed if self.held else 0.5)
+        self.height += min(max(command.height - self.height, -speed), speed)
+        if state.phase is self.drops_at:
+            self.held = 0.0
+        if not command.suction and self.held and self.leaves:
+            self.laid.append(self.angles)
+            self.held = 0.0
+        if command.suction and self.height <= TASK.fruit_height + 1e-9 and not self.held:
+            self.held = self._under()
+        goal = self.held if command.suction or not self.leaves else 0.0
+        self.vacuum += 0.2 * (goal - self.vacuum)
+
+    def _under(self) -> float:
+        x, y = RULES.tip(self.angles)
+        near = [p for p in self.fruit if hypot(RULES.tip(p)[0] - x, RULES.tip(p)[1] - y) < 5e-3]
+        return self.fruit[near[0]] if near else 0.0
+
+
+def run(plant: Plant, task: Task = TASK) -> tuple[State, list[tuple[State, Command]]]:
+    """A whole pick, and all that was asked for on its way."""
+    measured = plant.measure(picture=False)
+    state, trace = begun(task, measured), []
+    while state.phase is not Phase.DONE:
+        state, command = step(RULES, state, measured)
+        trace.append((state, command))
+        plant.turn(command, state)
+        measured = plant.measure(picture=command.picture)
+        assert plant.time < RULES.longest + 1.0
+    return state, trace
+
+
+def phases(trace: list[tuple[State, Command]]) -> list[Phase]:
+    """Each phase as it was entered."""
+    found: list[Phase] = []
+    for state, _ in trace:
+        if not found or found[-1] is not state.phase:
+            found.append(state.phase)
+    return found

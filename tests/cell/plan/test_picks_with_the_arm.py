@@ -1,0 +1,19 @@
+import numpy as np
+from pick_bench import Bench
+
+from layflat.cell.plan.pick import Outcome, Task
+from layflat.machine import load
+
+
+def test_the_papers_arm_places_fruit_within_its_tolerance() -> None:
+    bench = Bench(load("paper-arm"), np.zeros(2))
+    tasks = [
+        Task((0.5, 0.2), (-0.3, -0.3), 0.06, 0.05),
+        Task((0.4, -0.4), (-0.4, 0.3), 0.06, 0.05),
+    ]
+    for task in tasks:
+        picked = bench.pick(task)
+        assert picked.state.outcome is Outcome.PLACED
+        assert picked.state.tried == 1
+        assert picked.error < 3e-3
+        assert picked.time < 5.0
