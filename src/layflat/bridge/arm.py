@@ -44,13 +44,13 @@ def gravity_of(machine: Machine) -> tuple[float, float, float]:
 def arm_spec(machine: Machine, *, passive: bool = False) -> Any:
     """The arm as an MjSpec that can be compiled, changed, or attached to a scene.
 
-    It moves in the plane z = 0, x along link 1 in the middle of its stroke. Joints bear the machine's names, bodies these
-    names with "-link"; the body "payload" and the site "tip" are at the tip. What is drawn touches nothing.
+    It moves in the plane z = 0, x along link 1 in the middle of its stroke. Joints bear the machine's names, bodies
+    these names with "-link"; the body "payload" and the site "tip" are at the tip. What is drawn touches nothing.
 
     Args:
         machine: whose arm it is.
-        passive: with what `PneumaticJoints` brings along: stops as limits, bearings as damping, brakes as friction loss
-            (which creeps).
+        passive: with what `PneumaticJoints` brings along otherwise: stops as limits, bearings as damping, brakes as
+            friction loss (which creeps).
 
     Raises:
         InputError: MuJoCo is not installed.

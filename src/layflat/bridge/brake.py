@@ -109,7 +109,7 @@ class Brakes:
         self._impulses[:] = 0.0
 
     def _inverse(self, data: Any) -> Array:
-        """Inverse of the mass matrix of the trees as the integrator sees it: with the damping that it takes implicitly."""
+        """Inverse of the trees' mass matrix as the integrator sees it: with the damping that it takes implicitly."""
         model, tree = self._model, self._tree
         unit, product = np.zeros(model.nv), np.zeros(model.nv)
         M = np.empty((len(tree), len(tree)))
@@ -119,5 +119,5 @@ class Brakes:
             unit[dof] = 0.0
             M[k] = product[tree]
         if not model.opt.disableflags & self._mj.mjtDisableBit.mjDSBL_EULERDAMP:
-            M += np.diag(model.opt.timestep * model.dof_damping[tree])
-        return np.linalg.inv(M)
+            M.flat[:: len(tree) + 1] += model.opt.timestep * model.dof_damping[tree]
+        return np.asarray(np.linalg.inv(M))

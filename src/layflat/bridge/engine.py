@@ -17,6 +17,4 @@ def engine() -> Any:
     try:
         return import_module("mujoco")
     except ImportError:
-        raise InputError(
-            "is not installed", where="mujoco", right="install it: pip install 'layflat[cell]'"
-        ) from None
+        raise InputError("is not installed", where="mujoco", right="install it: pip install 'layflat[cell]'") from None

@@ -1,11 +1,11 @@
 """The joints' halves of a step of MuJoCo's: what valve, air, losses and stops do before and after the arm is moved.
 
 MuJoCo's integrators move angles by the new velocities: q' = q + H v'. That is our own step (physics/step.py, drift -
-kick - drift) seen from its middles: MuJoCo's angles are those half a step ahead, and the joint's are q - H v/2. Nothing
-is lost: from rest on, both are the same, and of second order.
+kick - drift) seen from its middles: MuJoCo's angles are those half a step ahead, and the joint's are q - H v/2.
+Nothing is lost: from rest on, both are the same, and of second order.
 
-A step H of MuJoCo's that is longer than ours is cut into an odd number of steps h: the arm is kicked in the middle of the
-one in the middle, the others coast with its velocity.
+A step H of MuJoCo's that is longer than ours is cut into an odd number of steps h: the arm is kicked in the middle of
+the one in the middle, the others coast with its velocity.
 
 What crosses from Python is arrays of numbers, a row a joint, as in sim/stepping.py.
 """

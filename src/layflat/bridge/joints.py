@@ -30,11 +30,11 @@ CHANGE = Motion._fields.index("velocity_change")
 
 
 class PneumaticJoints:
-    """A machine's joints on hinges of a model: valves, hoses, losses, stops and brakes; `step` takes the place of mj_step.
+    """A machine's joints on hinges of a model: valves, hoses, losses, stops, brakes; `step` takes the place of mj_step.
 
-    A hinge's zero has to lie in the middle of its joint's stroke, and hose A turns it forward. All that the model says of
-    the hinges (damping, friction, limits) acts as well. Between steps `data.qpos` of a moving hinge is half a step ahead
-    of `angles` (see halves.py).
+    A hinge's zero has to lie in the middle of its joint's stroke, and hose A turns it forward. All that the model says
+    of the hinges (damping, friction, limits) acts as well. Between steps `data.qpos` of a moving hinge is half a step
+    ahead of `angles` (see halves.py).
 
     Args:
         model: an MjModel.
@@ -79,7 +79,7 @@ class PneumaticJoints:
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
         self.load, self._holes, self._torques = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
         self._seized: set[int] = set()
-        self._shares = np.ones(n)
+        self._shares, self._due = np.ones(n), 0.0
         self._seen = np.zeros((n, len(Seen._fields)))
         self._rest(model.qpos0[self._qpos])
         self._like: Kept = self._at_rest(0, 0.0)
@@ -123,7 +123,7 @@ class PneumaticJoints:
         return [read_numbers(self._like, row).state.ledger for row in self._kept]
 
     def reset(self, data: Any) -> None:
-        """Begin anew at the angles in an MjData: hoses at rest, filled as at first. The first step does so by itself."""
+        """Begin anew at the angles in an MjData: hoses at rest, filled as at first; the first step does so itself."""
         self._rest(data.qpos[self._qpos])
         self._brakes.forget()
         self._fresh = False
@@ -230,7 +230,7 @@ class PneumaticJoints:
         self._kept = np.array([list(leaves(one)) for one in kept])
         self._seen[:, 0], self._seen[:, 1], self._seen[:, 2:] = angles, 0.0, self._pressures
         self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
-        self._new, self._due = True, 0.0
+        self._new = True
 
     def _compile(self) -> None:
         """Now, not while a clock runs."""

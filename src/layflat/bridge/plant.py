@@ -66,7 +66,9 @@ class MujocoPlant:
         if start is not None:
             values = [start] * n if isinstance(start, (str, int, float)) else list(start)
             if len(values) != n:
-                raise InputError(f"has {len(values)} values", where="start", right=f"give {n}: {', '.join(self.joints)}")
+                raise InputError(
+                    f"has {len(values)} values", where="start", right=f"give {n}: {', '.join(self.joints)}"
+                )
             for hinge, value in zip(self.pneumatics.hinges, values, strict=True):
                 self.data.joint(hinge).qpos[0] = u.quantity(value, u.ANGLE, "start")
         self.pneumatics.reset(self.data)
@@ -97,7 +99,9 @@ class MujocoPlant:
     def payload(self, mass: float) -> None:
         found = self._payload()
         if found < 0:
-            raise InputError("the model has no such body", where="payload", right="add a body named 'payload' at the tip")
+            raise InputError(
+                "the model has no such body", where="payload", right="add a body named 'payload' at the tip"
+            )
         if mass == self.payload:
             return
         self.model.body_mass[found] = mass
@@ -170,7 +174,9 @@ def _in_order(machine: Machine, joints: Mapping[str, str] | None) -> Mapping[str
         return None
     if sorted(joints.values()) != sorted(machine.joints):
         raise InputError(
-            f"are {', '.join(joints.values())}", where="joints", right=f"give one hinge for each of {', '.join(machine.joints)}"
+            f"are {', '.join(joints.values())}",
+            where="joints",
+            right=f"give one hinge for each of {', '.join(machine.joints)}",
         )
     hinges = {name: hinge for hinge, name in joints.items()}
     return {hinges[name]: name for name in machine.joints}
