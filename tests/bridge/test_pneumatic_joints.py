@@ -75,6 +75,19 @@ def test_with_another_step_it_stays_near(timestep: float) -> None:
     assert off_by(ARM, timestep, 200).max() < 0.05
 
 
+def test_what_is_asked_before_the_first_step_counts() -> None:
+    joints, _, data = made(ARM, 1e-3, pressures=(3e5, 3e5))
+    joints.drive(np.array([10.0, 5.0]))
+    joints.seize(1, 1.0)
+    for _ in range(20):
+        joints.step(data)
+    assert np.all(joints.pressures[:, 0] > 3.1e5)
+    data.qpos[:], data.qvel[:] = (0.2, 0.1), 0.0
+    joints.reset(data)
+    assert joints.angles.tolist() == [0.2, 0.1]
+    assert np.all(joints.pressures == 3e5)
+
+
 def resting(timestep: float = 5e-3) -> tuple[PneumaticJoints, Any, Any]:
     """Under load, just below what the brakes hold."""
     joints, model, data = made(ARM, timestep, pressures=(AMBIENT, AMBIENT))

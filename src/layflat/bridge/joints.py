@@ -78,7 +78,8 @@ class PneumaticJoints:
         self._brakes = Brakes(model, self._dofs)
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
         self.load, self._holes, self._torques = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
-        self._seized: set[int] = set()
+        self._seized: dict[int, float] = {}
+        self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
         self._shares, self._due = np.ones(n), 0.0
         self._seen = np.zeros((n, len(Seen._fields)))
         self._rest(model.qpos0[self._qpos])
@@ -123,7 +124,7 @@ class PneumaticJoints:
         return [read_numbers(self._like, row).state.ledger for row in self._kept]
 
     def reset(self, data: Any) -> None:
-        """Begin anew at the angles in an MjData: hoses at rest, filled as at first; the first step does so itself."""
+        """Begin anew at the angles in an MjData: hoses at rest, filled as at first; the first step does so."""
         self._rest(data.qpos[self._qpos])
         self._brakes.forget()
         self._fresh = False
@@ -163,7 +164,7 @@ class PneumaticJoints:
         )
         # MuJoCo starts again at time zero where its accelerations leave all meaning.
         if diverged >= 0 or data.time <= time:
-            raise DivergedError(time, self.hinges[diverged])
+            raise DivergedError(time, self.hinges[diverged if diverged >= 0 else int(np.argmax(np.abs(v)))])
 
     def sense(self, noise: Array) -> tuple[Array, Array]:
         """Angles (rad) and differential pressures (Pa) as the converters report them, (n,).
@@ -177,9 +178,9 @@ class PneumaticJoints:
 
     def seize(self, joint: int, opening: float | None) -> None:
         """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
-        self._seized.discard(joint)
+        self._seized.pop(joint, None)
         if opening is not None:
-            self._seized.add(joint)
+            self._seized[joint] = opening
             kept: Kept = read_numbers(self._like, self._kept[joint])
             valve = held_at(self._healthy[joint].valve, opening)
             write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
@@ -222,14 +223,16 @@ class PneumaticJoints:
             self._kernels.command(self._laws, self._kept, self._voltages, self._cycle)
 
     def _at_rest(self, j: int, angle: float) -> Kept:
-        air = Surroundings(*self._around)
-        return Kept(joint_at_rest(self._healthy[j], angle, *self._pressures, air), NOTHING_ASKED, 0.0)
+        joint, air = self._healthy[j], Surroundings(*self._around)
+        state = joint_at_rest(joint, angle, *self._pressures, air)
+        if j in self._seized:
+            state = state._replace(valve=held_at(joint.valve, self._seized[j]))
+        return Kept(state, NOTHING_ASKED, 0.0)
 
     def _rest(self, angles: Array) -> None:
         kept = [self._at_rest(j, float(angle)) for j, angle in enumerate(angles)]
         self._kept = np.array([list(leaves(one)) for one in kept])
         self._seen[:, 0], self._seen[:, 1], self._seen[:, 2:] = angles, 0.0, self._pressures
-        self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
         self._new = True
 
     def _compile(self) -> None:
