@@ -31,7 +31,7 @@ from layflat.lanes import lane_by_lane
 
 config: Any = numba.config
 
-ROOMS = ("lanes", "physics", "control", "sim")
+ROOMS = ("lanes", "physics", "control", "sim", "bridge")
 """The folders whose sources can end up in a kernel."""
 
 DIGITS = 16

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.machine import units as u
+from layflat.physics.noise import NOISE_BLOCK, noise_samples, sensor_noise
 from layflat.sim import Scenario
-from layflat.sim.scenario import NOISE_BLOCK, noise_samples, sensor_noise, signals, spread
+from layflat.sim.scenario import signals, spread
 
 ARM = load("paper-arm")
 NAMES = ["large", "small"]

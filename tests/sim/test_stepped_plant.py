@@ -10,9 +10,10 @@ from layflat.control.controller import start, step
 from layflat.control.gains import Measurement
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, changed, load, parameters
+from layflat.physics.failing import BURST_TIME
 from layflat.sim import Scenario, rollout
 from layflat.sim.kernel import Signals
-from layflat.sim.plant import BURST_TIME, SteppedPlant
+from layflat.sim.plant import SteppedPlant
 from layflat.sim.run import prepare
 
 SMALL, ARM = load("paper-small-joint"), load("paper-arm")

@@ -7,6 +7,7 @@ import sys
 import typer
 
 from layflat.cli import (
+    arm_model,
     describe,
     design,
     identify,
@@ -26,6 +27,7 @@ from layflat.errors import LayflatError
 
 __all__ = [
     "app",
+    "arm_model",
     "describe",
     "design",
     "identify",

@@ -93,8 +93,17 @@ def read_numbers(like: Any, numbers: Any) -> Any:
 
 def write_numbers(numbers: Any, values: Any) -> None:
     """Write the leaves of a tuple (nested, of floats) into numbers[0], numbers[1] and so on."""
-    for place, value in enumerate(_leaves(values)):
+    for place, value in enumerate(leaves(values)):
         numbers[place] = value
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """Numbers of a nested tuple in order, or lanes of them."""
+    if isinstance(value, tuple) and not isinstance(value, Lanes):
+        for item in value:
+            yield from leaves(item)
+    else:
+        yield value
 
 
 def width() -> int:
@@ -129,7 +138,7 @@ def in_lanes(value: Any, like: Any) -> Any:
 
 def write_lanes(block: Any, values: Any) -> None:
     """Write lanes, or the leaves of a tuple of them, into block[0, :], block[1, :] and so on."""
-    for row, lanes in enumerate(_leaves(values)):
+    for row, lanes in enumerate(leaves(values)):
         block[row, :] = lanes
 
 
@@ -149,14 +158,6 @@ def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _rebuild(like: Any, items: list[Any]) -> Any:
     return type(like)(*items) if hasattr(like, "_fields") else tuple(items)
-
-
-def _leaves(value: Any) -> Iterator[Any]:
-    if isinstance(value, tuple) and not isinstance(value, Lanes):
-        for item in value:
-            yield from _leaves(item)
-    else:
-        yield value
 
 
 def _counts(value: Any) -> Iterator[int]:

@@ -13,6 +13,9 @@ from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
 from layflat.physics.valve import Valve, ValveState, at_rest
 
+FILLED = 0.75
+"""Pressure over that of the supply at the start, where equal leaks to supply and exhaust balance when choked."""
+
 
 class Hose(NamedTuple):
     """Parameters of a hose in its joint; `neutral` is its travel at joint angle zero (rad)."""
@@ -121,3 +124,10 @@ def joint_at_rest(joint, q, p_1, p_2, around):
     a = hose_at_rest(joint.hose_a, joint.hose_a.neutral + q, p_1, T, p_a)
     b = hose_at_rest(joint.hose_b, joint.hose_b.neutral - q, p_2, T, p_a)
     return JointState(Motion(q, 0.0, 0.0), at_rest(joint.valve), a, b, Ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+@law
+def is_sound(state):
+    """False once the state is beyond any meaning (not a number included)."""
+    sane = abs(state.motion.angle) < 10.0 and abs(state.motion.velocity) < 1e4
+    return sane and state.hose_a.mass > 0.0 and state.hose_b.mass > 0.0

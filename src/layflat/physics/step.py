@@ -26,6 +26,9 @@ from layflat.physics.loss import slip_all
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valve import ValveState, chamber_flow, move
 
+STEP = 0.25e-3
+"""Default step, s."""
+
 
 class Running(NamedTuple):
     """State of a joint between the steps of a run, its hoses joined."""

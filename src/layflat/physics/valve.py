@@ -6,6 +6,7 @@ hose B, and the reverse.
 
 from layflat.jit import by_kind, law
 from layflat.physics import spool_valve, switching_valve
+from layflat.physics.delay import delayed
 from layflat.physics.dither import Dither, turn_dither
 from layflat.physics.flow import flow_between
 from layflat.physics.spool_valve import SpoolState, SpoolValve
@@ -34,6 +35,12 @@ net_opening = by_kind({SpoolState: spool_valve.spool_opening, PairState: switchi
 def commanded_opening(valve, voltage):
     """Opening that the driver asks for at a control voltage, -1..1, without dither."""
     return min(max((voltage - valve.centre_voltage) / valve.volts_to_full, -1.0), 1.0)
+
+
+@law
+def driven(valve, line, voltage, cycle):
+    """Opening to which a voltage drives a valve in this cycle, and the line of commands after it."""
+    return delayed(line, commanded_opening(valve, voltage), valve.delay / cycle)
 
 
 @law

@@ -9,12 +9,12 @@ from layflat.control.gains import Measurement, Status
 from layflat.jit import kernel, law
 from layflat.lanes import write_row
 from layflat.physics.chamber import temperature
-from layflat.physics.delay import NOTHING_ASKED, delayed
-from layflat.physics.joint import Drive, Surroundings, joint_at_rest
+from layflat.physics.delay import NOTHING_ASKED
+from layflat.physics.joint import Drive, Surroundings, is_sound, joint_at_rest
 from layflat.physics.loss import stored_energy
 from layflat.physics.plant import advance
 from layflat.physics.sensor import read_sensor
-from layflat.physics.valve import commanded_opening, net_opening, start_wave
+from layflat.physics.valve import driven, net_opening, start_wave
 
 
 class Timing(NamedTuple):
@@ -124,19 +124,6 @@ def sense(joint, state, noise_angle, noise_pressure, elapsed):
         read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise_pressure),
         elapsed,
     )
-
-
-@law
-def driven(valve, line, voltage, cycle):
-    """Opening to which a voltage drives a valve in this cycle, and the line of commands after it."""
-    return delayed(line, commanded_opening(valve, voltage), valve.delay / cycle)
-
-
-@law
-def is_sound(state):
-    """False once the state is beyond any meaning (not a number included)."""
-    sane = abs(state.motion.angle) < 10.0 and abs(state.motion.velocity) < 1e4
-    return sane and state.hose_a.mass > 0.0 and state.hose_b.mass > 0.0
 
 
 @kernel

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import exp
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.errors import DivergedError
-from layflat.lanes import read_numbers, write_numbers
+from layflat.lanes import leaves, read_numbers, write_numbers
 from layflat.machine import Machine, parameters
 from layflat.machine import units as u
-from layflat.physics.joint import Surroundings
-from layflat.sim.failing import held_at, kinked, seized
-from layflat.sim.run import FILLED, STEP, start_angles, start_pressures, timing_of
-from layflat.sim.scenario import Angles, Pair, Scenario, Value, noise_samples
+from layflat.physics.failing import BURST_TIME, held_at, kinked, seized
+from layflat.physics.joint import FILLED, Surroundings
+from layflat.physics.noise import noise_samples
+from layflat.physics.step import STEP
+from layflat.sim.run import start_angles, start_pressures, timing_of
+from layflat.sim.scenario import Angles, Pair, Scenario, Value
 from layflat.sim.stepping import Given, Kept, Seen, Setting, kept_at_rest, stepping
 
 Array = NDArray[np.float64]
-
-BURST_TIME = 0.02
-"""Time constant with which a burst hose loses its air, s."""
 
 
 class SteppedPlant:
@@ -68,7 +66,7 @@ class SteppedPlant:
         filled = start_pressures(scenario, machine, FILLED * machine.supply.pressure)
         kept = [kept_at_rest(self._healthy, j, float(angles[j]), filled[j].tolist(), self._h) for j in range(n)]
         self._kernels, self._like = stepping(self._healthy, kept[0]), kept[0]
-        self._setting, self._kept = _numbers(self._healthy), np.array([_numbers(one) for one in kept])
+        self._setting, self._kept = np.array(list(leaves(self._healthy))), np.array([list(leaves(one)) for one in kept])
         self._around = self._setting[-len(Surroundings._fields) :]
         self._given, self._seen = np.zeros((n, len(Given._fields))), np.zeros((n, len(Seen._fields)))
         self._given[:, 0] = [joint.valve.centre_voltage for joint in self._healthy.joints]
@@ -193,18 +191,3 @@ class SteppedPlant:
             joints.append(joint._replace(valve=valve, brake_torque=brake))
         around = Surroundings(*self._around)
         write_numbers(self._setting, self._healthy._replace(joints=tuple(joints), around=around))
-
-
-def _numbers(values: tuple[Any, ...]) -> Array:
-    """All numbers of a nested tuple, in order."""
-    found: list[float] = []
-
-    def walk(part: Any) -> None:
-        if isinstance(part, tuple):
-            for item in part:
-                walk(item)
-        else:
-            found.append(float(part))
-
-    walk(values)
-    return np.array(found)

@@ -14,15 +14,13 @@ from layflat.control.gains import Gains
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load, parameters
 from layflat.machine import units as u
-from layflat.physics.joint import Joint, Surroundings
+from layflat.physics.joint import FILLED, Joint, Surroundings
+from layflat.physics.step import STEP
 from layflat.sim.kernel import Signals, Timing, run_cycles
 from layflat.sim.scenario import Scenario, Signal, Value, signals, spread
 
 if TYPE_CHECKING:
     import xarray
-
-STEP = 0.25e-3
-"""Default step of the plant, s."""
 
 
 def rollout(
@@ -141,10 +139,6 @@ def start_angles(scenario: Scenario, machine: Machine, demand: NDArray[np.float6
     for name, angle in zip(machine.joints, angles, strict=True):
         parameters.check_inside_stroke(machine, name, float(angle), "start")
     return angles
-
-
-FILLED = 0.75
-"""Pressure over that of the supply at the start, where equal leaks to supply and exhaust balance when choked."""
 
 
 def start_pressures(scenario: Scenario, machine: Machine, usual: float) -> NDArray[np.float64]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import nan
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.machine import units as u
+from layflat.physics.noise import sensor_noise
 from layflat.sim.kernel import Signals
 
 Value = str | float
@@ -27,9 +28,6 @@ Pair = tuple[Value, Value]
 """Of the hoses A and B."""
 
 Times = NDArray[np.floating[Any]]
-
-NOISE_BLOCK = 256
-"""Samples of noise that are drawn at once where nobody knows how many there will be."""
 
 
 @dataclass(frozen=True)
@@ -167,20 +165,6 @@ def _opening(own: Shapes, machine: Machine) -> NDArray[np.float64]:
     if machine.valve is None or np.isnan(own.voltage).all():
         return own.opening
     return (own.voltage - machine.valve.centre_voltage) / machine.valve.volts_to_full
-
-
-def sensor_noise(seed: int | None, samples: int, joints: int) -> NDArray[np.float64]:
-    """Standard normal samples of angle and pressure sensors, (samples, joints, 2); zeros without a seed."""
-    shape = (samples, joints, 2)
-    return np.zeros(shape) if seed is None else np.random.default_rng(seed).standard_normal(shape)
-
-
-def noise_samples(seed: int | None, joints: int) -> Iterator[NDArray[np.float64]]:
-    """What `sensor_noise` gives, a sample (joints, 2) after the other and without end."""
-    rng = None if seed is None else np.random.default_rng(seed)
-    calm = np.zeros((NOISE_BLOCK, joints, 2))
-    while True:
-        yield from calm if rng is None else rng.standard_normal(calm.shape)
 
 
 def _check(good: NDArray[np.bool_], values: NDArray[np.float64], where: str, right: str) -> None:

@@ -76,10 +76,11 @@ def assembled(name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[bytes, str]:
     nvjitlink = pytest.importorskip("cuda.bindings.nvjitlink")
     compiler: Any = import_module("numba.cuda")
     from layflat.jit import device_kernel
+    from layflat.physics.step import STEP
     from layflat.sim.ensemble import cuda as ours
     from layflat.sim.ensemble.block import block_of, room_for_results
     from layflat.sim.ensemble.cases import cases
-    from layflat.sim.run import STEP, timing_of
+    from layflat.sim.run import timing_of
 
     monkeypatch.setattr("numba.cuda.dispatcher.get_current_device", lambda: SimpleNamespace(compute_capability=(8, 0)))
     machine = load(name)

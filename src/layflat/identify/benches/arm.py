@@ -16,7 +16,8 @@ from layflat.identify.benches.arm_log import Record, sensor_offset
 from layflat.identify.model import Array, Model
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
-from layflat.sim.run import FILLED, STEP
+from layflat.physics.joint import FILLED
+from layflat.physics.step import STEP
 
 REFERENCE_PRESSURE = 1e5
 """Of the air that a sonic conductance is given for, Pa (ISO 6358)."""

@@ -14,8 +14,8 @@ from layflat.identify.model import FITTED, Array, Flags, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
+from layflat.physics.joint import FILLED
 from layflat.sim.ensemble.parallel import traced
-from layflat.sim.run import FILLED
 from layflat.sim.scenario import Scenario
 
 TRACES = ("angle", "pressure_a", "pressure_b")

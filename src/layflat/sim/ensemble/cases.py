@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from layflat.errors import InputError
 from layflat.machine import Machine, changed, parameters
 from layflat.machine.change import paths
+from layflat.physics.joint import FILLED
+from layflat.physics.noise import sensor_noise
 from layflat.physics.plant import tip
 from layflat.sim.ensemble.kernel import Plan, Runs
 from layflat.sim.ensemble.results import Moves
 from layflat.sim.metrics import move_windows
-from layflat.sim.run import FILLED, gains_of, start_angles, start_pressures
-from layflat.sim.scenario import Scenario, Shapes, sensor_noise, shapes
+from layflat.sim.run import gains_of, start_angles, start_pressures
+from layflat.sim.scenario import Scenario, Shapes, shapes
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from layflat.lanes import in_lanes, read_lanes, select, slots, width
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
-from layflat.physics.valve import start_wave
+from layflat.physics.valve import driven, start_wave
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -21,7 +21,7 @@ from layflat.sim.ensemble.watch import (
     some_lanes,
     trace,
 )
-from layflat.sim.kernel import driven, sense
+from layflat.sim.kernel import sense
 
 
 class Plan(NamedTuple):

@@ -20,6 +20,7 @@ from layflat.errors import InputError
 from layflat.lanes import WIDTH
 from layflat.machine import Machine, load
 from layflat.machine import units as u
+from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
 from layflat.sim.ensemble.kernel import run_block
@@ -27,7 +28,7 @@ from layflat.sim.ensemble.results import DIVERGED, Results, Traced
 from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
-from layflat.sim.run import STEP, timing_of
+from layflat.sim.run import timing_of
 from layflat.sim.scenario import Scenario, Value
 
 if TYPE_CHECKING:

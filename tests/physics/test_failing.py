@@ -8,9 +8,9 @@ from layflat.jit import kernel
 from layflat.machine import load, parameters
 from layflat.physics.chamber import Chamber, air_mass, energy, temperature
 from layflat.physics.chamber import pressure as pressure_of
+from layflat.physics.failing import held_at, kinked, seized, through_hole
 from layflat.physics.joint import Hose, HoseState, hose_at_rest
 from layflat.physics.valve import move, net_opening, start_wave
-from layflat.sim.failing import held_at, kinked, seized, through_hole
 
 HOSE: Hose = parameters.joints(load("paper-small-joint"))[0].hose_a
 P_A = 101325.0

@@ -11,6 +11,9 @@ from layflat.physics.spool_valve import SpoolState, SpoolValve
 from layflat.physics.switching_valve import PairState, SwitchingPair, SwitchState
 from layflat.physics.valve import Valve, ValveState
 
+BURST_TIME = 0.02
+"""Time constant with which a burst hose loses its air, s."""
+
 STUCK = 1e9
 """Friction that no solenoid overcomes, as a change of opening."""
 
@@ -35,7 +38,7 @@ def held_at(valve: Valve, opening: float) -> ValveState:
 
 
 @law
-def through_hole(hose, state, share, p_a):  # type: ignore[no-untyped-def]
+def through_hole(hose, state, share, p_a):
     """State of a hose that has lost a share of its pressure above the outside (p_a, Pa), as warm as before."""
     V = state.volume
     p = pressure(hose.chamber, state.energy, V, p_a)

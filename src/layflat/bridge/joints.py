@@ -1,0 +1,282 @@
+"""Joints of layflat hose on hinges of any MuJoCo model: voltages in, angles out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import ceil, exp
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.bridge.brake import Brakes
+from layflat.bridge.engine import engine
+from layflat.bridge.halves import Kept, Seen, halves_of
+from layflat.errors import DivergedError, InputError
+from layflat.lanes import leaves, read_numbers, write_numbers
+from layflat.machine import Machine, parameters
+from layflat.physics.delay import NOTHING_ASKED
+from layflat.physics.failing import BURST_TIME, held_at, kinked, seized
+from layflat.physics.joint import FILLED, Ledger, Motion, Surroundings, joint_at_rest
+from layflat.physics.step import STEP
+
+Array = NDArray[np.float64]
+
+SHORTEST = 1e-6
+"""Timestep of a model, s."""
+
+CHANGE = Motion._fields.index("velocity_change")
+"""Where it stands in a row of `Kept`, whose first numbers are those of `Motion`."""
+
+
+class PneumaticJoints:
+    """A machine's joints on hinges of a model: valves, hoses, losses, stops, brakes; `step` takes the place of mj_step.
+
+    A hinge's zero has to lie in the middle of its joint's stroke, and hose A turns it forward. All that the model says
+    of the hinges (damping, friction, limits) acts as well. Between steps `data.qpos` of a moving hinge is half a step
+    ahead of `angles` (see halves.py).
+
+    Args:
+        model: an MjModel.
+        machine: whose joints they are.
+        joints: name of the machine's joint that drives a hinge, by name of the hinge; several hinges may be driven by
+            joints of the same kind. All joints of the machine, on hinges of their names, where not given.
+        pressures: absolute pressures in hoses A and B at the start, Pa; at equal leakage where not given.
+
+    Attributes:
+        hinges: names of the driven hinges, in the order of all arrays.
+        supply: absolute pressure at the valves, Pa; settable.
+        brakes: torque at which each brake slips, N m, (n,); items can be set.
+        load: torque from outside on each joint, N m, (n,); items can be set.
+
+    Raises:
+        InputError: a name is no hinge of the model or no joint of the machine, the model's timestep or integrator is no
+            good, the machine has no valve, or MuJoCo is not installed.
+    """
+
+    def __init__(
+        self,
+        model: Any,
+        machine: Machine,
+        joints: Mapping[str, str] | None = None,
+        *,
+        pressures: tuple[float, float] | None = None,
+    ) -> None:
+        self._mj, self._model = engine(), model
+        self._cycle = machine.controller.cycle if machine.controller is not None else 0.005
+        laws = dict(zip(machine.joints, parameters.joints(machine), strict=True))
+        driven = {name: name for name in laws} if joints is None else dict(joints)
+        self.hinges = tuple(driven)
+        self._healthy = tuple(laws[_known(name, list(laws), machine)] for name in driven.values())
+        ids = [_hinge(self._mj, model, name) for name in driven]
+        self._qpos, self._dofs = model.jnt_qposadr[ids], model.jnt_dofadr[ids]
+        self._span = _span(self._mj, model, self._cycle)
+        n, air = len(driven), parameters.surroundings(machine)
+        filled = FILLED * air.supply_pressure
+        self._pressures = (filled, filled) if pressures is None else pressures
+        self._around = np.array(air, dtype=np.float64)
+        self._brakes = Brakes(model, self._dofs)
+        self.brakes = np.array([joint.brake_torque for joint in self._healthy])
+        self.load, self._holes, self._torques = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
+        self._seized: dict[int, float] = {}
+        self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
+        self._shares, self._due = np.ones(n), 0.0
+        self._seen = np.zeros((n, len(Seen._fields)))
+        self._rest(model.qpos0[self._qpos])
+        self._like: Kept = self._at_rest(0, 0.0)
+        self._laws = np.array([list(leaves(joint)) for joint in self._healthy])
+        self._kernels = halves_of(self._healthy[0], self._like)
+        self._compile()
+        self._fresh = True
+
+    @property
+    def supply(self) -> float:
+        """Absolute pressure at the valves, Pa; settable."""
+        return float(self._around[0])
+
+    @supply.setter
+    def supply(self, pressure: float) -> None:
+        self._around[0] = pressure
+
+    @property
+    def angles(self) -> Array:
+        """Where the joints are, rad, (n,)."""
+        return self._seen[:, 0].copy()
+
+    @property
+    def velocities(self) -> Array:
+        """How fast they turn, rad/s, (n,)."""
+        return self._seen[:, 1].copy()
+
+    @property
+    def pressures(self) -> Array:
+        """Absolute pressures in hoses A and B, Pa, (n, 2)."""
+        return self._seen[:, 2:].copy()
+
+    @property
+    def torques(self) -> Array:
+        """Torques of air, losses, stops and bearings in the last step, without the brakes', N m, (n,)."""
+        return self._torques.copy()
+
+    @property
+    def ledgers(self) -> list[Ledger]:
+        """Works of each joint since the start."""
+        return [read_numbers(self._like, row).state.ledger for row in self._kept]
+
+    def reset(self, data: Any) -> None:
+        """Begin anew at the angles in an MjData: hoses at rest, filled as at first; the first step does so."""
+        self._rest(data.qpos[self._qpos])
+        self._brakes.forget()
+        self._fresh = False
+
+    def drive(self, voltages: Array) -> None:
+        """Give the valves' drivers voltages (V, (n,)), which hold until the next.
+
+        Where the valves' delay counts control cycles, every call in a new instant counts as one; without calls, time.
+        """
+        self._voltages[:] = voltages
+        self._new = True
+
+    def step(self, data: Any) -> None:
+        """Advance an MjData by a timestep of the model, as `mj_step` does, with these joints.
+
+        Raises:
+            DivergedError: model or joints left all meaning.
+        """
+        if self._fresh:
+            self.reset(data)
+        mj, model, time = self._mj, self._model, data.time
+        self._command(time)
+        mj.mj_step1(model, data)
+        q, v, given = data.qpos[self._qpos], data.qvel[self._dofs], data.qfrc_applied.copy()
+        self._span[0] = time
+        self._kernels.push(self._laws, self._kept, self._around, self._span, q, v, self._torques)
+        data.qfrc_applied[self._dofs] += self._torques + self.load
+        data.qfrc_applied += self._lead(data, v)
+        impulses, held = self._brakes.apply(data, self.brakes)
+        mj.mj_step2(model, data)
+        data.qfrc_applied[:] = given
+        data.qpos[self._qpos[held]] = q[held]
+        data.qvel[self._dofs[held]] = 0.0
+        after = data.qvel[self._dofs]
+        diverged = self._kernels.settle(
+            self._laws, self._kept, self._around, self._span, q, v, after, impulses, self.load, self._holes, self._seen
+        )
+        # MuJoCo starts again at time zero where its accelerations leave all meaning.
+        if diverged >= 0 or data.time <= time:
+            raise DivergedError(time, self.hinges[diverged if diverged >= 0 else int(np.argmax(np.abs(v)))])
+
+    def sense(self, noise: Array) -> tuple[Array, Array]:
+        """Angles (rad) and differential pressures (Pa) as the converters report them, (n,).
+
+        Args:
+            noise: standard normal samples of angle and pressure sensors, (n, 2).
+        """
+        out = np.empty((2, len(self.hinges)))
+        self._kernels.sample(self._laws, self._seen, noise, out)
+        return out[0], out[1]
+
+    def seize(self, joint: int, opening: float | None) -> None:
+        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
+        self._seized.pop(joint, None)
+        if opening is not None:
+            self._seized[joint] = opening
+            kept: Kept = read_numbers(self._like, self._kept[joint])
+            valve = held_at(self._healthy[joint].valve, opening)
+            write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
+        self._set(joint)
+
+    def kink(self, joint: int, share: float) -> None:
+        """Narrow what a joint's valve lets through to a share of what it was; 1 mends it."""
+        self._shares[joint] = share
+        self._set(joint)
+
+    def burst(self, joint: int, hose: int | None) -> None:
+        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
+        self._holes[joint] = 0.0
+        if hose is not None:
+            self._holes[joint, hose] = 1.0 - exp(-self._model.opt.timestep / BURST_TIME)
+
+    def _lead(self, data: Any, v: Array) -> Array:
+        """What Coriolis and centrifugal forces change by where velocities are led by half of their last change, (nv,).
+
+        MuJoCo takes them at the start of a step, which alone would make the step one of first order.
+        """
+        mj, model, led = self._mj, self._model, np.empty(self._model.nv)
+        data.qvel[self._dofs] = v + 0.5 * self._kept[:, CHANGE]
+        mj.mj_comVel(model, data)
+        mj.mj_rne(model, data, 0, led)
+        data.qvel[self._dofs] = v
+        mj.mj_comVel(model, data)
+        return np.asarray(data.qfrc_bias - led)
+
+    def _set(self, j: int) -> None:
+        joint = self._healthy[j]
+        valve = seized(joint.valve) if j in self._seized else joint.valve
+        write_numbers(self._laws[j], joint._replace(valve=kinked(valve, float(self._shares[j]))))
+
+    def _command(self, time: float) -> None:
+        # Who drives in every cycle, but not to the instant, counts once a cycle; who stops is held.
+        if self._new or time >= self._due:
+            self._due = time + (1.5 if self._new else 1.0) * self._cycle - 0.5 * self._model.opt.timestep
+            self._new = False
+            self._kernels.command(self._laws, self._kept, self._voltages, self._cycle)
+
+    def _at_rest(self, j: int, angle: float) -> Kept:
+        joint, air = self._healthy[j], Surroundings(*self._around)
+        state = joint_at_rest(joint, angle, *self._pressures, air)
+        if j in self._seized:
+            state = state._replace(valve=held_at(joint.valve, self._seized[j]))
+        return Kept(state, NOTHING_ASKED, 0.0)
+
+    def _rest(self, angles: Array) -> None:
+        kept = [self._at_rest(j, float(angle)) for j, angle in enumerate(angles)]
+        self._kept = np.array([list(leaves(one)) for one in kept])
+        self._seen[:, 0], self._seen[:, 1], self._seen[:, 2:] = angles, 0.0, self._pressures
+        self._new = True
+
+    def _compile(self) -> None:
+        """Now, not while a clock runs."""
+        n = len(self.hinges)
+        nothing, kept, seen = np.zeros(n), self._kept.copy(), self._seen.copy()
+        self._kernels.command(self._laws, kept, self._voltages, self._cycle)
+        self._kernels.push(self._laws, kept, self._around, self._span, nothing, nothing, np.zeros(n))
+        places = nothing, nothing, nothing, nothing, nothing
+        self._kernels.settle(self._laws, kept, self._around, self._span, *places, self._holes, seen)
+        self.sense(np.zeros((n, 2)))
+
+
+def _known(name: str, names: list[str], machine: Machine) -> str:
+    if name not in names:
+        raise InputError(
+            f"{name!r} is no joint of {machine.origin}", where="joints", right=f"joints are {', '.join(names)}"
+        )
+    return name
+
+
+def _hinge(mj: Any, model: Any, name: str) -> int:
+    hinges = [i for i in range(model.njnt) if model.jnt_type[i] == mj.mjtJoint.mjJNT_HINGE]
+    found = mj.mj_name2id(model, mj.mjtObj.mjOBJ_JOINT, name)
+    if found not in hinges:
+        names = [model.joint(i).name for i in hinges if model.joint(i).name]
+        raise InputError(
+            f"{name!r} is no hinge of the model", where="joints", right=f"hinges are {', '.join(names) or 'none'}"
+        )
+    return int(found)
+
+
+def _span(mj: Any, model: Any, cycle: float) -> Array:
+    """Numbers of a `Span` for the model's timestep."""
+    H = model.opt.timestep
+    if not SHORTEST <= H <= cycle:
+        raise InputError(
+            f"{H:g} s is out of range", where="option.timestep of the model", right=f"give 1 us to {cycle:g} s"
+        )
+    if model.opt.integrator == mj.mjtIntegrator.mjINT_RK4:
+        raise InputError(
+            "RK4 steps several times in one", where="option.integrator of the model", right="give Euler or implicitfast"
+        )
+    steps = ceil(H / STEP - 1e-9)
+    # An odd number, so that one is in the middle.
+    steps += 1 - steps % 2
+    return np.array([0.0, H / steps, (steps - 1) // 2])

@@ -1,0 +1,189 @@
+"""A machine whose arm moves in MuJoCo, as a plant that others move on bit by bit (as sim/plant.py is, with our arm)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.bridge.arm import arm_spec
+from layflat.bridge.engine import engine
+from layflat.bridge.joints import PneumaticJoints
+from layflat.errors import InputError
+from layflat.machine import Machine
+from layflat.machine import units as u
+from layflat.physics.noise import noise_samples
+
+Array = NDArray[np.float64]
+Value = str | float
+
+
+class MujocoPlant:
+    """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
+
+    Args:
+        machine: the machine.
+        model: an MjModel that contains its arm and whatever else; the arm alone where not given.
+        data: that model's MjData, at whose angles it begins; a new one where not given.
+        joints: name of the machine's joint by name of its hinge, where they differ.
+        start: angles of the joints at first, where not those of `data`, one or one a joint.
+        pressures: absolute pressures of the hoses A and B at first; at equal leakage where not given.
+        seed: of the sensors' noise.
+        noise: whether the sensors are noisy.
+        each_step: is called before every step of MuJoCo's and may act on `data`: pull, grip, reset bodies.
+
+    Attributes:
+        model: the MjModel.
+        data: the MjData; who looks at bodies calls `mj_kinematics` or `mj_forward` first, as after any `mj_step`.
+        pneumatics: the joints.
+
+    Raises:
+        InputError: as `PneumaticJoints`, or the hinges are not those of all the machine's joints.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        model: Any = None,
+        data: Any = None,
+        *,
+        joints: Mapping[str, str] | None = None,
+        start: Value | Sequence[Value] | None = None,
+        pressures: tuple[Value, Value] | None = None,
+        seed: int = 0,
+        noise: bool = True,
+        each_step: Callable[[Any], object] | None = None,
+    ) -> None:
+        self._mj = engine()
+        self.joints = tuple(machine.joints)
+        self.model = arm_spec(machine).compile() if model is None else model
+        self.data = self._mj.MjData(self.model) if data is None else data
+        filled = None if pressures is None else _pressures(pressures)
+        self.pneumatics = PneumaticJoints(self.model, machine, _in_order(machine, joints), pressures=filled)
+        self._each_step, n = each_step, len(self.joints)
+        if start is not None:
+            values = [start] * n if isinstance(start, (str, int, float)) else list(start)
+            if len(values) != n:
+                raise InputError(
+                    f"has {len(values)} values", where="start", right=f"give {n}: {', '.join(self.joints)}"
+                )
+            for hinge, value in zip(self.pneumatics.hinges, values, strict=True):
+                self.data.joint(hinge).qpos[0] = u.quantity(value, u.ANGLE, "start")
+        self.pneumatics.reset(self.data)
+        self._own = self.pneumatics.brakes.copy()
+        self._noise = noise_samples(seed if noise else None, n)
+
+    @property
+    def time(self) -> float:
+        """How far it has been advanced, s."""
+        return float(self.data.time)
+
+    @property
+    def supply(self) -> float:
+        """Absolute pressure at the valves, Pa; settable."""
+        return self.pneumatics.supply
+
+    @supply.setter
+    def supply(self, pressure: float) -> None:
+        self.pneumatics.supply = pressure
+
+    @property
+    def payload(self) -> float:
+        """Mass of the body "payload", kg; settable. Zero where the model has none, and then not settable."""
+        found = self._payload()
+        return float(self.model.body_mass[found]) if found >= 0 else 0.0
+
+    @payload.setter
+    def payload(self, mass: float) -> None:
+        found = self._payload()
+        if found < 0:
+            raise InputError(
+                "the model has no such body", where="payload", right="add a body named 'payload' at the tip"
+            )
+        if mass == self.payload:
+            return
+        self.model.body_mass[found] = mass
+        # What follows from masses, of other data: in these nothing moves.
+        self._mj.mj_setConst(self.model, self._mj.MjData(self.model))
+
+    @property
+    def load(self) -> Array:
+        """Torque from outside, N m, (joints,); items can be set."""
+        return self.pneumatics.load
+
+    @property
+    def angles(self) -> Array:
+        """Where the joints are, rad, (joints,)."""
+        return self.pneumatics.angles
+
+    @property
+    def velocities(self) -> Array:
+        """How fast they turn, rad/s, (joints,)."""
+        return self.pneumatics.velocities
+
+    @property
+    def pressures(self) -> Array:
+        """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
+        return self.pneumatics.pressures
+
+    def drive(self, voltages: Array) -> None:
+        """Give the valves' drivers voltages (V, (joints,)), which hold until the next."""
+        self.pneumatics.drive(voltages)
+
+    def advance(self, until: float) -> None:
+        """Let time pass up to the last whole step before `until` (s).
+
+        Raises:
+            DivergedError: the machine left all meaning.
+        """
+        # A deadline that is a whole number of steps may be a hair short of it.
+        for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):
+            if self._each_step is not None:
+                self._each_step(self.data)
+            self.pneumatics.step(self.data)
+
+    def sense(self) -> tuple[Array, Array]:
+        """Angles (rad) and differential pressures (Pa) as the converters report them now, noise included, (joints,)."""
+        return self.pneumatics.sense(next(self._noise))
+
+    def seize(self, joint: int, opening: float | None) -> None:
+        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
+        self.pneumatics.seize(joint, opening)
+
+    def burst(self, joint: int, hose: int | None) -> None:
+        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
+        self.pneumatics.burst(joint, hose)
+
+    def grip(self, joint: int, torque: float) -> None:
+        """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
+        self.pneumatics.brakes[joint] = self._own[joint] + torque
+
+    def kink(self, joint: int, share: float) -> None:
+        """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
+        self.pneumatics.kink(joint, share)
+
+    def _payload(self) -> int:
+        return int(self._mj.mj_name2id(self.model, self._mj.mjtObj.mjOBJ_BODY, "payload"))
+
+
+def _in_order(machine: Machine, joints: Mapping[str, str] | None) -> Mapping[str, str] | None:
+    """Hinges in the order of the machine's joints, one of each."""
+    if joints is None:
+        return None
+    if sorted(joints.values()) != sorted(machine.joints):
+        raise InputError(
+            f"are {', '.join(joints.values())}",
+            where="joints",
+            right=f"give one hinge for each of {', '.join(machine.joints)}",
+        )
+    hinges = {name: hinge for hinge, name in joints.items()}
+    return {hinges[name]: name for name in machine.joints}
+
+
+def _pressures(given: tuple[Value, Value]) -> tuple[float, float]:
+    a, b = (u.quantity(value, u.PRESSURE, "pressures") for value in given)
+    if min(a, b) <= 0.0:
+        raise InputError(f"{min(a, b):g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
+    return a, b
