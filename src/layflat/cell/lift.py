@@ -38,9 +38,11 @@ class Lift:
 
     def force(self, stroke: float, speed: float) -> float:
         """Force on the piston downwards, N, from where it is, m, and its speed, m/s."""
-        self._lead()
         self._wait_for(stroke)
-        force = STIFFNESS * (self._at - stroke) + self._damping * (self._speed - speed)
+        behind = STIFFNESS * (self._at - stroke) + self._damping * (self._speed - speed)
+        before = self._speed
+        self._lead()
+        force = behind + self._lift.mass * (self._speed - before) / self._step
         return min(max(force, -self._lift.force), self._lift.force)
 
     def _lead(self) -> None:

@@ -84,7 +84,8 @@ def _validated(kind: type[BaseModel], plain: Plain, where: str) -> Any:
 
 def _beside(where: str, name: str, built_in: tuple[str, ...]) -> str:
     """A built-in name as it is, a file as seen from the file that names it."""
-    return name if name in built_in or where in names() else str(Path(where).parent / name)
+    is_file = name.endswith(".toml") and name not in built_in and where not in names()
+    return str(Path(where).parent / name) if is_file else name
 
 
 def _read(where: str, folder: str, seen: tuple[str, ...]) -> tuple[Plain, Sources]:

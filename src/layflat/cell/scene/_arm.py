@@ -36,6 +36,7 @@ def arm_spec(machine: Machine) -> Any:
             housing = parent.add_body(name=f"{name}-housing", pos=place)
             housing.explicitinertial = True
             housing.mass = joint.body.mass
+            housing.ipos = [0.0, 0.0, 0.0]
             housing.inertia = [1e-9, 1e-9, 1e-9]
         parent, place, turn = body, (link.length, 0.0, 0.0), machine.arm.elbow
     return spec

@@ -14,6 +14,7 @@ from layflat.cell.file.parts import Tray
 from layflat.cell.file.produce import Produce
 from layflat.errors import CellError
 
+Array = NDArray[np.float64]
 CAP = 0.72
 """Height of a mushroom's cap as a share of its whole height."""
 STEM = 0.2
@@ -62,20 +63,21 @@ def fruit_of(cell: Cell, rng: np.random.Generator) -> list[Fruit]:
         count = int(rng.integers(tray.count.least, tray.count.most + 1))
         drawn = [_drawn(cell, str(rng.choice(tray.produce)), len(found) + i, rng) for i in range(count)]
         for _ in range(20):
-            spots = _laid([one.diameter for one in drawn], tray, rng)
-            if spots is not None:
+            laid = _laid([one.diameter for one in drawn], tray, rng)
+            if laid is not None:
                 break
         else:
             raise CellError(
                 f"has no room for {count} fruit", where=f"{cell.origin}: tray.{name}", right="give a smaller count"
             )
-        for one, spot in zip(drawn, placed(tray.centre, tray.turn, spots), strict=True):
+        spots, alone = laid
+        for one, spot, free in zip(drawn, placed(tray.centre, tray.turn, spots), alone, strict=True):
             height = tray.wall + one.under + GAP
             found.append(
                 replace(
                     one,
                     position=(float(spot[0]), float(spot[1]), height),
-                    orientation=_tilted(cell.produce[one.kind].tilt, rng),
+                    orientation=_tilted(cell.produce[one.kind].tilt if free else 0.0, rng),
                 )
             )
     return found
@@ -113,9 +115,12 @@ def volume(produce: Produce, diameter: float, height: float) -> float:
     return pi / 6 * diameter**2 * CAP * height + stem
 
 
-def _laid(diameters: list[float], tray: Tray, rng: np.random.Generator) -> NDArray[np.float64] | None:
-    """Middles of fruit in a tray, from its centre, (n, 2) in m; None where no room was found."""
-    spots = np.zeros((0, 2))
+def _laid(diameters: list[float], tray: Tray, rng: np.random.Generator) -> tuple[Array, list[bool]] | None:
+    """Middles of fruit in a tray, from its centre, (n, 2) in m, and which touches no other; None without room.
+
+    What touches is laid upright: it would roll apart.
+    """
+    spots, alone = np.zeros((0, 2)), [True] * len(diameters)
     for i, diameter in enumerate(diameters):
         apart = (np.array(diameters[:i]) + diameter) / 2
         room = (np.array(tray.size) - diameter) / 2 - 1e-3
@@ -131,10 +136,12 @@ def _laid(diameters: list[float], tray: Tray, rng: np.random.Generator) -> NDArr
                 gaps[beside] = np.inf
             if (np.abs(spot) <= room).all() and (gaps > GAP).all():
                 spots = np.vstack([spots, spot])
+                if leans:
+                    alone[i] = alone[beside] = False
                 break
         else:
             return None
-    return spots
+    return spots, alone
 
 
 def _tilted(most: float, rng: np.random.Generator) -> tuple[float, float, float, float]:
