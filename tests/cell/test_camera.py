@@ -32,7 +32,8 @@ def seen_at(cell: Cell, points: Array) -> Array:
     """Where the camera's own numbers put points of the cell, px."""
     optics = optics_of(cell.camera)
     before = (points - np.array(cell.camera.position)) @ matrix(optics.orientation) * [1.0, -1.0, -1.0]
-    return cv2.projectPoints(before, np.zeros(3), np.zeros(3), optics.matrix, optics.distortion)[0].reshape(-1, 2)
+    pixels = cv2.projectPoints(before, np.zeros(3), np.zeros(3), optics.matrix, optics.distortion)[0]
+    return np.asarray(pixels, np.float64).reshape(-1, 2)
 
 
 def corners(board: Board, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
@@ -44,7 +45,7 @@ def corners(board: Board, picture: NDArray[np.uint8]) -> tuple[Array, Array]:
         return np.zeros((0, 3)), np.zeros((0, 2))
     x, y, _ = np.asarray(pattern.getChessboardCorners())[numbers.ravel()].T
     width, height = board.size
-    return np.stack([x - width / 2, height / 2 - y, 0 * x], axis=1), found.reshape(-1, 2)
+    return np.stack([x - width / 2, height / 2 - y, 0 * x], axis=1), np.asarray(found, np.float64).reshape(-1, 2)
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from math import pi
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,10 +17,10 @@ CELL = load("packing")
 def test_vacuum_follows_its_law_on_a_skin_and_after_release(packing: Cell) -> None:
     cup, told = Cup(packing.cup), packing.cup
 
-    def slope(t: float, p: list[float]) -> list[float]:
+    def slope(t: float, p: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[float]:
         if t < 0.2:
-            return [(told.vacuum - p[0]) / told.build_up - p[0] / told.leak]
-        return [-p[0] / told.leak - p[0] / told.release]
+            return [float((told.vacuum - p[0]) / told.build_up - p[0] / told.leak)]
+        return [float(-p[0] / told.leak - p[0] / told.release)]
 
     cup.on = True
     for step in range(250):

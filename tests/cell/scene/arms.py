@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import mujoco
+import mujoco as _mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.cell.scene import FruitTruth, Scene
 
+mujoco: Any = _mujoco
 Array = NDArray[np.float64]
 INERTIA = np.array([3.0, 0.6])
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.cell.scene.arms import Hand, top
+from tests.cell.scene.arms import Hand, mujoco, top
 
 from layflat.cell import Cell
 from layflat.cell.file.checks import places
@@ -78,8 +78,6 @@ def test_the_tip_stands_where_the_arm_says(scene: Scene, packing: Cell) -> None:
 
 
 def test_the_arm_weighs_what_the_machine_says(scene: Scene, packing: Cell) -> None:
-    import mujoco
-
     from layflat.machine import parameters
     from layflat.physics.arm import two_link_mass
 
@@ -104,7 +102,8 @@ def test_a_fruit_is_picked_carried_and_laid_into_a_pack(packing: Cell, kind: str
     assert scene._grip._pull == pytest.approx(9.81 * fruit.mass, rel=1e-3)
     assert held.position[2] > fruit.position[2] + 0.05
     name, pack = next((name, pack) for name, pack in packing.pack.items() if pack.kind == kind)
-    hand.go(*map(float, places(pack)[2]))
+    x, y = map(float, places(pack)[2])
+    hand.go(x, y)
     rise = pack.layout.wall - packing.tray["infeed"].wall + 5e-3
     scene.lift.demand = packing.lift.clearance - top(fruit) - rise
     hand.wait(450)
