@@ -26,6 +26,14 @@ class MachineError(InputError):
     """A machine's description is wrong or describes something that can't exist."""
 
 
+class CellError(InputError):
+    """A packing cell's description is wrong, describes something that can't be, or its scene can't be made."""
+
+
+class PictureError(LayflatError):
+    """No picture can be made here: a library that draws is missing."""
+
+
 class DesignError(InputError):
     """No joint, cam or strap can be made to what was asked."""
 

@@ -1,1 +1,5 @@
-"""The packing cell: produce is seen through a camera, picked by the arm, and packed."""
+"""The packing cell: its description, its physical scene, and what its camera sees."""
+
+from layflat.cell.file import Cell, load, names
+
+__all__ = ["Cell", "load", "names"]

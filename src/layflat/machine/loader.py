@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from layflat.errors import MachineError
@@ -59,7 +59,7 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
     try:
         machine = Machine.model_validate(plain)
     except ValidationError as error:
-        raise _explained(error.errors()[0], where) from None
+        raise explained(error.errors()[0], where, Machine) from None
     machine._provenance.update(sources)
     machine._origin = where
     return machine
@@ -127,16 +127,18 @@ def laid_over(under: Plain, over: Plain) -> Plain:
     return merged
 
 
-def _explained(error: ErrorDetails, where: str) -> MachineError:
-    """One line for the first thing that pydantic found wrong."""
+def explained(
+    error: ErrorDetails, where: str, kind: type[BaseModel], complete: str = "`layflat show paper-arm` shows"
+) -> MachineError:
+    """One line for what pydantic found wrong with a description of some kind; `complete` shows a whole one."""
     key = ".".join(str(step) for step in _written(error["loc"]))
     value = error["input"]
     message = error["msg"].removeprefix("Value error, ")
     place = f"{where}: {key}" if key else where
     if error["type"] == "extra_forbidden":
-        return MachineError("unknown key", where=place, right=_known_keys(error["loc"]))
+        return MachineError("unknown key", where=place, right=_known_keys(error["loc"], kind))
     if error["type"] == "missing":
-        return MachineError("is missing", where=place, right="`layflat show paper-arm` shows a complete description")
+        return MachineError("is missing", where=place, right=f"{complete} a complete description")
     if error["type"] == "union_tag_invalid":
         kinds = error["ctx"]["expected_tags"].replace("'", '"').replace(", ", " or ")
         return MachineError(f"{value.get('kind')!r} is no kind of it", where=f"{place}.kind", right=f"give {kinds}")
@@ -159,9 +161,9 @@ def _plain_bound(error: ErrorDetails, message: str) -> str:
     return text.replace("input ", "it ") + " (in SI units)" if "ctx" in error else text.replace("input ", "it ")
 
 
-def _known_keys(location: tuple[int | str, ...]) -> str:
+def _known_keys(location: tuple[int | str, ...], kind: type[BaseModel]) -> str:
     """The keys that stand beside an unknown one, nearest first."""
-    schema: dict[str, Any] = Machine.model_json_schema()
+    schema: dict[str, Any] = kind.model_json_schema()
     definitions, here = schema["$defs"], schema
     for step in location[:-1]:
         here = here.get("properties", {}).get(step) or here.get("additionalProperties") or {}

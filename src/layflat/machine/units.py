@@ -96,6 +96,7 @@ def _registry() -> pint.UnitRegistry[float]:
 
 LENGTH = Quantity("length", "m", "160 mm")
 ANGLE = Quantity("angle", "rad", "120 deg")
+SPEED = Quantity("speed", "m/s", "0.5 m/s")
 ANGULAR_SPEED = Quantity("angular speed", "rad/s", "60 deg/s")
 PRESSURE = Quantity("pressure", "Pa", "4 bar")
 TORQUE = Quantity("torque", "N*m", "25 N m")
@@ -124,13 +125,16 @@ VOLTAGE = Quantity("voltage", "V", "5 V")
 ERROR_GAIN = Quantity("gain of the error", "V/rad", "0.4 V/deg")
 PRESSURE_GAIN = Quantity("gain of the pressure", "V/Pa", "1.5 V/bar")
 INTEGRAL_GAIN = Quantity("gain of the integral", "V/rad/s", "2 V/(deg s)")
+FLOW = Quantity("volume per time", "m^3/s", "30 l/min")
 ACCELERATION = Quantity("acceleration", "m/s^2", "9.81 m/s^2")
 
 Length = Annotated[float, LENGTH, Gt(0)]
 LengthOrZero = Annotated[float, LENGTH, Ge(0)]
+Coordinate = Annotated[float, LENGTH]
 Angle = Annotated[float, ANGLE]
 PositiveAngle = Annotated[float, ANGLE, Gt(0)]
 PositiveSpeed = Annotated[float, ANGULAR_SPEED, Gt(0)]
+LinearSpeed = Annotated[float, SPEED, Gt(0)]
 Gauge = Annotated[float, PRESSURE, Gt(-101325)]
 PositivePressure = Annotated[float, PRESSURE, Gt(0)]
 PressureOrZero = Annotated[float, PRESSURE, Ge(0)]
@@ -171,6 +175,7 @@ ErrorGain = Annotated[float, ERROR_GAIN, Ge(0)]
 PressureGain = Annotated[float, PRESSURE_GAIN, Ge(0)]
 IntegralGain = Annotated[float, INTEGRAL_GAIN, Ge(0)]
 Acceleration = Annotated[float, ACCELERATION, Ge(0)]
+Flow = Annotated[float, FLOW, Ge(0)]
 Share = Annotated[float, Ge(0), Le(1)]
 Ratio = Annotated[float, Gt(0)]
 

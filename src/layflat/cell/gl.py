@@ -1,0 +1,40 @@
+"""Drawing without a screen: which OpenGL is there, and a context of it."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from importlib import import_module
+from typing import Any
+
+from layflat.errors import PictureError
+
+LIBRARIES = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
+"""Ways to draw without a screen, the faster first, and the library that each needs."""
+INSTALL = "install one: apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)"
+
+
+def context(width: int, height: int) -> Any:
+    """A current OpenGL context to draw off screen: by the way that MUJOCO_GL names, or by the first that is there.
+
+    Raises:
+        PictureError: no library is there, or it can't draw.
+    """
+    way = os.environ.get("MUJOCO_GL", "").lower() or _there()
+    try:
+        made = import_module(f"mujoco.{way}").GLContext(width, height)
+        made.make_current()
+    except Exception as error:  # each library has errors of its own
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise PictureError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
+    return made
+
+
+def _there() -> str:
+    for way, library in LIBRARIES.items():
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        return way
+    raise PictureError(f"no picture can be drawn: there is no OpenGL library; {INSTALL}")

@@ -1,0 +1,170 @@
+"""What stands in the cell and does not move: table, trays, packs, boards, lights, cameras."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from typing import Any
+
+import numpy as np
+
+from layflat.cell.extras import mujoco
+from layflat.cell.file.checks import base_radius
+from layflat.cell.file.model import Cell
+from layflat.cell.file.parts import Colour, Layout
+from layflat.cell.file.seen import Board
+from layflat.cell.optics import looking, optics_of
+from layflat.cell.scene import boards
+
+TABLE = 0.02
+"""Half its thickness, m."""
+SHEET = 5e-4
+"""Half the thickness of a board, m."""
+INK = 2e-4
+"""Height of what is printed over its sheet, m: enough to be drawn."""
+BOARD_GROUP = 4
+"""Of geoms: that of the calibration board, which is drawn only while it is held."""
+
+
+def furnish(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
+    """Add all that stands in the cell to a spec, with lights as this seed has them."""
+    world, mj = spec.worldbody, mujoco()
+    (x, y), (width, depth) = cell.table.centre, cell.table.size
+    _box(world, "table", (width / 2, depth / 2, TABLE), (x, y, -TABLE), cell.table.colour)
+    column = cell.mount.height - next(iter(cell.machine.joints.values())).body.height / 2
+    world.add_geom(
+        name="column",
+        type=mj.mjtGeom.mjGEOM_CYLINDER,
+        size=[0.6 * base_radius(cell.machine), column / 2, 0.0],
+        pos=[0.0, 0.0, column / 2],
+        rgba=[0.30, 0.31, 0.33, 1.0],
+    )
+    for name, tray in cell.tray.items():
+        body = world.add_body(name=f"tray.{name}", pos=[*tray.centre, 0.0], quat=_about_z(tray.turn))
+        _open_box(body, f"tray.{name}", tray.size, tray.height, tray.wall, tray.colour)
+    for name, pack in cell.pack.items():
+        body = world.add_body(name=f"pack.{name}", pos=[*pack.centre, 0.0], quat=_about_z(pack.turn))
+        inside = (pack.layout.size[0] - 2 * pack.layout.wall, pack.layout.size[1] - 2 * pack.layout.wall)
+        _open_box(body, f"pack.{name}", inside, pack.layout.height, pack.layout.wall, pack.layout.colour)
+        _dividers(body, f"pack.{name}", pack.layout)
+    marker = cell.base_marker
+    body = world.add_body(name="base_marker", pos=[*marker.centre, 2 * SHEET + INK], quat=_about_z(marker.turn))
+    _board(spec, body, "base_marker", marker, group=0)
+    held = world.add_body(name="board", mocap=True)
+    _board(spec, held, "board", cell.board, group=BOARD_GROUP)
+    _lights(spec, cell, rng)
+    _cameras(spec, cell)
+
+
+def _about_z(turn: float) -> list[float]:
+    return [cos(turn / 2), 0.0, 0.0, sin(turn / 2)]
+
+
+def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], colour: Colour) -> None:
+    body.add_geom(
+        name=name, type=mujoco().mjtGeom.mjGEOM_BOX, size=list(half), pos=list(at), rgba=[*colour, 1.0], condim=6
+    )
+
+
+def _open_box(body: Any, name: str, inside: tuple[float, float], height: float, wall: float, colour: Colour) -> None:
+    x, y = inside[0] / 2, inside[1] / 2
+    _box(body, f"{name}.floor", (x + wall, y + wall, wall / 2), (0.0, 0.0, wall / 2), colour)
+    middle, half = wall + height / 2, height / 2
+    for side in (-1, 1):
+        _box(body, f"{name}.wall-x{side:+d}", (wall / 2, y + wall, half), (side * (x + wall / 2), 0.0, middle), colour)
+        _box(body, f"{name}.wall-y{side:+d}", (x, wall / 2, half), (0.0, side * (y + wall / 2), middle), colour)
+
+
+def _dividers(body: Any, name: str, layout: Layout) -> None:
+    if layout.divider == 0.0:
+        return
+    x, y = layout.size[0] / 2 - layout.wall, layout.size[1] / 2 - layout.wall
+    lighter = tuple(min(1.0, 1.15 * channel) for channel in layout.colour)
+    middle, half, thin = layout.wall + layout.divider / 2, layout.divider / 2, layout.wall / 2
+    for i in range(1, layout.columns):
+        at = (i - layout.columns / 2) * layout.pitch[0]
+        _box(body, f"{name}.across-{i}", (thin, y, half), (at, 0.0, middle), lighter)  # type: ignore[arg-type]
+    for i in range(1, layout.rows):
+        at = (i - layout.rows / 2) * layout.pitch[1]
+        _box(body, f"{name}.along-{i}", (x, thin, half), (0.0, at, middle), lighter)  # type: ignore[arg-type]
+
+
+def _board(spec: Any, body: Any, name: str, board: Board, group: int) -> None:
+    """A board in its body's plane, its picture's first corner at -x, +y, over a sheet with a white margin."""
+    mj, grey = mujoco(), boards.picture(board)
+    texture = spec.add_texture(
+        name=name, type=mj.mjtTexture.mjTEXTURE_2D, height=grey.shape[0], width=grey.shape[1], nchannel=3
+    )
+    texture.data = np.repeat(grey[:, :, None], 3, axis=2).tobytes()
+    material = spec.add_material(name=name, specular=0.0, shininess=0.0)
+    material.textures[mj.mjtTextureRole.mjTEXROLE_RGB] = name
+    x, y = board.size[0] / 2, board.size[1] / 2
+    margin = board.square / 3
+    sheet = {"contype": 0, "conaffinity": 0, "group": group}
+    body.add_geom(
+        name=f"{name}.sheet",
+        type=mj.mjtGeom.mjGEOM_BOX,
+        size=[x + margin, y + margin, SHEET],
+        pos=[0.0, 0.0, -SHEET - INK],
+        rgba=[0.95, 0.95, 0.95, 1.0],
+        **sheet,
+    )
+    printed = spec.add_mesh(
+        name=name,
+        uservert=[-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0, 0, 0, -1e-4],
+        userface=[0, 1, 2, 0, 2, 3, 0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0],
+        usertexcoord=[0, 1, 1, 1, 1, 0, 0, 0, 0, 0],
+    )
+    body.add_geom(
+        name=f"{name}.print",
+        type=mj.mjtGeom.mjGEOM_MESH,
+        meshname=printed.name,
+        material=name,
+        **sheet,
+    )
+
+
+def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
+    mj = mujoco()
+    ambient = cell.ambient.draw(rng)
+    spec.visual.headlight.ambient = [ambient] * 3
+    spec.visual.headlight.diffuse = [0.0] * 3
+    spec.visual.headlight.specular = [0.0] * 3
+    spec.add_texture(
+        name="wall",
+        type=mj.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mj.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.80, 0.83, 0.86],
+        rgb2=[0.45, 0.48, 0.52],
+        width=64,
+        height=384,
+    )
+    for name, light in cell.light.items():
+        at = np.array(light.position) + rng.normal(0.0, light.wander, 3)
+        colour = light.brightness.draw(rng) * (1.0 + rng.normal(0.0, light.tint, 3))
+        spec.worldbody.add_light(
+            name=name,
+            type=mj.mjtLightType.mjLIGHT_DIRECTIONAL,
+            pos=at.tolist(),
+            dir=(np.array(light.looks_at) - at).tolist(),
+            diffuse=np.clip(colour, 0.0, 1.0).tolist(),
+            ambient=[0.0] * 3,
+            specular=(0.4 * np.clip(colour, 0.0, 1.0)).tolist(),
+            castshadow=light.shadows,
+        )
+
+
+def _cameras(spec: Any, cell: Cell) -> None:
+    optics = optics_of(cell.camera)
+    over = cell.overview
+    spec.worldbody.add_camera(
+        name="camera", pos=list(cell.camera.position), quat=list(optics.orientation), fovy=optics.field * 180 / pi
+    )
+    spec.worldbody.add_camera(
+        name="overview",
+        pos=list(over.position),
+        quat=list(looking(over.position, over.looks_at, 0.0)),
+        fovy=over.field * 180 / pi,
+    )
+    width, height = optics.wide
+    spec.visual.global_.offwidth = max(width, over.width)
+    spec.visual.global_.offheight = max(height, over.height)

@@ -1,0 +1,135 @@
+"""Cup and fruit in the scene: when the lip seals, when the vacuum holds, when a fruit is let go."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.cup import Cup
+from layflat.cell.extras import mujoco
+from layflat.cell.file.model import Cell
+from layflat.cell.scene.produce import Fruit
+
+Array = NDArray[np.float64]
+SMOOTHED = 5e-3
+"""Time over which forces on the lip are averaged, s: its rubber does not tear off within a step."""
+
+
+class Grip:
+    """What the cup does to fruit.
+
+    Attributes:
+        cup: its vacuum; switch `cup.on`.
+        held: number of the fruit that it holds, None if it holds none.
+        press: greatest force with which the cup pressed each fruit so far, (n,) N.
+    """
+
+    def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[Fruit]) -> None:
+        self._mj, self._model, self._data, self._cell = mujoco(), model, data, cell
+        self.cup = Cup(cell.cup)
+        self.held: int | None = None
+        self.press = np.zeros(len(fruits))
+        self._geom = model.geom("cup").id
+        self._body = model.body("cup").id
+        self._bodies = [model.body(fruit.name).id for fruit in fruits]
+        self._welds = [model.equality(f"hold.{fruit.name}").id for fruit in fruits]
+        self._of = {geom: i for i, body in enumerate(self._bodies) for geom in _geoms(model, body)}
+        self._skins = [model.geom(fruit.name).id for fruit in fruits]
+        self._pull = self._shear = 0.0
+
+    @property
+    def sealed(self) -> bool:
+        """Whether the lip lies on a skin."""
+        return self.held is not None
+
+    def follow(self) -> None:
+        """After a step: vacuum, seal, and whether the fruit still holds."""
+        step = self._model.opt.timestep
+        touched = self._touched()
+        self._net(touched, step)
+        if self.held is None and self.cup.on and len(touched) == 1:
+            (fruit,) = touched  # two under one lip leave it open
+            if self._tilt(fruit) <= self._cell.cup.tilt:
+                self._hold(fruit)
+        self.cup.advance(self.sealed, step)
+        if self.held is not None and not self.cup.holds(self._pull, self._shear):
+            self.let_go()
+
+    def let_go(self) -> None:
+        """The fruit is held no more."""
+        if self.held is not None:
+            data, tree = self._data, self._model.body_treeid
+            data.eq_active[self._welds[self.held]] = 0
+            # A fruit that rested in the cup would fall asleep in the air: it gets the arm's count, which never does.
+            data.tree_asleep[tree[self._bodies[self.held]]] = data.tree_asleep[tree[self._body]]
+            self.held = None
+
+    def _touched(self) -> dict[int, float]:
+        """Fruit that the cup's lip touches, and how hard, N."""
+        contact = self._data.contact
+        with_cup = np.flatnonzero((contact.geom == self._geom).any(axis=1))
+        touched: dict[int, float] = {}
+        force = np.zeros(6)
+        for i in with_cup:
+            first, second = contact.geom[i]
+            fruit = self._of.get(int(second if first == self._geom else first))
+            if fruit is not None and contact.dist[i] <= 0.0:
+                self._mj.mj_contactForce(self._model, self._data, int(i), force)
+                touched[fruit] = touched.get(fruit, 0.0) + float(force[0])
+        return touched
+
+    def _tilt(self, fruit: int) -> float:
+        """Angle between the cup's axis and the normal of the skin under it, rad; infinite beside the fruit.
+
+        The skin is the ellipsoid x^2/a^2 + y^2/b^2 + z^2/c^2 = 1 in the fruit's frame.
+        """
+        data, skin = self._data, self._skins[fruit]
+        R, size = data.geom_xmat[skin].reshape(3, 3), self._model.geom_size[skin]
+        along = R.T @ data.xmat[self._body].reshape(3, 3)[:, 2]
+        start = R.T @ (data.xpos[self._body] - data.geom_xpos[skin])
+        p, d = start / size, along / size
+        a, b, c = d @ d, p @ d, p @ p - 1.0
+        inside = b * b - a * c
+        if inside < 0.0:
+            return float("inf")
+        point = start + (-b + np.sqrt(inside)) / a * along
+        normal = point / size**2
+        return float(np.arccos(np.clip(normal @ along / np.linalg.norm(normal), -1.0, 1.0)))
+
+    def _hold(self, fruit: int) -> None:
+        data, weld, body = self._data, self._welds[fruit], self._bodies[fruit]
+        R = data.xmat[self._body].reshape(3, 3)
+        back, turned = np.zeros(4), np.zeros(4)
+        self._mj.mju_negQuat(back, data.xquat[self._body])
+        self._mj.mju_mulQuat(turned, back, data.xquat[body])
+        self._model.eq_data[weld, :11] = [0, 0, 0, *(R.T @ (data.xpos[body] - data.xpos[self._body])), *turned, 1.0]
+        data.eq_active[weld] = 1
+        self.held, self._pull, self._shear = fruit, 0.0, 0.0
+
+    def _net(self, touched: dict[int, float], step: float) -> None:
+        """Books what lip and vacuum together do to fruit: smoothed pull and shear on what is held, N, and the press."""
+        for fruit, push in touched.items():
+            if fruit != self.held:
+                self.press[fruit] = max(self.press[fruit], push)
+        if self.held is None:
+            return
+        data = self._data
+        rows = (data.efc_type == self._mj.mjtConstraint.mjCNSTR_EQUALITY) & (data.efc_id == self._welds[self.held])
+        force = data.efc_force[rows][:3]  # on the cup; the rest are moments
+        if len(force) < 3:
+            return
+        axis = data.xmat[self._body].reshape(3, 3)[:, 2]
+        along = float(force @ axis)
+        pull = -along - touched.get(self.held, 0.0)
+        shear = float(np.linalg.norm(force - along * axis))
+        share = min(1.0, step / SMOOTHED)
+        self._pull += share * (pull - self._pull)
+        self._shear += share * (shear - self._shear)
+        self.press[self.held] = max(self.press[self.held], -pull)
+
+
+def _geoms(model: Any, body: int) -> range:
+    first = int(model.body_geomadr[body])
+    return range(first, first + int(model.body_geomnum[body]))

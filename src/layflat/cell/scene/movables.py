@@ -1,0 +1,135 @@
+"""What moves in the scene beside the arm's links: fruit, and lift and cup at the arm's tip."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from typing import Any
+
+from layflat.cell.extras import mujoco
+from layflat.cell.file.model import Cell
+from layflat.cell.scene.produce import CAP, STEM, Fruit
+
+GREEN = (0.20, 0.42, 0.12, 1.0)
+BROWN = (0.30, 0.20, 0.10, 1.0)
+PALE = (0.86, 0.80, 0.70, 1.0)
+STEEL = (0.70, 0.72, 0.74, 1.0)
+RUBBER = (0.12, 0.12, 0.13, 1.0)
+LIP = 0.012
+"""Height of the cup, m."""
+
+
+def add_fruit(spec: Any, cell: Cell, fruit: Fruit) -> None:
+    """A fruit as a free body, and the weld, switched off, by which the cup can hold it."""
+    mj = mujoco()
+    body = spec.worldbody.add_body(name=fruit.name, pos=list(fruit.position), quat=list(fruit.orientation))
+    body.add_freejoint(name=fruit.name)
+    material = spec.add_material(name=fruit.name, rgba=[*fruit.rgb, 1.0], specular=0.35, shininess=0.4)
+    kind = cell.produce[fruit.kind]
+    touch = {"condim": 6, "friction": [kind.friction, kind.rolling, kind.rolling]}
+    radius, over = fruit.diameter / 2, fruit.over
+    whole = fruit.shape == "round"
+    skin = {"type": mj.mjtGeom.mjGEOM_ELLIPSOID, "size": [radius, radius, over], "material": material.name}
+    if whole:
+        body.add_geom(name=fruit.name, mass=fruit.mass, **skin, **touch)
+    else:
+        body.add_geom(name=fruit.name, mass=0.9 * fruit.mass, **skin, **touch)
+        half = (1 - CAP / 2) * fruit.height / 2
+        body.add_geom(
+            name=f"{fruit.name}.stem",
+            type=mj.mjtGeom.mjGEOM_CYLINDER,
+            size=[STEM * fruit.diameter, half, 0.0],
+            pos=[0.0, 0.0, -half],
+            mass=0.1 * fruit.mass,
+            rgba=PALE,
+            **touch,
+        )
+    _topped(body, fruit.top, radius, over)
+    spec.add_equality(
+        name=f"hold.{fruit.name}",
+        type=mj.mjtEq.mjEQ_WELD,
+        objtype=mj.mjtObj.mjOBJ_BODY,
+        name1="cup",
+        name2=fruit.name,
+        active=False,
+        solref=[0.006, 1.0],
+    )
+
+
+def _topped(body: Any, top: str, radius: float, over: float) -> None:
+    """Calyx or stalk: it is seen, and touches nothing."""
+    mj = mujoco()
+    ghost = {"mass": 0.0, "contype": 0, "conaffinity": 0}
+    if top == "calyx":
+        for i in range(5):
+            turn = 2 * pi * i / 5
+            body.add_geom(
+                type=mj.mjtGeom.mjGEOM_ELLIPSOID,
+                size=[0.20 * radius, 0.06 * radius, 0.03 * radius],
+                pos=[0.20 * radius * cos(turn), 0.20 * radius * sin(turn), 0.985 * over],
+                quat=[cos(turn / 2), 0.0, 0.0, sin(turn / 2)],
+                rgba=GREEN,
+                **ghost,
+            )
+    elif top == "stalk":
+        body.add_geom(
+            type=mj.mjtGeom.mjGEOM_ELLIPSOID,
+            size=[0.16 * radius, 0.16 * radius, 0.03 * radius],
+            pos=[0.0, 0.0, 0.98 * over],
+            rgba=[0.36, 0.36, 0.12, 1.0],
+            **ghost,
+        )
+        body.add_geom(
+            type=mj.mjtGeom.mjGEOM_CAPSULE,
+            fromto=[0.0, 0.0, 0.95 * over, 0.05 * radius, 0.0, 1.06 * over],
+            size=[0.045 * radius, 0.0, 0.0],
+            rgba=BROWN,
+            **ghost,
+        )
+
+
+def add_tool(spec: Any, cell: Cell) -> None:
+    """Lift and cup at the tip of the arm in a spec: slide joint `lift`, positive downwards, and its motor `lift`."""
+    mj = mujoco()
+    last = list(cell.machine.joints)[-1]
+    tip = spec.joint(last).parent
+    lift, cup = cell.lift, cell.cup
+    x = cell.machine.joint[last].link.length
+    lip = lift.clearance - cell.mount.height
+    tip.add_geom(
+        name="lift.cylinder",
+        type=mj.mjtGeom.mjGEOM_CYLINDER,
+        fromto=[x, 0.0, 0.05, x, 0.0, lip + LIP + 0.035],
+        size=[0.016, 0.0, 0.0],
+        rgba=STEEL,
+        mass=0.0,
+    )
+    body = tip.add_body(name="cup", pos=[x, 0.0, lip], gravcomp=1.0)
+    body.add_joint(
+        name="lift",
+        type=mj.mjtJoint.mjJNT_SLIDE,
+        axis=[0, 0, -1],
+        range=[0.0, lift.stroke],
+        limited=mj.mjtLimited.mjLIMITED_TRUE,
+    )
+    body.add_geom(
+        name="cup.rod",
+        type=mj.mjtGeom.mjGEOM_CYLINDER,
+        fromto=[0.0, 0.0, LIP, 0.0, 0.0, lift.stroke + 0.06],
+        size=[0.005, 0.0, 0.0],
+        rgba=STEEL,
+        mass=0.9 * lift.mass,
+    )
+    body.add_geom(
+        name="cup",
+        type=mj.mjtGeom.mjGEOM_CYLINDER,
+        fromto=[0.0, 0.0, 0.0, 0.0, 0.0, LIP],
+        size=[cup.diameter / 2, 0.0, 0.0],
+        rgba=RUBBER,
+        mass=0.1 * lift.mass,
+        condim=4,
+    )
+    body.add_site(name="cup", size=[0.002, 0.002, 0.002], rgba=[0, 0, 0, 0])
+    motor = spec.add_actuator(name="lift", trntype=mj.mjtTrn.mjTRN_JOINT, target="lift")
+    motor.set_to_motor()
+    motor.forcelimited = mj.mjtLimited.mjLIMITED_TRUE
+    motor.forcerange = [-lift.force, lift.force]

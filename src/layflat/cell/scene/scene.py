@@ -1,0 +1,167 @@
+"""The cell's physical scene: built from a description and a seed, settled, then stepped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.extras import mujoco
+from layflat.cell.file.model import Cell
+from layflat.cell.lift import Lift
+from layflat.cell.scene._arm import arm_spec
+from layflat.cell.scene.furniture import furnish
+from layflat.cell.scene.grip import Grip
+from layflat.cell.scene.movables import add_fruit, add_tool
+from layflat.cell.scene.produce import Fruit, fruit_of
+from layflat.cell.scene.truth import Truth
+from layflat.cell.scene.watch import Watch
+from layflat.errors import CellError
+
+Array = NDArray[np.float64]
+SETTLED = 2e-3
+"""Speed of the fastest fruit of a settled scene, m/s."""
+LONGEST = 4.0
+"""Time in which fruit has to settle, s."""
+ROCKING = 0.1
+"""Time constant with which soft skin and flesh end a fruit's rocking, s."""
+ROUNDS = 10
+"""Scenes that are tried until all fruit stays in its tray."""
+
+
+class Scene:
+    """A packing cell in MuJoCo, its fruit, lights and noise drawn by a seed.
+
+    Args:
+        cell: what stands where.
+        seed: same cell and seed, same scene.
+        step: timestep, s.
+
+    Attributes:
+        cell: its description.
+        seed: as given.
+        model: MjModel; its hinges have the names of the machine's joints, without drive, damping or limits.
+        data: MjData.
+        lift: set `lift.demand`, m of stroke.
+        cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor tells.
+        board_held: whether the calibration board is before the camera.
+
+    Raises:
+        CellError: there is no room for the fruit, or it does not come to rest in its trays.
+        InputError: MuJoCo or OpenCV is not installed.
+    """
+
+    def __init__(self, cell: Cell, seed: int, *, step: float = 1e-3) -> None:
+        self._mj = mujoco()
+        self.cell, self.seed, self.board_held = cell, seed, False
+        for attempt in range(ROUNDS):
+            rng = np.random.default_rng([seed, attempt])
+            self.fruits = fruit_of(cell, rng)
+            self.model = spec_of(cell, self.fruits, rng, step).compile()
+            self.data = self._mj.MjData(self.model)
+            if self._settled():
+                break
+        else:
+            raise CellError("fruit does not stay in its trays", where=cell.origin, right="give higher tray walls")
+        self.lift = Lift(cell.lift, step)
+        self._grip = Grip(self.model, self.data, cell, self.fruits)
+        self._watch = Watch(self.model, self.data, cell, self.fruits)
+        self.cup = self._grip.cup
+        slide = self.model.joint("lift")
+        self._slide = int(slide.qposadr[0]), int(slide.dofadr[0])
+        self._motor = self.model.actuator("lift").id
+
+    def step(self, count: int = 1, advance: Callable[[Any], None] | None = None) -> None:
+        """Go on by timesteps.
+
+        Args:
+            count: how many.
+            advance: advances the MjData by a timestep in place of `mj_step`: `PneumaticJoints.step` of the bridge.
+        """
+        place, speed = self._slide
+        for _ in range(count):
+            self.data.ctrl[self._motor] = self.lift.force(self.data.qpos[place], self.data.qvel[speed])
+            if advance is None:
+                self._mj.mj_step(self.model, self.data)
+            else:
+                advance(self.data)
+            self._grip.follow()
+            self._watch.follow()
+
+    @property
+    def stroke(self) -> float:
+        """Of the lift, down from its upper end, m: what a sensor on the cylinder tells."""
+        return float(self.data.qpos[self._slide[0]])
+
+    def hold_board(self, position: Array, orientation: Array) -> None:
+        """Hold the calibration board before the camera: its middle, m, and its quaternion, w first."""
+        self.data.mocap_pos[0], self.data.mocap_quat[0] = position, orientation
+        self._mj.mj_kinematics(self.model, self.data)
+        self.board_held = True
+
+    def put_board_away(self) -> None:
+        """Take the calibration board out of sight."""
+        self.board_held = False
+
+    def truth(self) -> Truth:
+        """What is true now: for judges only."""
+        return self._watch.truth(self._grip)
+
+    def _settled(self) -> bool:
+        """Let all fruit come to rest, in air as thick as honey; whether it did, in its trays."""
+        model, data = self.model, self.data
+        for name, angle in self.cell.mount.home.items():
+            data.qpos[model.joint(name).qposadr[0]] = angle
+        rest = data.qpos[: model.nq].copy()
+        free = model.jnt_type == self._mj.mjtJoint.mjJNT_FREE
+        dofs = np.concatenate([np.arange(6) + adr for adr in model.jnt_dofadr[free]] or [np.zeros(0, int)])
+        places = np.concatenate([np.arange(7) + adr for adr in model.jnt_qposadr[free]] or [np.zeros(0, int)])
+        others = np.setdiff1d(np.arange(model.nq), places)
+        model.dof_damping[dofs] = model.dof_M0[dofs] / ROCKING
+        while data.time < LONGEST:
+            self._mj.mj_step(model, data, 50)
+            fast = np.abs(data.qvel[dofs].reshape(-1, 6)[:, :3]).max(initial=0.0)
+            if fast < SETTLED and data.time > 0.2:
+                break
+        else:
+            return False
+        model.dof_damping[dofs.reshape(-1, 6)[:, :3]] = 0.0
+        data.qpos[others] = rest[others]
+        data.qvel[:], data.qacc_warmstart[:], data.time = 0.0, 0.0, 0.0
+        self._mj.mj_forward(model, data)
+        return all(_inside(self.cell, data.body(fruit.name).xpos) for fruit in self.fruits)
+
+
+def _inside(cell: Cell, at: Array) -> bool:
+    """Whether a fruit's middle lies in a tray."""
+    for tray in cell.tray.values():
+        x, y = at[:2] - np.array(tray.centre)
+        cos, sin = np.cos(tray.turn), np.sin(tray.turn)
+        along, across = x * cos + y * sin, y * cos - x * sin
+        if abs(along) < tray.size[0] / 2 and abs(across) < tray.size[1] / 2 and at[2] < 2 * tray.height + tray.wall:
+            return True
+    return False
+
+
+def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: float) -> Any:
+    """An MjSpec of the cell with its arm, lift, cup and fruit."""
+    mj = mujoco()
+    spec = arm_spec(cell.machine)
+    for body in spec.worldbody.bodies:
+        body.pos = np.add(body.pos, [0.0, 0.0, cell.mount.height])
+        body.sleep = mj.mjtSleepPolicy.mjSLEEP_NEVER
+    spec.modelname = cell.name
+    spec.option.timestep = step
+    spec.option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.enableflags |= int(mj.mjtEnableBit.mjENBL_SLEEP)
+    spec.stat.extent, spec.stat.center = 1.5, [0.3, 0.3, 0.1]
+    spec.visual.map.znear, spec.visual.map.zfar = 0.1, 4.0
+    spec.visual.map.shadowclip = 0.5
+    spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 1024, 0
+    furnish(spec, cell, rng)
+    add_tool(spec, cell)
+    for fruit in fruits:
+        add_fruit(spec, cell, fruit)
+    return spec

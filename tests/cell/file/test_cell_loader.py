@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from layflat.cell.file import Cell, build, load, names
+from layflat.cell.file.loader import layout_names, tables
+from layflat.errors import CellError, MachineError
+
+
+def broken(path: str, value: Any) -> str:
+    """What is said of the built-in cell with one value changed."""
+    plain, sources = tables("packing")
+    *above, last = path.split("/")
+    table = plain
+    for key in above:
+        table = table[key]
+    table[last] = value
+    with pytest.raises((CellError, MachineError)) as caught:
+        build(plain, sources, "mine.toml")
+    text = str(caught.value)
+    assert text.startswith("mine.toml")
+    assert "\n" not in text
+    return text
+
+
+def test_built_in_cells_and_layouts_are_sound_and_sourced(packing: Cell) -> None:
+    assert names() == ("packing",)
+    assert set(layout_names()) == {"punnet-2x3", "tray-12"}
+    assert {pack.layout.name for pack in packing.pack.values()} == set(layout_names())
+    unsourced = [path for path, found in packing.provenance.items() if path not in {"name", "title"} and not found.note]
+    assert unsourced == []
+
+
+def test_units_are_si_behind_the_file(packing: Cell) -> None:
+    assert packing.lift.stroke == pytest.approx(0.16)
+    assert packing.cup.vacuum == pytest.approx(0.5e5)
+    assert packing.camera.focal_pixels == pytest.approx(8e-3 / 3.75e-6)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        ("lift/stroke", 0.2, "mine.toml: lift.stroke: 0.2 is a bare number"),
+        ("lift/strok", "1 mm", "did you mean 'stroke'?"),
+        ("table/size", ["1 m", "0.5 m"], "does not stand on the table"),
+        ("tray/infeed/centre", ["300 mm", "250 mm"], "tray.infeed and pack.apples overlap"),
+        ("tray/infeed/centre", ["620 mm", "0 mm"], "tray.infeed is out of the arm's reach at x = "),
+        ("pack/tomatoes/centre", ["-100 mm", "700 mm"], "pack.tomatoes is out of the arm's reach at x = "),
+        ("pack/apples/layout", "punnet-2x3", "pack.apples is too small: a place of 'punnet-2x3' takes 70 mm"),
+        ("pack/apples/kind", "pear", "pack.apples.kind is the unknown kind 'pear'"),
+        ("pack/apples/grade", "third", "pack.apples.grade 'third' is none of apple"),
+        ("tray/infeed/produce", ["apple", "plum"], "tray.infeed.produce names the unknown kind 'plum'"),
+        ("lift/stroke", "140 mm", "lift.stroke is too short"),
+        ("mount/home", {"large": "0 deg"}, "mount.home"),
+        ("mount/home", {"large": "0 deg", "small": "61 deg"}, "mount.home.small is outside"),
+        ("machine", "paper-large-joint", "is no level arm of two joints"),
+        ("base_marker/centre", ["0 mm", "60 mm"], "base_marker and the arm's column overlap"),
+        ("cup/tilt", "22 mm", "is not an angle"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(path: str, value: Any, said: str) -> None:
+    assert said in broken(path, value)
+
+
+def test_a_held_fruit_has_to_pass_over_the_others() -> None:
+    text = broken("lift", tables("packing")[0]["lift"] | {"stroke": "130 mm", "clearance": "150 mm"})
+    assert "lift.clearance is too small: a fruit of 75 mm must pass over 79 mm" in text
+
+
+def test_a_colour_that_no_grade_knows_is_refused() -> None:
+    text = broken("produce/apple/grade/first/colours", ["blue"])
+    assert "grade 'first' names the colour 'blue'" in text
+
+
+def test_files_extend_and_name_others_beside_them(tmp_path: Path) -> None:
+    (tmp_path / "six.toml").write_text(
+        'name = "six"\ntitle = "Six"\ncolumns = 3\nrows = 2\npitch = ["75 mm", "75 mm"]\nwall = "3 mm"\n'
+        'height = "30 mm"\ndivider = "0 mm"\ncolour = [0.2, 0.3, 0.4]\n'
+    )
+    mine = tmp_path / "mine.toml"
+    mine.write_text('extends = "packing"\n[lift]\nspeed = "0.3 m/s"\n[pack.tomatoes]\nlayout = "six.toml"\n')
+    cell = load(mine)
+    assert cell.lift.speed == pytest.approx(0.3)
+    assert cell.lift.acceleration == load("packing").lift.acceleration
+    assert cell.pack["tomatoes"].layout.title == "Six"
+    assert cell.pack["mushrooms"].layout.name == "punnet-2x3"
+    assert cell.origin == str(mine)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("lift = ", "is not TOML"),
+        ('extends = "pakking"', "did you mean 'packing'?"),
+        ('extends = "packing"\n[pack.tomatoes]\nlayout = "punnet"', "did you mean 'punnet-2x3'?"),
+        ('extends = "packing"\n[pack.tomatoes]\nlayout = "none.toml"', "can't be read"),
+        ('extends = "packing"\nmachine = "paper-am"', "paper-arm"),
+        ('extends = "mine.toml"', "break the circle"),
+        ('extends = "packing"\n[lift]\nspeed = { value = "1 m/s", source = "guess" }', "source 'guess' is unknown"),
+        ('name = "mine"', "is missing"),
+    ],
+)
+def test_broken_files_are_told(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises((CellError, MachineError), match=r"mine\.toml|pakking|punnet|none\.toml|paper-am") as caught:
+        load(path)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_cell_that_is_not_there_is_told() -> None:
+    with pytest.raises(CellError, match="did you mean 'packing'"):
+        load("packin")
