@@ -1,0 +1,1 @@
+"""The packing cell: produce is seen, picked and packed."""

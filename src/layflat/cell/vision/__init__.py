@@ -1,0 +1,26 @@
+"""Seeing: a camera's calibration, and produce in its pictures. It is given pictures only, never a scene's state."""
+
+from layflat.cell.vision.boards import BaseMarkers, CharucoBoard, Checkerboard, Marker
+from layflat.cell.vision.calibrate import calibrate, self_check
+from layflat.cell.vision.calibration import Calibration, load_calibration
+from layflat.cell.vision.colour import ColourDetector
+from layflat.cell.vision.detection import SURE, Colour, Detection, Detector, Kind
+from layflat.cell.vision.usable import check_picture
+
+__all__ = [
+    "SURE",
+    "BaseMarkers",
+    "Calibration",
+    "CharucoBoard",
+    "Checkerboard",
+    "Colour",
+    "ColourDetector",
+    "Detection",
+    "Detector",
+    "Kind",
+    "Marker",
+    "calibrate",
+    "check_picture",
+    "load_calibration",
+    "self_check",
+]

@@ -1,0 +1,158 @@
+"""What a camera is calibrated with: a ChArUco board or a checkerboard, and the markers fixed beside the arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.vision.opencv import opencv, points
+from layflat.errors import CameraError
+
+Array: TypeAlias = NDArray[np.float64]
+Seen: TypeAlias = tuple[Array, Array]
+"""Points in the frame of a board or the base (N, 3), m, and where they are in a picture (N, 2), px."""
+
+DICTIONARY = "DICT_4X4_50"
+"""The markers' dictionary; the base and the board may share it if they don't share numbers."""
+
+
+@dataclass(frozen=True)
+class CharucoBoard:
+    """A checkerboard with ArUco markers in its white squares; may be seen in part.
+
+    Attributes:
+        columns, rows: number of squares.
+        square, marker: their sides, m.
+        dictionary: OpenCV's name of the markers' dictionary.
+    """
+
+    columns: int
+    rows: int
+    square: float
+    marker: float
+    dictionary: str = DICTIONARY
+
+    def opencv(self) -> Any:
+        """The board as OpenCV knows it."""
+        cv2 = opencv()
+        return cv2.aruco.CharucoBoard((self.columns, self.rows), self.square, self.marker, dictionary(self.dictionary))
+
+    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+        """Its corners in a grey picture, where there are enough."""
+        cv2 = opencv()
+        board = self.opencv()
+        corners, numbers, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
+        if numbers is None or len(numbers) < 6:
+            return None
+        known = np.asarray(board.getChessboardCorners(), dtype=np.float64)[np.ravel(numbers)]
+        return known, np.asarray(points(corners), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Checkerboard:
+    """A checkerboard without markers; must be seen whole.
+
+    Attributes:
+        columns, rows: number of squares; one odd, one even, so that it has a beginning.
+        square: side, m.
+    """
+
+    columns: int
+    rows: int
+    square: float
+
+    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+        """Its inner corners in a grey picture, where it is whole."""
+        cv2 = opencv()
+        inner = (self.columns - 1, self.rows - 1)
+        found, corners = cv2.findChessboardCornersSB(grey, inner, flags=cv2.CALIB_CB_ACCURACY)
+        if not found:
+            return None
+        across, down = np.meshgrid(np.arange(inner[0]), np.arange(inner[1]))
+        known = np.column_stack([across.ravel(), down.ravel(), np.zeros(across.size)]) * self.square
+        return known, np.asarray(points(corners), dtype=np.float64)
+
+
+Board: TypeAlias = CharucoBoard | Checkerboard
+
+
+@dataclass(frozen=True)
+class Marker:
+    """An ArUco marker that lies flat at a known place in the base frame.
+
+    Attributes:
+        number: its number in the dictionary.
+        x, y: its middle, m.
+        side: its length, m.
+        yaw: how far its upper edge is turned from the base's x axis about z, rad.
+        z: its height, m.
+    """
+
+    number: int
+    x: float
+    y: float
+    side: float
+    yaw: float = 0.0
+    z: float = 0.0
+
+    @property
+    def corners(self) -> Array:
+        """Its corners in the base frame, from the upper left one clockwise as seen from above, (4, 3), m."""
+        half = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]) * self.side / 2.0
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        flat = half @ np.array([[c, s], [-s, c]]) + [self.x, self.y]
+        return np.column_stack([flat, np.full(4, self.z)])
+
+
+@dataclass(frozen=True)
+class BaseMarkers:
+    """The markers fixed in the base frame. One is enough for a pose; several that stand far apart make it exact."""
+
+    markers: tuple[Marker, ...]
+    dictionary: str = DICTIONARY
+
+    def __post_init__(self) -> None:
+        """Markers have numbers of their own.
+
+        Raises:
+            CameraError: there are none, or two with one number.
+        """
+        numbers = [marker.number for marker in self.markers]
+        if not numbers or len(set(numbers)) < len(numbers):
+            raise CameraError(f"numbers {numbers}", where="base markers", right="at least one, each with its own number")
+
+    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+        """The corners of those that are in a grey picture."""
+        cv2 = opencv()
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        detector = cv2.aruco.ArucoDetector(dictionary(self.dictionary), parameters)
+        corners, numbers, _ = detector.detectMarkers(grey)
+        known = {marker.number: marker for marker in self.markers}
+        found = [
+            (known[int(number)].corners, np.asarray(points(corner), dtype=np.float64))
+            for number, corner in zip(np.ravel(numbers) if numbers is not None else (), corners, strict=True)
+            if int(number) in known
+        ]
+        if not found:
+            return None
+        places, pixels = zip(*found, strict=True)
+        return np.concatenate(places), np.concatenate(pixels)
+
+
+@lru_cache
+def dictionary(name: str) -> Any:
+    """A predefined dictionary of markers.
+
+    Raises:
+        CameraError: OpenCV has none of that name.
+    """
+    cv2 = opencv()
+    number = getattr(cv2.aruco, name, None)
+    if not name.startswith("DICT_") or number is None:
+        raise CameraError(f"no dictionary {name!r}", where="markers", right="for instance DICT_4X4_50")
+    return cv2.aruco.getPredefinedDictionary(number)
