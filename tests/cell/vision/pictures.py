@@ -7,13 +7,14 @@ shapes. Pixel (0, 0) is the middle of the first pixel.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Picture = NDArray[np.uint8]
 
 
 @dataclass(frozen=True)
@@ -54,13 +55,7 @@ class TrueCamera:
     @cached_property
     def rays(self) -> Array:
         """Unit vectors in the base frame, (H, W, 3)."""
-        u, v = np.meshgrid(np.arange(self.size[0]), np.arange(self.size[1]))
-        bent = (np.stack([u, v], axis=-1) - self.middle) / self.focal
-        straight = bent.copy()
-        for _ in range(12):
-            straight += bent - self.distorted(straight)
-        rays = np.concatenate([straight, np.ones((*u.shape, 1))], axis=-1)
-        return (rays / np.linalg.norm(rays, axis=-1, keepdims=True)) @ self.rotation
+        return lens_rays(replace(self, position=(0.0, 0.0, 0.0), tilt=(0.0, 0.0, 0.0))) @ self.rotation
 
     @cached_property
     def pixel(self) -> float:
@@ -75,6 +70,18 @@ class TrueCamera:
     def plane(self, height: float) -> Array:
         far = (height - self.position[2]) / self.rays[..., 2:]
         return np.array(self.position[:2]) + far * self.rays[..., :2]
+
+
+@cache
+def lens_rays(camera: TrueCamera) -> Array:
+    """Unit vectors in the camera frame, (H, W, 3), the same for each pose."""
+    u, v = np.meshgrid(np.arange(camera.size[0]), np.arange(camera.size[1]))
+    bent = (np.stack([u, v], axis=-1) - camera.middle) / camera.focal
+    straight = bent.copy()
+    for _ in range(9):
+        straight += bent - camera.distorted(straight)
+    rays = np.concatenate([straight, np.ones((*u.shape, 1))], axis=-1)
+    return np.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True))
 
 
 @dataclass(frozen=True)
@@ -110,7 +117,7 @@ class Flat:
 class Plate:
     """A textured square or rectangle: a marker or a board; grey texture, rows from its upper edge down."""
 
-    texture: NDArray[np.uint8]
+    texture: Picture
     corner: Array  # upper left, m
     right: Array  # to the upper right, m
     down: Array  # to the lower left, m
@@ -135,12 +142,12 @@ class Scene:
     covers: Sequence[Flat] = field(default_factory=tuple)  # above everything: an arm
 
 
-def take(scene: Scene, camera: TrueCamera, seed: int = 0, noise: float = 2.5, blur: float = 0.6) -> NDArray[np.uint8]:
+def take(scene: Scene, camera: TrueCamera, seed: int = 0, noise: float = 2.5, blur: float = 0.6) -> Picture:
     """The picture that a camera takes, RGB."""
     rng = np.random.default_rng(seed)
     floor = camera.floor
     flat_light = scene.ambient + sum(light.strength * _unit(light)[2] for light in scene.lights)
-    picture = np.empty((*floor.shape[:2], 3))
+    picture: NDArray[np.float32] = np.empty((*floor.shape[:2], 3), np.float32)
     picture[:] = np.array(scene.table) * flat_light
     for flat in scene.flats:
         _paint_flat(picture, camera, flat, flat_light)
@@ -153,13 +160,14 @@ def take(scene: Scene, camera: TrueCamera, seed: int = 0, noise: float = 2.5, bl
     for cover in scene.covers:
         _paint_flat(picture, camera, cover, flat_light)
     across = 1.0 + scene.slope[0] * (floor[..., 0] - 0.4) + scene.slope[1] * floor[..., 1]
-    picture *= across[..., None] * np.array(scene.tint)
+    picture *= (across[..., None] * np.array(scene.tint)).astype(np.float32)
     picture = _blurred(picture, blur)
-    picture += noise * rng.standard_normal(picture.shape, dtype=np.float32)
-    return np.clip(picture + 0.5, 0, 255).astype(np.uint8)
+    if noise:
+        picture += np.float32(noise) * rng.standard_normal(picture.shape, dtype=np.float32)
+    return np.asarray(np.clip(picture + np.float32(0.5), 0, 255).astype(np.uint8))
 
 
-def marker_texture(number: int, dictionary: str = "DICT_4X4_50") -> NDArray[np.uint8]:
+def marker_texture(number: int, dictionary: str = "DICT_4X4_50") -> Picture:
     import cv2
 
     words = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
@@ -187,7 +195,7 @@ def _window(camera: TrueCamera, places: Array, margin: int = 3) -> tuple[slice, 
     return None if (high <= low).any() else (slice(low[1], high[1]), slice(low[0], high[0]))
 
 
-def _mix(picture: Array, window: tuple[slice, slice], share: Array, colour: Array) -> None:
+def _mix(picture: NDArray[np.float32], window: tuple[slice, slice], share: Array, colour: Array) -> None:
     picture[window] += share[..., None] * (colour - picture[window])
 
 
@@ -195,7 +203,7 @@ def _box(x: float, y: float, reach: float, heights: tuple[float, ...]) -> Array:
     return np.array([[x + i * reach, y + j * reach, z] for i in (-1, 1) for j in (-1, 1) for z in heights])
 
 
-def _paint_flat(picture: Array, camera: TrueCamera, flat: Flat, light: float) -> None:
+def _paint_flat(picture: NDArray[np.float32], camera: TrueCamera, flat: Flat, light: float) -> None:
     window = _window(camera, _box(flat.x, flat.y, np.hypot(flat.long, flat.wide) / 2, (flat.height,)))
     if window is None:
         return
@@ -214,7 +222,7 @@ def _paint_flat(picture: Array, camera: TrueCamera, flat: Flat, light: float) ->
     _mix(picture, window, np.clip(0.5 + inside * metre, 0, 1), np.array(flat.colour) * light)
 
 
-def _paint_plate(picture: Array, camera: TrueCamera, plate: Plate, light: float) -> None:
+def _paint_plate(picture: NDArray[np.float32], camera: TrueCamera, plate: Plate, light: float) -> None:
     import cv2
 
     corners = np.array([plate.corner + i * plate.right + j * plate.down for i in (0, 1) for j in (0, 1)])
@@ -243,7 +251,7 @@ def _paint_plate(picture: Array, camera: TrueCamera, plate: Plate, light: float)
     _mix(picture, window, share / 16, grey[..., None] * 0.9 * light * np.ones(3))
 
 
-def _shade_table(picture: Array, camera: TrueCamera, ball: Ball, scene: Scene) -> None:
+def _shade_table(picture: NDArray[np.float32], camera: TrueCamera, ball: Ball, scene: Scene) -> None:
     whole = scene.ambient + sum(light.strength * _unit(light)[2] for light in scene.lights)
     for light in scene.lights:
         to = _unit(light)
@@ -258,7 +266,7 @@ def _shade_table(picture: Array, camera: TrueCamera, ball: Ball, scene: Scene) -
         picture[window] *= 1.0 - (dark * light.strength * to[2] / whole)[..., None]
 
 
-def _paint_ball(picture: Array, camera: TrueCamera, ball: Ball, scene: Scene) -> None:
+def _paint_ball(picture: NDArray[np.float32], camera: TrueCamera, ball: Ball, scene: Scene) -> None:
     window = _window(camera, _box(ball.x, ball.y, ball.radius, (0.0, 2 * ball.radius)))
     if window is None:
         return
@@ -284,7 +292,7 @@ def _paint_ball(picture: Array, camera: TrueCamera, ball: Ball, scene: Scene) ->
     _mix(picture, window, share, skin * light[..., None] + 255 * ball.shine * shine[..., None])
 
 
-def _blurred(picture: Array, sigma: float) -> Array:
+def _blurred(picture: NDArray[np.float32], sigma: float) -> NDArray[np.float32]:
     import cv2
 
-    return np.asarray(cv2.GaussianBlur(picture.astype(np.float32), (0, 0), sigma)) if sigma else picture
+    return np.asarray(cv2.GaussianBlur(picture, (0, 0), sigma)) if sigma else picture

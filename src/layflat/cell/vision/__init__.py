@@ -5,6 +5,8 @@ from layflat.cell.vision.calibrate import calibrate, self_check
 from layflat.cell.vision.calibration import Calibration, load_calibration
 from layflat.cell.vision.colour import ColourDetector
 from layflat.cell.vision.detection import SURE, Colour, Detection, Detector, Kind
+from layflat.cell.vision.drawing import draw
+from layflat.cell.vision.onnx import OnnxDetector
 from layflat.cell.vision.usable import check_picture
 
 __all__ = [
@@ -19,8 +21,10 @@ __all__ = [
     "Detector",
     "Kind",
     "Marker",
+    "OnnxDetector",
     "calibrate",
     "check_picture",
+    "draw",
     "load_calibration",
     "self_check",
 ]

@@ -16,8 +16,10 @@ import numpy as np
 
 from layflat.cell.vision.boards import Array
 
-ROUNDS = 6
+ROUNDS = 5
 """Of fitting and leaving out."""
+FEWEST = 5
+"""Rays that make a cone; with fewer it is a line."""
 
 
 def fit_cones(rays: Array, usable: Array, roundness: Array, least: float) -> tuple[Array, Array, Array]:
@@ -34,9 +36,9 @@ def fit_cones(rays: Array, usable: Array, roundness: Array, least: float) -> tup
     """
     weights = usable.astype(float)
     for number in range(ROUNDS):
-        n = _solve(rays, weights)
-        length = np.maximum(np.linalg.norm(n, axis=1), 1.0)
-        middle, half = n / length[:, None], np.arccos(1.0 / length)
+        n = np.where((weights.sum(axis=1) < FEWEST)[:, None], rays.mean(axis=1), _solve(rays, weights))
+        length = np.linalg.norm(n, axis=1)
+        middle, half = n / length[:, None], np.arccos(1.0 / np.maximum(length, 1.0))
         off = np.abs(angles(rays, middle) - half[:, None])
         typical = _typical(off, weights)
         wide = np.maximum(np.maximum(least, roundness * half), (2.5 if number < ROUNDS - 1 else 0.0) * typical)
@@ -46,7 +48,8 @@ def fit_cones(rays: Array, usable: Array, roundness: Array, least: float) -> tup
 
 def angles(rays: Array, middle: Array) -> Array:
     """Angles between rays (B, R, 3) and directions (B, 3), rad; exact where they are small."""
-    return np.asarray(2.0 * np.arcsin(np.clip(np.linalg.norm(rays - middle[:, None], axis=2) / 2.0, 0.0, 1.0)))
+    away = rays - middle[:, None]
+    return np.asarray(2.0 * np.arcsin(np.minimum(np.sqrt(np.einsum("bri,bri->br", away, away)) / 2.0, 1.0)))
 
 
 def place(middle: Array, half: Array, eye: Array, plane: float, height_ratio: Array) -> tuple[Array, Array]:
@@ -67,8 +70,8 @@ def cone_rays(middle: Array, half: Array, count: int) -> Array:
 
 
 def _solve(rays: Array, weights: Array) -> Array:
-    A = np.einsum("br,bri,brj->bij", weights, rays, rays)
-    b = np.einsum("br,bri->bi", weights, rays)
+    weighed = (rays * weights[..., None]).transpose(0, 2, 1)
+    A, b = weighed @ rays, weighed.sum(axis=2)
     ridge = 1e-12 * np.maximum(weights.sum(axis=1), 1.0)
     return np.asarray(np.linalg.solve(A + ridge[:, None, None] * np.eye(3), b[..., None])[..., 0])
 

@@ -123,7 +123,9 @@ class BaseMarkers:
         """
         numbers = [marker.number for marker in self.markers]
         if not numbers or len(set(numbers)) < len(numbers):
-            raise CameraError(f"numbers {numbers}", where="base markers", right="at least one, each with its own number")
+            raise CameraError(
+                f"numbers {numbers}", where="base markers", right="at least one, each with its own number"
+            )
 
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
         """The corners of those that are in a grey picture."""

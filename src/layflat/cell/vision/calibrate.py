@@ -17,6 +17,8 @@ from layflat.errors import CameraError
 Picture: TypeAlias = NDArray[np.uint8]
 
 FEWEST_VIEWS = 6
+LEAST_TILT = 15.0
+"""Between two of the views at least, degree."""
 FOCAL_UNSURE = 0.003
 """Share of the focal length that its standard deviation may be."""
 MOST_ERROR = 1.0
@@ -95,11 +97,19 @@ def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float
     cv2 = opencv()
     known = [place.astype(np.float32) for place, _ in views]
     found = [pixels.astype(np.float32) for _, pixels in views]
-    error, matrix, distortion, _, _, spread, _, _ = cv2.calibrateCameraExtended(known, found, size, None, None)
+    error, matrix, distortion, turns, _, spread, _, _ = cv2.calibrateCameraExtended(known, found, size, None, None)
+    ahead = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns])
+    tilt = float(np.degrees(np.arccos(np.clip(ahead @ ahead.T, -1.0, 1.0)).max()))
+    if tilt < LEAST_TILT:
+        raise CameraError(
+            f"the board is tilted by {tilt:.0f} degrees at most between views",
+            where="calibration",
+            right="tilt it by 20 to 40 degrees, to all sides: flat views don't tell the focal length",
+        )
     unsure = float(np.max(np.ravel(spread)[:2]) / matrix[0, 0])
     if not np.isfinite(unsure) or unsure > FOCAL_UNSURE:
         raise CameraError(
-            f"the focal length is unsure by {unsure:.1%}", where="calibration", right="tilt the board by 20 to 40 degrees"
+            f"the focal length is unsure by {unsure:.1%}", where="calibration", right="show the board in more views"
         )
     if error > MOST_ERROR:
         raise CameraError(

@@ -74,9 +74,7 @@ class Calibration(BaseModel):
         cv2 = opencv()
         px = np.asarray(pixels, dtype=np.float64)
         until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
-        straight = cv2.undistortPoints(
-            px.reshape(-1, 1, 2), self.matrix, np.array(self.distortion), criteria=until
-        )
+        straight = cv2.undistortPoints(px.reshape(-1, 1, 2), self.matrix, np.array(self.distortion), criteria=until)
         ahead = np.column_stack([points(straight), np.ones(px.size // 2)])
         ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
         return np.asarray(ahead @ self.to_camera).reshape(*px.shape[:-1], 3)

@@ -58,7 +58,9 @@ class Kind:
             InputError: they are not.
         """
         if not 0.0 < self.diameter[0] < self.diameter[1]:
-            raise InputError(f"diameter {self.diameter}", where=self.name, right="needs least, then most, both over 0 m")
+            raise InputError(
+                f"diameter {self.diameter}", where=self.name, right="needs least, then most, both over 0 m"
+            )
 
     def grade(self, hue: float) -> str | None:
         """The grade of a hue (degree); None where no grade's limits hold it."""

@@ -63,13 +63,13 @@ def edges_of_picture(picture: Any, outlines: Array) -> tuple[Array, Array]:
 
     Args:
         picture: RGB.
-        outlines: (B, AROUND, 2), px, clockwise in the picture.
+        outlines: (B, AROUND, 2), px, anticlockwise in the picture.
 
     Returns:
         Places (B, AROUND, 2), px, and whether there is an edge, (B, AROUND).
     """
     along = np.roll(outlines, -1, axis=1) - np.roll(outlines, 1, axis=1)
-    outwards = np.stack([along[..., 1], -along[..., 0]], axis=-1)
+    outwards = np.stack([-along[..., 1], along[..., 0]], axis=-1)
     outwards /= np.maximum(np.linalg.norm(outwards, axis=-1, keepdims=True), 1e-9)
     values = sampled(picture, outlines[..., None, :] + ACROSS[:, None] * outwards[..., None, :])
     share, clear = _outside_share(values)

@@ -11,8 +11,8 @@ from layflat.cell.vision.boards import Array
 from layflat.cell.vision.detection import Colour
 from layflat.cell.vision.opencv import opencv, points
 
-LEAST_CORE = 0.55
-"""A disc's depth of the least radius from which it may be one: touching and hidden ones are shallower."""
+LEAST_CORE = 0.7
+"""A disc's depth of the least radius from which it may be one: what is hidden in part is shallower."""
 APART = 0.6
 """How far middles of two things are apart at least, of the larger radius."""
 
@@ -73,7 +73,7 @@ def discs(mask: Any, least: float) -> Array:
     """
     cv2 = opencv()
     framed = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_REPLICATE)
-    depth = cv2.GaussianBlur(cv2.distanceTransform(framed, cv2.DIST_L2, 5), (0, 0), 0.08 * least)[1:-1, 1:-1]
+    depth = cv2.distanceTransform(framed, cv2.DIST_L2, 5)[1:-1, 1:-1]
     reach = 2 * max(1, round(0.35 * least)) + 1
     highest = cv2.dilate(depth, np.ones((reach, reach), np.uint8))
     peak = cv2.compare(depth, cv2.max(highest, LEAST_CORE * least), cv2.CMP_GE)

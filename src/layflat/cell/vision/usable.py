@@ -37,20 +37,26 @@ def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = Non
         raise PictureError(f"is {picture.dtype} {picture.shape}", where=where, right="needs uint8 (height, width, 3)")
     if size is not None and (picture.shape[1], picture.shape[0]) != tuple(size):
         raise PictureError(
-            f"is {picture.shape[1]} x {picture.shape[0]} px", where=where, right=f"calibrated were {size[0]} x {size[1]}"
+            f"is {picture.shape[1]} x {picture.shape[0]} px",
+            where=where,
+            right=f"calibrated were {size[0]} x {size[1]}",
         )
     cv2 = opencv()
     half = cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
     grey = cv2.cvtColor(half, cv2.COLOR_RGB2GRAY)
     level = float(cv2.mean(grey)[0])
     if level < LEAST_LEVEL:
-        raise PictureError(f"is black: mean level {level:.0f} of 255", where=where, right="check lamp, lens cap, exposure")
+        raise PictureError(
+            f"is black: mean level {level:.0f} of 255", where=where, right="check lamp, lens cap, exposure"
+        )
     if level > MOST_LEVEL:
         raise PictureError(f"is white: mean level {level:.0f} of 255", where=where, right="shorten the exposure")
     wide = edge_width(grey)
     if wide > WIDEST_EDGE:
         told = f"its sharpest edges are blurred by {wide:.1f} px" if np.isfinite(wide) else "has no edges"
-        raise PictureError(told, where=where, right=f"at most {WIDEST_EDGE} px: clean or focus the lens, hold the camera")
+        raise PictureError(
+            told, where=where, right=f"at most {WIDEST_EDGE} px: clean or focus the lens, hold the camera"
+        )
     return half
 
 

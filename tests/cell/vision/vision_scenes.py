@@ -17,8 +17,12 @@ TRAY = (30.0, 50.0, 80.0)
 PACK = (95.0, 130.0, 150.0)
 BACKGROUND = (Colour(hue=(190, 240), saturation=(0.22, 1.0)), Colour(value=(0.0, 0.12)))
 KINDS = (
-    Kind("tomato", (Colour((345, 38), (0.5, 1.0), (0.12, 1.0)),), (0.045, 0.075), (("red", 345, 14), ("orange", 14, 38))),
-    Kind("apple", (Colour((55, 125), (0.3, 1.0), (0.12, 1.0)),), (0.06, 0.085), (("yellow", 55, 85), ("green", 85, 125))),
+    Kind(
+        "tomato", (Colour((345, 38), (0.5, 1.0), (0.12, 1.0)),), (0.045, 0.075), (("red", 345, 14), ("orange", 14, 38))
+    ),
+    Kind(
+        "apple", (Colour((55, 125), (0.3, 1.0), (0.12, 1.0)),), (0.06, 0.085), (("yellow", 55, 85), ("green", 85, 125))
+    ),
     Kind(
         "mushroom",
         (Colour((15, 80), (0.0, 0.35), (0.2, 1.0)), Colour((0, 360), (0.0, 0.12), (0.45, 1.0))),
@@ -136,9 +140,11 @@ def board_plate(board: CharucoBoard, middle: tuple[float, float, float], tilt: t
     return Plate(texture, np.array(middle) - (right + down) / 2, right, down)
 
 
-def board_scenes(count: int = 12, seed: int = 1) -> list[Scene]:
+def board_scenes(count: int = 9, seed: int = 1) -> list[Scene]:
     rng = np.random.default_rng(seed)
-    spots = [(0.42 + 0.2 * np.cos(a), 0.03 + 0.13 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, count, endpoint=False)]
+    spots = [
+        (0.42 + 0.2 * np.cos(a), 0.03 + 0.13 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, count, endpoint=False)
+    ]
     scenes = []
     for x, y in spots:
         tilt = (rng.uniform(-0.6, 0.6), rng.uniform(-0.6, 0.6), rng.uniform(-0.4, 0.4))
@@ -151,3 +157,19 @@ def calibrated() -> Calibration:
     """The camera's calibration, from pictures alone."""
     views = [take(scene, CAMERA, seed) for seed, scene in enumerate(board_scenes())]
     return calibrate(views, BOARD, take(Scene(plates=PLATES, table=TABLE), CAMERA, 99), MARKERS)
+
+
+@cache
+def true_calibration() -> Calibration:
+    """What a perfect calibration would say."""
+    R = CAMERA.rotation
+    (fx, fy), (cx, cy) = CAMERA.focal, CAMERA.middle
+    return Calibration(
+        picture_px=CAMERA.size,
+        camera_matrix_px=((fx, 0.0, cx), (0.0, fy, cy), (0.0, 0.0, 1.0)),
+        distortion=CAMERA.distortion,
+        rotation=R.tolist(),
+        translation_m=tuple((-R @ np.array(CAMERA.position)).tolist()),
+        lens_error_px=0.0,
+        pose_error_px=0.0,
+    )
