@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 Picture = NDArray[np.uint8]
 
 
@@ -33,7 +34,7 @@ class TrueCamera:
         x = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
         y = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
         z = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
-        return x @ y @ z @ np.diag([1.0, -1.0, -1.0])
+        return np.asarray(x @ y @ z @ np.diag([1.0, -1.0, -1.0]))
 
     def distorted(self, xy: Array) -> Array:
         k1, k2, p1, p2, k3 = self.distortion
@@ -185,7 +186,7 @@ def marker_plate(number: int, x: float, y: float, side: float, yaw: float = 0.0)
 
 def _unit(light: Light) -> Array:
     direction = np.array(light.direction)
-    return direction / np.linalg.norm(direction)
+    return np.asarray(direction / np.linalg.norm(direction))
 
 
 def _window(camera: TrueCamera, places: Array, margin: int = 3) -> tuple[slice, slice] | None:

@@ -19,7 +19,7 @@ def outline(x: float, y: float, radius: float, height_ratio: float = 1.0, count:
 
 def miss(rays: np.ndarray, middle: np.ndarray) -> np.ndarray:
     towards = middle - EYE
-    return np.linalg.norm(np.cross(rays, towards), axis=-1)
+    return np.asarray(np.linalg.norm(np.cross(rays, towards), axis=-1))
 
 
 @given(x=st.floats(0.0, 0.8), y=st.floats(-0.3, 0.3), radius=st.floats(0.01, 0.06), height_ratio=st.floats(0.6, 1.2))

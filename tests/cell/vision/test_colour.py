@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ RED, GREEN, CREAM, PURPLE = (190.0, 40.0, 30.0), (120.0, 170.0, 60.0), (215.0, 2
 DETECTOR = ColourDetector(KINDS, TABLE, BACKGROUND)
 
 
-def scene(*balls: Ball, **more: object) -> Scene:
-    return replace(Scene(balls=balls, plates=PLATES, table=TABLE), **more)  # type: ignore[arg-type]
+def scene(*balls: Ball, **more: Any) -> Scene:
+    return replace(Scene(balls=balls, plates=PLATES, table=TABLE), **more)
 
 
 def found_in(seen: Scene, seed: int = 3) -> list[Detection]:
@@ -136,7 +137,7 @@ def test_the_same_picture_gives_the_same_detections() -> None:
 @pytest.mark.parametrize(
     ("spoilt", "told"),
     [
-        (lambda picture: np.zeros_like(picture), "is black: mean level 0 of 255"),
+        (np.zeros_like, "is black: mean level 0 of 255"),
         (lambda picture: np.full_like(picture, 255), "is white"),
         (lambda picture: picture[:-1], "is 1280 x 959 px; calibrated were 1280 x 960"),
         (lambda picture: picture[..., 0], "needs uint8"),
@@ -145,12 +146,12 @@ def test_the_same_picture_gives_the_same_detections() -> None:
         (lambda picture: picture[..., ::-1].copy(), "shows no table"),
     ],
 )
-def test_pictures_that_cannot_be_used_are_refused(spoilt: object, told: str) -> None:
+def test_pictures_that_cannot_be_used_are_refused(spoilt: Any, told: str) -> None:
     picture: Picture = take(
         scene(Ball("tomato", 0.3, 0.1, 0.03, RED), flats=(Flat(0.6, 0.0, 0.2, 0.2, TRAY),)), CAMERA, 3
     )
     with pytest.raises(PictureError, match=told):
-        DETECTOR.find(spoilt(picture), true_calibration())  # type: ignore[operator]
+        DETECTOR.find(spoilt(picture), true_calibration())
 
 
 @pytest.mark.parametrize("noise", [0.5, 5.0])
@@ -165,7 +166,7 @@ def test_blur_is_refused_however_noisy_and_dark(noise: float) -> None:
 def test_motion_blur_is_refused() -> None:
     import cv2
 
-    picture = cv2.blur(take(scene(), CAMERA, 1), (15, 1))
+    picture: Any = cv2.blur(take(scene(), CAMERA, 1), (15, 1))
     with pytest.raises(PictureError, match="blurred"):
         DETECTOR.find(picture, true_calibration())
 

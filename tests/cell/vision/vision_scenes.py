@@ -42,7 +42,7 @@ PLATES = tuple(marker_plate(m.number, m.x, m.y, m.side, m.yaw) for m in MARKERS.
 BOARD = CharucoBoard(9, 7, 0.03, 0.022, "DICT_5X5_100")
 
 
-def skin(rng: np.random.Generator, kind: str) -> tuple[float, float, float]:
+def skin(rng: np.random.Generator, kind: str | None) -> tuple[float, float, float]:
     """A random colour of a kind, RGB of 255."""
     hue, saturation, value = {
         "tomato": (rng.uniform(-5, 30), rng.uniform(0.78, 0.92), rng.uniform(0.6, 0.9)),

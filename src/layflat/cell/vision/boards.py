@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from layflat.cell.vision.opencv import opencv, points
 from layflat.errors import CameraError
 
-Array: TypeAlias = NDArray[np.float64]
+Array: TypeAlias = NDArray[Any]
+"""Numbers, float64 unless they are pixels' values, or truths."""
 Seen: TypeAlias = tuple[Array, Array]
 """Points in the frame of a board or the base (N, 3), m, and where they are in a picture (N, 2), px."""
 

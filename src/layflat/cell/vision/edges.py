@@ -36,7 +36,8 @@ def edges_of_mask(mask: Any, middles: Array, nearest: Array, farthest: Array) ->
     Args:
         mask: of 0 and 255.
         middles: (B, 2), px.
-        nearest, farthest: from where to where to look, px from the middle, (B,).
+        nearest: from where to look, px from the middle, (B,).
+        farthest: to where.
 
     Returns:
         Places (B, AROUND, 2), px, and whether there is an edge, (B, AROUND).

@@ -113,7 +113,7 @@ def inside(outlines: Array) -> Array:
 
 
 def _look(even: Any, outlines: Array) -> tuple[Array, Array]:
-    """Mean colours (B, 3), stalks and reflections left out, and the spread of light over each thing, share of its mean."""
+    """Mean colours without stalks and reflections, (B, 3), and how light spreads over each thing, share of its mean."""
     places = inside(outlines)
     values = edges.sampled(even, places).reshape(len(outlines), -1, 3)
     level = values.mean(axis=2)

@@ -97,7 +97,7 @@ class OnnxDetector:
         boxes = seen[0][seen[0][:, 4] >= LEAST_SCORE]
         stretch = np.array([columns / small.shape[1], rows / small.shape[0]] * 2)
         boxes[:, :4] = boxes[:, :4] * stretch - 0.5
-        return boxes[((boxes[:, 2:4] - boxes[:, :2]) > 1.0).all(axis=1)]
+        return np.asarray(boxes[((boxes[:, 2:4] - boxes[:, :2]) > 1.0).all(axis=1)])
 
 
 def _ellipses(boxes: Array) -> Array:

@@ -42,7 +42,8 @@ def filled(mask: Any, background: Any, area: float) -> Any:
     """A mask without specks, its holes filled where they are small or show no background (stalks, reflections).
 
     Args:
-        mask, background: of 0 and 255.
+        mask: of 0 and 255.
+        background: pixels of table, trays and packs, of 0 and 255.
         area: of the smallest thing, px.
     """
     cv2 = opencv()
