@@ -94,10 +94,11 @@ class Ball:
     colour: tuple[float, float, float]
     spot: tuple[float, float, float] | None = None  # a calyx on top
     shine: float = 0.25
+    floor: float = 0.0  # height of what it rests on
 
     @property
     def centre(self) -> Array:
-        return np.array([self.x, self.y, self.radius])
+        return np.array([self.x, self.y, self.floor + self.radius])
 
 
 @dataclass(frozen=True)
@@ -256,19 +257,19 @@ def _shade_table(picture: NDArray[np.float32], camera: TrueCamera, ball: Ball, s
     whole = scene.ambient + sum(light.strength * _unit(light)[2] for light in scene.lights)
     for light in scene.lights:
         to = _unit(light)
-        foot = ball.centre[:2] - to[:2] / to[2] * ball.radius
+        foot = ball.centre[:2] - to[:2] / to[2] * ball.centre[2]
         window = _window(camera, _box(foot[0], foot[1], 1.6 * ball.radius / to[2], (0.0,)))
         if window is None:
             continue
         at = camera.floor[window]
-        gap = np.concatenate([ball.centre[:2] - at, np.full((*at.shape[:2], 1), ball.radius)], axis=-1)
+        gap = np.concatenate([ball.centre[:2] - at, np.full((*at.shape[:2], 1), ball.centre[2])], axis=-1)
         miss = np.linalg.norm(gap - (gap @ to)[..., None] * to, axis=-1)
         dark = np.clip(0.5 + (ball.radius - miss) / (0.25 * ball.radius), 0, 1)
         picture[window] *= 1.0 - (dark * light.strength * to[2] / whole)[..., None]
 
 
 def _paint_ball(picture: NDArray[np.float32], camera: TrueCamera, ball: Ball, scene: Scene) -> None:
-    window = _window(camera, _box(ball.x, ball.y, ball.radius, (0.0, 2 * ball.radius)))
+    window = _window(camera, _box(ball.x, ball.y, ball.radius, (ball.floor, ball.floor + 2 * ball.radius)))
     if window is None:
         return
     rays = camera.rays[window]

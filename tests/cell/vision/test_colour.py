@@ -128,6 +128,15 @@ def test_a_flatter_kind_has_its_middle_lower() -> None:
     assert one.diameter == pytest.approx(0.06, rel=0.02)
 
 
+def test_produce_on_a_floor_over_the_table() -> None:
+    picture = take(scene(Ball("tomato", 0.7, 0.1, 0.03, RED, floor=0.02)), CAMERA, 3)
+    (one,) = ColourDetector(KINDS, TABLE, plane=0.02).find(picture, true_calibration())
+    assert one.position == pytest.approx((0.7, 0.1, 0.05), abs=1e-3)
+    assert one.diameter == pytest.approx(0.06, rel=0.02)
+    (wrong,) = ColourDetector(KINDS, TABLE).find(picture, true_calibration())
+    assert abs(wrong.position[0] - 0.7) > 3e-3
+
+
 def test_the_same_picture_gives_the_same_detections() -> None:
     picture = take(random_scene(5), CAMERA, 5)
     first, second = (DETECTOR.find(picture, true_calibration()) for _ in range(2))

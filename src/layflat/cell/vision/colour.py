@@ -46,18 +46,24 @@ class ColourDetector:
         table: the table's colour in the reference light, RGB of 255.
         background: colours of table, trays and packs; what has none of them and is of no kind is told as unknown.
             Without them nothing unknown is told.
+        plane: height of what the produce rests on, m: a tray's floor.
 
     Raises:
         InputError: no kinds, or two of one name.
     """
 
     def __init__(
-        self, kinds: Sequence[Kind], table: tuple[float, float, float], background: Sequence[Colour] = ()
+        self,
+        kinds: Sequence[Kind],
+        table: tuple[float, float, float],
+        background: Sequence[Colour] = (),
+        plane: float = 0.0,
     ) -> None:
         names = [kind.name for kind in kinds]
         if not names or len(set(names)) < len(names):
             raise InputError(f"kinds {names}", where="detector", right="needs kinds, each with its own name")
         self.kinds, self.table, self.background = tuple(kinds), table, tuple(background)
+        self.plane = plane
         least, most = min(kind.diameter[0] for kind in kinds), max(kind.diameter[1] for kind in kinds)
         self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
 
@@ -70,14 +76,14 @@ class ColourDetector:
         cv2 = opencv()
         half = check_picture(picture, calibration.picture_px)
         even = evenly_lit(half, self.table)
-        scale = calibration.pixels_per_metre() / 2.0
+        scale = calibration.pixels_per_metre(self.plane) / 2.0
         guesses = self._guesses(cv2.cvtColor(even, cv2.COLOR_RGB2HSV_FULL), scale)
         if not guesses:
             return []
         kinds = [guess.kind for guess in guesses for _ in guess.discs]
         rough = [_rough(guess, scale) for guess in guesses]
         places, usable = (np.concatenate(parts) for parts in zip(*rough, strict=True))
-        measured = measure(picture, even, calibration, places, usable, kinds)
+        measured = measure(picture, even, calibration, places, usable, kinds, self.plane)
         own = _own(guesses, measured.outlines)
         sure = np.clip(measured.seen / COMPLETE, 0.0, 1.0) * np.clip(own / 0.95, 0.0, 1.0)
         least, most = np.array([kind.diameter for kind in kinds]).T / 2.0

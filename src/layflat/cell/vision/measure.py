@@ -44,7 +44,13 @@ class Measured:
 
 
 def measure(
-    picture: Any, even: Any, calibration: Calibration, places: Array, usable: Array, kinds: Sequence[Kind]
+    picture: Any,
+    even: Any,
+    calibration: Calibration,
+    places: Array,
+    usable: Array,
+    kinds: Sequence[Kind],
+    plane: float = 0.0,
 ) -> Measured:
     """Things as balls on the table, from rough places on their outlines; edges are then sought in the picture, twice.
 
@@ -55,6 +61,7 @@ def measure(
         places: on outlines, (B, R, 2), px.
         usable: which of them may be used, (B, R).
         kinds: what each may be.
+        plane: height of what they rest on, m.
     """
     roundness = np.array([kind.roundness for kind in kinds])
     least = DUST / float(calibration.matrix[0, 0])
@@ -64,7 +71,7 @@ def measure(
         at, edge = edges.edges_of_picture(picture, calibration.to_pixels(calibration.position + rays))
         middle, half, on = balls.fit_cones(calibration.rays(at), edge, roundness, least)
     ratio = np.array([kind.height_ratio for kind in kinds])
-    middles, radii = balls.place(middle, half, calibration.position, 0.0, ratio)
+    middles, radii = balls.place(middle, half, calibration.position, plane, ratio)
     outlines = calibration.to_pixels(calibration.position + balls.cone_rays(middle, half, edges.AROUND))
     return Measured(middles, radii, outlines, on.mean(axis=1), *_look(even, outlines))
 

@@ -37,16 +37,22 @@ class OnnxDetector:
         kinds: of produce, in the order of the network's numbers.
         table: the table's colour in the reference light, RGB of 255, for grades.
         size: rows and columns of the network's input.
+        plane: height of what the produce rests on, m: a tray's floor.
 
     Raises:
         InputError: the file can't be read or is no network that OpenCV runs.
     """
 
     def __init__(
-        self, path: Path, kinds: Sequence[Kind], table: tuple[float, float, float], size: tuple[int, int] = (640, 640)
+        self,
+        path: Path,
+        kinds: Sequence[Kind],
+        table: tuple[float, float, float],
+        size: tuple[int, int] = (640, 640),
+        plane: float = 0.0,
     ) -> None:
         cv2 = opencv()
-        self.path, self.kinds, self.table, self.size = path, tuple(kinds), table, size
+        self.path, self.kinds, self.table, self.size, self.plane = path, tuple(kinds), table, size, plane
         if not path.is_file():
             raise InputError("no such file", where=str(path), right="give the path of an ONNX file")
         try:
@@ -70,7 +76,8 @@ class OnnxDetector:
         kinds = [self.kinds[number if good else 0] for number, good in zip(numbers, known, strict=True)]
         even = evenly_lit(half, self.table)
         outlines = _ellipses(boxes)
-        measured = measure(picture, even, calibration, outlines, np.ones(outlines.shape[:2], bool), kinds)
+        usable = np.ones(outlines.shape[:2], bool)
+        measured = measure(picture, even, calibration, outlines, usable, kinds, self.plane)
         sure = boxes[:, 4] * np.clip(measured.seen / COMPLETE, 0.0, 1.0)
         names = [kind.name if good else None for kind, good in zip(kinds, known, strict=True)]
         return told(kinds, names, measured, sure, measured.radii > 0.0)
