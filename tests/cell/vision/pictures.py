@@ -236,21 +236,22 @@ def _paint_plate(picture: NDArray[np.float32], camera: TrueCamera, plate: Plate,
     back = np.linalg.inv(frame)
     start, ahead = back @ (eye - plate.corner), rays @ back.T
     at = start[:2] - ahead[..., :2] * (start[2] / ahead[..., 2:])
-    step_v, step_u = np.gradient(at, axis=(0, 1))
     rows, columns = plate.texture.shape
-    shade, share = np.zeros(at.shape[:2]), np.zeros(at.shape[:2])
-    steps = (np.arange(4) - 1.5) / 4
-    for du in steps:
-        for dv in steps:
-            there = at + du * step_u + dv * step_v
-            inside = ((there >= 0) & (there <= 1)).all(axis=-1)
-            u = (there[..., 0] * columns - 0.5).astype(np.float32)
-            v = (there[..., 1] * rows - 0.5).astype(np.float32)
-            texel = cv2.remap(plate.texture, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-            shade += np.where(inside, texel, 0)
+    u, v = (np.float32(count) * at[..., i].astype(np.float32) for i, count in enumerate((columns, rows)))
+    (u_down, u_right), (v_down, v_right) = np.gradient(u), np.gradient(v)
+    shade, share = np.zeros_like(u), np.zeros_like(u)
+    steps = np.array([-1, 0, 1], np.float32) / 3
+    for right in steps:
+        for down in steps:
+            there_u, there_v = u + right * u_right + down * u_down, v + right * v_right + down * v_down
+            inside = (there_u >= 0) & (there_u <= columns) & (there_v >= 0) & (there_v <= rows)
+            half = np.float32(0.5)
+            shade += inside * cv2.remap(
+                plate.texture, there_u - half, there_v - half, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+            )
             share += inside
     grey = shade / np.maximum(share, 1)
-    _mix(picture, window, share / 16, grey[..., None] * 0.9 * light * np.ones(3))
+    _mix(picture, window, share / 9, grey[..., None] * 0.9 * light * np.ones(3))
 
 
 def _shade_table(picture: NDArray[np.float32], camera: TrueCamera, ball: Ball, scene: Scene) -> None:
