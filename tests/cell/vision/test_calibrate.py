@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pictures import Picture, Plate, Scene, take
+from pictures import Flat, Picture, Plate, Scene, take
 from vision_scenes import BOARD, CAMERA, MARKERS, PLATES, TABLE, board_plate, board_scenes, true_calibration
 
 from layflat.cell.vision import (
+    BaseBoard,
     BaseMarkers,
     Calibration,
     CharucoBoard,
@@ -113,6 +114,26 @@ def test_one_marker_gives_a_pose(views: list[Picture], calibration: Calibration,
     alone = calibrate(views, BOARD, base, BaseMarkers(MARKERS.markers[:1]))
     near = CAMERA.project(np.array([MARKERS.markers[0].x + 0.05, MARKERS.markers[0].y, 0.0]))
     assert alone.to_table(near) == pytest.approx([MARKERS.markers[0].x + 0.05, MARKERS.markers[0].y], abs=1e-3)
+
+
+def test_a_board_can_be_the_base_marker() -> None:
+    board = CharucoBoard(5, 3, 0.04, 0.03, first_id=30)
+    texture = board.opencv().generateImage((500, 300))
+    c, s = np.cos(0.2), np.sin(0.2)
+    right, down = 0.2 * np.array([c, s, 0.0]), 0.12 * np.array([s, -c, 0.0])
+    plate = Plate(texture, np.array([0.3, 0.1, 0.0]) - (right + down) / 2, right, down)
+    sheet = Flat(0.3, 0.1, 0.23, 0.15, (230.0, 230.0, 230.0), yaw=0.2)
+    picture = take(replace(EMPTY, plates=(plate,), flats=(sheet,)), CAMERA, 5)
+    assert self_check(picture, true_calibration(), BaseBoard(board, 0.3, 0.1, yaw=0.2)) < 4e-4
+    with pytest.raises(CameraError, match=r"off by 5\.\d mm"):
+        self_check(picture, true_calibration(), BaseBoard(board, 0.3, 0.105, yaw=0.2))
+    with pytest.raises(CameraError, match=r"no base marker \(board of 5 x 3, from number 10\) seen"):
+        self_check(picture, true_calibration(), BaseBoard(replace(board, first_id=10), 0.3, 0.1))
+
+
+def test_a_dictionary_with_too_few_markers_is_told() -> None:
+    with pytest.raises(CameraError, match="DICT_4X4_50 has 50 markers, 52 are needed"):
+        CharucoBoard(5, 3, 0.04, 0.03, first_id=45).opencv()
 
 
 def test_a_checkerboard_is_seen_where_it_is() -> None:

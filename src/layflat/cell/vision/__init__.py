@@ -1,6 +1,6 @@
 """Seeing: a camera's calibration, and produce in its pictures. It is given pictures only, never a scene's state."""
 
-from layflat.cell.vision.boards import BaseMarkers, CharucoBoard, Checkerboard, Marker
+from layflat.cell.vision.boards import BaseBoard, BaseMarkers, CharucoBoard, Checkerboard, Marker
 from layflat.cell.vision.calibrate import calibrate, self_check
 from layflat.cell.vision.calibration import Calibration, load_calibration
 from layflat.cell.vision.colour import ColourDetector
@@ -11,6 +11,7 @@ from layflat.cell.vision.usable import check_picture
 
 __all__ = [
     "SURE",
+    "BaseBoard",
     "BaseMarkers",
     "Calibration",
     "CharucoBoard",

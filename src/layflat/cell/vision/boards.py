@@ -29,6 +29,7 @@ class CharucoBoard:
         columns, rows: number of squares.
         square, marker: their sides, m.
         dictionary: OpenCV's name of the markers' dictionary.
+        first_id: number of its first marker; the others follow.
     """
 
     columns: int
@@ -36,11 +37,24 @@ class CharucoBoard:
     square: float
     marker: float
     dictionary: str = DICTIONARY
+    first_id: int = 0
 
     def opencv(self) -> Any:
-        """The board as OpenCV knows it."""
+        """The board as OpenCV knows it.
+
+        Raises:
+            CameraError: the dictionary has too few markers.
+        """
         cv2 = opencv()
-        return cv2.aruco.CharucoBoard((self.columns, self.rows), self.square, self.marker, dictionary(self.dictionary))
+        words, size = dictionary(self.dictionary), (self.columns, self.rows)
+        numbers = np.arange(self.first_id, self.first_id + self.columns * self.rows // 2)
+        if numbers[-1] >= len(words.bytesList):
+            raise CameraError(
+                f"{self.dictionary} has {len(words.bytesList)} markers, {numbers[-1] + 1} are needed",
+                where="board",
+                right="a larger dictionary or fewer squares",
+            )
+        return cv2.aruco.CharucoBoard(size, self.square, self.marker, words, numbers)
 
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
         """Its corners in a grey picture, where there are enough."""
@@ -104,9 +118,7 @@ class Marker:
     def corners(self) -> Array:
         """Its corners in the base frame, from the upper left one clockwise as seen from above, (4, 3), m."""
         half = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]) * self.side / 2.0
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
-        flat = half @ np.array([[c, s], [-s, c]]) + [self.x, self.y]
-        return np.column_stack([flat, np.full(4, self.z)])
+        return on_base(half, self.x, self.y, self.yaw, self.z)
 
 
 @dataclass(frozen=True)
@@ -128,6 +140,11 @@ class BaseMarkers:
                 f"numbers {numbers}", where="base markers", right="at least one, each with its own number"
             )
 
+    @property
+    def told(self) -> str:
+        """What to look for."""
+        return ", ".join(str(marker.number) for marker in self.markers)
+
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
         """The corners of those that are in a grey picture."""
         cv2 = opencv()
@@ -145,6 +162,49 @@ class BaseMarkers:
             return None
         places, pixels = zip(*found, strict=True)
         return np.concatenate(places), np.concatenate(pixels)
+
+
+@dataclass(frozen=True)
+class BaseBoard:
+    """A ChArUco board fixed flat in the base frame, in place of single markers.
+
+    Attributes:
+        board: what it looks like.
+        x: its middle, m.
+        y: its middle, m.
+        yaw: how far its upper edge is turned from the base's x axis about z, rad.
+        z: its height, m.
+    """
+
+    board: CharucoBoard
+    x: float
+    y: float
+    yaw: float = 0.0
+    z: float = 0.0
+
+    @property
+    def told(self) -> str:
+        """What to look for."""
+        return f"board of {self.board.columns} x {self.board.rows}, from number {self.board.first_id}"
+
+    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+        """Its corners in a grey picture."""
+        found = self.board.seen(grey)
+        if found is None:
+            return None
+        known, pixels = found
+        size = np.array([self.board.columns, self.board.rows]) * self.board.square
+        return on_base((known[:, :2] - size / 2.0) * [1.0, -1.0], self.x, self.y, self.yaw, self.z), pixels
+
+
+Base: TypeAlias = BaseMarkers | BaseBoard
+"""What is fixed in the base frame for the camera to see."""
+
+
+def on_base(flat: Array, x: float, y: float, yaw: float, z: float) -> Array:
+    """Points of something flat (N, 2), m, its y upwards, in the base frame (N, 3)."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.column_stack([flat @ np.array([[c, s], [-s, c]]) + [x, y], np.full(len(flat), z)])
 
 
 @lru_cache

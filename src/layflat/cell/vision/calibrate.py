@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.vision.boards import Array, BaseMarkers, Board, Seen
+from layflat.cell.vision.boards import Array, Base, Board, Seen
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.opencv import opencv
 from layflat.cell.vision.usable import check_picture
@@ -27,7 +27,7 @@ OFF = 1.0e-3
 """How far base markers may be from where the calibration says before a picture is refused, m on the table."""
 
 
-def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, markers: BaseMarkers) -> Calibration:
+def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, markers: Base) -> Calibration:
     """A camera's lens and pose.
 
     Args:
@@ -56,7 +56,7 @@ def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, 
     )
 
 
-def self_check(picture: Picture, calibration: Calibration, markers: BaseMarkers, most: float = OFF) -> float:
+def self_check(picture: Picture, calibration: Calibration, markers: Base, most: float = OFF) -> float:
     """How far the base's markers are from where the calibration says, m on the table.
 
     Raises:
@@ -120,13 +120,14 @@ def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float
     return matrix, np.ravel(distortion)[:5].astype(np.float64), float(error)
 
 
-def _seen_markers(picture: Picture, markers: BaseMarkers, size: tuple[int, int], where: str) -> Seen:
+def _seen_markers(picture: Picture, markers: Base, size: tuple[int, int], where: str) -> Seen:
     cv2 = opencv()
     check_picture(picture, size, where=where)
     seen = markers.seen(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
     if seen is None:
-        numbers = ", ".join(str(marker.number) for marker in markers.markers)
-        raise CameraError(f"no base marker ({numbers}) seen", where=where, right="uncover it, turn the camera to it")
+        raise CameraError(
+            f"no base marker ({markers.told}) seen", where=where, right="uncover it, turn the camera to it"
+        )
     return seen
 
 
