@@ -42,6 +42,14 @@ class OutputError(InputError):
     """A result can't be written where it was asked for."""
 
 
+class PictureError(InputError):
+    """A picture can't be used: black, blurred, of another size, or without what should be in it."""
+
+
+class CameraError(InputError):
+    """The camera is not where its calibration says, or can't be calibrated with what was given."""
+
+
 class DivergedError(LayflatError):
     """A run left the range in which the model means anything.
 

@@ -1,0 +1,84 @@
+"""From the outline of a ball in a picture to the ball: in closed form, for many at once.
+
+Rays that touch a ball of radius r, whose middle is D away in direction c, make a cone: d . c = cos(a), sin(a) = r / D.
+So n = c / cos(a) solves d . n = 1 for all rays d of the outline, a linear problem. The middle is `height_ratio` r over
+the plane z = h; seen from p that is p_z + D c_z = h + height_ratio D sin(a), which gives D.
+
+R       number of rays of an outline
+a       half angle of the cone, rad
+c       direction of the ball's middle, unit vector
+n       c / cos(a)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from layflat.cell.vision.boards import Array
+
+ROUNDS = 5
+"""Of fitting and leaving out."""
+FEWEST = 5
+"""Rays that make a cone; with fewer it is a line."""
+
+
+def fit_cones(rays: Array, usable: Array, roundness: Array, least: float) -> tuple[Array, Array, Array]:
+    """The cones that touch balls, by least squares without the rays that are off.
+
+    Args:
+        rays: unit vectors to outlines, (B, R, 3).
+        usable: 1 for rays that may be on the outline, 0 for others, (B, R).
+        roundness: how far rays may be off at last, shares of the cone's half angle, (B,).
+        least: how far they may be off in any case, rad.
+
+    Returns:
+        Directions of the balls' middles (B, 3), half angles (B,), rad, and what rays are on the outline, (B, R).
+    """
+    weights = usable.astype(float)
+    for number in range(ROUNDS):
+        n = np.where((weights.sum(axis=1) < FEWEST)[:, None], rays.mean(axis=1), _solve(rays, weights))
+        length = np.linalg.norm(n, axis=1)
+        middle, half = n / length[:, None], np.arccos(1.0 / np.maximum(length, 1.0))
+        off = np.abs(angles(rays, middle) - half[:, None])
+        typical = _typical(off, weights)
+        wide = np.maximum(np.maximum(least, roundness * half), (2.5 if number < ROUNDS - 1 else 0.0) * typical)
+        weights = usable * (off <= wide[:, None])
+    return middle, half, weights
+
+
+def angles(rays: Array, middle: Array) -> Array:
+    """Angles between rays (B, R, 3) and directions (B, 3), rad; exact where they are small."""
+    away = rays - middle[:, None]
+    return np.asarray(2.0 * np.arcsin(np.minimum(np.sqrt(np.einsum("bri,bri->br", away, away)) / 2.0, 1.0)))
+
+
+def place(middle: Array, half: Array, eye: Array, plane: float, height_ratio: Array) -> tuple[Array, Array]:
+    """Balls that rest on the plane z = `plane` (m) from their cones: middles (B, 3) and radii (B,), m."""
+    sine = np.sin(half)
+    far = (eye[2] - plane) / (height_ratio * sine - middle[:, 2])
+    return eye + far[:, None] * middle, far * sine
+
+
+def cone_rays(middle: Array, half: Array, count: int) -> Array:
+    """Rays around cones, evenly, (B, `count`, 3) unit vectors: always from the same side on."""
+    side = np.cross(middle, np.array([0.0, 1.0, 0.0]))
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    other = np.cross(side, middle)
+    turn = 2.0 * np.pi * np.arange(count) / count
+    around = np.cos(turn)[None, :, None] * side[:, None] + np.sin(turn)[None, :, None] * other[:, None]
+    return np.asarray(np.cos(half)[:, None, None] * middle[:, None] + np.sin(half)[:, None, None] * around)
+
+
+def _solve(rays: Array, weights: Array) -> Array:
+    weighed = (rays * weights[..., None]).transpose(0, 2, 1)
+    A, b = weighed @ rays, weighed.sum(axis=2)
+    ridge = 1e-12 * np.maximum(weights.sum(axis=1), 1.0)
+    return np.asarray(np.linalg.solve(A + ridge[:, None, None] * np.eye(3), b[..., None])[..., 0])
+
+
+def _typical(off: Array, weights: Array) -> Array:
+    """Median of what is off by ray, over those in use."""
+    used = np.sort(np.where(weights > 0.0, off, np.inf), axis=1)
+    middle = np.maximum(weights.sum(axis=1).astype(int) - 1, 0) // 2
+    typical = np.take_along_axis(used, middle[:, None], axis=1)[:, 0]
+    return np.asarray(np.where(np.isfinite(typical), typical, 0.0))

@@ -1,0 +1,149 @@
+"""A camera's lens from pictures of a board (Zhang 2000), its pose from one picture of the base's markers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.vision.boards import Array, Base, Board, Seen
+from layflat.cell.vision.calibration import Calibration
+from layflat.cell.vision.opencv import opencv
+from layflat.cell.vision.usable import check_picture
+from layflat.errors import CameraError
+
+Picture: TypeAlias = NDArray[np.uint8]
+
+FEWEST_VIEWS = 6
+LEAST_TILT = 15.0
+"""Between two of the views at least, degree."""
+FOCAL_UNSURE = 0.003
+"""Share of the focal length that its standard deviation may be."""
+MOST_ERROR = 1.0
+"""Rms of corners seen less corners predicted over which something is wrong with the board, px."""
+OFF = 1.0e-3
+"""How far base markers may be from where the calibration says before a picture is refused, m on the table."""
+
+
+def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, markers: Base) -> Calibration:
+    """A camera's lens and pose.
+
+    Args:
+        pictures: of the board, tilted and in all parts of the picture; those without it are left out.
+        board: what was shown to the camera.
+        base_picture: of the base's markers, from where the camera stays.
+        markers: where they are.
+
+    Raises:
+        PictureError: a picture is black, blurred or of another size.
+        CameraError: too few views, views too much alike, a board of other size than told, or no marker seen.
+    """
+    size = (base_picture.shape[1], base_picture.shape[0])
+    views = _views(pictures, board, size)
+    matrix, distortion, error = _lens(views, size)
+    seen = _seen_markers(base_picture, markers, size, "base picture")
+    rotation, shift, pose_error = _pose(seen, matrix, distortion)
+    return Calibration(
+        picture_px=size,
+        camera_matrix_px=matrix.tolist(),
+        distortion=tuple(distortion.tolist()),
+        rotation=rotation.tolist(),
+        translation_m=tuple(shift.tolist()),
+        lens_error_px=error,
+        pose_error_px=pose_error,
+    )
+
+
+def self_check(picture: Picture, calibration: Calibration, markers: Base, most: float = OFF) -> float:
+    """How far the base's markers are from where the calibration says, m on the table.
+
+    Raises:
+        PictureError: the picture can't be used.
+        CameraError: no marker is seen, or one is off by more than `most` (m).
+    """
+    places, pixels = _seen_markers(picture, markers, calibration.picture_px, "self-check")
+    height = float(places[0, 2])
+    seen = np.array([calibration.to_table(px, z) for px, z in zip(pixels, places[:, 2], strict=True)])
+    off = float(np.linalg.norm(seen - places[:, :2], axis=1).max())
+    if off > most:
+        raise CameraError(
+            f"base markers are off by {off * 1e3:.1f} mm (at z = {height:g} m)",
+            where="self-check",
+            right=f"at most {most * 1e3:g} mm: the camera was moved or is miscalibrated; calibrate it anew",
+        )
+    return off
+
+
+def _views(pictures: Sequence[Picture], board: Board, size: tuple[int, int]) -> list[Seen]:
+    cv2 = opencv()
+    views: list[Seen] = []
+    for number, picture in enumerate(pictures, start=1):
+        check_picture(picture, size, where=f"board picture {number}")
+        seen = board.seen(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
+        if seen is not None:
+            views.append(seen)
+    if len(views) < FEWEST_VIEWS:
+        raise CameraError(
+            f"the board is seen in {len(views)} of {len(pictures)} pictures",
+            where="calibration",
+            right=f"show it in at least {FEWEST_VIEWS}, tilted, in all parts of the picture; check its squares' number",
+        )
+    return views
+
+
+def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float]:
+    cv2 = opencv()
+    known = [place.astype(np.float32) for place, _ in views]
+    found = [pixels.astype(np.float32) for _, pixels in views]
+    error, matrix, distortion, turns, _, spread, _, _ = cv2.calibrateCameraExtended(known, found, size, None, None)
+    ahead = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns])
+    tilt = float(np.degrees(np.arccos(np.clip(ahead @ ahead.T, -1.0, 1.0)).max()))
+    if tilt < LEAST_TILT:
+        raise CameraError(
+            f"the board is tilted by {tilt:.0f} degrees at most between views",
+            where="calibration",
+            right="tilt it by 20 to 40 degrees, to all sides: flat views don't tell the focal length",
+        )
+    unsure = float(np.max(np.ravel(spread)[:2]) / matrix[0, 0])
+    if not np.isfinite(unsure) or unsure > FOCAL_UNSURE:
+        raise CameraError(
+            f"the focal length is unsure by {unsure:.1%}", where="calibration", right="show the board in more views"
+        )
+    if error > MOST_ERROR:
+        raise CameraError(
+            f"the board's corners are off by {error:.1f} px",
+            where="calibration",
+            right=f"at most {MOST_ERROR:g} px: the board must be flat, its squares as many as told",
+        )
+    return matrix, np.ravel(distortion)[:5].astype(np.float64), float(error)
+
+
+def _seen_markers(picture: Picture, markers: Base, size: tuple[int, int], where: str) -> Seen:
+    cv2 = opencv()
+    check_picture(picture, size, where=where)
+    seen = markers.seen(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
+    if seen is None:
+        raise CameraError(
+            f"no base marker ({markers.told}) seen", where=where, right="uncover it, turn the camera to it"
+        )
+    return seen
+
+
+def _pose(seen: Seen, matrix: Array, distortion: Array) -> tuple[Array, Array, float]:
+    cv2 = opencv()
+    places, pixels = seen
+    found, turn, shift = cv2.solvePnP(places, pixels, matrix, distortion, flags=cv2.SOLVEPNP_SQPNP)
+    if not found:
+        raise CameraError("no pose fits the base's markers", where="calibration", right="check their places and sides")
+    turn, shift = cv2.solvePnPRefineLM(places, pixels, matrix, distortion, turn, shift)
+    predicted, _ = cv2.projectPoints(places, turn, shift, matrix, distortion)
+    error = float(np.sqrt(np.mean(np.sum((predicted.reshape(-1, 2) - pixels) ** 2, axis=1))))
+    if error > MOST_ERROR:
+        raise CameraError(
+            f"base markers are off by {error:.1f} px in any pose",
+            where="calibration",
+            right=f"at most {MOST_ERROR:g} px: check their numbers, places and sides",
+        )
+    return cv2.Rodrigues(turn)[0], np.ravel(shift), error

@@ -1,0 +1,128 @@
+"""A detector of round produce by colour."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.vision import edges, regions
+from layflat.cell.vision.boards import Array
+from layflat.cell.vision.calibration import Calibration
+from layflat.cell.vision.detection import Colour, Detection, Kind
+from layflat.cell.vision.light import evenly_lit
+from layflat.cell.vision.measure import COMPLETE, inside, measure, told
+from layflat.cell.vision.opencv import opencv
+from layflat.cell.vision.usable import check_picture
+from layflat.errors import InputError
+
+SLACK = 0.08
+"""How far a diameter may be out of its kind's limits, share."""
+FLAT = 0.02
+"""Spread of light over a thing, share of its mean, under which it is flat: a label, a lid."""
+FEWEST_SEEN = 0.35
+"""Share of an outline that must be seen for a thing to be told at all."""
+OWN = 0.7
+"""Share of a thing that must have its kind's colour."""
+
+
+@dataclass(frozen=True)
+class _Guesses:
+    """Things as first seen: what they may be, middle and depth in px of the halved picture, the mask they are in."""
+
+    kind: Kind
+    discs: Array
+    mask: Any
+
+
+class ColourDetector:
+    """Finds round produce of known colours on a table, in a tray or in a pack of other colours.
+
+    Args:
+        kinds: of produce, no colour in two of them.
+        table: the table's colour in the reference light, RGB of 255.
+        background: colours of table, trays and packs; what has none of them and is of no kind is told as unknown.
+            Without them nothing unknown is told.
+        plane: height of what the produce rests on, m: a tray's floor.
+
+    Raises:
+        InputError: no kinds, or two of one name.
+    """
+
+    def __init__(
+        self,
+        kinds: Sequence[Kind],
+        table: tuple[float, float, float],
+        background: Sequence[Colour] = (),
+        plane: float = 0.0,
+    ) -> None:
+        names = [kind.name for kind in kinds]
+        if not names or len(set(names)) < len(names):
+            raise InputError(f"kinds {names}", where="detector", right="needs kinds, each with its own name")
+        self.kinds, self.table, self.background = tuple(kinds), table, tuple(background)
+        self.plane = plane
+        least, most = min(kind.diameter[0] for kind in kinds), max(kind.diameter[1] for kind in kinds)
+        self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
+
+    def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
+        """What lies on the table, surest first; what is flat, not round or of another size is left out.
+
+        Raises:
+            PictureError: the picture can't be used.
+        """
+        cv2 = opencv()
+        half = check_picture(picture, calibration.picture_px)
+        even = evenly_lit(half, self.table)
+        scale = calibration.pixels_per_metre(self.plane) / 2.0
+        guesses = self._guesses(cv2.cvtColor(even, cv2.COLOR_RGB2HSV_FULL), scale)
+        if not guesses:
+            return []
+        kinds = [guess.kind for guess in guesses for _ in guess.discs]
+        rough = [_rough(guess, scale) for guess in guesses]
+        places, usable = (np.concatenate(parts) for parts in zip(*rough, strict=True))
+        measured = measure(picture, even, calibration, places, usable, kinds, self.plane)
+        own = _own(guesses, measured.outlines)
+        sure = np.clip(measured.seen / COMPLETE, 0.0, 1.0) * np.clip(own / 0.95, 0.0, 1.0)
+        least, most = np.array([kind.diameter for kind in kinds]).T / 2.0
+        fits = (measured.radii >= (1.0 - SLACK) * least) & (measured.radii <= (1.0 + SLACK) * most)
+        good = fits & (measured.seen >= FEWEST_SEEN) & (own >= OWN) & (measured.relief >= FLAT)
+        names = [None if kind is self._unknown else kind.name for kind in kinds]
+        return told(kinds, names, measured, sure, good)
+
+    def _guesses(self, hsv: Any, scale: float) -> list[_Guesses]:
+        """Where each kind's colour, and at last none, is as wide as that kind may be."""
+        cv2 = opencv()
+        background = regions.in_colours(hsv, self.background)
+        taken = background.copy()
+        guesses = []
+        for kind in (*self.kinds, self._unknown) if self.background else self.kinds:
+            if kind is self._unknown:
+                mask = cv2.bitwise_not(cv2.dilate(taken, np.ones((5, 5), np.uint8)))
+            else:
+                mask = regions.in_colours(hsv, kind.colours)
+            least = kind.diameter[0] / 2.0 * scale
+            whole = regions.filled(mask, background, np.pi * least**2)
+            taken |= whole
+            guesses.append(_Guesses(kind, regions.discs(whole, least), whole))
+        return [guess for guess in guesses if len(guess.discs)]
+
+
+def _rough(guess: _Guesses, scale: float) -> tuple[Array, Array]:
+    """Edges of a mask around its discs, px of the whole picture, and which of them are edges."""
+    depth = guess.discs[:, 2]
+    most = np.maximum(0.6 * guess.kind.diameter[1] * scale, 1.3 * depth)
+    places, usable = edges.edges_of_mask(guess.mask, guess.discs[:, :2], 0.4 * depth, most)
+    return 2.0 * places + 0.5, usable
+
+
+def _own(guesses: Sequence[_Guesses], outlines: Array) -> Array:
+    """How much of each thing has its kind's colour."""
+    shares, start = [], 0
+    for guess in guesses:
+        within = inside(outlines[start : start + len(guess.discs)])
+        shares.append(edges.sampled(guess.mask, within).mean(axis=(1, 2)) / 255.0)
+        start += len(guess.discs)
+    return np.concatenate(shares)

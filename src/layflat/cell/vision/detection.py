@@ -1,0 +1,107 @@
+"""What a detector finds, and what it must know about the kinds of produce."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.vision.calibration import Calibration
+from layflat.errors import InputError
+
+Span: TypeAlias = tuple[float, float]
+
+SURE = 0.7
+"""Confidence from which a detection is whole and clear enough to be picked."""
+
+
+@dataclass(frozen=True)
+class Colour:
+    """A region of colours in HSV, lit as the table's reference is.
+
+    Attributes:
+        hue: from, to, degree; from 340 to 20 goes through 0.
+        saturation, value: from, to, of 1.
+    """
+
+    hue: Span = (0.0, 360.0)
+    saturation: Span = (0.0, 1.0)
+    value: Span = (0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of produce, as a detector knows it: round, within limits of size and colour.
+
+    Attributes:
+        name: what it is called.
+        colours: from shaded to lit, and in reflections.
+        diameter: least and most, m.
+        grades: name and hues (from, to; degree) of each grade.
+        height_ratio: height of the middle over the table by half the diameter: 1 for a ball.
+        roundness: how far its outline may be from a circle, share of its radius.
+    """
+
+    name: str
+    colours: tuple[Colour, ...]
+    diameter: Span
+    grades: tuple[tuple[str, float, float], ...] = ()
+    height_ratio: float = 1.0
+    roundness: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Limits are in order.
+
+        Raises:
+            InputError: they are not.
+        """
+        if not 0.0 < self.diameter[0] < self.diameter[1]:
+            raise InputError(
+                f"diameter {self.diameter}", where=self.name, right="needs least, then most, both over 0 m"
+            )
+
+    def grade(self, hue: float) -> str | None:
+        """The grade of a hue (degree); None where no grade's limits hold it."""
+        return next((name for name, start, end in self.grades if (hue - start) % 360.0 < (end - start) % 360.0), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """One thing on the table.
+
+    Attributes:
+        kind: of produce; None for what is round and of such a size but of no known kind.
+        position: its middle in the base frame (x, y, z), m.
+        diameter: m.
+        grade: by its mean hue; None where there is none.
+        hue: mean hue, degree.
+        colour: mean colour, RGB of 255, lit as the table's reference is.
+        confidence: 0 to 1; from `SURE` on it is whole and clear.
+        outline: what its outline would be if it were all seen, (N, 2) px.
+    """
+
+    kind: str | None
+    position: tuple[float, float, float]
+    diameter: float
+    grade: str | None
+    hue: float
+    colour: tuple[float, float, float]
+    confidence: float
+    outline: NDArray[np.float64]
+
+
+class Detector(Protocol):
+    """Finds produce in a picture: by colour, or learned."""
+
+    def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
+        """What lies on the table, surest first.
+
+        Args:
+            picture: RGB, (H, W, 3).
+            calibration: of the camera that took it.
+
+        Raises:
+            PictureError: the picture can't be used.
+        """

@@ -1,0 +1,137 @@
+"""From rough outlines to places, sizes, colours and confidence: the part that all detectors share."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from layflat.cell.vision import balls, edges, regions
+from layflat.cell.vision.boards import Array
+from layflat.cell.vision.calibration import Calibration
+from layflat.cell.vision.detection import Detection, Kind
+
+STALK = 0.06
+"""How far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin."""
+DUST = 1.2
+"""Px that an edge may be off its outline in any case."""
+COMPLETE = 0.8
+"""Share of an outline from which it is as good as whole: what touches others is never seen all around."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What is known of things, one a row.
+
+    Attributes:
+        middles: in the base frame (B, 3), m.
+        radii: m.
+        outlines: (B, AROUND, 2), px.
+        seen: share of each outline that is an edge in the picture.
+        colours: mean RGB (B, 3), of 255, stalks and reflections left out.
+        relief: spread of light over each thing, share of its mean; nearly 0 for what is flat.
+    """
+
+    middles: Array
+    radii: Array
+    outlines: Array
+    seen: Array
+    colours: Array
+    relief: Array
+
+
+def measure(
+    picture: Any,
+    even: Any,
+    calibration: Calibration,
+    places: Array,
+    usable: Array,
+    kinds: Sequence[Kind],
+    plane: float = 0.0,
+) -> Measured:
+    """Things as balls on the table, from rough places on their outlines; edges are then sought in the picture, twice.
+
+    Args:
+        picture: RGB, as taken.
+        even: its half, evenly lit.
+        calibration: of the camera.
+        places: on outlines, (B, R, 2), px.
+        usable: which of them may be used, (B, R).
+        kinds: what each may be.
+        plane: height of what they rest on, m.
+    """
+    roundness = np.array([kind.roundness for kind in kinds])
+    least = DUST / float(calibration.matrix[0, 0])
+    middle, half, _ = balls.fit_cones(calibration.rays(places), usable, 2.0 * roundness, 2.0 * least)
+    for _ in range(2):
+        rays = balls.cone_rays(middle, half, edges.AROUND)
+        at, edge = edges.edges_of_picture(picture, calibration.to_pixels(calibration.position + rays))
+        middle, half, on = balls.fit_cones(calibration.rays(at), edge, roundness, least)
+    ratio = np.array([kind.height_ratio for kind in kinds])
+    middles, radii = balls.place(middle, half, calibration.position, plane, ratio)
+    outlines = calibration.to_pixels(calibration.position + balls.cone_rays(middle, half, edges.AROUND))
+    return Measured(middles, radii, outlines, on.mean(axis=1), *_look(even, outlines))
+
+
+def told(
+    kinds: Sequence[Kind], names: Sequence[str | None], measured: Measured, sure: Array, good: Array
+) -> list[Detection]:
+    """Detections of what is good, the surest first; at one place the surest only, and of a known kind if any is.
+
+    Args:
+        kinds: what each thing was taken for.
+        names: of its kind; None where that is unknown.
+        measured: of the same things.
+        sure: confidence, (B,).
+        good: which are to be told, (B,).
+    """
+    strange = np.array([name is None for name in names])
+    order = np.flatnonzero(good)
+    order = order[np.lexsort((-sure[order], strange[order]))]
+    kept = regions.apart(np.column_stack([measured.middles[order, :2], measured.radii[order], order]))[:, 3].astype(int)
+    found = []
+    for number in kept[np.argsort(-sure[kept], kind="stable")]:
+        red, green, blue = np.clip(measured.colours[number], 0.0, 255.0).tolist()
+        hue = 360.0 * colorsys.rgb_to_hsv(red / 255.0, green / 255.0, blue / 255.0)[0]
+        x, y, z = measured.middles[number].tolist()
+        found.append(
+            Detection(
+                kind=names[number],
+                position=(x, y, z),
+                diameter=2.0 * float(measured.radii[number]),
+                grade=None if names[number] is None else kinds[number].grade(hue),
+                hue=hue,
+                colour=(red, green, blue),
+                confidence=float(sure[number]),
+                outline=measured.outlines[number],
+            )
+        )
+    return found
+
+
+def inside(outlines: Array) -> Array:
+    """Places evenly spread within outlines, px of the halved picture, (B, 8, AROUND / 4, 2)."""
+    shares = np.sqrt(np.linspace(0.04, 0.75, 8))
+    middle = outlines.mean(axis=1)[:, None, None]
+    return np.asarray((middle + shares[:, None, None] * (outlines[:, None, ::4] - middle) - 0.5) / 2.0)
+
+
+def _look(even: Any, outlines: Array) -> tuple[Array, Array]:
+    """Mean colours without stalks and reflections, (B, 3), and how light spreads over each thing, share of its mean."""
+    places = inside(outlines)
+    values = edges.sampled(even, places).reshape(len(outlines), -1, 3)
+    level = values.mean(axis=2)
+    shade = values / np.maximum(3.0 * level, 1.0)[..., None]
+    skin = np.abs(shade - np.median(shade, axis=1, keepdims=True)).max(axis=2) < STALK
+    dull = skin & (level <= np.sort(level, axis=1)[:, -level.shape[1] // 10, None])
+    colours = (values * dull[..., None]).sum(axis=1) / np.maximum(dull.sum(axis=1, keepdims=True), 1)
+    at = (places - places.mean(axis=(1, 2), keepdims=True)).reshape(len(outlines), -1, 2)
+    at /= np.maximum(np.abs(at).max(axis=(1, 2), keepdims=True), 1e-9)
+    x, y = at[..., 0], at[..., 1]
+    basis = np.stack([np.ones_like(x), x, y, x * x + y * y], axis=-1)
+    weighed = (basis * skin[..., None]).transpose(0, 2, 1)
+    terms = np.linalg.solve(weighed @ basis + 1e-6 * np.eye(4), weighed @ level[..., None])
+    return colours, (basis @ terms)[..., 0].std(axis=1) / np.maximum(level.mean(axis=1), 1.0)

@@ -1,0 +1,114 @@
+"""A learned detector from an ONNX file, run by OpenCV: the network finds and names, geometry measures.
+
+The network takes one picture, float32 (1, 3, rows, columns), RGB of 1, and gives boxes, (1, N, 6): left, upper, right,
+lower (px of its input), score and the kind's number, as networks of the YOLO family export them with their boxes sorted
+out. The ellipse in a box is where the outline is first sought.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.vision import edges
+from layflat.cell.vision.boards import Array
+from layflat.cell.vision.calibration import Calibration
+from layflat.cell.vision.detection import Detection, Kind
+from layflat.cell.vision.light import evenly_lit
+from layflat.cell.vision.measure import COMPLETE, measure, told
+from layflat.cell.vision.opencv import opencv
+from layflat.cell.vision.usable import check_picture
+from layflat.errors import InputError
+
+LEAST_SCORE = 0.25
+PADDING = 114
+"""Grey around a picture whose shape is not the network's."""
+
+
+class OnnxDetector:
+    """Finds produce with a network.
+
+    Args:
+        path: the ONNX file.
+        kinds: of produce, in the order of the network's numbers.
+        table: the table's colour in the reference light, RGB of 255, for grades.
+        size: rows and columns of the network's input.
+        plane: height of what the produce rests on, m: a tray's floor.
+
+    Raises:
+        InputError: the file can't be read or is no network that OpenCV runs.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        kinds: Sequence[Kind],
+        table: tuple[float, float, float],
+        size: tuple[int, int] = (640, 640),
+        plane: float = 0.0,
+    ) -> None:
+        cv2 = opencv()
+        self.path, self.kinds, self.table, self.size, self.plane = path, tuple(kinds), table, size, plane
+        if not path.is_file():
+            raise InputError("no such file", where=str(path), right="give the path of an ONNX file")
+        try:
+            self._network = cv2.dnn.readNetFromONNX(str(path))
+        except cv2.error:
+            raise InputError("is no network that OpenCV runs", where=str(path), right="export it as ONNX") from None
+
+    def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
+        """What the network sees, measured on the table, surest first; a number over the kinds' is of no known kind.
+
+        Raises:
+            PictureError: the picture can't be used.
+            InputError: the network's input or output has another shape.
+        """
+        half = check_picture(picture, calibration.picture_px)
+        boxes = self._boxes(picture)
+        if not len(boxes):
+            return []
+        numbers = boxes[:, 5].astype(int)
+        known = (numbers >= 0) & (numbers < len(self.kinds))
+        kinds = [self.kinds[number if good else 0] for number, good in zip(numbers, known, strict=True)]
+        even = evenly_lit(half, self.table)
+        outlines = _ellipses(boxes)
+        usable = np.ones(outlines.shape[:2], bool)
+        measured = measure(picture, even, calibration, outlines, usable, kinds, self.plane)
+        sure = boxes[:, 4] * np.clip(measured.seen / COMPLETE, 0.0, 1.0)
+        names = [kind.name if good else None for kind, good in zip(kinds, known, strict=True)]
+        return told(kinds, names, measured, sure, measured.radii > 0.0)
+
+    def _boxes(self, picture: NDArray[np.uint8]) -> Array:
+        """Boxes in px of the picture, with score and number, (N, 6)."""
+        cv2 = opencv()
+        rows, columns = picture.shape[:2]
+        scale = min(self.size[0] / rows, self.size[1] / columns)
+        small = cv2.resize(picture, (round(columns * scale), round(rows * scale)), interpolation=cv2.INTER_AREA)
+        filled = np.full((*self.size, 3), PADDING, np.uint8)
+        filled[: small.shape[0], : small.shape[1]] = small
+        try:
+            self._network.setInput(cv2.dnn.blobFromImage(filled, 1.0 / 255.0))
+            seen: Any = np.asarray(self._network.forward(), dtype=np.float64)
+        except cv2.error:
+            raise InputError(
+                f"fails on its input (1, 3, {self.size[0]}, {self.size[1]})",
+                where=str(self.path),
+                right="tell the size that it was exported for",
+            ) from None
+        if seen.ndim != 3 or seen.shape[0] != 1 or seen.shape[2] != 6:
+            raise InputError(f"gives {seen.shape}", where=str(self.path), right="needs boxes (1, N, 6)")
+        boxes = seen[0][seen[0][:, 4] >= LEAST_SCORE]
+        stretch = np.array([columns / small.shape[1], rows / small.shape[0]] * 2)
+        boxes[:, :4] = boxes[:, :4] * stretch - 0.5
+        return np.asarray(boxes[((boxes[:, 2:4] - boxes[:, :2]) > 1.0).all(axis=1)])
+
+
+def _ellipses(boxes: Array) -> Array:
+    """Places on the ellipses that fill boxes, (N, AROUND, 2)."""
+    turn = 2.0 * np.pi * np.arange(edges.AROUND) / edges.AROUND
+    middle, reach = (boxes[:, :2] + boxes[:, 2:4]) / 2.0, (boxes[:, 2:4] - boxes[:, :2]) / 2.0
+    return np.asarray(middle[:, None] + reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=-1))

@@ -1,0 +1,97 @@
+"""Which pixels have a kind's colour, and where in them round things may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from layflat.cell.vision.boards import Array
+from layflat.cell.vision.detection import Colour
+from layflat.cell.vision.opencv import opencv, points
+
+LEAST_CORE = 0.7
+"""A disc's depth of the least radius from which it may be one: what is hidden in part is shallower."""
+APART = 0.6
+"""How far middles of two things are apart at least, of the larger radius."""
+
+
+def in_colours(hsv: Any, colours: Sequence[Colour]) -> Any:
+    """The pixels of an HSV picture (hue of 256) in any of some regions of colours, as a mask of 0 and 255."""
+    mask = np.zeros(hsv.shape[:2], np.uint8)
+    for colour in colours:
+        mask |= _in_colour(hsv, colour)
+    return mask
+
+
+def _in_colour(hsv: Any, colour: Colour) -> Any:
+    cv2 = opencv()
+    low, high = (edge % 360.0 / 360.0 * 255.0 for edge in colour.hue)
+    if colour.hue[1] - colour.hue[0] >= 360.0:
+        low, high = 0.0, 255.0
+    s, v = ((255.0 * span[0], 255.0 * span[1]) for span in (colour.saturation, colour.value))
+    if low <= high:
+        return cv2.inRange(hsv, (low, s[0], v[0]), (high, s[1], v[1]))
+    return cv2.inRange(hsv, (low, s[0], v[0]), (255.0, s[1], v[1])) | cv2.inRange(
+        hsv, (0.0, s[0], v[0]), (high, s[1], v[1])
+    )
+
+
+def filled(mask: Any, background: Any, area: float) -> Any:
+    """A mask without specks, its holes filled where they are small or show no background (stalks, reflections).
+
+    Args:
+        mask: of 0 and 255.
+        background: pixels of table, trays and packs, of 0 and 255.
+        area: of the smallest thing, px.
+    """
+    cv2 = opencv()
+    square = np.ones((3, 3), np.uint8)
+    clean = cv2.morphologyEx(cv2.morphologyEx(mask, cv2.MORPH_OPEN, square), cv2.MORPH_CLOSE, square)
+    outlines, tree = cv2.findContours(clean, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    for number in np.flatnonzero(points(tree, 4)[:, 3] >= 0) if len(outlines) else ():
+        x, y, wide, high = cv2.boundingRect(outlines[number])
+        if wide * high > 2.0 * area:
+            continue
+        box = np.s_[y : y + high, x : x + wide]
+        hole = cv2.drawContours(np.zeros((high, wide), np.uint8), outlines, int(number), 255, -1, offset=(-x, -y))
+        hole &= ~clean[box]
+        size = cv2.countNonZero(hole)
+        if size < 0.05 * area or cv2.countNonZero(background[box] & hole) < 0.3 * size:
+            clean[box] |= hole
+    return clean
+
+
+def discs(mask: Any, least: float) -> Array:
+    """Where round things may be in a mask: rows of x, y, depth (px), deepest first.
+
+    Depth is the distance to the nearest pixel outside. Touching discs each have a deepest point of their own.
+
+    Args:
+        mask: of 0 and 255.
+        least: radius of the smallest, px.
+    """
+    cv2 = opencv()
+    framed = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_REPLICATE)
+    depth = cv2.distanceTransform(framed, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    reach = 2 * max(1, round(0.35 * least)) + 1
+    highest = cv2.dilate(depth, np.ones((reach, reach), np.uint8))
+    peak = cv2.compare(depth, cv2.max(highest, LEAST_CORE * least), cv2.CMP_GE)
+    at = cv2.findNonZero(peak)
+    if at is None:
+        return np.empty((0, 3))
+    x, y = points(at).T
+    found = np.column_stack([x, y, depth[y, x]]).astype(float)
+    return apart(found[np.argsort(-found[:, 2], kind="stable")])
+
+
+def apart(found: Array) -> Array:
+    """Of things as rows x, y, radius, ..., best first: those that are not where a better one is."""
+    kept: list[int] = []
+    for number, thing in enumerate(found):
+        others = found[kept]
+        gap = np.hypot(*(others[:, :2] - thing[:2]).T)
+        if (gap > APART * np.maximum(others[:, 2], thing[2])).all():
+            kept.append(number)
+    return found[kept]
