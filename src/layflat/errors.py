@@ -30,7 +30,7 @@ class CellError(InputError):
     """A packing cell's description is wrong, describes something that can't be, or its scene can't be made."""
 
 
-class PictureError(LayflatError):
+class NoDrawingError(LayflatError):
     """No picture can be made here: a library that draws is missing."""
 
 

@@ -26,7 +26,7 @@ class Camera:
         scene: what is seen.
 
     Raises:
-        PictureError: there is no OpenGL to draw with; the text names the package to install.
+        NoDrawingError: there is no OpenGL to draw with; the text names the package to install.
     """
 
     def __init__(self, scene: Scene) -> None:

@@ -7,7 +7,7 @@ import os
 from importlib import import_module
 from typing import Any
 
-from layflat.errors import PictureError
+from layflat.errors import NoDrawingError
 
 LIBRARIES = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}
 """Ways to draw without a screen, the faster first, and the library that each needs."""
@@ -18,7 +18,7 @@ def context(width: int, height: int) -> Any:
     """A current OpenGL context to draw off screen: by the way that MUJOCO_GL names, or by the first that is there.
 
     Raises:
-        PictureError: no library is there, or it can't draw.
+        NoDrawingError: no library is there, or it can't draw.
     """
     way = os.environ.get("MUJOCO_GL", "").lower() or _there()
     try:
@@ -26,7 +26,7 @@ def context(width: int, height: int) -> Any:
         made.make_current()
     except Exception as error:  # each library has errors of its own
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise PictureError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
+        raise NoDrawingError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
     return made
 
 
@@ -37,4 +37,4 @@ def _there() -> str:
         except OSError:
             continue
         return way
-    raise PictureError(f"no picture can be drawn: there is no OpenGL library; {INSTALL}")
+    raise NoDrawingError(f"no picture can be drawn: there is no OpenGL library; {INSTALL}")
