@@ -35,8 +35,8 @@ from layflat.physics.arm import (
     two_link_mass,
 )
 from layflat.physics.flow import effective_pressure, laminar_slope
+from layflat.physics.joint import FILLED
 from layflat.physics.trig import sincos
-from layflat.sim.run import FILLED
 
 Array = NDArray[np.float64]
 

@@ -26,15 +26,13 @@ from layflat.control.watch import (
 )  # fmt: skip
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import follow_hoses
+from layflat.physics.joint import FILLED
 from layflat.rig.driver import Reading
 from layflat.rig.safety.faults import TABLE, Fault
 from layflat.rig.safety.lasting import Lasting, Samples
 from layflat.rig.safety.limits import RIPPLE_AFTER, patience
 
 Array = NDArray[np.float64]
-
-FILLED = 0.75
-"""Of the supply's pressure: what hoses hold whose valve leaks equally to supply and exhaust."""
 
 ENOUGH = 0.4
 """Of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones."""
