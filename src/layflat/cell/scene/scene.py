@@ -158,8 +158,7 @@ def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: flo
     spec.option.enableflags |= int(mj.mjtEnableBit.mjENBL_SLEEP)
     spec.stat.extent, spec.stat.center = 1.5, [0.3, 0.3, 0.1]
     spec.visual.map.znear, spec.visual.map.zfar = 0.1, 4.0
-    spec.visual.map.shadowclip = 0.5
-    spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 1024, 0
+    spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 0
     furnish(spec, cell, rng)
     add_tool(spec, cell)
     for fruit in fruits:
