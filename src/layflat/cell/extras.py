@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -14,7 +17,11 @@ def mujoco() -> Any:
     Raises:
         InputError: it is not installed.
     """
-    return _package("mujoco", "mujoco")
+    try:
+        return _package("mujoco", "mujoco")
+    except AttributeError:  # MUJOCO_GL names a library that is not there; only pictures need one, see gl.py
+        with _environment(MUJOCO_GL="disable"):
+            return _package("mujoco", "mujoco")
 
 
 def opencv() -> Any:
@@ -24,6 +31,17 @@ def opencv() -> Any:
         InputError: it is not installed.
     """
     return _package("cv2", "opencv-python-headless")
+
+
+@contextmanager
+def _environment(**changes: str) -> Iterator[None]:
+    before = dict(os.environ)
+    os.environ.update(changes)
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
 
 
 def _package(name: str, where: str) -> Any:

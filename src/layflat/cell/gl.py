@@ -25,7 +25,7 @@ def context(width: int, height: int) -> Any:
         made = import_module(f"mujoco.{way}").GLContext(width, height)
         made.make_current()
     except Exception as error:  # each library has errors of its own
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        reason = (str(error).splitlines() or [type(error).__name__])[0].split(". ")[0]
         raise NoDrawingError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
     return made
 

@@ -106,7 +106,7 @@ def placed(centre: tuple[float, float], turn: float, points: Array) -> Array:
 
 def _apart(cell: Cell) -> None:
     outlines = footprints(cell)
-    low, high = np.array(cell.table.centre) - np.array(cell.table.size) / 2, None
+    low = np.array(cell.table.centre) - np.array(cell.table.size) / 2
     high = low + np.array(cell.table.size)
     for name, outline in outlines.items():
         if (outline < low).any() or (outline > high).any():

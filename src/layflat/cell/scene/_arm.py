@@ -12,15 +12,11 @@ from typing import Any
 from layflat.cell.extras import mujoco
 from layflat.machine import Machine
 
-LINK = (0.75, 0.77, 0.80, 1.0)
-DRUM = (0.16, 0.30, 0.52, 1.0)
-
 
 def arm_spec(machine: Machine) -> Any:
     """An MjSpec of a level arm, without payload."""
     mj = mujoco()
     spec = mj.MjSpec()
-    spec.modelname = machine.name
     parent, place, turn = spec.worldbody, (0.0, 0.0, 0.0), 0.0
     for i, (name, joint) in enumerate(machine.joints.items()):
         link = joint.link
@@ -31,7 +27,6 @@ def arm_spec(machine: Machine) -> Any:
         body.ipos = [link.centre, 0.0, 0.0]
         across = link.inertia + link.rotor_inertia
         body.inertia = [across, across, across]
-        _drawn(mj, body, name, link.length, joint.cylinder.diameter / 2, joint.body.height)
         if i > 0:  # the second joint's housing is carried by the first link and does not turn with the second
             housing = parent.add_body(name=f"{name}-housing", pos=place)
             housing.explicitinertial = True
@@ -40,18 +35,3 @@ def arm_spec(machine: Machine) -> Any:
             housing.inertia = [1e-9, 1e-9, 1e-9]
         parent, place, turn = body, (link.length, 0.0, 0.0), machine.arm.elbow
     return spec
-
-
-def _drawn(mj: Any, body: Any, name: str, length: float, radius: float, height: float) -> None:
-    body.add_geom(
-        name=f"{name}-drum", type=mj.mjtGeom.mjGEOM_CYLINDER, size=[radius, height / 2, 0.0], rgba=DRUM, mass=0.0
-    )
-    for side in (-1.0, 1.0):
-        body.add_geom(
-            name=f"{name}-tube{side:+.0f}",
-            type=mj.mjtGeom.mjGEOM_CAPSULE,
-            fromto=[0.0, side * 0.6 * radius, 0.0, length, side * 0.018, 0.0],
-            size=[0.009, 0.0, 0.0],
-            rgba=LINK,
-            mass=0.0,
-        )

@@ -13,6 +13,8 @@ GREEN = (0.20, 0.42, 0.12, 1.0)
 BROWN = (0.30, 0.20, 0.10, 1.0)
 PALE = (0.86, 0.80, 0.70, 1.0)
 STEEL = (0.70, 0.72, 0.74, 1.0)
+LINK = (0.75, 0.77, 0.80, 1.0)
+DRUM = (0.16, 0.30, 0.52, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
 LIP = 0.012
 """Height of the cup, m."""
@@ -85,6 +87,29 @@ def _topped(body: Any, top: str, radius: float, over: float) -> None:
             rgba=BROWN,
             **ghost,
         )
+
+
+def add_shapes(spec: Any, cell: Cell) -> None:
+    """What is seen and touched of the arm in a spec: a drum round each joint, two tubes for each link; no mass."""
+    mj = mujoco()
+    for name, joint in cell.machine.joints.items():
+        link, radius = spec.joint(name).parent, joint.cylinder.diameter / 2
+        link.add_geom(
+            name=f"{name}.drum",
+            type=mj.mjtGeom.mjGEOM_CYLINDER,
+            size=[radius, joint.body.height / 2, 0.0],
+            rgba=DRUM,
+            mass=0.0,
+        )
+        for side in (-1.0, 1.0):
+            link.add_geom(
+                name=f"{name}.tube{side:+.0f}",
+                type=mj.mjtGeom.mjGEOM_CAPSULE,
+                fromto=[0.0, side * 0.6 * radius, 0.0, joint.link.length, side * 0.018, 0.0],
+                size=[0.009, 0.0, 0.0],
+                rgba=LINK,
+                mass=0.0,
+            )
 
 
 def add_tool(spec: Any, cell: Cell) -> None:

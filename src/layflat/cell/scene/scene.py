@@ -14,7 +14,7 @@ from layflat.cell.lift import Lift
 from layflat.cell.scene._arm import arm_spec
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
-from layflat.cell.scene.movables import add_fruit, add_tool
+from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
 from layflat.cell.scene.produce import Fruit, fruit_of
 from layflat.cell.scene.truth import Truth
 from layflat.cell.scene.watch import Watch
@@ -158,9 +158,9 @@ def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: flo
     spec.option.enableflags |= int(mj.mjtEnableBit.mjENBL_SLEEP)
     spec.stat.extent, spec.stat.center = 1.5, [0.3, 0.3, 0.1]
     spec.visual.map.znear, spec.visual.map.zfar = 0.1, 4.0
-    spec.visual.map.shadowclip = 0.5
-    spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 1024, 0
+    spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 0
     furnish(spec, cell, rng)
+    add_shapes(spec, cell)
     add_tool(spec, cell)
     for fruit in fruits:
         add_fruit(spec, cell, fruit)

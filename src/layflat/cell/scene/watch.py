@@ -26,7 +26,7 @@ class Watch:
         self._peak = np.zeros(len(fruits))
         self._collisions: dict[tuple[int, int], Collision] = {}
         self._bodies = [model.body(fruit.name).id for fruit in fruits]
-        arm = model.body(next(iter(cell.machine.joints))).id
+        arm = model.jnt_bodyid[model.joint(next(iter(cell.machine.joints))).id]
         self._arm = model.body_rootid[model.geom_bodyid] == model.body_rootid[arm]
         self._fruit = np.isin(model.geom_bodyid, self._bodies)
         self._cup = model.geom("cup").id
