@@ -74,7 +74,8 @@ def measure(scenes: int, first: int) -> Tally:
     detector = ColourDetector(KINDS, TABLE, BACKGROUND)
     tally = Tally()
     detector.find(take(random_scene(first), CAMERA, first), calibration)
-    for seed in track(range(first, first + scenes), console=Console(stderr=True), description="scenes"):
+    shown = Console(stderr=True)
+    for seed in track(range(first, first + scenes), "scenes", console=shown, disable=not shown.is_terminal):
         scene = random_scene(seed)
         picture = take(scene, CAMERA, seed)
         wall, processor = time.perf_counter(), time.process_time()

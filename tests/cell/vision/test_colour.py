@@ -66,6 +66,20 @@ def test_four_in_a_square_are_four() -> None:
         assert nearest(found, ball).position == pytest.approx(ball.centre, abs=1e-3)
 
 
+def test_nothing_is_seen_between_three_that_touch() -> None:
+    """The notches of three make a circle too."""
+    r = 0.021
+    turn = np.deg2rad([90.0, 210.0, 330.0])
+    balls = [
+        Ball("mushroom", 0.5 + 2 * r / np.sqrt(3) * np.cos(a), 0.05 + 2 * r / np.sqrt(3) * np.sin(a), r, CREAM)
+        for a in turn
+    ]
+    found = found_in(scene(*balls))
+    assert len(found) == 3
+    for ball in balls:
+        assert nearest(found, ball).position == pytest.approx(ball.centre, abs=1e-3)
+
+
 def test_fruit_of_an_unknown_kind_is_told_as_none() -> None:
     (one,) = found_in(scene(Ball("", 0.3, 0.1, 0.03, PURPLE)))
     assert one.kind is None

@@ -18,7 +18,7 @@ ACROSS = np.arange(-5.0, 5.01, 1.0, dtype=np.float32)
 INSIDE = ACROSS <= -4.0
 CONTRAST = 24.0
 """Distance of colours, of 441, from which an edge is one."""
-COLOURED = 20.0
+COLOURED = 12.0
 """Distance across the inside's colour from which two colours differ in more than brightness."""
 
 

@@ -18,6 +18,8 @@ STALK = 0.06
 """How far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin."""
 DUST = 1.2
 """Px that an edge may be off its outline in any case."""
+BALLS_APART = 0.8
+"""How far two balls are apart at least, as a share of the distance at which they touch: what is nearer is no ball."""
 COMPLETE = 0.8
 """Share of an outline from which it is as good as whole: what touches others is never seen all around."""
 
@@ -91,7 +93,8 @@ def told(
     strange = np.array([name is None for name in names])
     order = np.flatnonzero(good)
     order = order[np.lexsort((-sure[order], strange[order]))]
-    kept = regions.apart(np.column_stack([measured.middles[order, :2], measured.radii[order], order]))[:, 3].astype(int)
+    rows = np.column_stack([measured.middles[order, :2], np.maximum(measured.radii[order], 0.0), order])
+    kept = regions.apart(rows, BALLS_APART)[:, 3].astype(int)
     found = []
     for number in kept[np.argsort(-sure[kept], kind="stable")]:
         red, green, blue = np.clip(measured.colours[number], 0.0, 255.0).tolist()

@@ -13,8 +13,8 @@ from layflat.cell.vision.opencv import opencv, points
 
 LEAST_CORE = 0.7
 """A disc's depth of the least radius from which it may be one: what is hidden in part is shallower."""
-APART = 0.6
-"""How far middles of two things are apart at least, of the larger radius."""
+PEAKS_APART = 0.3
+"""How far two deepest points are apart at least, as a share of the distance of balls that touch."""
 
 
 def in_colours(hsv: Any, colours: Sequence[Colour]) -> Any:
@@ -83,15 +83,18 @@ def discs(mask: Any, least: float) -> Array:
         return np.empty((0, 3))
     x, y = points(at).T
     found = np.column_stack([x, y, depth[y, x]]).astype(float)
-    return apart(found[np.argsort(-found[:, 2], kind="stable")])
+    return apart(found[np.argsort(-found[:, 2], kind="stable")], PEAKS_APART)
 
 
-def apart(found: Array) -> Array:
-    """Of things as rows x, y, radius, ..., best first: those that are not where a better one is."""
+def apart(found: Array, share: float) -> Array:
+    """Of things as rows x, y, radius, ..., best first: those that are not where a better one is.
+
+    Balls on one plane that touch are 2 sqrt(r r') apart along it; nearer ones by less than `share` of that go.
+    """
     kept: list[int] = []
     for number, thing in enumerate(found):
         others = found[kept]
         gap = np.hypot(*(others[:, :2] - thing[:2]).T)
-        if (gap > APART * np.maximum(others[:, 2], thing[2])).all():
+        if (gap >= share * 2.0 * np.sqrt(others[:, 2] * thing[2])).all():
             kept.append(number)
     return found[kept]
