@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
+from layflat.bridge.engine import engine
 from layflat.errors import InputError
 
 
@@ -18,10 +19,10 @@ def mujoco() -> Any:
         InputError: it is not installed.
     """
     try:
-        return _package("mujoco", "mujoco")
+        return engine()
     except AttributeError:  # MUJOCO_GL names a library that is not there; only pictures need one, see gl.py
         with _environment(MUJOCO_GL="disable"):
-            return _package("mujoco", "mujoco")
+            return engine()
 
 
 def opencv() -> Any:

@@ -83,3 +83,25 @@ def test_an_arm_with_one_joint_reaches_its_circle() -> None:
     end = radians(60) - END_MARGIN
     past = reach.missing(length * np.cos(end + 0.1), length * np.sin(end + 0.1))
     assert past == pytest.approx(2 * length * np.sin(0.05))
+
+
+def tip(q_1: float, q_2: float) -> tuple[float, float]:
+    """Of the paper's arm, by complex numbers."""
+    at = 0.4 * np.exp(1j * q_1) * (1 + np.exp(1j * (q_2 + np.pi / 2)))
+    return float(at.real), float(at.imag)
+
+
+@given(st.floats(-2.2, 2.2), st.floats(-2.2, 2.2))
+def test_what_the_arm_reaches_is_where_its_tip_comes(q_1: float, q_2: float) -> None:
+    limit = np.pi / 3
+    if max(abs(q_1), abs(q_2)) < limit - 1e-6:
+        assert Reach(ARM, margin=0.0).missing(*tip(q_1, q_2)) == 0.0
+
+
+def test_nothing_else_is_reached() -> None:
+    q = np.linspace(-np.pi / 3, np.pi / 3, 161)
+    at = 0.4 * np.exp(1j * q[:, None]) * (1 + np.exp(1j * (q[None, :] + np.pi / 2)))
+    rng, reach = np.random.default_rng(0), Reach(ARM, margin=0.0)
+    for x, y in rng.uniform(-0.85, 0.85, (200, 2)):
+        if np.abs(at - (x + 1j * y)).min() > 1e-2:
+            assert reach.missing(x, y) > 0.0

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.cell.file.parts import Pack, Tray
+from layflat.cell.plan.reach import Reach
 from layflat.machine import Machine
 
 if TYPE_CHECKING:
@@ -128,25 +129,6 @@ def overlap(first: Array, second: Array) -> bool:
     return True
 
 
-def reachable(machine: Machine, points: Array) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Whether the tip of a level two-joint arm comes to points, (n, 2) in m, within the working strokes."""
-    first, second = machine.joints.values()
-    l_1, l_2 = first.link.length, second.link.length
-    x, y = np.asarray(points, float).T
-    cos = (x * x + y * y - l_1**2 - l_2**2) / (2 * l_1 * l_2)
-    found = np.zeros(len(x), bool)
-    for bend in (1.0, -1.0):
-        elbow = bend * np.arccos(np.clip(cos, -1.0, 1.0))
-        q_1 = np.arctan2(y, x) - np.arctan2(l_2 * np.sin(elbow), l_1 + l_2 * np.cos(elbow))
-        q_2 = elbow - machine.arm.elbow
-        inside = [
-            np.abs(np.remainder(q + np.pi, 2 * np.pi) - np.pi) <= joint.stops.working_stroke / 2
-            for q, joint in ((q_1, first), (q_2, second))
-        ]
-        found |= (np.abs(cos) <= 1.0) & inside[0] & inside[1]
-    return found
-
-
 def _in_reach(cell: Cell) -> None:
     for name, tray in cell.tray.items():
         least = min(cell.produce[kind].diameter.least for kind in tray.produce)
@@ -163,13 +145,13 @@ def places(pack: Pack) -> Array:
 
 
 def _all_reached(cell: Cell, name: str, points: Array) -> None:
-    beyond = points[~reachable(cell.machine, points)]
-    if len(beyond):
-        x, y = 1e3 * beyond[0]
-        raise ValueError(
-            f"{name} is out of the arm's reach at x = {x:.0f} mm, y = {y:.0f} mm (working strokes of "
-            f"{cell.machine.name!r}); move it"
-        )
+    reach = Reach(cell.machine)
+    for x, y in points.tolist():
+        if (missing := reach.missing(x, y)) > 0.0:
+            raise ValueError(
+                f"{name} is out of the arm's reach by {max(1e3 * missing, 1.0):.0f} mm at x = {1e3 * x:.0f} mm, "
+                f"y = {1e3 * y:.0f} mm (working strokes of {cell.machine.name!r}); move it"
+            )
 
 
 def _lifted(cell: Cell) -> None:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
 from layflat.cell.lift import Lift
-from layflat.cell.scene._arm import arm_spec
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
@@ -19,6 +19,7 @@ from layflat.cell.scene.produce import Fruit, fruit_of
 from layflat.cell.scene.truth import Truth
 from layflat.cell.scene.watch import Watch
 from layflat.errors import CellError
+from layflat.machine import changed
 
 Array = NDArray[np.float64]
 SETTLED = 2e-3
@@ -148,7 +149,8 @@ def _inside(cell: Cell, at: Array) -> bool:
 def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: float) -> Any:
     """An MjSpec of the cell with its arm, lift, cup and fruit."""
     mj = mujoco()
-    spec = arm_spec(cell.machine)
+    # Lift, cup and fruit are the load.
+    spec = arm_spec(changed(cell.machine, "arm.payload", 0.0))
     for body in spec.worldbody.bodies:
         body.pos = np.add(body.pos, [0.0, 0.0, cell.mount.height])
         body.sleep = mj.mjtSleepPolicy.mjSLEEP_NEVER
