@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import nan, radians
 from typing import Any
 
@@ -90,13 +91,28 @@ def test_time_passes_up_to_the_last_whole_step() -> None:
         assert plant.time == pytest.approx(reached)
 
 
-def test_others_act_on_the_data_before_every_step() -> None:
-    times: list[float] = []
-    plant = MujocoPlant(ARM, pressures=EMPTY, each_step=lambda data: times.append(data.time))
+def test_others_act_before_and_after_every_step() -> None:
+    model = arm_spec(ARM).compile()
+    data = mujoco.MjData(model)
+    before, after = [], []
+
+    def step(advance: Callable[[Any], None]) -> None:
+        before.append(data.time)
+        data.qfrc_applied[0] = 25.0
+        advance(data)
+        after.append(data.time)
+
+    plant = MujocoPlant(ARM, model, data, pressures=EMPTY, step=step)
     plant.supply = AMBIENT
-    plant.advance(CYCLE)
-    assert len(times) == 20
-    assert plant.angles.tolist() == [0.0, 0.0]
+    plant.advance(0.1)
+    assert len(before) == 400
+    assert before == pytest.approx(np.arange(400) * 0.25e-3)
+    assert before[1:] == after[:-1]
+    alone = MujocoPlant(ARM, pressures=EMPTY)
+    alone.supply, alone.load[0] = AMBIENT, 25.0
+    alone.advance(0.1)
+    assert plant.angles[0] > 0.01
+    assert plant.angles == pytest.approx(alone.angles, rel=1e-9)
 
 
 def test_a_burst_hose_empties_and_a_seized_valve_fills() -> None:

@@ -18,6 +18,8 @@ from layflat.physics.noise import noise_samples
 
 Array = NDArray[np.float64]
 Value = str | float
+Advance = Callable[[Any], None]
+"""Advances an MjData by a timestep, in place of `mj_step`."""
 
 
 class MujocoPlant:
@@ -32,7 +34,7 @@ class MujocoPlant:
         pressures: absolute pressures of the hoses A and B at first; at equal leakage where not given.
         seed: of the sensors' noise.
         noise: whether the sensors are noisy.
-        each_step: is called before every step of MuJoCo's and may act on `data`: pull, grip, reset bodies.
+        step: performs a timestep, given what advances an MjData by one with the joints: for who acts before and after.
 
     Attributes:
         model: the MjModel.
@@ -54,7 +56,7 @@ class MujocoPlant:
         pressures: tuple[Value, Value] | None = None,
         seed: int = 0,
         noise: bool = True,
-        each_step: Callable[[Any], object] | None = None,
+        step: Callable[[Advance], object] | None = None,
     ) -> None:
         self._mj = engine()
         self.joints = tuple(machine.joints)
@@ -62,7 +64,7 @@ class MujocoPlant:
         self.data = self._mj.MjData(self.model) if data is None else data
         filled = None if pressures is None else _pressures(pressures)
         self.pneumatics = PneumaticJoints(self.model, machine, _in_order(machine, joints), pressures=filled)
-        self._each_step, n = each_step, len(self.joints)
+        self._step, n = step or self._alone, len(self.joints)
         if start is not None:
             values = [start] * n if isinstance(start, (str, int, float)) else list(start)
             if len(values) != n:
@@ -140,9 +142,7 @@ class MujocoPlant:
         """
         # A deadline that is a whole number of steps may be a hair short of it.
         for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):
-            if self._each_step is not None:
-                self._each_step(self.data)
-            self.pneumatics.step(self.data)
+            self._step(self.pneumatics.step)
 
     def sense(self) -> tuple[Array, Array]:
         """Angles (rad) and differential pressures (Pa) as the converters report them now, noise included, (joints,)."""
@@ -163,6 +163,9 @@ class MujocoPlant:
     def kink(self, joint: int, share: float) -> None:
         """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
         self.pneumatics.kink(joint, share)
+
+    def _alone(self, advance: Advance) -> None:
+        advance(self.data)
 
     def _payload(self) -> int:
         return int(self._mj.mj_name2id(self.model, self._mj.mjtObj.mjOBJ_BODY, "payload"))
