@@ -45,7 +45,7 @@ class Bench:
 
     def __init__(self, machine: Machine, start: Array, seed: int = 0) -> None:
         self.machine, self.reach = machine, Reach(machine)
-        self.rules = Rules(tip=self.reach.tip, clear=(0.9, 0.5), top=0.15)
+        self.rules = Rules(tip=self.reach.tip, clear=(0.9, 0.5))
         n = len(machine.joints)
         self.plant = SteppedPlant(machine, start=start.tolist(), seed=seed, payload=1.2)
         self.gains = np.array([flat(parameters.gains(machine, name)) for name in machine.joints])
@@ -53,7 +53,7 @@ class Bench:
         self.voltages, self.demands = np.zeros(n), start.copy()
         wake(self.memory, *self.plant.sense())
         self.rows: list[Array] = []
-        self.height, self.vacuum, self.cycles = self.rules.top, 0.0, 0
+        self.height, self.lift_speed, self.vacuum, self.cycles = 0.15, 0.0, 0.0, 0
         self.sealed, self.fruit_height = False, 0.0
         self.lift: tuple[Path, int] | None = None
         self.target: tuple[float, ...] = tuple(start.tolist())
@@ -76,10 +76,9 @@ class Bench:
 
     def measure(self) -> Measured:
         """As the controllers and switches tell."""
-        found, top = self.status[0], self.rules.top
-        down = self.lift is not None and self.height <= self.lift[0].end[0] + 1e-9 and self.height < top
+        found = self.status[0]
         angles, velocities = tuple(found[:, 0].tolist()), tuple(found[:, 1].tolist())
-        return Measured(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height >= top - 1e-9, down)
+        return Measured(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height, self.lift_speed)
 
     def turn(self, command: Command | None) -> None:
         """One control cycle."""
@@ -100,6 +99,7 @@ class Bench:
         if self.lift is None or command.height != self.lift[0].end[0]:
             self.lift = travel(np.array([self.height]), np.array([command.height]), LIFT), self.cycles
         path, begun_at = self.lift
-        self.height = float(path.at([CYCLE * (self.cycles + 1 - begun_at)])[0, 0])
+        at = [CYCLE * (self.cycles + 1 - begun_at)]
+        self.height, self.lift_speed = float(path.at(at)[0, 0]), float(path.velocities(at)[0, 0])
         self.sealed = command.suction and (self.sealed or self.height <= self.fruit_height + 1e-9)
         self.vacuum += CYCLE / TIME_CONSTANT * ((VACUUM if self.sealed else 0.0) - self.vacuum)

@@ -18,8 +18,9 @@ def _tip(angles: tuple[float, ...]) -> tuple[float, float]:
     return REACH.tip(angles)
 
 
-RULES = Rules(tip=_tip, clear=(0.9, 0.5), top=0.2)
-TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.05)
+PASSING, CARRYING = 0.1, 0.16
+RULES = Rules(tip=_tip, clear=(0.9, 0.5))
+TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.05, PASSING, CARRYING)
 
 
 @dataclass
@@ -32,6 +33,7 @@ class Plant:
         drops_at: phase in which what is held falls off.
         lift_speed: with something on the cup, m/s.
         leaves: whether the vacuum goes when suction is off.
+        blocked: height at which the cup meets a fruit that is higher than it was thought, m.
     """
 
     fruit: dict[tuple[float, ...], float] = field(default_factory=lambda: {TASK.over_fruit: 50e3})
@@ -39,10 +41,11 @@ class Plant:
     drops_at: Phase | None = None
     lift_speed: float = 0.5
     leaves: bool = True
+    blocked: float = 0.0
     angles: tuple[float, ...] = (0.0, 0.0)
     velocities: tuple[float, ...] = (0.0, 0.0)
-    height: float = RULES.top
-    asked: float = RULES.top
+    height: float = PASSING
+    lift_moves: float = 0.0
     vacuum: float = 0.0
     time: float = 0.0
     held: float = 0.0
@@ -50,24 +53,27 @@ class Plant:
 
     def measure(self, *, picture: bool) -> Measured:
         sighting = self.sightings.pop(0) if picture and self.sightings else None
-        down = self.height <= self.asked + 1e-9 and self.asked < RULES.top
-        up = self.height >= RULES.top - 1e-9
-        return Measured(self.time, self.angles, self.velocities, self.vacuum, up, down, sighting)
+        return Measured(
+            self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, sighting
+        )
 
     def turn(self, command: Command, state: State) -> None:
         self.time += CYCLE
         way = 2.0 * CYCLE
         after = tuple(q + min(max(d - q, -way), way) for q, d in zip(self.angles, command.target, strict=True))
         self.velocities = tuple((b - a) / CYCLE for a, b in zip(self.angles, after, strict=True))
-        self.angles, self.asked = after, command.height
+        self.angles, before = after, self.height
         speed = CYCLE * (self.lift_speed if self.held else 0.5)
         self.height += min(max(command.height - self.height, -speed), speed)
+        self.height = max(self.height, self.blocked if command.height < PASSING else 0.0)
+        self.lift_moves = (self.height - before) / CYCLE
         if state.phase is self.drops_at:
             self.held = 0.0
         if not command.suction and self.held and self.leaves:
             self.laid.append(self.angles)
             self.held = 0.0
-        if command.suction and self.height <= TASK.fruit_height + 1e-9 and not self.held:
+        on_fruit = max(TASK.fruit_height, self.blocked)
+        if command.suction and self.height <= on_fruit + 1e-9 and not self.held:
             self.held = self._under()
         goal = self.held if command.suction or not self.leaves else 0.0
         self.vacuum += 0.2 * (goal - self.vacuum)

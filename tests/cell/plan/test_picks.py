@@ -4,12 +4,12 @@ from math import dist
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scripted_plant import CYCLE, RULES, TASK, Plant, phases, run
+from scripted_plant import CARRYING, CYCLE, PASSING, RULES, TASK, Plant, phases, run
 
 from layflat.cell.plan.pick import Command, Measured, Outcome, Phase, Sighting, State, Task
 from layflat.cell.plan.picks import begun, step
 
-ELSEWHERE = Task((0.15, 0.1), TASK.over_place, 0.06, 0.05)
+ELSEWHERE = replace(TASK, over_fruit=(0.15, 0.1))
 
 
 def test_a_pick_goes_its_way_and_lays_the_fruit_into_its_place() -> None:
@@ -84,6 +84,14 @@ def test_what_is_too_heavy_is_put_back() -> None:
     assert plant.laid[0] == pytest.approx(TASK.over_fruit, abs=1e-3)
 
 
+def test_a_fruit_that_is_higher_than_it_seemed_is_let_go_as_much_higher() -> None:
+    plant = Plant(blocked=0.067)
+    state, trace = run(plant)
+    assert state.outcome is Outcome.PLACED
+    assert state.task.place_height == pytest.approx(TASK.place_height + 0.007)
+    assert [command.height for s, command in trace if s.phase is Phase.PLACE][0] == state.task.place_height
+
+
 def test_a_vacuum_that_does_not_go_ends_the_pick_where_the_arm_is() -> None:
     plant = Plant(leaves=False)
     state, trace = run(plant)
@@ -92,7 +100,7 @@ def test_a_vacuum_that_does_not_go_ends_the_pick_where_the_arm_is() -> None:
 
 
 def _measured(time: float, angles: tuple[float, ...], **others: object) -> Measured:
-    still = Measured(time, angles, (0.0, 0.0), 0.0, lift_up=True, lift_down=False)
+    still = Measured(time, angles, (0.0, 0.0), 0.0, CARRYING)
     return replace(still, **others)  # type: ignore[arg-type]
 
 
@@ -106,7 +114,7 @@ def test_it_waits_until_the_arm_is_near_and_still() -> None:
         state, command = step(RULES, state, _measured(CYCLE * k, (over[0] + 0.01, over[1])))
         assert state.phase is Phase.APPROACH
     state, command = step(RULES, state, _measured(0.3, over))
-    assert command.height == RULES.top
+    assert command.height == PASSING
     state, command = step(RULES, state, _measured(0.3 + RULES.dwell, over))
     assert command.height == TASK.fruit_height
 
@@ -116,8 +124,8 @@ def test_an_arm_that_is_pushed_while_the_cup_is_down_is_raised_at_once() -> None
         state = State(TASK, phase, 0.0, TASK.over_fruit, suction=True)
         vacuum = 50e3
         pushed = (state.over[0] + 0.02, state.over[1])
-        after, command = step(RULES, state, _measured(0.01, pushed, lift_up=False, vacuum=vacuum))
-        assert command.height == RULES.top
+        after, command = step(RULES, state, _measured(0.01, pushed, height=0.07, vacuum=vacuum))
+        assert command.height == CARRYING
         assert command.suction
         assert after.shaken == 1
 
@@ -130,12 +138,12 @@ def test_an_arm_that_is_pushed_again_and_again_ends_with_the_fruit_held() -> Non
         pushed = state.phase is Phase.PLACE
         lowered += pushed
         at = (over[0] + 0.02 * pushed, over[1])
-        state, command = step(RULES, state, _measured(now, at, lift_up=not pushed, vacuum=50e3))
+        state, command = step(RULES, state, _measured(now, at, height=0.07 if pushed else CARRYING, vacuum=50e3))
         assert now < RULES.longest
     assert lowered == RULES.tries
     assert state.outcome is Outcome.STUCK
     assert command.suction
-    assert command.height == RULES.top
+    assert command.height == CARRYING
 
 
 # Whatever sensors say.
@@ -143,19 +151,21 @@ def test_an_arm_that_is_pushed_again_and_again_ends_with_the_fruit_held() -> Non
 NEAR = st.sampled_from([TASK.over_fruit, TASK.over_place, RULES.clear, ELSEWHERE.over_fruit])
 OFFSETS = st.sampled_from([0.0, 0.0, 0.0, 0.0, 0.001, 0.006, 0.05])
 READINGS = st.builds(
-    lambda dt, at, off, v, vacuum, up, down, sighting: (dt, (at[0] + off, at[1]), (v, 0.0), vacuum, up, down, sighting),
+    lambda dt, at, off, v, vacuum, height, lift, sighting: (
+        dt, (at[0] + off, at[1]), (v, 0.0), vacuum, height, lift, sighting
+    ),  # fmt: skip
     st.sampled_from([0.005, 0.02, 0.05, 0.3, 1.0]),
     NEAR,
     OFFSETS,
     st.sampled_from([0.0, 0.0, 0.0, 0.05, 0.2, 1.0]),
     st.sampled_from([0.0, 9e3, 15e3, 31e3, 60e3]),
-    st.booleans(),
-    st.booleans(),
+    st.sampled_from([0.04, TASK.place_height, TASK.fruit_height, 0.07, PASSING, PASSING, CARRYING, CARRYING, 0.2]),
+    st.sampled_from([0.0, -0.3, 0.3]),
     st.sampled_from([None, None, Sighting(ELSEWHERE), Sighting(TASK), Sighting(None)]),
 )
 
 
-Reading = tuple[float, tuple[float, ...], tuple[float, ...], float, bool, bool, Sighting | None]
+Reading = tuple[float, tuple[float, ...], tuple[float, ...], float, float, float, Sighting | None]
 
 
 def _towards(state: State, reading: Reading) -> Reading:
@@ -171,25 +181,26 @@ def _towards(state: State, reading: Reading) -> Reading:
 def test_whatever_is_measured_nothing_is_crushed_dragged_or_dropped(readings: list[Reading], led: bool) -> None:
     now = 0.0
     state = begun(TASK, _measured(now, (0.0, 0.0)))
-    command = Command((0.0, 0.0), RULES.top, suction=False, picture=False)
+    command = Command((0.0, 0.0), PASSING, suction=False, picture=False)
     for given_reading in readings:
         before, asked = state, command
         reading = _towards(state, given_reading) if led else given_reading
         now += reading[0]
         measured = Measured(now, *reading[1:])
         state, command = step(RULES, before, measured)
-        if command.height < RULES.top:  # lowered, or kept down, only where it should be and still
+        if command.height < PASSING:  # lowered, or kept down, only where it should be and still
             assert dist(RULES.tip(measured.angles), RULES.tip(state.over)) <= RULES.off
             assert all(abs(v) <= RULES.shaken for v in measured.velocities)
-        if command.height < asked.height:  # begins to lower
+        if command.height < min(asked.height, PASSING):  # begins to lower
             assert dist(RULES.tip(measured.angles), RULES.tip(state.over)) <= RULES.off
         if asked.suction and not command.suction and measured.vacuum >= RULES.gone:  # let go
             where = TASK.over_place if state.phase is Phase.RELEASE else before.task.over_fruit
             assert state.phase in {Phase.RELEASE, Phase.LET_BACK}
             assert dist(RULES.tip(measured.angles), RULES.tip(where)) <= RULES.off
-            assert command.height < RULES.top
+            assert command.height < PASSING
         if command.target != asked.target:  # another posture only with the lift up
-            assert measured.lift_up
+            passing = CARRYING if command.suction else PASSING
+            assert measured.height >= passing - RULES.height
         if command.picture:
             assert dist(RULES.tip(measured.angles), RULES.tip(RULES.clear)) <= RULES.near
         if before.phase is not Phase.LOWER and state.phase is Phase.LOWER:

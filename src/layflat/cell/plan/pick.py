@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from math import radians
 
@@ -40,12 +40,28 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Task:
-    """One fruit and its place: postures over both (rad), and heights of the cup's rim on the fruit, in both (m)."""
+    """One fruit and its place; heights are those of the cup's rim over the table, m.
+
+    Args:
+        over_fruit: posture, rad.
+        over_place: likewise.
+        fruit_height: at which the cup is pressed on the fruit, as far as is known from above.
+        place_height: at which the fruit is let go.
+        passing: over everything, the cup being empty.
+        carrying: over everything, with the fruit.
+    """
 
     over_fruit: Angles
     over_place: Angles
     fruit_height: float
     place_height: float
+    passing: float
+    carrying: float
+
+    def seated(self, height: float) -> Task:
+        """The same once the cup sits on the fruit at a height, which tells how high the fruit is."""
+        higher = height - self.fruit_height
+        return replace(self, fruit_height=height, place_height=self.place_height + higher)
 
 
 @dataclass(frozen=True)
@@ -55,16 +71,19 @@ class Rules:
     Args:
         tip: where the arm's tip is, m, from its angles.
         clear: posture out of the camera's view, rad.
-        top: height of the cup's rim with the lift up, m.
         near: of the tip to its target, within which the lift may begin to lower, m.
         still: speed of every joint below which it may, rad/s.
         dwell: how long both have to hold, s.
         off: of the tip from its target, beyond which a lowered lift is raised at once, m.
         shaken: speed of any joint beyond which it is, rad/s.
         sound: vacuum with which one fruit is held, Pa below the surroundings.
-        gone: vacuum below which nothing is held, Pa.
+        gone: vacuum below which nothing hangs on the cup though suction is on, Pa: an open cup has some.
+        empty: vacuum below which nothing does once suction is off, Pa.
         tries: of one fruit, each after a new picture.
         settle_time: longest time of a move until it is settled, s.
+        height: within which the lift is where it was asked to be, m.
+        halted: speed of the lift below which something is in its way, m/s, once it has had the time `starts` (s).
+        starts: see `halted`.
         lower_time: longest time of the lift's way down, s.
         suck_time: longest time until the vacuum is sound, s.
         heavy_time: of the lift's way up, beyond which too much hangs on the cup, s.
@@ -75,7 +94,6 @@ class Rules:
 
     tip: Callable[[Angles], tuple[float, float]]
     clear: Angles
-    top: float
     near: float = 2e-3
     still: float = radians(6.0)
     dwell: float = 0.02
@@ -83,8 +101,12 @@ class Rules:
     shaken: float = radians(20.0)
     sound: float = 30e3
     gone: float = 10e3
+    empty: float = 1e3
     tries: int = 3
     settle_time: float = 3.0
+    height: float = 2e-3
+    halted: float = 5e-3
+    starts: float = 0.06
     lower_time: float = 1.0
     suck_time: float = 0.4
     heavy_time: float = 0.6
@@ -117,8 +139,8 @@ class Measured:
         angles: rad, by joint.
         velocities: rad/s, by joint.
         vacuum: in the cup's line, Pa below the surroundings.
-        lift_up: the switch at the lift's top.
-        lift_down: the lift was lowered as far as it was asked to, or the cup met something.
+        height: of the cup's rim over the table, m, by the lift's stroke.
+        lift_speed: upwards, m/s.
         sighting: the answer to a picture that was asked for.
     """
 
@@ -126,14 +148,9 @@ class Measured:
     angles: Angles
     velocities: Angles
     vacuum: float
-    lift_up: bool
-    lift_down: bool
+    height: float
+    lift_speed: float = 0.0
     sighting: Sighting | None = None
-
-    @property
-    def down(self) -> bool:
-        """Whether the cup is down; a switch that says both does not count."""
-        return self.lift_down and not self.lift_up
 
 
 @dataclass(frozen=True)
@@ -173,6 +190,11 @@ class State:
     shaken: int = 0
     outcome: Outcome | None = None
     trouble: str = ""
+
+    @property
+    def passing(self) -> float:
+        """Height of the cup's rim from which on the arm may move: more while something may hang on it, m."""
+        return self.task.carrying if self.suction else self.task.passing
 
     @property
     def over(self) -> Angles:

@@ -40,11 +40,12 @@ def step(rules: Rules, state: State, measured: Measured) -> tuple[State, Command
     if after.phase is not state.phase:
         after = replace(after, since=measured.time, near_since=None)
     wanted = _wanted(rules, after)
+    up = _up(rules, after, measured)
     # What is down would be dragged.
-    target = wanted if measured.lift_up else after.target
+    target = wanted if up else after.target
     after = replace(after, target=target)
-    picture = after.phase is Phase.LOOK and measured.lift_up and _near(rules, rules.clear, measured)
-    return after, Command(target, _height(rules, after), after.suction, picture)
+    picture = after.phase is Phase.LOOK and up and _near(rules, rules.clear, measured)
+    return after, Command(target, _height(after), after.suction, picture)
 
 
 def _wanted(rules: Rules, state: State) -> Angles:
@@ -55,10 +56,23 @@ def _wanted(rules: Rules, state: State) -> Angles:
     return state.over
 
 
-def _height(rules: Rules, state: State) -> float:
+def _height(state: State) -> float:
     if state.phase in {Phase.PLACE, Phase.RELEASE}:
         return state.task.place_height
-    return state.task.fruit_height if state.phase in DOWN else rules.top
+    return state.task.fruit_height if state.phase in DOWN else state.passing
+
+
+def _up(rules: Rules, state: State, measured: Measured) -> bool:
+    """Whether the cup, with what it holds, passes over everything."""
+    return measured.height >= state.passing - rules.height
+
+
+def _down(rules: Rules, state: State, measured: Measured) -> bool:
+    """Whether a lift that is lowered is as low as it was asked to be, or has met something on its way."""
+    if _up(rules, state, measured):
+        return False
+    met = abs(measured.lift_speed) <= rules.halted and _lasts(state, measured, rules.starts)
+    return met or measured.height <= _height(state) + rules.height
 
 
 def _near(rules: Rules, posture: Angles, measured: Measured) -> bool:
@@ -97,7 +111,7 @@ def _lasts(state: State, measured: Measured, longest: float) -> bool:
 
 def _arrive(rules: Rules, state: State, measured: Measured, posture: Angles, then: Phase) -> State:
     """Go on once the arm has been near a posture and still for long enough."""
-    if not (measured.lift_up and _near(rules, posture, measured)):
+    if not (_up(rules, state, measured) and _near(rules, posture, measured)):
         if _lasts(state, measured, rules.settle_time):
             return _stuck(state, f"the arm does not settle: {state.phase.value}")
         return replace(state, near_since=None)
@@ -115,14 +129,14 @@ def _approach(rules: Rules, state: State, measured: Measured) -> State:
 
 
 def _lower(rules: Rules, state: State, measured: Measured) -> State:
-    if measured.down or measured.vacuum >= rules.sound:
+    if _down(rules, state, measured) or measured.vacuum >= rules.sound:
         return replace(state, phase=Phase.SUCK)
     return _stuck(state) if _lasts(state, measured, rules.lower_time) else state
 
 
 def _suck(rules: Rules, state: State, measured: Measured) -> State:
     if measured.vacuum >= rules.sound:
-        return replace(state, phase=Phase.LIFT)
+        return replace(state, phase=Phase.LIFT, task=state.task.seated(measured.height))
     if not _lasts(state, measured, rules.suck_time):
         return state
     weak = measured.vacuum >= rules.gone
@@ -133,7 +147,7 @@ def _suck(rules: Rules, state: State, measured: Measured) -> State:
 def _lift(rules: Rules, state: State, measured: Measured) -> State:
     if measured.vacuum < rules.gone:
         return replace(state, phase=Phase.RAISE, suction=False, trouble=state.trouble or "it slipped off the cup")
-    if measured.lift_up:
+    if _up(rules, state, measured):
         return replace(state, phase=Phase.CARRY)
     if _lasts(state, measured, rules.heavy_time):
         heavy = "it is lifted too slowly: too heavy, or two fruits"
@@ -154,7 +168,7 @@ def _carry(rules: Rules, state: State, measured: Measured) -> State:
 def _place(rules: Rules, state: State, measured: Measured) -> State:
     if measured.vacuum < rules.gone:
         return _lost(state)
-    if measured.down:
+    if _down(rules, state, measured):
         return replace(state, phase=Phase.RELEASE, suction=False)
     return _stuck(state) if _lasts(state, measured, rules.lower_time) else state
 
@@ -165,7 +179,7 @@ def _lost(state: State) -> State:
 
 
 def _release(rules: Rules, state: State, measured: Measured) -> State:
-    if measured.vacuum < rules.gone:
+    if measured.vacuum < rules.empty:
         outcome = Outcome.PLACED if state.phase is Phase.RELEASE else None
         return replace(state, phase=Phase.RAISE, outcome=outcome)
     if _lasts(state, measured, rules.release_time):
@@ -174,13 +188,13 @@ def _release(rules: Rules, state: State, measured: Measured) -> State:
 
 
 def _put_back(rules: Rules, state: State, measured: Measured) -> State:
-    if measured.down or measured.vacuum < rules.gone:
+    if _down(rules, state, measured) or measured.vacuum < rules.gone:
         return replace(state, phase=Phase.LET_BACK, suction=False)
     return _stuck(state) if _lasts(state, measured, rules.lower_time) else state
 
 
 def _raise(rules: Rules, state: State, measured: Measured) -> State:
-    if not measured.lift_up:
+    if not _up(rules, state, measured):
         return _stuck(state) if _lasts(state, measured, rules.raise_time) else state
     if state.outcome is not None:
         return replace(state, phase=Phase.DONE)
