@@ -50,6 +50,10 @@ class CameraError(InputError):
     """The camera is not where its calibration says, or can't be calibrated with what was given."""
 
 
+class RigStoppedError(LayflatError):
+    """The rig's supervisor holds the joints, or has let out the air; the message says for which fault."""
+
+
 class DivergedError(LayflatError):
     """A run left the range in which the model means anything.
 

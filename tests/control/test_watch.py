@@ -17,14 +17,16 @@ SWING = (2000.0, 0.0, -2000.0, 0.0)
 def follow(
     samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
     surplus: float = 0.0, level: int = watch.AIR,
+    averaged: float = 0.0, others: float = 0.0,
 ) -> tuple[WatchMemory, list[int]]:  # fmt: skip
     memory, found = FRESH, []
     for k in range(samples):
         x = angle[k % len(angle)]
         p = pressure[k % len(pressure)] if pressure else SWING[k % 4] + 0.3 * k
         memory, bits = watch_joint(
-            LIMITS, PATIENCE, memory, x, p, 0.0, 0.0, surplus, x if demand is None else demand, 0.0, CYCLE, level, True
-        )
+            LIMITS, PATIENCE, memory, x, p, averaged * k, others * k, 0.0, surplus, x if demand is None else demand,
+            0.0, CYCLE, level, True,
+        )  # fmt: skip
         found.append(bits)
     return memory, found
 
@@ -86,6 +88,15 @@ def test_a_joint_that_stands_still_at_once_has_a_frozen_sensor() -> None:
     found = follow(30, [0.0, 0.004, 0.008, *[0.012] * 27])[1]
     assert np.flatnonzero(found)[0] == 11
     assert found[11] == watch.ANGLE_FROZEN
+
+
+def test_a_joint_that_bears_more_than_friction_is_blocked_unless_others_hold_it() -> None:
+    """A rise by 10 kPa a sample: friction hides 100 kPa, and nearly twice that is borne."""
+    found = follow(40, [0.5], averaged=1e4)[1]
+    first = int(np.flatnonzero(found)[0])
+    assert found[first] == watch.ANGLE_FROZEN
+    assert first * CYCLE == pytest.approx(0.1, abs=0.01)
+    assert not any(follow(40, [0.5], averaged=1e4, others=-9e3)[1])
 
 
 def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:

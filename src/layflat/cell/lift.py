@@ -5,10 +5,13 @@ from __future__ import annotations
 from math import copysign, sqrt
 
 from layflat.cell.file.parts import Lift as Described
+from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY, REFERENCE_TEMPERATURE
 
 STIFFNESS = 4000.0
 """Of the air in the cylinder against what keeps the piston from where its valve leads it, N/m."""
 DAMPING_RATIO = 1.0
+AMBIENT = 101325.0
+"""Pa"""
 
 
 class Lift:
@@ -19,13 +22,16 @@ class Lift:
         step: time between two calls of `force`, s.
 
     Attributes:
+        air: that it has taken so far, m^3 of normal volume: a stroke either way fills what the piston leaves.
         demand: stroke to which it is to go, m; settable, cut to the stroke's ends.
     """
 
     def __init__(self, described: Described, step: float) -> None:
         self._lift, self._step = described, step
         self._damping = 2.0 * DAMPING_RATIO * sqrt(STIFFNESS * described.mass)
-        self._at, self._speed, self._demand = 0.0, 0.0, 0.0
+        density = (described.pressure + AMBIENT) / (GAS_CONSTANT * REFERENCE_TEMPERATURE)
+        self._air_per_metre = described.force / described.pressure * density / NORMAL_DENSITY
+        self._at, self._speed, self._demand, self.air = 0.0, 0.0, 0.0, 0.0
 
     @property
     def demand(self) -> float:
@@ -39,6 +45,7 @@ class Lift:
     def force(self, stroke: float, speed: float) -> float:
         """Force on the piston downwards, N, from where it is, m, and its speed, m/s."""
         self._wait_for(stroke)
+        self.air += self._air_per_metre * abs(speed) * self._step
         behind = STIFFNESS * (self._at - stroke) + self._damping * (self._speed - speed)
         before = self._speed
         self._lead()

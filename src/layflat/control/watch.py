@@ -22,8 +22,8 @@ BRISK = 5.5
 """The same after which no joint stands still at once: 40 deg/s with the built-in sensor."""
 
 BEYOND = 1.9
-"""Of the differential pressure that friction can hide: so much a joint never bears without a motion of one count. Sound
-ones at rest, shaken by another, bear 1.6 in an hour."""
+"""Of the differential pressure that friction can hide: so much, and what others hold off, a joint never bears without a
+motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour."""
 
 DRIVEN = 0.09
 """Error of a joint that is driven, rad; by less friction may hold it."""
@@ -101,6 +101,9 @@ class WatchMemory(NamedTuple):
     least: float
     """Differential pressure since the angle last changed, Pa."""
     most: float
+    calmest: float
+    """What the others' torques may have held off meanwhile, Pa."""
+    wildest: float
     step: float
     """By which the angle last changed, rad."""
     suspect: float
@@ -110,7 +113,7 @@ class WatchMemory(NamedTuple):
 
 LIMITS, PATIENCE, WATCH_MEMORY = (len(kind._fields) for kind in (Limits, Patience, WatchMemory))
 
-FRESH = WatchMemory._make([nan] * 5 + [inf] + [0.0] * 13 + [nan])
+FRESH = WatchMemory._make([nan] * 5 + [inf] + [0.0] * 15 + [nan])
 """Memory of a watch that begins."""
 
 
@@ -167,13 +170,13 @@ def _limited(limits, patience, before, angle, pressure, elapsed, level):
 
 @law
 def watch_joint(
-    limits, patience, before, angle, pressure, averaged, speed, surplus, demand, lead, elapsed, level, alone
+    limits, patience, before, angle, pressure, averaged, others, speed, surplus, demand, lead, elapsed, level, alone
 ):
     """Memory and bits of what was found after a cycle.
 
     Args: `Limits`, `Patience`, `WatchMemory`; angle (rad) and differential pressure (Pa) as sampled, the latter
-    averaged, speed (rad/s); surplus of air; demand and the greatest lead of any demand (rad); s; what there is to
-    watch; whether the supply is beyond doubt.
+    averaged, and what the others' torques may hold off of it (Pa), speed (rad/s); surplus of air; demand and the
+    greatest lead of any demand (rad); s; what there is to watch; whether the supply is beyond doubt.
     """
     swing, ripple = _listen(before, pressure)
     step = abs(angle - before.angle)
@@ -183,6 +186,8 @@ def watch_joint(
     last_step = before.step if same else step
     least = min(before.least, averaged) if same else averaged
     most = max(before.most, averaged) if same else averaged
+    calmest = min(before.calmest, others) if same else others
+    wildest = max(before.wildest, others) if same else others
     same_angle = _last(before.same_angle, same, elapsed)
     same_pressure = _last(before.same_pressure, airy and limits.lively > 0.0 and pressure == before.pressure_1, elapsed)
     doubt_angle = same_angle > patience.doubtful and last_step > MOVING * limits.lsb
@@ -199,7 +204,7 @@ def watch_joint(
     if (
         (stays and (brisk or (doubt_angle and suspect)))
         or asleep >= patience.asleep
-        or (same_angle >= patience.frozen_angle and most - least > BEYOND * limits.friction_band)
+        or (same_angle >= patience.frozen_angle and most - least > BEYOND * limits.friction_band + wildest - calmest)
     ):
         found |= ANGLE_FROZEN
     if same_pressure >= patience.frozen_pressure or (suspect and same_pressure > patience.sure):
@@ -211,7 +216,8 @@ def watch_joint(
     found |= OFF_TRACK if off >= patience.following else 0
     after = WatchMemory(
         angle, pressure, before.pressure_1, before.pressure_2, swing, ripple, rail, fast, outside, pressed,
-        same_pressure, same_angle, off, quiet, asleep, least, most, last_step, 1.0 if suspect else 0.0, reach,
+        same_pressure, same_angle, off, quiet, asleep, least, most, calmest, wildest, last_step,
+        1.0 if suspect else 0.0, reach,
     )  # fmt: skip
     return after, found
 
@@ -227,20 +233,21 @@ def _limits(row):
 def _memory(row):
     return WatchMemory(
         row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10], row[11], row[12],
-        row[13], row[14], row[15], row[16], row[17], row[18], row[19],
+        row[13], row[14], row[15], row[16], row[17], row[18], row[19], row[20], row[21],
     )  # fmt: skip
 
 
 @kernel
 def watch_joints(
-    limits, patience, memory, angles, pressures, status, beliefs, demands, lead, elapsed, level, fed, found
+    limits, patience, coupling, memory, angles, pressures, status, beliefs, demands, lead, elapsed, level, fed, found
 ):
     """`watch_joint` for all joints.
 
-    Args: rows of `Limits` (joints, LIMITS); `Patience` as a row; `memory` (1, joints, WATCH_MEMORY), changed; what was
-    measured (joints,); `status` of the controllers (1, joints, ...); `beliefs` in the air (1, joints, ...), the surplus
-    last; demands (joints,) and their greatest lead; s; what there is to watch; whether the supply's pressure is good.
-    Writes bits into `found` (joints,). Returns the number of joints whose ripple is missing.
+    Args: rows of `Limits` (joints, LIMITS); `Patience` as a row; how much of each other joint's differential pressure a
+    joint at rest may feel (joints, joints); `memory` (1, joints, WATCH_MEMORY), changed; what was measured (joints,);
+    `status` of the controllers (1, joints, ...); `beliefs` in the air (1, joints, ...), the surplus last; demands
+    (joints,) and their greatest lead; s; what there is to watch; whether the supply's pressure is good. Writes bits into
+    `found` (joints,). Returns the number of joints whose ripple is missing.
     """
     n, p = len(angles), patience
     times = Patience(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10])
@@ -250,9 +257,12 @@ def watch_joints(
         still += 1 if ripple < limits[j, 11] else 0
     alone = fed and (n == 1 or still < n)
     for j in range(n):
+        others = 0.0
+        for i in range(n):
+            others += coupling[j, i] * status[0, i, 2]
         after, found[j] = watch_joint(
-            _limits(limits[j]), times, _memory(memory[0, j]), angles[j], pressures[j], status[0, j, 2], status[0, j, 1],
-            beliefs[0, j, 3], demands[j], lead, elapsed, level, alone,
+            _limits(limits[j]), times, _memory(memory[0, j]), angles[j], pressures[j], status[0, j, 2], others,
+            status[0, j, 1], beliefs[0, j, 3], demands[j], lead, elapsed, level, alone,
         )  # fmt: skip
         write_row(memory, 0, j, after)
     return still

@@ -53,9 +53,7 @@ class Plant:
 
     def measure(self, *, picture: bool) -> Measured:
         sighting = self.sightings.pop(0) if picture and self.sightings else None
-        return Measured(
-            self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, sighting
-        )
+        return Measured(self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, sighting)
 
     def turn(self, command: Command, state: State) -> None:
         self.time += CYCLE

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scripted_plant import CARRYING, CYCLE, PASSING, RULES, TASK, Plant, phases, run
 
-from layflat.cell.plan.pick import Command, Measured, Outcome, Phase, Sighting, State, Task
+from layflat.cell.plan.pick import Command, Measured, Outcome, Phase, Sighting, State
 from layflat.cell.plan.picks import begun, step
 
 ELSEWHERE = replace(TASK, over_fruit=(0.15, 0.1))
@@ -89,7 +89,7 @@ def test_a_fruit_that_is_higher_than_it_seemed_is_let_go_as_much_higher() -> Non
     state, trace = run(plant)
     assert state.outcome is Outcome.PLACED
     assert state.task.place_height == pytest.approx(TASK.place_height + 0.007)
-    assert [command.height for s, command in trace if s.phase is Phase.PLACE][0] == state.task.place_height
+    assert next(command.height for s, command in trace if s.phase is Phase.PLACE) == state.task.place_height
 
 
 def test_a_vacuum_that_does_not_go_ends_the_pick_where_the_arm_is() -> None:
@@ -152,8 +152,14 @@ NEAR = st.sampled_from([TASK.over_fruit, TASK.over_place, RULES.clear, ELSEWHERE
 OFFSETS = st.sampled_from([0.0, 0.0, 0.0, 0.0, 0.001, 0.006, 0.05])
 READINGS = st.builds(
     lambda dt, at, off, v, vacuum, height, lift, sighting: (
-        dt, (at[0] + off, at[1]), (v, 0.0), vacuum, height, lift, sighting
-    ),  # fmt: skip
+        dt,
+        (at[0] + off, at[1]),
+        (v, 0.0),
+        vacuum,
+        height,
+        lift,
+        sighting,
+    ),
     st.sampled_from([0.005, 0.02, 0.05, 0.3, 1.0]),
     NEAR,
     OFFSETS,

@@ -105,6 +105,12 @@ def placed(centre: tuple[float, float], turn: float, points: Array) -> Array:
     return turned
 
 
+def within(tray: Tray, x: float, y: float) -> bool:
+    """Whether a place is over a tray's floor."""
+    along, across = placed((0.0, 0.0), -tray.turn, np.array([[x - tray.centre[0], y - tray.centre[1]]]))[0]
+    return bool(abs(along) < tray.size[0] / 2 and abs(across) < tray.size[1] / 2)
+
+
 def _apart(cell: Cell) -> None:
     outlines = footprints(cell)
     low = np.array(cell.table.centre) - np.array(cell.table.size) / 2

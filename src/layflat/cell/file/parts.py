@@ -46,6 +46,8 @@ class Lift(Part):
     acceleration: Annotated[u.Acceleration, Field(gt=0)] = Field(description="greatest; its cushions keep it too")
     force: Annotated[u.Force, Field(gt=0)] = Field(description="greatest, weight of its moving parts aside")
     mass: Annotated[u.Mass, Field(gt=0)] = Field(description="of what moves up and down, with the cup")
+    body: u.Mass = Field(description="mass of what stays up at the arm's tip: cylinder, guide, valves, ejector")
+    pressure: u.PositivePressure = Field(description="gauge, at which it has its force")
 
     @model_validator(mode="after")
     def _moves(self) -> Self:

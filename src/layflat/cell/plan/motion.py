@@ -6,7 +6,7 @@ Time-optimal within the limits, all axes ending together. Source: berscheid2021,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ LEAD = 0.2
 """With which the paper's controllers follow best, s (docs/cell-plan.md)."""
 
 POINTS = 400
-"""At which the tip's acceleration along a path is looked at."""
+"""At which the tip's motion along a path is looked at."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,8 @@ def travel(start: Array, end: Array, limits: Limits) -> Path:
 
 def move_arm(
     machine: Machine, start: Array, end: Array, *,
-    payload: float | None = None, shares: Shares | None = None, tip_acceleration: float | None = None,
+    payload: float | None = None, shares: Shares | None = None,
+    tip_acceleration: float = inf, tip_speed: float = inf,
 ) -> Path:  # fmt: skip
     """A move of an arm's joints within a share of what it can do.
 
@@ -103,28 +104,28 @@ def move_arm(
         payload: at the tip, kg; the machine's where not given.
         shares: of what valves and hoses can do.
         tip_acceleration: that the planned motion of the tip may not exceed, m/s2: soft fruit bruises.
+        tip_speed: likewise, m/s.
 
     Raises:
         MachineError: the machine can't be driven.
         InputError: as `travel`.
     """
     path = travel(start, end, arm_limits(machine, start, end, payload=payload, shares=shares))
-    if tip_acceleration is None:
+    if tip_acceleration == tip_speed == inf:
         return path
-    peak = peak_tip_acceleration(machine, path)
-    if peak <= tip_acceleration:
-        return path
-    # The same way in k times the time has accelerations 1/k^2 as great.
-    return travel(start, end, path.limits.slower(sqrt(peak / tip_acceleration)))
+    speed, acceleration = tip_peaks(machine, path)
+    # The same way in k times the time has 1/k of the speed and 1/k^2 of the acceleration.
+    factor = max(speed / tip_speed, sqrt(acceleration / tip_acceleration))
+    return path if factor <= 1.0 else travel(start, end, path.limits.slower(factor))
 
 
-def peak_tip_acceleration(machine: Machine, path: Path) -> float:
-    """Greatest acceleration of the tip along a planned motion of the arm, m/s2."""
+def tip_peaks(machine: Machine, path: Path) -> tuple[float, float]:
+    """Greatest speed (m/s) and acceleration (m/s2) of the tip along a planned motion of the arm."""
     if path.duration == 0.0:
-        return 0.0
-    tips = tip_position(machine, path.at(np.linspace(0.0, path.duration, POINTS + 1)))
-    second = np.diff(tips, n=2, axis=0) / (path.duration / POINTS) ** 2
-    return float(np.linalg.norm(second, axis=1).max())
+        return 0.0, 0.0
+    tips, step = tip_position(machine, path.at(np.linspace(0.0, path.duration, POINTS + 1))), path.duration / POINTS
+    first, second = np.diff(tips, axis=0) / step, np.diff(tips, n=2, axis=0) / step**2
+    return float(np.linalg.norm(first, axis=1).max()), float(np.linalg.norm(second, axis=1).max())
 
 
 def _ruckig() -> Any:

@@ -93,6 +93,11 @@ class Reach:
         x, y = tip_position(self.machine, np.array(angles))
         return float(x), float(y)
 
+    def axes(self, angles: Angles) -> list[tuple[float, float]]:
+        """Where the joints' axes and the tip are, m, from the base on."""
+        first = (self.lengths[0] * cos(angles[0]), self.lengths[0] * sin(angles[0]))
+        return [*[(0.0, 0.0), first][: len(angles)], self.tip(angles)]
+
     def postures(self, x: float, y: float) -> tuple[Posture, ...]:
         """Postures that bring the tip to a point (m), the one with the widest margin first; none if out of reach."""
         found = [self._posture(angles) for angles in self._solutions(x, y) if self._inside(angles)]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
+from layflat.cell.file.checks import within
 from layflat.cell.file.model import Cell
 from layflat.cell.lift import Lift
 from layflat.cell.scene.furniture import furnish
@@ -96,6 +97,11 @@ class Scene:
         """Of the lift, down from its upper end, m: what a sensor on the cylinder tells."""
         return float(self.data.qpos[self._slide[0]])
 
+    @property
+    def stroke_speed(self) -> float:
+        """Of the lift, downwards, m/s."""
+        return float(self.data.qvel[self._slide[1]])
+
     def hold_board(self, position: Array, orientation: Array) -> None:
         """Hold the calibration board before the camera: its middle, m, and its quaternion, w first."""
         self.data.mocap_pos[0], self.data.mocap_quat[0] = position, orientation
@@ -137,20 +143,16 @@ class Scene:
 
 def _inside(cell: Cell, at: Array) -> bool:
     """Whether a fruit's middle lies in a tray."""
-    for tray in cell.tray.values():
-        x, y = at[:2] - np.array(tray.centre)
-        cos, sin = np.cos(tray.turn), np.sin(tray.turn)
-        along, across = x * cos + y * sin, y * cos - x * sin
-        if abs(along) < tray.size[0] / 2 and abs(across) < tray.size[1] / 2 and at[2] < 2 * tray.height + tray.wall:
-            return True
-    return False
+    return any(
+        within(tray, float(at[0]), float(at[1])) and at[2] < 2 * tray.height + tray.wall for tray in cell.tray.values()
+    )
 
 
 def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: float) -> Any:
     """An MjSpec of the cell with its arm, lift, cup and fruit."""
     mj = mujoco()
-    # Lift, cup and fruit are the load.
-    spec = arm_spec(changed(cell.machine, "arm.payload", 0.0))
+    # Lift, cup and fruit move by themselves.
+    spec = arm_spec(changed(cell.machine, "arm.payload", cell.lift.body))
     for body in spec.worldbody.bodies:
         body.pos = np.add(body.pos, [0.0, 0.0, cell.mount.height])
         body.sleep = mj.mjtSleepPolicy.mjSLEEP_NEVER

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from math import cos
+
+import numpy as np
+from numpy.typing import NDArray
+
 from layflat.control.watch import Limits, Patience
 from layflat.machine import Machine, parameters
 from layflat.machine.model import SpoolValve
 from layflat.machine.parameters.drives import drive_parts
 from layflat.machine.parameters.drives import sensor as sensor_law
+from layflat.physics.arm import OneLink, two_link_mass
 from layflat.rig.safety.faults import TABLE, Fault
 
 LIVELY = 0.3
@@ -24,6 +30,9 @@ DEFAULT_CYCLE = 0.005
 
 RIPPLE_AFTER = 4.0
 """Cycles that the ripple takes to show that there is none any more."""
+
+POSTURES = 25
+"""That are looked at for how joints shake each other."""
 
 ASLEEP = 0.29
 """A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
@@ -58,6 +67,25 @@ def limits(machine: Machine, name: str) -> Limits:
         machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
         1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
     )
+
+
+def coupling(machine: Machine) -> NDArray[np.float64]:
+    """How much of each other joint's differential pressure a joint at rest feels at most, (joints, joints).
+
+    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i: taken
+    for the posture of the working stroke in which that is the most, with the payload of the description.
+    """
+    arm, n = parameters.arm(machine), len(machine.joints)
+    if isinstance(arm, OneLink):
+        return np.zeros((n, n))
+    elbow = list(machine.joints.values())[1]
+    K_1, K_2 = (parameters.torque_constant(joint) for joint in machine.joints.values())
+    half = elbow.stops.working_stroke / 2
+    to_first, to_second = 0.0, 0.0
+    for angle in np.linspace(-half, half, POSTURES):
+        M_11, M_12, M_22, _ = two_link_mass(arm, machine.arm.payload, 0.0, cos(angle + machine.arm.elbow))
+        to_first, to_second = max(to_first, abs(M_12) / M_22), max(to_second, abs(M_12) / M_11)
+    return np.array([[0.0, to_first * K_2 / K_1], [to_second * K_1 / K_2, 0.0]])
 
 
 def patience(cycle: float) -> Patience:

@@ -30,7 +30,7 @@ from layflat.physics.joint import FILLED
 from layflat.rig.driver import Reading
 from layflat.rig.safety.faults import TABLE, Fault
 from layflat.rig.safety.lasting import Lasting, Samples
-from layflat.rig.safety.limits import RIPPLE_AFTER, patience
+from layflat.rig.safety.limits import RIPPLE_AFTER, coupling, patience
 
 Array = NDArray[np.float64]
 
@@ -73,6 +73,7 @@ class MachineWatch:
         assert machine.valve is not None
         self._limits, self._patience = np.array(each), np.array(patience(cycle))
         self._memory = np.zeros((1, len(each), WATCH_MEMORY))
+        self._coupling = coupling(machine)
         self._bits = np.zeros(len(each), np.int64)
         self.found = [Fault.NONE] * len(each)
         """The worst of each joint in this cycle."""
@@ -144,8 +145,8 @@ class MachineWatch:
         self._even = 0.0 if uneven else self._even + elapsed
         trusted = supply >= self._low and self._even >= CALM
         still = watch_joints(
-            self._limits, self._patience, self._memory, angles, pressures, status, self._beliefs, demands, lead,
-            elapsed, level, trusted, self._bits,
+            self._limits, self._patience, self._coupling, self._memory, angles, pressures, status, self._beliefs,
+            demands, lead, elapsed, level, trusted, self._bits,
         )  # fmt: skip
         for j, bits in enumerate(self._bits.tolist()):
             self.found[j] = _worst(bits) if bits else Fault.NONE

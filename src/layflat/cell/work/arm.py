@@ -1,0 +1,90 @@
+"""The cell's arm behind the rig's control loop: told where to go, it goes there within its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.plan.motion import LEAD, move_arm
+from layflat.cell.plan.reach import Angles
+from layflat.errors import RigStoppedError
+from layflat.machine import Machine
+from layflat.rig.clock import Clock
+from layflat.rig.driver import Driver
+from layflat.rig.loop import Loop, Recorder
+from layflat.rig.record import BY_JOINT, Layout
+from layflat.rig.safety.faults import TABLE
+from layflat.rig.safety.states import State
+from layflat.rig.safety.supervisor import Wish
+
+Array = NDArray[np.float64]
+
+ANGLE, VELOCITY = (list(BY_JOINT).index(name) for name in ("averaged_angle", "averaged_velocity"))
+
+
+class Arm:
+    """An arm on a rig whose air is there; it is the host of the rig's loop.
+
+    Args:
+        machine: with controller and gains.
+        driver: of its rig, not yet configured.
+        clock: that the loop waits by.
+        load: greatest that it carries, lift included, kg.
+        tip_speed: greatest of the tip, m/s.
+        recorder: what keeps the cycles.
+    """
+
+    ended = False
+
+    def __init__(
+        self, machine: Machine, driver: Driver, clock: Clock, *,
+        load: float, tip_speed: float, recorder: Recorder | None = None,
+    ) -> None:  # fmt: skip
+        self._machine, self._load, self._tip_speed = machine, load, tip_speed
+        self._layout = Layout.of(list(machine.joints))
+        driver.configure()
+        driver.activate()
+        self.loop = Loop(machine, driver, clock, self, recorder)
+        first = driver.read()
+        self.loop.begin(first)
+        self.angles: Angles = tuple(first.angles.tolist())
+        self.velocities: Angles = (0.0,) * len(self.angles)
+        self._target = self.angles
+        self._demand, self._course, self._at = first.angles.copy(), first.angles[None], 0
+
+    @property
+    def cycle(self) -> float:
+        """Of its control loop, s."""
+        return self.loop.deadlines.cycle
+
+    def go(self, target: Angles) -> None:
+        """Be on the way to a posture, rad."""
+        if target != self._target:
+            path = move_arm(
+                self._machine, self._demand, np.array(target), payload=self._load, tip_speed=self._tip_speed
+            )
+            self._course, self._at, self._target = path.demand(self.cycle, lead=LEAD), 0, target
+
+    def turn(self) -> None:
+        """One control cycle.
+
+        Raises:
+            RigStoppedError: the rig's supervisor does not let it move.
+        """
+        self.loop.cycle()
+        supervisor = self.loop.supervisor
+        if supervisor.state not in {State.READY, State.MOVING}:
+            worst = supervisor.ledger.worst
+            raise RigStoppedError(f"the rig stopped: {TABLE[worst].title}")
+
+    def wish(self, now: int) -> Wish:  # noqa: ARG002  (as the rig's hosts)
+        """The next row of the course that it is on."""
+        self._demand = self._course[min(self._at, len(self._course) - 1)]
+        self._at += 1
+        return Wish(self._demand.tolist())
+
+    def publish(self, row: Array) -> None:
+        """Look at what the controllers know."""
+        joints = [row[self._layout.of_joint(j)] for j in range(len(self.angles))]
+        self.angles = tuple(float(joint[ANGLE]) for joint in joints)
+        self.velocities = tuple(float(joint[VELOCITY]) for joint in joints)

@@ -1,0 +1,66 @@
+"""From a choice to a task: heights of the lift that follow from the cell's description and the fruit's diameter."""
+
+from __future__ import annotations
+
+from layflat.cell.file.model import Cell
+from layflat.cell.file.parts import Cup
+from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.order import Choice
+from layflat.cell.plan.pick import Rules, Task
+from layflat.cell.plan.reach import Reach
+
+GAP = 10e-3
+"""Between what passes and what it passes over, m."""
+
+PRESSED = 4e-3
+"""By how much the cup is led lower than the fruit's top is thought to be, m; the lift gives way."""
+
+DROP = 2e-3
+"""Over the floor of its place, at which a fruit is let go, m."""
+
+
+class Heights:
+    """Of the cup's rim in a cell."""
+
+    def __init__(self, cell: Cell) -> None:
+        self._cell = cell
+        walls = [part.height + part.wall for part in cell.tray.values()]
+        walls += [pack.layout.height + pack.layout.wall for pack in cell.pack.values()]
+        self.floor = max(tray.wall for tray in cell.tray.values())
+        comes = {kind for tray in cell.tray.values() for kind in tray.produce}
+        tallest = max(cell.produce[kind].diameter.most * cell.produce[kind].flattening.most for kind in comes)
+        self.passing = min(max(self.floor + tallest, *walls) + GAP, cell.lift.clearance)
+
+    def task(self, choice: Choice) -> Task:
+        """What has to be done for a choice."""
+        tall = self._tall(choice.fruit)
+        most = self._cell.produce[choice.fruit.kind].flattening.most * choice.fruit.diameter
+        return Task(
+            choice.over_fruit.angles,
+            choice.over_spot.angles,
+            fruit_height=self.floor + tall - PRESSED,
+            place_height=choice.spot.place.z + tall - PRESSED + DROP,
+            passing=self.passing,
+            carrying=min(self.passing + most, self._cell.lift.clearance),
+        )
+
+    def _tall(self, fruit: Fruit) -> float:
+        return self._cell.produce[fruit.kind].flattening.mean * fruit.diameter
+
+
+def rules_of(cell: Cell, reach: Reach) -> Rules:
+    """When something has happened in a cell; the cup's vacuums follow from its time constants."""
+    cup = cell.cup
+    closed, opened = _vacuum(cup, cup.leak), _vacuum(cup, cup.open_leak)
+    return Rules(
+        tip=reach.tip,
+        clear=tuple(cell.mount.home[name] for name in cell.machine.joints),
+        sound=opened + 0.6 * (closed - opened),
+        gone=opened + 0.3 * (closed - opened),
+        empty=0.02 * closed,
+    )
+
+
+def _vacuum(cup: Cup, leak: float) -> float:
+    """At which an ejector and a leak are even, Pa."""
+    return cup.vacuum / (1.0 + cup.build_up / leak)
