@@ -169,3 +169,11 @@ def test_a_way_to_draw_that_fails_is_told_in_one_line(monkeypatch: pytest.Monkey
     with pytest.raises(LayflatError, match="osmosis") as caught:
         gl.context(64, 64)
     assert "\n" not in str(caught.value)
+
+
+def test_an_overview_leaves_the_cameras_pictures_as_fine_as_they_were(packing: Cell) -> None:
+    scene = Scene(packing, 3)
+    with Camera(scene) as alone, Camera(scene) as both:
+        before = both.picture("overview")
+        assert np.array_equal(both.picture(), alone.picture())
+        assert np.array_equal(both.picture("overview"), before)

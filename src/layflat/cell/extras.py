@@ -34,6 +34,15 @@ def opencv() -> Any:
     return _package("cv2", "opencv-python-headless")
 
 
+def pyav() -> Any:
+    """The package `av`, which has FFmpeg in it.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    return _package("av", "av")
+
+
 @contextmanager
 def _environment(**changes: str) -> Iterator[None]:
     before = dict(os.environ)

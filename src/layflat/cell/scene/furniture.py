@@ -133,8 +133,8 @@ def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
         name="wall",
         type=mj.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mj.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.80, 0.83, 0.86],
-        rgb2=[0.45, 0.48, 0.52],
+        rgb1=[0.90, 0.92, 0.94],
+        rgb2=[0.66, 0.70, 0.75],
         width=64,
         height=384,
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 from typing import Any
+
+import numpy as np
 
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
@@ -16,6 +18,8 @@ STEEL = (0.70, 0.72, 0.74, 1.0)
 LINK = (0.75, 0.77, 0.80, 1.0)
 DRUM = (0.16, 0.30, 0.52, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
+SEPALS = 5
+"""Of a tomato's calyx."""
 LIP = 0.012
 """Height of the cup, m."""
 
@@ -45,7 +49,7 @@ def add_fruit(spec: Any, cell: Cell, fruit: Fruit) -> None:
             rgba=PALE,
             **touch,
         )
-    _topped(body, fruit.top, radius, over)
+    _topped(spec, body, fruit)
     spec.add_equality(
         name=f"hold.{fruit.name}",
         type=mj.mjtEq.mjEQ_WELD,
@@ -57,21 +61,14 @@ def add_fruit(spec: Any, cell: Cell, fruit: Fruit) -> None:
     )
 
 
-def _topped(body: Any, top: str, radius: float, over: float) -> None:
+def _topped(spec: Any, body: Any, fruit: Fruit) -> None:
     """Calyx or stalk: it is seen, and touches nothing."""
-    mj = mujoco()
+    mj, top, radius, over = mujoco(), fruit.top, fruit.diameter / 2, fruit.over
     ghost = {"mass": 0.0, "contype": 0, "conaffinity": 0}
     if top == "calyx":
-        for i in range(5):
-            turn = 2 * pi * i / 5
-            body.add_geom(
-                type=mj.mjtGeom.mjGEOM_ELLIPSOID,
-                size=[0.20 * radius, 0.06 * radius, 0.03 * radius],
-                pos=[0.20 * radius * cos(turn), 0.20 * radius * sin(turn), 0.985 * over],
-                quat=[cos(turn / 2), 0.0, 0.0, sin(turn / 2)],
-                rgba=GREEN,
-                **ghost,
-            )
+        name = f"{fruit.name}.calyx"
+        spec.add_mesh(name=name, **_star(0.42 * radius, 0.08 * radius))
+        body.add_geom(type=mj.mjtGeom.mjGEOM_MESH, meshname=name, pos=[0.0, 0.0, 0.985 * over], rgba=GREEN, **ghost)
     elif top == "stalk":
         body.add_geom(
             type=mj.mjtGeom.mjGEOM_ELLIPSOID,
@@ -87,6 +84,17 @@ def _topped(body: Any, top: str, radius: float, over: float) -> None:
             rgba=BROWN,
             **ghost,
         )
+
+
+def _star(radius: float, thick: float) -> dict[str, list[float] | list[int]]:
+    """Points and faces of a flat star: a calyx in as few triangles as show it."""
+    corner = np.arange(2 * SEPALS)
+    turn, far = pi * corner / SEPALS, radius * np.where(corner % 2, 0.25, 1.0)
+    rim = np.stack([far * np.cos(turn), far * np.sin(turn), 0.0 * far], axis=1)
+    points = np.vstack([rim, [[0.0, 0.0, thick / 2], [0.0, 0.0, -thick / 2]]])
+    after, over, under = np.roll(corner, -1), len(rim) + 0 * corner, len(rim) + 1 + 0 * corner
+    faces = np.vstack([np.stack([corner, after, over], axis=1), np.stack([after, corner, under], axis=1)])
+    return {"uservert": points.ravel().tolist(), "userface": faces.ravel().tolist()}
 
 
 def add_shapes(spec: Any, cell: Cell) -> None:

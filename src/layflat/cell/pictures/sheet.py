@@ -1,0 +1,166 @@
+"""A contact sheet of a packing run: an overview, and a picture of each pick with what came of it."""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.pictures.paths import of_kind
+from layflat.cell.pictures.text import INK, PAPER, fitted, font
+from layflat.errors import InputError
+from layflat.files import whole_file
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+    from PIL.ImageDraw import ImageDraw
+
+Picture = NDArray[np.uint8]
+Lines = tuple[str, str]
+
+TILE = (300, 225)
+"""Width and height of a pick's picture, px: as many of the camera's, so that what is drawn on it stays legible."""
+GAP, TEXT, TITLE = 20, 14, 22
+"""Between tiles, and heights of captions and title, px."""
+CAPTION = 3 * TEXT
+"""Height of the two lines under a picture, px."""
+ACROSS, DOWN = 2, 2
+"""Tiles in whose place the overview stands."""
+EDGE, ALARM, BEYOND = (150, 150, 150), (176, 0, 32), 205
+"""Colours of frames, of a failed pick's, and of what lies beyond a picture."""
+
+
+class _Tile(NamedTuple):
+    picture: Picture
+    lines: Lines
+    failed: str
+
+
+class ContactSheet:
+    """Pictures of picks beside one another, with an overview at the upper left where there is one.
+
+    Args:
+        title: the head line.
+        columns: tiles side by side, at least 2.
+
+    Raises:
+        InputError: there are fewer columns.
+    """
+
+    def __init__(self, title: str, columns: int = 5) -> None:
+        if columns < ACROSS:
+            raise InputError(f"{columns} is too few", where="columns of a sheet", right=f"give {ACROSS} or more")
+        self._title, self._columns = title, columns
+        self._overview: tuple[Picture, Lines] | None = None
+        self._tiles: list[_Tile] = []
+
+    def overview(self, picture: Picture, lines: Lines) -> None:
+        """Show a picture large, (H, W, 3) RGB, with two lines under it."""
+        self._overview = picture.copy(), lines
+
+    def add(self, picture: Picture, at: tuple[float, float], lines: Lines, *, failed: str = "") -> None:
+        """Show what a picture has around a pick, with two lines under it.
+
+        Args:
+            picture: of the overhead camera, detections drawn on it; (H, W, 3) RGB.
+            at: of the pick, px from the left and from the top; the middle of the tile.
+            lines: the first is bold.
+            failed: a word for how the pick failed, such as "missed": the tile is marked by it and framed in dashes.
+        """
+        self._tiles.append(_Tile(_around(picture, at), lines, failed))
+
+    def picture(self) -> Picture:
+        """The sheet, (H, W, 3) RGB."""
+        return np.asarray(self._drawn())
+
+    def save(self, path: Path) -> Path:
+        """Write the sheet as a PNG.
+
+        Raises:
+            OutputError: the path does not end in .png, or can't be written.
+        """
+        of_kind(path, ".png")
+        with whole_file(path) as temporary:
+            self._drawn().save(temporary)
+        return path
+
+    def _drawn(self) -> Image:
+        from PIL import Image, ImageDraw  # noqa: PLC0415
+
+        (wide, high), columns = TILE, self._columns
+        large = self._overview is not None
+        taken = {(row, column) for row in range(DOWN) for column in range(ACROSS)} if large else set()
+        rows = max(ceil((len(self._tiles) + len(taken)) / columns), DOWN if large else 1)
+        cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) not in taken]
+        top, down, right = GAP + 2 * TITLE, high + CAPTION + GAP, wide + GAP
+        sheet = Image.new("RGB", (GAP + columns * right, top + rows * down), PAPER)
+        draw = ImageDraw.Draw(sheet)
+        head = font(TITLE, bold=True)
+        draw.text((GAP, GAP), fitted(self._title, head, sheet.width - 2 * GAP), INK, head)
+        if self._overview is not None:
+            picture, lines = self._overview
+            _paste(sheet, draw, _within(picture, ACROSS * right - GAP, DOWN * down - GAP - CAPTION), (GAP, top), lines)
+        for tile, (row, column) in zip(self._tiles, cells, strict=False):
+            at = GAP + column * right, top + row * down
+            _paste(sheet, draw, Image.fromarray(tile.picture), at, tile.lines)
+            _aim(draw, at)
+            if tile.failed:
+                _mark(draw, at, tile.failed)
+        return sheet
+
+
+def _around(picture: Picture, at: tuple[float, float]) -> Picture:
+    """As much of a picture as a tile shows around a point."""
+    wide, high = TILE
+    left, top = round(at[0]) - wide // 2, round(at[1]) - high // 2
+    tile = np.full((high, wide, 3), BEYOND, np.uint8)
+    rows = np.arange(max(top, 0), max(min(top + high, picture.shape[0]), 0))
+    columns = np.arange(max(left, 0), max(min(left + wide, picture.shape[1]), 0))
+    tile[np.ix_(rows - top, columns - left)] = picture[np.ix_(rows, columns)]
+    return tile
+
+
+def _within(picture: Picture, wide: int, high: int) -> Image:
+    """A picture as large as has room."""
+    from PIL import Image  # noqa: PLC0415
+
+    scale = min(wide / picture.shape[1], high / picture.shape[0])
+    size = round(scale * picture.shape[1]), round(scale * picture.shape[0])
+    return Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS)
+
+
+def _paste(sheet: Image, draw: ImageDraw, picture: Image, at: tuple[int, int], lines: Lines) -> None:
+    (x, y), (wide, high) = at, picture.size
+    sheet.paste(picture, at)
+    draw.rectangle((x - 1, y - 1, x + wide, y + high), outline=EDGE)
+    for i, line in enumerate(lines):
+        written = font(TEXT, bold=i == 0)
+        draw.text((x, y + high + (0.4 + 1.3 * i) * TEXT), fitted(line, written, wide), INK, written)
+
+
+def _aim(draw: ImageDraw, at: tuple[int, int]) -> None:
+    """Ticks at the edges of a tile, which point to its middle."""
+    (x, y), (wide, high), long = at, TILE, 12
+    for colour, thick in ((INK, 5), (PAPER, 3)):
+        for side in (x, x + wide - long):
+            draw.line((side, y + high // 2, side + long - 1, y + high // 2), colour, thick)
+        for side in (y, y + high - long):
+            draw.line((x + wide // 2, side, x + wide // 2, side + long - 1), colour, thick)
+
+
+def _mark(draw: ImageDraw, at: tuple[int, int], word: str) -> None:
+    """Frame a tile in thick dashes, and write a word at its upper left."""
+    (x, y), (wide, high), thick, dash = at, TILE, 5, 15
+    for begin in range(0, wide, 2 * dash):
+        for side in (y, y + high - thick):
+            draw.rectangle((x + begin, side, x + begin + dash - 1, side + thick - 1), fill=ALARM)
+    for begin in range(0, high, 2 * dash):
+        for side in (x, x + wide - thick):
+            draw.rectangle((side, y + begin, side + thick - 1, y + begin + dash - 1), fill=ALARM)
+    written, text = font(TEXT, bold=True), f"\N{MULTIPLICATION X} {word}"
+    box = x + 2 * thick, y + 2 * thick, x + 2 * thick + written.getlength(text) + TEXT, y + 2 * thick + 1.7 * TEXT
+    draw.rectangle(box, fill=PAPER, outline=ALARM, width=2)
+    draw.text(((box[0] + box[2]) / 2, (box[1] + box[3]) / 2), text, ALARM, written, "mm")
