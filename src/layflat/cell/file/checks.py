@@ -25,6 +25,7 @@ def check(cell: Cell) -> None:
     """
     _arm(cell)
     _kinds(cell)
+    _markers(cell)
     _sizes(cell)
     _apart(cell)
     _in_reach(cell)
@@ -51,9 +52,25 @@ def _kinds(cell: Cell) -> None:
     for name, pack in cell.pack.items():
         if pack.kind not in cell.produce:
             raise ValueError(f"pack.{name}.kind is the unknown kind {pack.kind!r}; known are {known}")
+        if not cell.produce[pack.kind].known:
+            raise ValueError(f"pack.{name}.kind {pack.kind!r} is not known to vision; set produce.{pack.kind}.known")
         grades = list(cell.produce[pack.kind].grade)
         if pack.grade not in grades:
             raise ValueError(f"pack.{name}.grade {pack.grade!r} is none of {pack.kind}; its grades are {grades}")
+
+
+def _markers(cell: Cell) -> None:
+    seen: dict[int, str] = {}
+    board = cell.board
+    held = range(board.first_id, board.first_id + board.columns * board.rows // 2)
+    for name, marker in cell.base_markers.marker.items():
+        if marker.number in seen:
+            raise ValueError(f"base_markers.marker.{name}.number {marker.number} is that of {seen[marker.number]!r} too")
+        if marker.number in held and board.dictionary == cell.base_markers.dictionary:
+            raise ValueError(
+                f"base_markers.marker.{name}.number {marker.number} is one of the board's ({held[0]} to {held[-1]})"
+            )
+        seen[marker.number] = name
 
 
 def _sizes(cell: Cell) -> None:
@@ -77,7 +94,10 @@ def footprints(cell: Cell) -> dict[str, Array]:
     outlines |= {
         f"pack.{name}": rectangle(pack.centre, pack.turn, pack.layout.size) for name, pack in cell.pack.items()
     }
-    outlines["base_marker"] = rectangle(cell.base_marker.centre, cell.base_marker.turn, cell.base_marker.size)
+    outlines |= {
+        f"base_markers.marker.{name}": rectangle(marker.centre, marker.turn, marker.size)
+        for name, marker in cell.base_markers.marker.items()
+    }
     column = 2 * base_radius(cell.machine)
     outlines["the arm's column"] = rectangle((0.0, 0.0), 0.0, (column, column))
     return outlines

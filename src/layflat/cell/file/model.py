@@ -7,9 +7,10 @@ from typing import Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from layflat.cell.file.checks import check
+from layflat.cell.file.clutter import Clutter
 from layflat.cell.file.parts import Cup, Lift, Limits, Mount, Pack, Table, Tray
 from layflat.cell.file.produce import Produce, Spread
-from layflat.cell.file.seen import BaseMarker, Board, Camera, Light, Overview
+from layflat.cell.file.seen import BaseMarkers, Board, Camera, Light, Overview
 from layflat.machine import Machine
 from layflat.machine.parts import Part
 from layflat.machine.provenance import Provenance
@@ -27,13 +28,14 @@ class Cell(Part):
     cup: Cup
     camera: Camera
     overview: Overview
-    base_marker: BaseMarker
+    base_markers: BaseMarkers
     board: Board = Field(description="held before the camera to calibrate it")
     ambient: Spread = Field(description="light from everywhere, 1 for a white that fills the picture's range")
     light: dict[str, Light]
     produce: dict[str, Produce]
     tray: dict[str, Tray]
     pack: dict[str, Pack]
+    clutter: dict[str, Clutter] = Field(default_factory=dict)
     limits: Limits
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
     _origin: str = PrivateAttr(default="")

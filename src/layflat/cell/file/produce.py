@@ -81,6 +81,7 @@ class Produce(Part):
     rolling: u.Length = Field(description="resistance to rolling: arm of the contact force; soft skin has much")
     colour: dict[str, Skin]
     grade: dict[str, Grade] = Field(description="the first that fits counts; what fits none is not packed")
+    known: bool = Field(default=True, description="whether vision is told of it; what it is not told of is a stranger")
 
     @model_validator(mode="after")
     def _known(self) -> Self:

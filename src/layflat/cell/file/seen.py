@@ -1,4 +1,4 @@
-"""What the camera is and sees: lens, sensor, lights, boards."""
+"""What the camera is and sees: lens, sensor, lights, board, markers."""
 
 from __future__ import annotations
 
@@ -85,8 +85,29 @@ class Board(Part):
         return self.columns * self.square, self.rows * self.square
 
 
-class BaseMarker(Board):
-    """The board on the table by which the camera's place is checked."""
+class BaseMarker(Part):
+    """A square marker that lies on the table."""
 
+    number: Annotated[int, Field(ge=0)] = Field(description="in the dictionary")
     centre: Spot
-    turn: u.Angle
+    side: u.Length = Field(description="of its black square")
+    turn: u.Angle = Field(description="of its upper edge from the cell's x axis")
+
+    @property
+    def rim(self) -> float:
+        """Width of the white rim without which it is not seen, m."""
+        return self.side / 4
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """With its rim, m."""
+        whole = self.side + 2 * self.rim
+        return whole, whole
+
+
+class BaseMarkers(Part):
+    """The markers by which the camera's place is found and checked."""
+
+    dictionary: str = Field(description="of OpenCV, such as DICT_4X4_50")
+    thickness: u.Length = Field(description="of the plates on which they are printed")
+    marker: Annotated[dict[str, BaseMarker], Field(min_length=1)] = Field(description="four, far apart, are exact")

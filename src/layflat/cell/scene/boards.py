@@ -1,4 +1,4 @@
-"""ChArUco boards: the same picture for the scene's texture and for OpenCV's detector."""
+"""Boards and markers: the same picture for the scene's texture and for OpenCV's detector."""
 
 from __future__ import annotations
 
@@ -21,22 +21,36 @@ def charuco(board: Board) -> Any:
     Raises:
         CellError: OpenCV has no such dictionary, or it has too few markers.
     """
-    cv2 = opencv()
-    code = getattr(cv2.aruco, board.dictionary, None)
-    if not board.dictionary.startswith("DICT_") or code is None:
-        raise CellError(
-            f"{board.dictionary!r} is no dictionary of OpenCV", where="dictionary", right="give one such as DICT_4X4_50"
-        )
-    dictionary = cv2.aruco.getPredefinedDictionary(code)
     markers = np.arange(board.first_id, board.first_id + board.columns * board.rows // 2)
-    if markers[-1] >= len(dictionary.bytesList):
-        raise CellError(
-            f"{board.dictionary} has only {len(dictionary.bytesList)} markers", where="first_id", right="give fewer"
-        )
-    return cv2.aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, dictionary, markers)
+    words = _words(board.dictionary, int(markers[-1]), "board.first_id")
+    return opencv().aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, words, markers)
 
 
 def picture(board: Board) -> NDArray[np.uint8]:
     """The board, (H, W) grey levels, with no margin."""
     drawn: NDArray[np.uint8] = charuco(board).generateImage((PIXELS * board.columns, PIXELS * board.rows))
     return drawn
+
+
+def marker_picture(dictionary: str, number: int) -> NDArray[np.uint8]:
+    """A single marker, (H, H) grey levels, with no margin.
+
+    Raises:
+        CellError: as `charuco`.
+    """
+    words = _words(dictionary, number, "base_markers.number")
+    modules = words.markerSize + 2
+    drawn: NDArray[np.uint8] = opencv().aruco.generateImageMarker(words, number, PIXELS * modules)
+    return drawn
+
+
+def _words(name: str, last: int, where: str) -> Any:
+    """A dictionary of OpenCV that has a marker of the number `last`."""
+    cv2 = opencv()
+    code = getattr(cv2.aruco, name, None)
+    if not name.startswith("DICT_") or code is None:
+        raise CellError(f"{name!r} is no dictionary of OpenCV", where="dictionary", right="give one such as DICT_4X4_50")
+    words = cv2.aruco.getPredefinedDictionary(code)
+    if last >= len(words.bytesList):
+        raise CellError(f"{name} has only {len(words.bytesList)} markers", where=where, right="give fewer")
+    return words

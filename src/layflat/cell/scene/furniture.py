@@ -1,4 +1,4 @@
-"""What stands in the cell and does not move: table, trays, packs, boards, lights, cameras."""
+"""What stands in the cell and does not move: table, trays, packs, markers, lights, cameras."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.cell.extras import mujoco
 from layflat.cell.file.checks import base_radius
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Colour, Layout
-from layflat.cell.file.seen import Board
 from layflat.cell.optics import looking, optics_of
 from layflat.cell.scene import boards
 
+Grey = NDArray[np.uint8]
 TABLE = 0.02
 """Half its thickness, m."""
-SHEET = 5e-4
-"""Half the thickness of a board, m."""
+SHEET = 1e-3
+"""Thickness of the board, m."""
 INK = 2e-4
 """Height of what is printed over its sheet, m: enough to be drawn."""
 BOARD_GROUP = 4
@@ -46,11 +47,14 @@ def furnish(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
         inside = (pack.layout.size[0] - 2 * pack.layout.wall, pack.layout.size[1] - 2 * pack.layout.wall)
         _open_box(body, f"pack.{name}", inside, pack.layout.height, pack.layout.wall, pack.layout.colour)
         _dividers(body, f"pack.{name}", pack.layout)
-    marker = cell.base_marker
-    body = world.add_body(name="base_marker", pos=[*marker.centre, 2 * SHEET + INK], quat=_about_z(marker.turn))
-    _board(spec, body, "base_marker", marker, group=0)
+    for name, marker in cell.base_markers.marker.items():
+        at = [*marker.centre, cell.base_markers.thickness]
+        body = world.add_body(name=f"base_marker.{name}", pos=at, quat=_about_z(marker.turn))
+        grey = boards.marker_picture(cell.base_markers.dictionary, marker.number)
+        _printed(spec, body, f"base_marker.{name}", grey, (marker.side, marker.side), marker.rim, at[2] - INK)
     held = world.add_body(name="board", mocap=True)
-    _board(spec, held, "board", cell.board, group=BOARD_GROUP)
+    board = cell.board
+    _printed(spec, held, "board", boards.picture(board), board.size, board.square / 3, SHEET, group=BOARD_GROUP)
     _lights(spec, cell, rng)
     _cameras(spec, cell)
 
@@ -88,23 +92,30 @@ def _dividers(body: Any, name: str, layout: Layout) -> None:
         _box(body, f"{name}.along-{i}", (x, thin, half), (0.0, at, middle), lighter)  # type: ignore[arg-type]
 
 
-def _board(spec: Any, body: Any, name: str, board: Board, group: int) -> None:
-    """A board in its body's plane, its picture's first corner at -x, +y, over a sheet with a white margin."""
-    mj, grey = mujoco(), boards.picture(board)
+def _printed(
+    spec: Any, body: Any, name: str, grey: Grey, size: tuple[float, float], margin: float, thick: float, group: int = 0
+) -> None:
+    """A picture in its body's plane, its first corner at -x, +y, on a sheet with a white margin; lengths in m.
+
+    The margin is part of what is printed: within a texture edges are drawn between pixels, at its end they are not.
+    """
+    mj = mujoco()
+    rim = round(margin / size[0] * grey.shape[1])
+    grey = np.pad(grey, rim, constant_values=255)
     texture = spec.add_texture(
         name=name, type=mj.mjtTexture.mjTEXTURE_2D, height=grey.shape[0], width=grey.shape[1], nchannel=3
     )
     texture.data = np.repeat(grey[:, :, None], 3, axis=2).tobytes()
     material = spec.add_material(name=name, specular=0.0, shininess=0.0)
     material.textures[mj.mjtTextureRole.mjTEXROLE_RGB] = name
-    x, y = board.size[0] / 2, board.size[1] / 2
-    margin = board.square / 3
+    margin = rim * size[0] / (grey.shape[1] - 2 * rim)
+    x, y = size[0] / 2 + margin, size[1] / 2 + margin
     sheet = {"contype": 0, "conaffinity": 0, "group": group}
     body.add_geom(
         name=f"{name}.sheet",
         type=mj.mjtGeom.mjGEOM_BOX,
-        size=[x + margin, y + margin, SHEET],
-        pos=[0.0, 0.0, -SHEET - INK],
+        size=[x, y, thick / 2],
+        pos=[0.0, 0.0, -thick / 2 - INK],
         rgba=[0.95, 0.95, 0.95, 1.0],
         **sheet,
     )

@@ -13,6 +13,7 @@ from layflat.cell.extras import mujoco
 from layflat.cell.file.checks import within
 from layflat.cell.file.model import Cell
 from layflat.cell.lift import Lift
+from layflat.cell.scene.clutter import add_clutter
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
@@ -168,4 +169,5 @@ def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: flo
     add_tool(spec, cell)
     for fruit in fruits:
         add_fruit(spec, cell, fruit)
+    add_clutter(spec, cell, fruits, rng)
     return spec

@@ -4,6 +4,9 @@ Rays that touch a ball of radius r, whose middle is D away in direction c, make 
 So n = c / cos(a) solves d . n = 1 for all rays d of the outline, a linear problem. The middle is `height_ratio` r over
 the plane z = h; seen from p that is p_z + D c_z = h + height_ratio D sin(a), which gives D.
 
+A ball that is flattened by k = height / width, its axis upright, is a ball where all heights are divided by k, and rays
+that touch it still touch it there: `upright` takes rays there, `flattened` takes points and rays back.
+
 R       number of rays of an outline
 a       half angle of the cone, rad
 c       direction of the ball's middle, unit vector
@@ -22,14 +25,14 @@ FEWEST = 5
 """Rays that make a cone; with fewer it is a line."""
 
 
-def fit_cones(rays: Array, usable: Array, roundness: Array, least: float) -> tuple[Array, Array, Array]:
+def fit_cones(rays: Array, usable: Array, roundness: Array, least: Array) -> tuple[Array, Array, Array]:
     """The cones that touch balls, by least squares without the rays that are off.
 
     Args:
         rays: unit vectors to outlines, (B, R, 3).
         usable: 1 for rays that may be on the outline, 0 for others, (B, R).
         roundness: how far rays may be off at last, shares of the cone's half angle, (B,).
-        least: how far they may be off in any case, rad.
+        least: how far they may be off in any case, rad, (B,).
 
     Returns:
         Directions of the balls' middles (B, 3), half angles (B,), rad, and what rays are on the outline, (B, R).
@@ -52,11 +55,27 @@ def angles(rays: Array, middle: Array) -> Array:
     return np.asarray(2.0 * np.arcsin(np.minimum(np.sqrt(np.einsum("bri,bri->br", away, away)) / 2.0, 1.0)))
 
 
-def place(middle: Array, half: Array, eye: Array, plane: float, height_ratio: Array) -> tuple[Array, Array]:
-    """Balls that rest on the plane z = `plane` (m) from their cones: middles (B, 3) and radii (B,), m."""
-    sine = np.sin(half)
-    far = (eye[2] - plane) / (height_ratio * sine - middle[:, 2])
-    return eye + far[:, None] * middle, far * sine
+def place(
+    middle: Array, half: Array, eye: Array, plane: float, height_ratio: Array, flattening: Array
+) -> tuple[Array, Array]:
+    """What rests on the plane z = `plane` (m) from cones where it is a ball: middles (B, 3) and half widths (B,), m."""
+    eyes, sine = np.array([eye] * len(half)).reshape(-1, 3), np.sin(half)
+    eyes[:, 2] /= flattening
+    far = (eye[2] - plane) / (height_ratio * sine - flattening * middle[:, 2])
+    middles = eyes + far[:, None] * middle
+    middles[:, 2] *= flattening
+    return middles, far * sine
+
+
+def upright(rays: Array, flattening: Array) -> Array:
+    """Rays (B, R, 3) to what is flattened by (B,) as rays to balls, unit vectors."""
+    scaled = rays / np.stack([np.ones_like(flattening), np.ones_like(flattening), flattening], axis=-1)[:, None]
+    return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
+
+
+def flattened(rays: Array, flattening: Array) -> Array:
+    """The way back from `upright`."""
+    return upright(rays, 1.0 / flattening)
 
 
 def cone_rays(middle: Array, half: Array, count: int) -> Array:

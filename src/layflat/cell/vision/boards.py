@@ -146,17 +146,19 @@ class BaseMarkers:
         return ", ".join(str(marker.number) for marker in self.markers)
 
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
-        """The corners of those that are in a grey picture."""
+        """The corners of those that are in a grey picture; a number that is read twice is not told."""
         cv2 = opencv()
         parameters = cv2.aruco.DetectorParameters()
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        parameters.errorCorrectionRate = 0.0  # a tray with fruit in it may be a marker but for a bit
         detector = cv2.aruco.ArucoDetector(dictionary(self.dictionary), parameters)
         corners, numbers, _ = detector.detectMarkers(grey)
-        known = {marker.number: marker for marker in self.markers}
+        read = [int(number) for number in np.ravel(numbers)] if numbers is not None else []
+        known = {marker.number: marker for marker in self.markers if read.count(marker.number) == 1}
         found = [
-            (known[int(number)].corners, np.asarray(points(corner), dtype=np.float64))
-            for number, corner in zip(np.ravel(numbers) if numbers is not None else (), corners, strict=True)
-            if int(number) in known
+            (known[number].corners, np.asarray(points(corner), dtype=np.float64))
+            for number, corner in zip(read, corners, strict=True)
+            if number in known
         ]
         if not found:
             return None

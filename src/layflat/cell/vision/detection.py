@@ -41,6 +41,7 @@ class Kind:
         diameter: least and most, m.
         grades: name and hues (from, to; degree) of each grade.
         height_ratio: height of the middle over the table by half the diameter: 1 for a ball.
+        flattening: height by width of what is seen from above, upright: 1 for a ball.
         roundness: how far its outline may be from a circle, share of its radius.
     """
 
@@ -49,6 +50,7 @@ class Kind:
     diameter: Span
     grades: tuple[tuple[str, float, float], ...] = ()
     height_ratio: float = 1.0
+    flattening: float = 1.0
     roundness: float = 0.05
 
     def __post_init__(self) -> None:
@@ -61,6 +63,8 @@ class Kind:
             raise InputError(
                 f"diameter {self.diameter}", where=self.name, right="needs least, then most, both over 0 m"
             )
+        if self.height_ratio <= 0.0 or self.flattening <= 0.0:
+            raise InputError("is flat", where=self.name, right="needs height_ratio and flattening over 0")
 
     def grade(self, hue: float) -> str | None:
         """The grade of a hue (degree); None where no grade's limits hold it."""

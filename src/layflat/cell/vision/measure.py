@@ -66,15 +66,23 @@ def measure(
         plane: height of what they rest on, m.
     """
     roundness = np.array([kind.roundness for kind in kinds])
-    least = DUST / float(calibration.matrix[0, 0])
-    middle, half, _ = balls.fit_cones(calibration.rays(places), usable, 2.0 * roundness, 2.0 * least)
+    flattening = np.array([kind.flattening for kind in kinds])
+    # Where heights are divided by the flattening, angles about a camera that looks down shrink with it.
+    least = flattening * DUST / float(calibration.matrix[0, 0])
+    eye = calibration.position
+
+    def outlined() -> Array:
+        rays = balls.flattened(balls.cone_rays(middle, half, edges.AROUND), flattening)
+        return calibration.to_pixels(eye + rays)
+
+    rays = balls.upright(calibration.rays(places), flattening)
+    middle, half, _ = balls.fit_cones(rays, usable, 2.0 * roundness, 2.0 * least)
     for _ in range(2):
-        rays = balls.cone_rays(middle, half, edges.AROUND)
-        at, edge = edges.edges_of_picture(picture, calibration.to_pixels(calibration.position + rays))
-        middle, half, on = balls.fit_cones(calibration.rays(at), edge, roundness, least)
+        at, edge = edges.edges_of_picture(picture, outlined())
+        middle, half, on = balls.fit_cones(balls.upright(calibration.rays(at), flattening), edge, roundness, least)
     ratio = np.array([kind.height_ratio for kind in kinds])
-    middles, radii = balls.place(middle, half, calibration.position, plane, ratio)
-    outlines = calibration.to_pixels(calibration.position + balls.cone_rays(middle, half, edges.AROUND))
+    middles, radii = balls.place(middle, half, eye, plane, ratio, flattening)
+    outlines = outlined()
     return Measured(middles, radii, outlines, on.mean(axis=1), *_look(even, outlines))
 
 

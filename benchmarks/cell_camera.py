@@ -1,0 +1,200 @@
+"""How exactly and how fast the packing cell's own camera sees produce, over random scenes.
+
+    python -m benchmarks.cell_camera --scenes 200
+
+Light, fruit, which may touch, and clutter are drawn by the seed; plums are strangers that vision was not told of. Two
+scenes in three have fruit in the tray, the others in the packs. The camera is calibrated from pictures first, as on a rig.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from layflat.cell import Cell, load
+from layflat.cell.camera import Camera
+from layflat.cell.extras import mujoco
+from layflat.cell.eyes import calibrate_scene, detector_of, fruit_of, place_of
+from layflat.cell.file.checks import places
+from layflat.cell.plan.fruit import Fruit
+from layflat.cell.scene import FruitTruth, Scene
+from layflat.cell.vision import SURE, Calibration, Detection, draw
+
+NEAR = 0.5
+"""Of a fruit's radius, within which a detection is of it."""
+
+
+@dataclass
+class Tally:
+    """What was seen of what was there."""
+
+    fruit: int = 0
+    strange: int = 0
+    strange_told: int = 0
+    unsure: int = 0
+    missed: list[str] = field(default_factory=list)
+    false: list[str] = field(default_factory=list)
+    doubtful: int = 0
+    kind: list[str] = field(default_factory=list)
+    graded: int = 0
+    ungraded: int = 0
+    grade: list[str] = field(default_factory=list)
+    place: list[str] = field(default_factory=list)
+    off: list[float] = field(default_factory=list)
+    wide: list[float] = field(default_factory=list)
+
+    def judge(self, cell: Cell, seed: int, truth: dict[str, FruitTruth], found: list[Detection]) -> None:
+        """Add what was seen in a scene."""
+        seen: set[str] = set()
+        for one in found:
+            name = _nearest(truth, one)
+            told = f"scene {seed}: {one.kind} at {one.position[0]:.3f}, {one.position[1]:.3f} m"
+            if name is None or (one.kind is not None and name in seen):
+                self.doubtful += one.confidence < SURE
+                if one.kind is not None and one.confidence >= SURE:
+                    self.false.append(told)
+                continue
+            fruit = truth[name]
+            known = cell.produce[fruit.kind].known
+            if one.kind is None:
+                self.strange_told += not known
+                continue
+            seen.add(name)
+            if one.confidence < SURE:
+                self.unsure += 1
+            elif not known:
+                self.false.append(f"{told}: {name}")
+            elif one.kind != fruit.kind:
+                self.kind.append(f"{told}: {name}")
+            else:
+                self._measured(cell, told, fruit, one)
+        known_ones = {name for name, fruit in truth.items() if cell.produce[fruit.kind].known}
+        self.fruit += len(known_ones)
+        self.strange += len(truth) - len(known_ones)
+        self.missed += [f"scene {seed}: {name}" for name in sorted(known_ones - seen)]
+
+    def _measured(self, cell: Cell, told: str, fruit: FruitTruth, one: Detection) -> None:
+        self.off.append(1e3 * float(np.hypot(*(fruit.position[:2] - one.position[:2]))))
+        self.wide.append(100.0 * (one.diameter / fruit.diameter - 1.0))
+        graded = fruit_of(cell, one)
+        self.graded += isinstance(graded, Fruit)
+        self.ungraded += not isinstance(graded, Fruit) and fruit.grade is not None
+        if isinstance(graded, Fruit) and graded.grade != fruit.grade:
+            self.grade.append(f"{told}: {graded.grade}, is {fruit.grade}")
+        if place_of(cell, one) != fruit.place:
+            self.place.append(f"{told}: {place_of(cell, one)}, is {fruit.place}")
+
+
+def _nearest(truth: dict[str, FruitTruth], one: Detection) -> str | None:
+    gaps = {
+        name: float(np.hypot(*(fruit.position[:2] - one.position[:2]))) / (0.5 * fruit.diameter)
+        for name, fruit in truth.items()
+    }
+    name = min(gaps, key=lambda fruit: gaps[fruit], default=None)
+    return name if name is not None and gaps[name] < NEAR else None
+
+
+def with_strangers(cell: Cell) -> Cell:
+    """The cell with unknown fruit in its trays."""
+    strange = tuple(name for name, kind in cell.produce.items() if not kind.known)
+    trays = {
+        name: tray.model_copy(update={"produce": (*tray.produce, *strange)}) for name, tray in cell.tray.items()
+    }  # fmt: skip
+    return cell.model_copy(update={"tray": trays})
+
+
+def pack_all(scene: Scene, rng: np.random.Generator) -> None:
+    """Lay the tray's fruit into random places of packs that hold it, and let it rest there."""
+    data, model, cell = scene.data, scene.model, scene.cell
+    free = [(name, *spot) for name, pack in cell.pack.items() for spot in places(pack).tolist()]
+    rng.shuffle(free)
+    for fruit in scene.fruits:
+        at = next((spot for spot in free if cell.pack[spot[0]].layout.opening >= fruit.diameter), None)
+        if at is None:
+            continue
+        free.remove(at)
+        start = int(model.joint(fruit.name).qposadr[0])
+        height = cell.pack[at[0]].layout.wall + fruit.under + 1e-3
+        data.qpos[start : start + 7] = [*at[1:], height, 1.0, 0.0, 0.0, 0.0]
+    mujoco().mj_forward(model, data)
+    scene.step(400)
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    asked.add_argument("--scenes", type=int, default=200)
+    asked.add_argument("--seed", type=int, default=0)
+    asked.add_argument("--draw", type=Path, help="folder for pictures with detections drawn")
+    options = asked.parse_args()
+    cell = with_strangers(load("packing"))
+    tallies, spent, calibration = {"tray": Tally(), "packs": Tally()}, [], None
+    detector = detector_of(cell)
+    shown = Console(stderr=True)
+    scenes = range(options.seed, options.seed + options.scenes)
+    for seed in track(scenes, "scenes", console=shown, disable=not shown.is_terminal):
+        scene = Scene(cell, seed)
+        where = "packs" if seed % 3 == 2 else "tray"
+        if where == "packs":
+            pack_all(scene, np.random.default_rng(seed))
+        with Camera(scene) as camera:
+            if calibration is None:
+                calibration = calibrate_scene(scene, camera)
+                detector.find(camera.picture(), calibration)
+            picture = camera.picture()
+        wall, processor = time.perf_counter(), time.process_time()
+        found = detector.find(picture, calibration)
+        spent.append((time.perf_counter() - wall, time.process_time() - processor))
+        tallies[where].judge(cell, seed, scene.truth().fruits, found)
+        if options.draw:
+            _keep(options.draw, seed, picture, found)
+    assert calibration is not None
+    _report(tallies, np.array(spent), options.scenes, calibration)
+
+
+def _keep(folder: Path, seed: int, picture: np.ndarray, found: list[Detection]) -> None:  # type: ignore[type-arg]
+    from layflat.cell.extras import opencv  # noqa: PLC0415
+
+    folder.mkdir(parents=True, exist_ok=True)
+    opencv().imwrite(str(folder / f"{seed:04d}.png"), draw(picture, found)[..., ::-1])
+
+
+def _report(tallies: dict[str, Tally], spent: np.ndarray, scenes: int, calibration: Calibration) -> None:  # type: ignore[type-arg]
+    width, height = calibration.picture_px
+    table = Table("", *(f"in the {name}" for name in tallies), title=f"{scenes} scenes, {width} x {height} px")
+    rows = {
+        "fruit": lambda one: f"{one.fruit}",
+        "seen surely, unsurely, not": lambda one: f"{len(one.off)}, {one.unsure}, {len(one.missed)}",
+        "false picks": lambda one: f"{len(one.false)}",
+        "unsure detections of nothing": lambda one: f"{one.doubtful}",
+        "of unknown kind, told as such": lambda one: f"{one.strange_told} of {one.strange}",
+        "wrong kind": lambda one: f"{len(one.kind)}",
+        "graded, of these wrong, not told": lambda one: f"{one.graded}, {len(one.grade)}, {one.ungraded}",
+        "wrong place in a pack": lambda one: f"{len(one.place)}",
+        "position: median, 95 %, worst": lambda one: "{:.2f}, {:.2f}, {:.2f} mm".format(
+            *np.quantile(one.off, (0.5, 0.95, 1))
+        ),
+        "diameter: mean, median of sizes, 95 %, worst": lambda one: "{:+.2f}, {:.2f}, {:.2f}, {:.2f} %".format(
+            np.mean(one.wide), *np.quantile(np.abs(one.wide), (0.5, 0.95, 1))
+        ),
+    }
+    for name, told in rows.items():
+        table.add_row(name, *(told(one) if one.off else "-" for one in tallies.values()))
+    wall, processor = 1e3 * np.median(spent, axis=0)
+    table.add_row("a picture: wall clock, processor", f"{wall:.1f}, {processor:.1f} ms", "")
+    console = Console()
+    console.print(table)
+    for one in tallies.values():
+        for title in ("missed", "false", "kind", "grade", "place"):
+            for line in getattr(one, title):
+                console.print(f"{title}: {line}")
+
+
+if __name__ == "__main__":
+    main()
