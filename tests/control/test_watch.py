@@ -96,7 +96,8 @@ def test_a_joint_that_bears_more_than_friction_is_blocked_unless_others_hold_it(
     first = int(np.flatnonzero(found)[0])
     assert found[first] == watch.ANGLE_FROZEN
     assert first * CYCLE == pytest.approx(0.1, abs=0.01)
-    assert not any(follow(40, [0.5], averaged=1e4, others=-9e3)[1])
+    assert not any(follow(40, [0.5], averaged=1e4, others=9e3)[1])
+    assert not any(follow(40, [0.5], averaged=1e3, others=9e3)[1]), "others that are held themselves shake nothing"
 
 
 def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:

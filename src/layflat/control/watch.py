@@ -22,8 +22,8 @@ BRISK = 5.5
 """The same after which no joint stands still at once: 40 deg/s with the built-in sensor."""
 
 BEYOND = 1.9
-"""Of the differential pressure that friction can hide: so much, and what others hold off, a joint never bears without a
-motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour."""
+"""Of the differential pressure that friction can hide: so much, what others hold off left out, a joint never bears
+without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour."""
 
 DRIVEN = 0.09
 """Error of a joint that is driven, rad; by less friction may hold it."""
@@ -101,9 +101,9 @@ class WatchMemory(NamedTuple):
     least: float
     """Differential pressure since the angle last changed, Pa."""
     most: float
-    calmest: float
-    """What the others' torques may have held off meanwhile, Pa."""
-    wildest: float
+    net_least: float
+    """The same less what joints that turn would hold off, Pa."""
+    net_most: float
     step: float
     """By which the angle last changed, rad."""
     suspect: float
@@ -175,7 +175,7 @@ def watch_joint(
     """Memory and bits of what was found after a cycle.
 
     Args: `Limits`, `Patience`, `WatchMemory`; angle (rad) and differential pressure (Pa) as sampled, the latter
-    averaged, and what the others' torques may hold off of it (Pa), speed (rad/s); surplus of air; demand and the
+    averaged, and what the others hold off of it if they turn (Pa), speed (rad/s); surplus of air; demand and the
     greatest lead of any demand (rad); s; what there is to watch; whether the supply is beyond doubt.
     """
     swing, ripple = _listen(before, pressure)
@@ -186,8 +186,10 @@ def watch_joint(
     last_step = before.step if same else step
     least = min(before.least, averaged) if same else averaged
     most = max(before.most, averaged) if same else averaged
-    calmest = min(before.calmest, others) if same else others
-    wildest = max(before.wildest, others) if same else others
+    # The others turn, and shake it by their torques, or are held by their own friction: it is blocked if it bears both.
+    net_least = min(before.net_least, averaged - others) if same else averaged - others
+    net_most = max(before.net_most, averaged - others) if same else averaged - others
+    borne = min(most - least, net_most - net_least)
     same_angle = _last(before.same_angle, same, elapsed)
     same_pressure = _last(before.same_pressure, airy and limits.lively > 0.0 and pressure == before.pressure_1, elapsed)
     doubt_angle = same_angle > patience.doubtful and last_step > MOVING * limits.lsb
@@ -204,7 +206,7 @@ def watch_joint(
     if (
         (stays and (brisk or (doubt_angle and suspect)))
         or asleep >= patience.asleep
-        or (same_angle >= patience.frozen_angle and most - least > BEYOND * limits.friction_band + wildest - calmest)
+        or (same_angle >= patience.frozen_angle and borne > BEYOND * limits.friction_band)
     ):
         found |= ANGLE_FROZEN
     if same_pressure >= patience.frozen_pressure or (suspect and same_pressure > patience.sure):
@@ -216,7 +218,7 @@ def watch_joint(
     found |= OFF_TRACK if off >= patience.following else 0
     after = WatchMemory(
         angle, pressure, before.pressure_1, before.pressure_2, swing, ripple, rail, fast, outside, pressed,
-        same_pressure, same_angle, off, quiet, asleep, least, most, calmest, wildest, last_step,
+        same_pressure, same_angle, off, quiet, asleep, least, most, net_least, net_most, last_step,
         1.0 if suspect else 0.0, reach,
     )  # fmt: skip
     return after, found
@@ -244,10 +246,10 @@ def watch_joints(
     """`watch_joint` for all joints.
 
     Args: rows of `Limits` (joints, LIMITS); `Patience` as a row; how much of each other joint's differential pressure a
-    joint at rest may feel (joints, joints); `memory` (1, joints, WATCH_MEMORY), changed; what was measured (joints,);
+    joint at rest feels (joints, joints); `memory` (1, joints, WATCH_MEMORY), changed; what was measured (joints,);
     `status` of the controllers (1, joints, ...); `beliefs` in the air (1, joints, ...), the surplus last; demands
-    (joints,) and their greatest lead; s; what there is to watch; whether the supply's pressure is good. Writes bits into
-    `found` (joints,). Returns the number of joints whose ripple is missing.
+    (joints,) and their greatest lead; s; what there is to watch; whether the supply's pressure is good. Writes bits
+    into `found` (joints,). Returns the number of joints whose ripple is missing.
     """
     n, p = len(angles), patience
     times = Patience(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10])

@@ -6,7 +6,7 @@ A skin is told by its chromaticity, r and g of r + g + b = 1, which light and sh
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from layflat.cell.file.checks import places
 from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce, Skin
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.plan.order import Left
 from layflat.cell.vision import Detection
 
 DIAMETER_ERROR = 0.015
@@ -27,8 +26,8 @@ UNKNOWN = "unknown"
 """Kind of what vision was not told of, which stands in the way all the same."""
 
 
-def fruit_of(cell: Cell, detection: Detection) -> Fruit | Left:
-    """A fruit as plans know it, with its grade; `Left` with the reason as a clause where it can't be graded.
+def fruit_of(cell: Cell, detection: Detection) -> Fruit:
+    """A fruit as plans know it, with its grade, or with the doubt that leaves it without one.
 
     Args:
         cell: its produce says what grades there are.
@@ -36,17 +35,19 @@ def fruit_of(cell: Cell, detection: Detection) -> Fruit | Left:
     """
     produce = cell.produce.get(detection.kind) if detection.kind is not None else None
     if detection.kind is None or produce is None:
-        return _left(detection, "is of no kind that is known here")
+        return _doubtful(detection, "is of no kind that is known here")
     skin = _skin(produce.colour, detection.colour)
     if skin.doubt:
-        return _left(detection, f"could be {skin.name} or {skin.doubt}")
+        return _doubtful(detection, f"could be {skin.name} or {skin.doubt}")
     grades = _grades(produce, detection.diameter, skin.name)
     if len(grades) > 1:
         names = " or ".join(grade or "none" for grade in grades)
-        return _left(detection, f"is too near to a limit: {1e3 * detection.diameter:.1f} mm may be of grade {names}")
+        return _doubtful(
+            detection, f"is too near to a limit: {1e3 * detection.diameter:.1f} mm may be of grade {names}"
+        )
     (grade,) = grades
     if grade is None:
-        return _left(detection, f"is of no grade: {skin.name}, {1e3 * detection.diameter:.0f} mm")
+        return _doubtful(detection, f"is of no grade: {skin.name}, {1e3 * detection.diameter:.0f} mm")
     return _fruit(detection, detection.kind, grade)
 
 
@@ -95,8 +96,8 @@ def _grades(produce: Produce, diameter: float, colour: str) -> list[str | None]:
     return list(dict.fromkeys(produce.grade_of(at, colour) for at in (low, *sorted(limits))))
 
 
-def _left(detection: Detection, reason: str) -> Left:
-    return Left(_fruit(detection, detection.kind or UNKNOWN, ""), reason)
+def _doubtful(detection: Detection, doubt: str) -> Fruit:
+    return replace(_fruit(detection, detection.kind or UNKNOWN, ""), doubt=doubt)
 
 
 def _fruit(detection: Detection, kind: str, grade: str) -> Fruit:

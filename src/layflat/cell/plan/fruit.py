@@ -14,8 +14,9 @@ class Fruit:
         y: as x.
         diameter: m.
         kind: such as "tomato".
-        grade: such as "A".
+        grade: such as "A"; empty where there is none.
         confidence: that there is one, of this kind, 0 to 1.
+        doubt: why it has no grade, as a clause; empty where it has one.
     """
 
     x: float
@@ -24,6 +25,7 @@ class Fruit:
     kind: str
     grade: str
     confidence: float = 1.0
+    doubt: str = ""
 
     @property
     def radius(self) -> float:

@@ -92,6 +92,8 @@ def next_pick(
             found: Choice | str = "was tried too often"
         elif fruit.confidence < least_confidence:
             found = f"is not sure enough: {fruit.confidence:.2f} is below {least_confidence:.2f}"
+        elif fruit.doubt:
+            found = fruit.doubt
         else:
             others = [other for other in fruits if other is not fruit]
             found = _blocked(fruit, others, cup) or _way(fruit, packing, reach, here, travel_time)

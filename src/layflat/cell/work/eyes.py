@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.cell.eyes import base_of, detector_of, fruit_of
+from layflat.cell.file.model import Cell
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.scene import Scene
+from layflat.cell.vision import Calibration, Detection, Detector, self_check
 
 Array = NDArray[np.float64]
+Picture = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +26,6 @@ class Sight:
     Attributes:
         time: s.
         fruits: all produce that was seen, also in packs and of unknown kinds.
-        doubts: why a fruit has no grade, by its number in `fruits`.
         picture: (H, W, 3) RGB; None where there is none.
         detections: of vision in the picture.
     """
@@ -29,7 +33,7 @@ class Sight:
     time: float
     fruits: tuple[Fruit, ...]
     picture: NDArray[np.uint8] | None = None
-    detections: tuple[Any, ...] = ()
+    detections: tuple[Detection, ...] = ()
 
 
 class Eyes(Protocol):
@@ -45,6 +49,39 @@ class Eyes(Protocol):
             PictureError: the picture can't be used.
         """
         ...
+
+
+class CameraEyes:
+    """A calibrated camera and a detector.
+
+    Args:
+        cell: whose produce is looked for.
+        picture: takes one, (H, W, 3) RGB.
+        calibration: of the camera.
+        detector: what finds produce; the one by colour where not given.
+    """
+
+    def __init__(
+        self, cell: Cell, picture: Callable[[], Picture], calibration: Calibration, detector: Detector | None = None
+    ) -> None:
+        self._cell, self._picture, self._calibration = cell, picture, calibration
+        self._detector, self._base = detector or detector_of(cell), base_of(cell)
+        self.position = calibration.position
+
+    def check(self) -> float:
+        """How far the markers on the table are from where the calibration says, m.
+
+        Raises:
+            PictureError: the picture can't be used.
+            CameraError: they are off: the camera was moved, or is miscalibrated.
+        """
+        return self_check(self._picture(), self._calibration, self._base)
+
+    def look(self, time: float) -> Sight:
+        """What is seen in a new picture."""
+        picture = self._picture()
+        found = self._detector.find(picture, self._calibration)
+        return Sight(time, tuple(fruit_of(self._cell, one) for one in found), picture, tuple(found))
 
 
 class SceneEyes:

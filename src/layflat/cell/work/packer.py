@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import cos, dist, sin
+from typing import Protocol
 
 import numpy as np
 
@@ -59,8 +60,14 @@ class Pick:
     sight: Sight
 
 
-Watcher = Callable[[Choice, State, State], object]
-"""Is told every change of a pick's phase: the choice, the state before and after."""
+class Witness(Protocol):
+    """Who is told what a packer does."""
+
+    def phase(self, choice: Choice, before: State, after: State) -> None:
+        """A pick's phase has changed."""
+
+    def looked(self, sight: Sight) -> None:
+        """A picture was taken and could be used."""
 
 
 class Packer:
@@ -70,7 +77,7 @@ class Packer:
         cell: its description.
         station: its hardware.
         eyes: its camera.
-        watch: is told of changes of phase.
+        witnesses: are told what it does.
 
     Attributes:
         packing: what lies in the packs by now.
@@ -79,8 +86,8 @@ class Packer:
         sight: the last picture that could be used.
     """
 
-    def __init__(self, cell: Cell, station: Station, eyes: Eyes, watch: Watcher = lambda *_: None) -> None:
-        self._cell, self._station, self._eyes, self._watch = cell, station, eyes, watch
+    def __init__(self, cell: Cell, station: Station, eyes: Eyes, witnesses: Sequence[Witness] = ()) -> None:
+        self._cell, self._station, self._eyes, self._witnesses = cell, station, eyes, witnesses
         self._reach = Reach(cell.machine)
         self._rules, self._heights = rules_of(cell, self._reach), Heights(cell)
         self._cup = Cup(cell.cup.diameter / 2)
@@ -151,7 +158,8 @@ class Packer:
             state, command = step(self._rules, before, station.measure(sighting))
             sighting = None
             if state.phase is not before.phase:
-                self._watch(choice, before, state)
+                for witness in self._witnesses:
+                    witness.phase(choice, before, state)
                 if state.phase is Phase.LIFT and before.phase is Phase.SUCK:
                     state = replace(state, task=self._centred(choice, state.task))
                 self._follow(choice, before.phase, state.phase)
@@ -221,6 +229,8 @@ class Packer:
                 raise
             return False
         self.known = remembered(self.known, self.sight.fruits, shade)
+        for witness in self._witnesses:
+            witness.looked(self.sight)
         return True
 
     def _shade(self) -> Shade:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 
 from layflat.bridge import MujocoPlant
@@ -25,9 +26,10 @@ class Station:
     Args:
         scene: settled.
         seed: of the sensors' noise.
+        each_cycle: is called after every control cycle.
     """
 
-    def __init__(self, scene: Scene, seed: int) -> None:
+    def __init__(self, scene: Scene, seed: int, each_cycle: Callable[[], object] = lambda: None) -> None:
         cell, self._scene, self._clock = scene.cell, scene, VirtualClock()
         self._plant = MujocoPlant(
             cell.machine, scene.model, scene.data, seed=seed, step=lambda advance: scene.step(1, advance)
@@ -38,6 +40,7 @@ class Station:
             load=cell.lift.body + cell.lift.mass + heaviest(cell), tip_speed=cell.limits.speed,
         )  # fmt: skip
         self.tool: Tool = SceneTool(scene)
+        self._each_cycle = each_cycle
 
     @property
     def time(self) -> float:
@@ -65,6 +68,7 @@ class Station:
         self.arm.go(command.target)
         self.tool.obey(command.height, suction=command.suction)
         self.arm.turn()
+        self._each_cycle()
 
 
 def heaviest(cell: Cell) -> float:

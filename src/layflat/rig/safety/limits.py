@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import cos
+from collections.abc import Callable
+from math import cos, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +31,6 @@ DEFAULT_CYCLE = 0.005
 
 RIPPLE_AFTER = 4.0
 """Cycles that the ripple takes to show that there is none any more."""
-
-POSTURES = 25
-"""That are looked at for how joints shake each other."""
 
 ASLEEP = 0.29
 """A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
@@ -69,23 +67,26 @@ def limits(machine: Machine, name: str) -> Limits:
     )
 
 
-def coupling(machine: Machine) -> NDArray[np.float64]:
-    """How much of each other joint's differential pressure a joint at rest feels at most, (joints, joints).
+def coupling(machine: Machine) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """How much of each other joint's differential pressure a joint at rest feels, (joints, joints), at angles (joints,).
 
-    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i: taken
-    for the posture of the working stroke in which that is the most, with the payload of the description.
+    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, here with
+    the payload of the description.
     """
     arm, n = parameters.arm(machine), len(machine.joints)
+    found = np.zeros((n, n))
     if isinstance(arm, OneLink):
-        return np.zeros((n, n))
-    elbow = list(machine.joints.values())[1]
+        return lambda _: found
     K_1, K_2 = (parameters.torque_constant(joint) for joint in machine.joints.values())
-    half = elbow.stops.working_stroke / 2
-    to_first, to_second = 0.0, 0.0
-    for angle in np.linspace(-half, half, POSTURES):
-        M_11, M_12, M_22, _ = two_link_mass(arm, machine.arm.payload, 0.0, cos(angle + machine.arm.elbow))
-        to_first, to_second = max(to_first, abs(M_12) / M_22), max(to_second, abs(M_12) / M_11)
-    return np.array([[0.0, to_first * K_2 / K_1], [to_second * K_1 / K_2, 0.0]])
+    payload, elbow = machine.arm.payload, machine.arm.elbow
+
+    def at(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+        turned = float(angles[1]) if isfinite(angles[1]) else 0.0
+        M_11, M_12, M_22, _ = two_link_mass(arm, payload, 0.0, cos(turned + elbow))
+        found[0, 1], found[1, 0] = M_12 / M_22 * K_2 / K_1, M_12 / M_11 * K_1 / K_2
+        return found
+
+    return at
 
 
 def patience(cycle: float) -> Patience:

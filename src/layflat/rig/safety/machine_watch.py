@@ -145,8 +145,8 @@ class MachineWatch:
         self._even = 0.0 if uneven else self._even + elapsed
         trusted = supply >= self._low and self._even >= CALM
         still = watch_joints(
-            self._limits, self._patience, self._coupling, self._memory, angles, pressures, status, self._beliefs,
-            demands, lead, elapsed, level, trusted, self._bits,
+            self._limits, self._patience, self._coupling(angles), self._memory, angles, pressures, status,
+            self._beliefs, demands, lead, elapsed, level, trusted, self._bits,
         )  # fmt: skip
         for j, bits in enumerate(self._bits.tolist()):
             self.found[j] = _worst(bits) if bits else Fault.NONE

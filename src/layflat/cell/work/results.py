@@ -1,0 +1,151 @@
+"""What came of runs as numbers: one row a pick, and the figures that growers ask for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from layflat.cell.file.model import Cell
+from layflat.cell.work.delivery import Delivery
+from layflat.cell.work.judge import Verdict
+from layflat.cell.work.packer import Pick
+from layflat.files import whole_file
+
+MINUTE = 60.0
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Figures of any number of picks.
+
+    Attributes:
+        picks: how many.
+        right: of these, in the right place, of its kind and grade.
+        seconds_a_pick: all looks and ways home included.
+        picks_a_minute: likewise.
+        release_error_mm: of the fruit's middle in its place as it is let go, 95th percentile.
+        release_error_worst_mm: greatest.
+        peak_acceleration: of any picked fruit, m/s^2.
+        press: greatest force of the cup, N.
+        collisions: of arm, lift or cup with what they should not touch.
+        air: normal litres a pick, of joints, lift and cup.
+        vision_error_mm: of fruit in trays, 95th percentile over all pictures.
+        diameter_error: share, 95th percentile.
+        false_finds: of known kinds where no such fruit is, in all pictures.
+    """
+
+    picks: int
+    right: int
+    seconds_a_pick: float
+    picks_a_minute: float
+    release_error_mm: float
+    release_error_worst_mm: float
+    peak_acceleration: float
+    press: float
+    collisions: int
+    air: float
+    vision_error_mm: float
+    diameter_error: float
+    false_finds: int
+
+
+def summary(deliveries: Iterable[Delivery]) -> Summary:
+    """Figures of deliveries; not a number where nothing was picked or seen."""
+    all_of = list(deliveries)
+    picks = [pick for delivery in all_of for pick in delivery.picks]
+    verdicts = [verdict for delivery in all_of for verdict in delivery.verdicts]
+    time = sum(delivery.time for delivery in all_of)
+    errors = [1e3 * verdict.release_error for verdict in verdicts]
+    each = time / len(picks) if picks else nan
+    seen = [delivery.vision for delivery in all_of]
+    return Summary(
+        picks=len(picks),
+        right=sum(verdict.right for verdict in verdicts),
+        seconds_a_pick=each,
+        picks_a_minute=MINUTE / each if picks else nan,
+        release_error_mm=_quantile(errors),
+        release_error_worst_mm=_greatest(errors),
+        peak_acceleration=_greatest([verdict.peak_acceleration for verdict in verdicts]),
+        press=_greatest([verdict.press for verdict in verdicts]),
+        collisions=sum(len(delivery.collisions) for delivery in all_of),
+        air=sum(pick.air for pick in picks) / len(picks) if picks else nan,
+        vision_error_mm=1e3 * _quantile([error for one in seen for error in one.positions]),
+        diameter_error=_quantile([error for one in seen for error in one.diameters]),
+        false_finds=sum(one.false for one in seen),
+    )
+
+
+def as_dict(cell: Cell, seed: int, deliveries: Sequence[Delivery], *, eyes: str) -> dict[str, Any]:
+    """All of a run as plain numbers and texts, fit for JSON: SI units but where a name says otherwise."""
+    return {
+        "cell": cell.origin,
+        "machine": cell.machine.origin,
+        "seed": seed,
+        "eyes": eyes,
+        "limits": {"acceleration": cell.limits.acceleration, "press": cell.limits.press},
+        "summary": _plain(vars(summary(deliveries))),
+        "deliveries": [_delivery(delivery) for delivery in deliveries],
+    }
+
+
+def save(content: dict[str, Any], path: Path) -> Path:
+    """Write results.
+
+    Raises:
+        OutputError: they can't be written there.
+    """
+    with whole_file(path) as temporary:
+        temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")
+    return path
+
+
+def _delivery(delivery: Delivery) -> dict[str, Any]:
+    return {
+        "seed": delivery.seed,
+        "time": delivery.time,
+        "error": str(delivery.error) if delivery.error is not None else None,
+        "picks": [_pick(pick, verdict) for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True)],
+        "left": [
+            {"kind": left.fruit.kind, "grade": left.fruit.grade, "x": left.fruit.x, "y": left.fruit.y, "why": left.reason}
+            for left in delivery.left
+        ],
+        "collisions": [vars(collision) for collision in delivery.collisions],
+    }
+
+
+def _pick(pick: Pick, verdict: Verdict) -> dict[str, Any]:
+    fruit, spot = pick.choice.fruit, pick.choice.spot
+    seen = {"kind": fruit.kind, "grade": fruit.grade, "diameter": fruit.diameter, "confidence": fruit.confidence}
+    return {
+        "number": pick.number,
+        "seen": seen | {"x": fruit.x, "y": fruit.y},
+        "pack": spot.pack,
+        "place": spot.place.name,
+        "outcome": pick.outcome.name.lower(),
+        "trouble": pick.trouble,
+        "tries": pick.tries,
+        "begin": pick.begin,
+        "end": pick.end,
+        "air": pick.air,
+        "truth": _plain(vars(verdict)),
+    }
+
+
+def _plain(values: dict[str, Any]) -> dict[str, Any]:
+    """JSON knows no nan."""
+    return {key: None if isinstance(value, float) and not isfinite(value) else value for key, value in values.items()}
+
+
+def _quantile(values: Sequence[float]) -> float:
+    known = [value for value in values if isfinite(value)]
+    return float(np.quantile(known, 0.95)) if known else nan
+
+
+def _greatest(values: Sequence[float]) -> float:
+    return max((value for value in values if isfinite(value)), default=nan)

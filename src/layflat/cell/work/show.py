@@ -1,0 +1,79 @@
+"""A run to look at: a film of the cell, and a sheet with the picture by which each pick was chosen."""
+
+from __future__ import annotations
+
+from layflat.cell.camera import Camera
+from layflat.cell.pictures import ContactSheet, Film, captioned
+from layflat.cell.plan.order import Choice
+from layflat.cell.plan.pick import Outcome, State
+from layflat.cell.scene import Scene
+from layflat.cell.vision import Calibration, draw
+from layflat.cell.work.delivery import Delivery
+from layflat.cell.work.eyes import Sight
+from layflat.cell.work.packer import Pick
+
+FPS = 12.0
+"""Frames of a film a second of the cell's time."""
+
+
+class Show:
+    """An onlooker that makes a film and a contact sheet.
+
+    Args:
+        film: open.
+        sheet: to which each pick is added.
+        calibration: of the camera.
+    """
+
+    def __init__(self, film: Film, sheet: ContactSheet, calibration: Calibration) -> None:
+        self._film, self._sheet, self._calibration = film, sheet, calibration
+        self._camera: Camera | None = None
+        self._next = 0.0
+        self._doing, self._packed, self._deliveries = "looks at the tray", 0, 0
+
+    def begins(self, scene: Scene, camera: Camera | None) -> None:  # noqa: ARG002  (as all onlookers)
+        """A delivery begins."""
+        self._camera, self._next, self._doing = camera, 0.0, "looks at the tray"
+
+    def cycle(self, time: float) -> None:
+        """A frame, if it is time for one."""
+        if self._camera is not None and time >= self._next:
+            self._next += 1.0 / FPS
+            left = f"delivery {self._deliveries + 1}: {self._doing}"
+            frame = self._camera.picture("overview")
+            self._film.add(captioned(frame, left, f"{time:.0f} s, {self._packed} packed"))
+
+    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all onlookers)
+        """What the next frames show."""
+        self._doing = f"{choice.fruit.kind}: {after.phase.value}"
+
+    def looked(self, sight: Sight) -> None:
+        """A picture is shown once a fruit is picked by it."""
+
+    def picked(self, pick: Pick) -> None:
+        """A pick has ended."""
+        self._packed += pick.outcome is Outcome.PLACED
+        self._doing = "looks for the next fruit"
+
+    def ends(self, delivery: Delivery) -> None:
+        """Now that it is judged, its picks come on the sheet."""
+        self._deliveries += 1
+        for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
+            sight, fruit, spot = pick.sight, pick.choice.fruit, pick.choice.spot
+            if sight.picture is None:
+                continue
+            picture = draw(sight.picture, sight.detections)
+            x, y = self._calibration.to_pixels([fruit.x, fruit.y, fruit.radius]).tolist()
+            failed = "" if verdict.right else pick.outcome.name.lower() if not verdict.fruit else "wrong"
+            result = (
+                f"{spot.pack} {spot.place.name}, {1e3 * verdict.release_error:.1f} mm off, "
+                f"{verdict.peak_acceleration:.0f} m/s\N{SUPERSCRIPT TWO}"
+                if verdict.fruit
+                else pick.trouble
+            )
+            head = f"{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
+            self._sheet.add(picture, (x, y), (head, result), failed=failed)
+        if self._camera is not None and self._deliveries == 1:
+            final = self._camera.picture("overview")
+            self._sheet.overview(final, ("the cell after its first delivery", f"{len(delivery.picks)} picks"))
+        self._camera = None
