@@ -6,6 +6,7 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.bridge import PneumaticJoints, arm_spec
+from layflat.bridge.brake import Brakes
 from layflat.errors import InputError
 from layflat.machine import Machine, changed, load
 from layflat.sim.plant import SteppedPlant
@@ -184,13 +185,14 @@ def test_what_does_not_touch_the_arm_moves_as_without_it() -> None:
     assert data.qfrc_applied.tolist() == [0.0] * 5 + [0.0, 0.01, 0.0]
 
 
-def pushing() -> tuple[PneumaticJoints, Any]:
+def pushing(disabled: int = 0) -> tuple[PneumaticJoints, Any]:
     """The large joint can push the tip against a wall, at x = 0.22."""
     spec = scene(True)
     spec.body("small-link").add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=(0.03, 0.0, 0.0), pos=(0.4, 0.0, 0.0))
     wall = {"type": mujoco.mjtGeom.mjGEOM_BOX, "size": (0.02, 0.2, 0.2), "pos": (0.2, 0.5, 0.0)}
     spec.worldbody.add_geom(**wall)
     model = spec.compile()
+    model.opt.disableflags |= disabled
     joints = PneumaticJoints(model, ARM, pressures=(AMBIENT, AMBIENT))
     joints.supply = AMBIENT
     return joints, mujoco.MjData(model)
@@ -210,6 +212,35 @@ def test_pressed_against_a_wall_it_rests_and_the_wall_bears_what_the_brake_does_
     # The brake bears the rest, at most what it can.
     assert abs(20.0 + float(joints.torques[0]) - borne) < 6.7 + 1e-6
     assert borne > 10.0
+
+
+def test_contacts_that_do_not_touch_the_arm_need_no_rounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    def moved() -> tuple[NDArray[np.float64], int]:
+        model = scene(True).compile()
+        joints, data = PneumaticJoints(model, ARM), mujoco.MjData(model)
+        for k in range(400):
+            joints.drive(lively(k // 5))
+            joints.step(data)
+        return data.qpos.copy(), data.ncon
+
+    alone, contacts = moved()
+    monkeypatch.setattr(Brakes, "_coupled", lambda _, data: data.nefc > 0)
+    in_rounds, _ = moved()
+    assert contacts > 0
+    assert alone == pytest.approx(in_rounds, abs=1e-12)
+
+
+def test_the_wall_is_felt_without_islands_too() -> None:
+    rests = []
+    for flags in (0, int(mujoco.mjtDisableBit.mjDSBL_ISLAND)):
+        joints, data = pushing(flags)
+        joints.load[0], joints.brakes[1] = 20.0, 50.0
+        for _ in range(600):
+            joints.step(data)
+        rests.append(data.qpos[:2].copy())
+        assert (data.nisland == 0) == bool(flags)
+    assert degrees(rests[0][0]) > 5.0
+    assert rests[1] == pytest.approx(rests[0], abs=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@
 | A | inverse of the mass matrix, rows and columns of the braked joints | 1/(kg m2) |
 | v | velocities that the step would end with, were there no brakes | rad/s |
 | B, J | greatest and actual impulse of each brake in the step | N m s |
+| W | A of all degrees of freedom of the braked trees of bodies | 1/(kg m2) |
 
 Find J with |J| <= B such that each joint either stands still, or slides with J = -B sign(v + A J). It is the problem of
 physics/friction.py for any number of joints: a convex quadratic in J over a box.
@@ -58,10 +59,61 @@ def hold(A, v, B, J, after):  # type: ignore[no-untyped-def]
             worst = max(worst, abs(J[i] - before))
 
 
+@kernel
+def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # type: ignore[no-untyped-def]
+    """Write W and what others apply to the braked joints, and apply J as far as the brakes can.
+
+    Args:
+        values: of MuJoCo's sparse mass matrix.
+        entries: row and column in W, and place in `values`, of each item, (items, 3).
+        damping: to be added to the diagonal, (m,).
+        tree: degrees of freedom of the braked trees of bodies, (m,).
+        at: where the braked joints are among them, (n,).
+        h: timestep, s.
+        B: (n,).
+        applied: torques on all degrees of freedom, N m.
+        W: (m, m).
+        J: (n,).
+        others: (n,), N m.
+    """
+    M = np.diag(damping)
+    for i, j, k in entries:
+        M[i, j] += values[k]
+        if i != j:
+            M[j, i] = M[i, j]
+    W[:] = np.linalg.inv(M)
+    for i, row in enumerate(at):
+        J[i] = min(max(J[i], -B[i]), B[i])
+        others[i] = applied[tree[row]]
+        applied[tree[row]] = others[i] + J[i] / h
+
+
+@kernel
+def answer(W, tree, at, h, B, others, qvel, smooth, constraint, applied, J, after):  # type: ignore[no-untyped-def]
+    """Let the brakes answer to forces on all degrees of freedom, which hold with the impulses J.
+
+    The new J are applied, and the velocities after them written; returns whether they are close to the old ones.
+    """
+    n, before = len(at), J.copy()
+    A, free = np.empty((n, n)), np.empty(n)
+    for i, row in enumerate(at):
+        free[i] = qvel[tree[row]]
+        for k, dof in enumerate(tree):
+            free[i] += h * W[row, k] * (smooth[dof] + constraint[dof])
+        for j, column in enumerate(at):
+            A[i, j] = W[row, column]
+            free[i] -= A[i, j] * J[j]
+    hold(A, free, B, J, after)
+    for i, row in enumerate(at):
+        applied[tree[row]] = others[i] + J[i] / h
+    return np.max(np.abs(J - before)) <= CLOSE * np.max(B)
+
+
 class Brakes:
     """Brakes on some degrees of freedom of a model.
 
-    Contacts and other constraints answer to the brakes and the brakes to them: both are solved in turns.
+    Contacts and other constraints that touch the braked trees of bodies answer to the brakes and the brakes to them:
+    both are solved in turns.
 
     Args:
         model: an MjModel.
@@ -69,13 +121,19 @@ class Brakes:
     """
 
     def __init__(self, model: Any, dofs: NDArray[np.int64]) -> None:
-        self._mj, self._model, self._dofs = engine(), model, dofs
+        self._mj, self._model = engine(), model
         # The mass matrix couples nothing beyond a tree of bodies.
-        self._tree = np.flatnonzero(np.isin(model.dof_treeid, model.dof_treeid[dofs]))
-        self._at = np.searchsorted(self._tree, dofs)
-        self._impulses, self._after = np.zeros(len(dofs)), np.zeros(len(dofs))
+        tree = np.flatnonzero(np.isin(model.dof_treeid, model.dof_treeid[dofs]))
+        self._tree, self._at = tree, np.searchsorted(tree, dofs)
+        rows = [(i, model.M_rowadr[dof] + np.arange(model.M_rownnz[dof])) for i, dof in enumerate(tree)]
+        self._entries = np.array([(i, np.searchsorted(tree, model.M_colind[k]), k) for i, row in rows for k in row])
+        n, m = len(dofs), len(tree)
+        self._impulses, self._after, self._others = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._inverse, self._unconstrained = np.eye(m), np.zeros(model.nv)
+        self._undamped = self._mj.mjtDisableBit.mjDSBL_EULERDAMP.value
+        self._compile()
 
-    def apply(self, data: Any, torques: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def apply(self, data: Any, torques: Array) -> tuple[Array, Array]:
         """Add the brakes' torques to `data.qfrc_applied`; all else that acts in this step is there already.
 
         Args:
@@ -83,41 +141,43 @@ class Brakes:
             torques: at which the brakes slip, N m, (n,).
 
         Returns:
-            Impulses (N m s, (n,)), and which joints are held.
+            Impulses (N m s, (n,)), and the velocities that they leave (rad/s, (n,)), exactly 0.0 where they hold. Both
+            until the next call.
         """
         mj, model, h = self._mj, self._model, self._model.opt.timestep
         mj.mj_fwdActuation(model, data)
-        others, most, J = data.qfrc_applied[self._dofs].copy(), h * torques, self._impulses
-        np.clip(J, -most, most, out=J)
-        inverse = self._inverse(data)
-        A = np.ascontiguousarray(inverse[np.ix_(self._at, self._at)])
-        for _ in range(ROUNDS):
-            data.qfrc_applied[self._dofs] = others + J / h
+        tree, at, W, J, after, others = (
+            self._tree, self._at, self._inverse, self._impulses, self._after, self._others
+        )  # fmt: skip
+        applied, B = data.qfrc_applied, h * torques
+        damping = (0.0 if model.opt.disableflags & self._undamped else h) * model.dof_damping[tree]
+        begin(data.M, self._entries, damping, tree, at, h, B, applied, W, J, others)
+        coupled = self._coupled(data)
+        qvel, smooth = data.qvel, data.qfrc_smooth
+        constraint = data.qfrc_constraint if coupled else self._unconstrained
+        for _ in range(ROUNDS if coupled else 1):
             mj.mj_fwdAcceleration(model, data)
-            mj.mj_fwdConstraint(model, data)
-            forces = data.qfrc_smooth[self._tree] + data.qfrc_constraint[self._tree]
-            free = data.qvel[self._dofs] + h * (inverse @ forces)[self._at] - A @ J
-            before = J.copy()
-            hold(A, free, most, J, self._after)
-            if data.nefc == 0 or np.max(np.abs(J - before)) <= CLOSE * np.max(most):
+            if coupled:
+                mj.mj_fwdConstraint(model, data)
+            if answer(W, tree, at, h, B, others, qvel, smooth, constraint, applied, J, after):
                 break
-        data.qfrc_applied[self._dofs] = others + J / h
-        return J.copy(), self._after == 0.0
+        return J, after
 
     def forget(self) -> None:
         """Begin the next step without what was found in the last."""
         self._impulses[:] = 0.0
 
-    def _inverse(self, data: Any) -> Array:
-        """Inverse of the trees' mass matrix as the integrator sees it: with the damping that it takes implicitly."""
-        model, tree = self._model, self._tree
-        unit, product = np.zeros(model.nv), np.zeros(model.nv)
-        M = np.empty((len(tree), len(tree)))
-        for k, dof in enumerate(tree):
-            unit[dof] = 1.0
-            self._mj.mj_mulM(model, data, product, unit)
-            unit[dof] = 0.0
-            M[k] = product[tree]
-        if not model.opt.disableflags & self._mj.mjtDisableBit.mjDSBL_EULERDAMP:
-            M.flat[:: len(tree) + 1] += model.opt.timestep * model.dof_damping[tree]
-        return np.asarray(np.linalg.inv(M))
+    def _coupled(self, data: Any) -> bool:
+        """Whether a constraint touches the trees; MuJoCo tells where it looks for islands."""
+        if data.nisland == 0:
+            return bool(data.nefc > 0)
+        return bool(data.dof_island[self._tree].max() >= 0)
+
+    def _compile(self) -> None:
+        """Now, not while a clock runs."""
+        tree, at, W, J, after, others = (
+            self._tree, self._at, self._inverse, self._impulses, self._after, self._others
+        )  # fmt: skip
+        values, nothing = np.zeros(1 + self._entries[:, 2].max()), np.zeros(self._model.nv)
+        begin(values, self._entries, np.ones(len(tree)), tree, at, 1.0, J.copy(), nothing, W, J, others)
+        answer(W, tree, at, 1.0, J.copy(), others, nothing, nothing, nothing, nothing, J, after)

@@ -50,17 +50,22 @@ class Seen(NamedTuple):
 
 
 class Kernels(NamedTuple):
-    """Compiled for a kind of joint. The first arguments are rows of numbers: of `Joint`, and of `Kept`."""
+    """Compiled for a kind of joint. The first arguments are rows of numbers: of `Joint`, and of `Kept`.
+
+    MuJoCo's arrays are handed over whole, with the places and degrees of freedom of the joints in them.
+    """
 
     command: Callable[..., None]
     """`command(joints, kept, voltages, cycle)`: the valves' drivers take voltages for a control cycle (s)."""
     push: Callable[..., None]
-    """`push(joints, kept, around, span, q, v, torques)`: write the torques (N m) at the kick, where the joints are at q
-    (rad) with velocities v (rad/s). Nothing moves on yet."""
+    """`push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, q, v, torques)`: write angles (rad),
+    velocities (rad/s) and torques (N m) at the kick, and add the torques and outer loads (N m) to what is applied. The
+    velocities in `qvel` become those that Coriolis forces are to be taken at. No joint moves on yet."""
     settle: Callable[..., int]
-    """`settle(joints, kept, around, span, q, v, after, impulses, loads, holes, seen)`: move on through a step in which
-    the velocities became `after`; the brakes' impulses (N m s) and outer loads (N m) are booked, hoses lose air through
-    holes. Writes rows of `Seen`; returns the joint that diverged (-1: none)."""
+    """`settle(joints, kept, around, span, places, dofs, qpos, qvel, q, v, after, impulses, loads, holes, seen)`: stop
+    the joints of which the brakes left the velocity 0.0 (`after`) where they were, and move on through the step; the
+    brakes' impulses (N m s) and outer loads are booked, hoses lose air through holes. Writes rows of `Seen`; returns
+    the joint that diverged (-1: none)."""
     sample: Callable[..., None]
     """`sample(joints, seen, noise, out)`: what the sensors say, angles and differential pressures, (2, n)."""
 
@@ -106,6 +111,19 @@ def _leaked(joint, state, hole_a, hole_b, p_a):
     return JointState(state.motion, state.valve, a, b, state.ledger)
 
 
+@kernel
+def lead(dofs, v, bias, led, applied, qvel):
+    """Apply what Coriolis forces change by where velocities are led, and give the joints their own ones back.
+
+    Args: joints' degrees of freedom and velocities (n,); forces at velocities that are not led, and that are, (nv,);
+    what is applied, and the velocities in the data, (nv,).
+    """
+    for i in range(len(led)):
+        applied[i] += bias[i] - led[i]
+    for j in range(len(v)):
+        qvel[dofs[j]] = v[j]
+
+
 _known: dict[str, Kernels] = {}
 
 
@@ -138,20 +156,25 @@ def _compiled(joint_like, kept_like):
             write_numbers(kept[j], Kept(before.state, line, opening))
 
     @kernel
-    def push(joints, kept, around, span, q, v, torques):
+    def push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, q, v, torques):
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
+            q[j], v[j] = qpos[places[j]], qvel[dofs[j]]
             _, _, mid = _to_kick(joint, before, air, cut, q[j], v[j])
             torques[j] = mid.torque
+            applied[dofs[j]] += mid.torque + loads[j]
+            qvel[dofs[j]] = v[j] + 0.5 * before.state.motion.velocity_change
 
     @kernel
-    def settle(joints, kept, around, span, q, v, after, impulses, loads, holes, seen):
+    def settle(joints, kept, around, span, places, dofs, qpos, qvel, q, v, after, impulses, loads, holes, seen):
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         diverged = -1
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
-            state = _through(joint, before, air, cut, q[j], v[j], after[j], impulses[j], loads[j])
+            if after[j] == 0.0:
+                qpos[places[j]], qvel[dofs[j]] = q[j], 0.0
+            state = _through(joint, before, air, cut, q[j], v[j], qvel[dofs[j]], impulses[j], loads[j])
             state = _leaked(joint, state, holes[j, 0], holes[j, 1], air.ambient_pressure)
             if not is_sound(state):
                 diverged = j

@@ -11,22 +11,19 @@ from numpy.typing import NDArray
 
 from layflat.bridge.brake import Brakes
 from layflat.bridge.engine import engine
-from layflat.bridge.halves import Kept, Seen, halves_of
+from layflat.bridge.halves import Kept, Seen, halves_of, lead
 from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, read_numbers, write_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.failing import BURST_TIME, held_at, kinked, seized
-from layflat.physics.joint import FILLED, Ledger, Motion, Surroundings, joint_at_rest
+from layflat.physics.joint import FILLED, Ledger, Surroundings, joint_at_rest
 from layflat.physics.step import STEP
 
 Array = NDArray[np.float64]
 
 SHORTEST = 1e-6
 """Timestep of a model, s."""
-
-CHANGE = Motion._fields.index("velocity_change")
-"""Where it stands in a row of `Kept`, whose first numbers are those of `Motion`."""
 
 
 class PneumaticJoints:
@@ -78,6 +75,7 @@ class PneumaticJoints:
         self._brakes = Brakes(model, self._dofs)
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
         self.load, self._holes, self._torques = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
+        self._q, self._v, self._led = np.zeros(n), np.zeros(n), np.zeros(model.nv)
         self._seized: dict[int, float] = {}
         self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
         self._shares, self._due = np.ones(n), 0.0
@@ -148,20 +146,14 @@ class PneumaticJoints:
         mj, model, time = self._mj, self._model, data.time
         self._command(time)
         mj.mj_step1(model, data)
-        q, v, given = data.qpos[self._qpos], data.qvel[self._dofs], data.qfrc_applied.copy()
-        self._span[0] = time
-        self._kernels.push(self._laws, self._kept, self._around, self._span, q, v, self._torques)
-        data.qfrc_applied[self._dofs] += self._torques + self.load
-        data.qfrc_applied += self._lead(data, v)
-        impulses, held = self._brakes.apply(data, self.brakes)
+        self._span[0], given, q, v = time, data.qfrc_applied.copy(), self._q, self._v
+        laws = self._laws, self._kept, self._around, self._span, self._qpos, self._dofs, data.qpos, data.qvel
+        self._kernels.push(*laws, data.qfrc_applied, self.load, q, v, self._torques)
+        self._lead(data)
+        impulses, after = self._brakes.apply(data, self.brakes)
         mj.mj_step2(model, data)
         data.qfrc_applied[:] = given
-        data.qpos[self._qpos[held]] = q[held]
-        data.qvel[self._dofs[held]] = 0.0
-        after = data.qvel[self._dofs]
-        diverged = self._kernels.settle(
-            self._laws, self._kept, self._around, self._span, q, v, after, impulses, self.load, self._holes, self._seen
-        )
+        diverged = self._kernels.settle(*laws, q, v, after, impulses, self.load, self._holes, self._seen)
         # MuJoCo starts again at time zero where its accelerations leave all meaning.
         if diverged >= 0 or data.time <= time:
             raise DivergedError(time, self.hinges[diverged if diverged >= 0 else int(np.argmax(np.abs(v)))])
@@ -197,18 +189,17 @@ class PneumaticJoints:
         if hose is not None:
             self._holes[joint, hose] = 1.0 - exp(-self._model.opt.timestep / BURST_TIME)
 
-    def _lead(self, data: Any, v: Array) -> Array:
-        """What Coriolis and centrifugal forces change by where velocities are led by half of their last change, (nv,).
+    def _lead(self, data: Any) -> None:
+        """Add what Coriolis and centrifugal forces change by where velocities are led by half of their last change.
 
-        MuJoCo takes them at the start of a step, which alone would make the step one of first order.
+        MuJoCo takes them at the start of a step, which alone would make the step one of first order. The velocities in
+        the data are led; they are taken back.
         """
-        mj, model, led = self._mj, self._model, np.empty(self._model.nv)
-        data.qvel[self._dofs] = v + 0.5 * self._kept[:, CHANGE]
+        mj, model = self._mj, self._model
         mj.mj_comVel(model, data)
-        mj.mj_rne(model, data, 0, led)
-        data.qvel[self._dofs] = v
+        mj.mj_rne(model, data, 0, self._led)
+        lead(self._dofs, self._v, data.qfrc_bias, self._led, data.qfrc_applied, data.qvel)
         mj.mj_comVel(model, data)
-        return np.asarray(data.qfrc_bias - led)
 
     def _set(self, j: int) -> None:
         joint = self._healthy[j]
@@ -238,11 +229,12 @@ class PneumaticJoints:
     def _compile(self) -> None:
         """Now, not while a clock runs."""
         n = len(self.hinges)
-        nothing, kept, seen = np.zeros(n), self._kept.copy(), self._seen.copy()
+        kept, seen, places, nothing = self._kept.copy(), self._seen.copy(), np.zeros_like(self._qpos), np.zeros(n)
+        laws = self._laws, kept, self._around, self._span, places, places, np.zeros(n), np.zeros(n)
         self._kernels.command(self._laws, kept, self._voltages, self._cycle)
-        self._kernels.push(self._laws, kept, self._around, self._span, nothing, nothing, np.zeros(n))
-        places = nothing, nothing, nothing, nothing, nothing
-        self._kernels.settle(self._laws, kept, self._around, self._span, *places, self._holes, seen)
+        self._kernels.push(*laws, np.zeros(n), nothing, np.zeros(n), np.zeros(n), np.zeros(n))
+        lead(places, nothing, nothing, nothing, np.zeros(n), np.zeros(n))
+        self._kernels.settle(*laws, nothing, nothing, nothing, nothing, nothing, self._holes, seen)
         self.sense(np.zeros((n, 2)))
 
 

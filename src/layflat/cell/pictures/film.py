@@ -21,7 +21,7 @@ from layflat.files import whole_file
 Picture = NDArray[np.uint8]
 
 H264 = {"preset": "veryfast", "crf": "23"}
-"""Of x264: a film of the cell takes some 0.1 MB a second."""
+"""Of x264: a film of the cell takes some 30 kB a second."""
 THREADS = 2
 """With another number the same film has other bytes."""
 

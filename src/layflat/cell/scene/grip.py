@@ -38,6 +38,7 @@ class Grip:
         self._of = {geom: i for i, body in enumerate(self._bodies) for geom in _geoms(model, body)}
         self._skins = [model.geom(fruit.name).id for fruit in fruits]
         self._pull = self._shear = 0.0
+        self._step: float = model.opt.timestep
 
     @property
     def sealed(self) -> bool:
@@ -46,8 +47,7 @@ class Grip:
 
     def follow(self) -> None:
         """After a step: vacuum, seal, and whether the fruit still holds."""
-        step = self._model.opt.timestep
-        touched = self._touched()
+        step, touched = self._step, self._touched()
         self._net(touched, step)
         if self.held is None and self.cup.on and len(touched) == 1:
             (fruit,) = touched  # two under one lip leave it open
@@ -68,10 +68,11 @@ class Grip:
 
     def _touched(self) -> dict[int, float]:
         """Fruit that the cup's lip touches, and how hard, N."""
-        contact = self._data.contact
-        with_cup = np.flatnonzero((contact.geom == self._geom).any(axis=1))
         touched: dict[int, float] = {}
-        force = np.zeros(6)
+        if not self._data.ncon:
+            return touched
+        contact, force = self._data.contact, np.zeros(6)
+        with_cup = np.flatnonzero((contact.geom == self._geom).any(axis=1))
         for i in with_cup:
             first, second = contact.geom[i]
             fruit = self._of.get(int(second if first == self._geom else first))

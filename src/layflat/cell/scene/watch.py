@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,9 @@ class Watch:
         starts = [int(model.joint(fruit.name).dofadr[0]) for fruit in fruits]
         self._dofs = np.array([[start, start + 1, start + 2] for start in starts], int).reshape(-1, 3)
         self._before = data.qvel[self._dofs]
-        self._acceleration = np.zeros(len(fruits))
-        self._peak = np.zeros(len(fruits))
+        # Squares of what velocities changed by, (m/s)^2: in the last step, and the greatest.
+        self._change = np.zeros(len(fruits))
+        self._greatest = np.zeros(len(fruits))
         self._collisions: dict[tuple[int, int], Collision] = {}
         self._bodies = [model.body(fruit.name).id for fruit in fruits]
         arm = model.jnt_bodyid[model.joint(next(iter(cell.machine.joints))).id]
@@ -36,8 +38,8 @@ class Watch:
         velocity = self._data.qvel[self._dofs]
         change = velocity - self._before
         self._before = velocity
-        self._acceleration = np.sqrt((change * change).sum(axis=1)) / self._model.opt.timestep
-        np.maximum(self._peak, self._acceleration, out=self._peak)
+        self._change = np.einsum("ij,ij->i", change, change)
+        np.maximum(self._greatest, self._change, out=self._greatest)
         if self._data.ncon:
             self._collide()
 
@@ -58,7 +60,7 @@ class Watch:
 
     def truth(self, grip: Grip) -> Truth:
         """All that is true now."""
-        data = self._data
+        data, step = self._data, self._model.opt.timestep
         fruits = {}
         for i, (fruit, body) in enumerate(zip(self._fruits, self._bodies, strict=True)):
             held = grip.held == i
@@ -73,8 +75,8 @@ class Watch:
                 fruit.mass,
                 at,
                 data.xquat[body].copy(),
-                float(self._acceleration[i]),
-                float(self._peak[i]),
+                sqrt(self._change[i]) / step,
+                sqrt(self._greatest[i]) / step,
                 float(grip.press[i]),
                 held,
                 None if held else self._place(at, fruit),
