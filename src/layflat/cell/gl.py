@@ -30,6 +30,15 @@ def context(width: int, height: int) -> Any:
     return made
 
 
+def check() -> None:
+    """Make sure that pictures can be drawn.
+
+    Raises:
+        NoDrawingError: they can't.
+    """
+    context(16, 16).free()
+
+
 def _there() -> str:
     for way, library in LIBRARIES.items():
         try:

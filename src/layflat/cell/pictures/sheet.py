@@ -43,7 +43,7 @@ class ContactSheet:
     """Pictures of picks beside one another, with an overview at the upper left where there is one.
 
     Args:
-        title: the head line.
+        title: the head line; settable until it is drawn.
         columns: tiles side by side, at least 2.
 
     Raises:
@@ -53,7 +53,7 @@ class ContactSheet:
     def __init__(self, title: str, columns: int = 5) -> None:
         if columns < ACROSS:
             raise InputError(f"{columns} is too few", where="columns of a sheet", right=f"give {ACROSS} or more")
-        self._title, self._columns = title, columns
+        self.title, self._columns = title, columns
         self._overview: tuple[Picture, Lines] | None = None
         self._tiles: list[_Tile] = []
 
@@ -99,7 +99,7 @@ class ContactSheet:
         sheet = Image.new("RGB", (GAP + columns * right, top + rows * down), PAPER)
         draw = ImageDraw.Draw(sheet)
         head = font(TITLE, bold=True)
-        draw.text((GAP, GAP), fitted(self._title, head, sheet.width - 2 * GAP), INK, head)
+        draw.text((GAP, GAP), fitted(self.title, head, sheet.width - 2 * GAP), INK, head)
         if self._overview is not None:
             picture, lines = self._overview
             _paste(sheet, draw, _within(picture, ACROSS * right - GAP, DOWN * down - GAP - CAPTION), (GAP, top), lines)

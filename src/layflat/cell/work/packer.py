@@ -46,7 +46,7 @@ class Pick:
         tries: how often the cup went down for it.
         begin, end: s.
         air: normal litres.
-        sight: the picture by which it was chosen.
+        sight: the last picture in which it was seen before.
     """
 
     number: int
@@ -83,7 +83,6 @@ class Packer:
         packing: what lies in the packs by now.
         known: what lies elsewhere, as far as was seen.
         left: what is not picked, and why, when the last choice was made.
-        sight: the last picture that could be used.
     """
 
     def __init__(self, cell: Cell, station: Station, eyes: Eyes, witnesses: Sequence[Witness] = ()) -> None:
@@ -94,8 +93,8 @@ class Packer:
         self.packing = packing_of(cell)
         self.known: list[Fruit] = []
         self.left: tuple[Left, ...] = ()
-        self.sight: Sight | None = None
         self._given_up: list[Fruit] = []
+        self._seen_in: dict[Fruit, Sight] = {}
         self._anew = False
         """Whether the last picture showed everything, and nothing was moved since."""
 
@@ -149,8 +148,7 @@ class Packer:
     # Picking
 
     def _pick(self, number: int, choice: Choice) -> Pick:
-        station, sight = self._station, self.sight
-        assert sight is not None  # it was chosen by it
+        station, sight = self._station, self._seen_in[choice.fruit]
         begin, air, self._anew = station.time, station.air, False
         state, sighting = begun(self._heights.task(choice), station.measure()), None
         while state.phase is not Phase.DONE:
@@ -223,14 +221,16 @@ class Packer:
     def _look(self, shade: Shade | None, *, strict: bool = False) -> bool:
         """Take a picture and remember what it shows; whether it could be used."""
         try:
-            self.sight = self._eyes.look(self._station.time)
+            sight = self._eyes.look(self._station.time)
         except PictureError:
             if strict:
                 raise
             return False
-        self.known = remembered(self.known, self.sight.fruits, shade)
+        self.known = remembered(self.known, sight.fruits, shade)
+        # What is remembered is the very same fruit as in the picture that showed it.
+        self._seen_in = {fruit: self._seen_in.get(fruit, sight) for fruit in self.known}
         for witness in self._witnesses:
-            witness.looked(self.sight)
+            witness.looked(sight)
         return True
 
     def _shade(self) -> Shade:

@@ -15,6 +15,7 @@ from layflat.cell.file.model import Cell
 from layflat.cell.work.delivery import Delivery
 from layflat.cell.work.judge import Verdict
 from layflat.cell.work.packer import Pick
+from layflat.cell.work.run import Run
 from layflat.files import whole_file
 
 MINUTE = 60.0
@@ -81,16 +82,22 @@ def summary(deliveries: Iterable[Delivery]) -> Summary:
     )
 
 
-def as_dict(cell: Cell, seed: int, deliveries: Sequence[Delivery], *, eyes: str) -> dict[str, Any]:
-    """All of a run as plain numbers and texts, fit for JSON: SI units but where a name says otherwise."""
+def as_dict(cell: Cell, runs: Sequence[Run]) -> dict[str, Any]:
+    """Runs in a cell as plain numbers and texts, fit for JSON: SI units but where a name says otherwise."""
     return {
         "cell": cell.origin,
         "machine": cell.machine.origin,
-        "seed": seed,
-        "eyes": eyes,
         "limits": {"acceleration": cell.limits.acceleration, "press": cell.limits.press},
-        "summary": _plain(vars(summary(deliveries))),
-        "deliveries": [_delivery(delivery) for delivery in deliveries],
+        "summary": _plain(vars(summary(delivery for run in runs for delivery in run.deliveries))),
+        "runs": [
+            {
+                "seed": run.seed,
+                "eyes": "scene" if run.calibration is None else "camera",
+                "error": str(run.error) if run.error is not None else None,
+                "deliveries": [_delivery(delivery) for delivery in run.deliveries],
+            }
+            for run in runs
+        ],
     }
 
 
@@ -112,7 +119,13 @@ def _delivery(delivery: Delivery) -> dict[str, Any]:
         "error": str(delivery.error) if delivery.error is not None else None,
         "picks": [_pick(pick, verdict) for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True)],
         "left": [
-            {"kind": left.fruit.kind, "grade": left.fruit.grade, "x": left.fruit.x, "y": left.fruit.y, "why": left.reason}
+            {
+                "kind": left.fruit.kind,
+                "grade": left.fruit.grade,
+                "x": left.fruit.x,
+                "y": left.fruit.y,
+                "why": left.reason,
+            }
             for left in delivery.left
         ],
         "collisions": [vars(collision) for collision in delivery.collisions],

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
 from layflat.cell.camera import Camera
 from layflat.cell.pictures import ContactSheet, Film, captioned
 from layflat.cell.plan.order import Choice
@@ -11,25 +15,53 @@ from layflat.cell.vision import Calibration, draw
 from layflat.cell.work.delivery import Delivery
 from layflat.cell.work.eyes import Sight
 from layflat.cell.work.packer import Pick
+from layflat.cell.work.results import summary
 
 FPS = 12.0
 """Frames of a film a second of the cell's time."""
+
+
+@contextmanager
+def shown(film: Path | None, sheet: Path, title: str, calibration: Calibration) -> Iterator[Show]:
+    """An onlooker that leaves a film and a contact sheet, if the block ends well.
+
+    Args:
+        film: where to, .mp4 or .gif; None for no film.
+        sheet: where to, .png.
+        title: of the sheet; what came of the picks is added.
+        calibration: of the camera.
+
+    Raises:
+        OutputError: they can't be written there.
+    """
+    with nullcontext() if film is None else Film(film, FPS) as opened:
+        show = Show(opened, ContactSheet(title), calibration)
+        yield show
+        show.sheet.title = f"{title}: {show.told}"
+        show.sheet.save(sheet)
 
 
 class Show:
     """An onlooker that makes a film and a contact sheet.
 
     Args:
-        film: open.
+        film: open; None for no film.
         sheet: to which each pick is added.
         calibration: of the camera.
     """
 
-    def __init__(self, film: Film, sheet: ContactSheet, calibration: Calibration) -> None:
-        self._film, self._sheet, self._calibration = film, sheet, calibration
+    def __init__(self, film: Film | None, sheet: ContactSheet, calibration: Calibration) -> None:
+        self._film, self.sheet, self._calibration = film, sheet, calibration
         self._camera: Camera | None = None
         self._next = 0.0
-        self._doing, self._packed, self._deliveries = "looks at the tray", 0, 0
+        self._doing, self._packed = "looks at the tray", 0
+        self._deliveries: list[Delivery] = []
+
+    @property
+    def told(self) -> str:
+        """What came of all picks so far."""
+        found = summary(self._deliveries)
+        return f"{found.right} of {found.picks} picks right, {found.picks_a_minute:.1f} a minute"
 
     def begins(self, scene: Scene, camera: Camera | None) -> None:  # noqa: ARG002  (as all onlookers)
         """A delivery begins."""
@@ -37,9 +69,9 @@ class Show:
 
     def cycle(self, time: float) -> None:
         """A frame, if it is time for one."""
-        if self._camera is not None and time >= self._next:
+        if self._film is not None and self._camera is not None and time >= self._next:
             self._next += 1.0 / FPS
-            left = f"delivery {self._deliveries + 1}: {self._doing}"
+            left = f"delivery {len(self._deliveries) + 1}: {self._doing}"
             frame = self._camera.picture("overview")
             self._film.add(captioned(frame, left, f"{time:.0f} s, {self._packed} packed"))
 
@@ -57,7 +89,7 @@ class Show:
 
     def ends(self, delivery: Delivery) -> None:
         """Now that it is judged, its picks come on the sheet."""
-        self._deliveries += 1
+        self._deliveries.append(delivery)
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             sight, fruit, spot = pick.sight, pick.choice.fruit, pick.choice.spot
             if sight.picture is None:
@@ -72,8 +104,8 @@ class Show:
                 else pick.trouble
             )
             head = f"{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
-            self._sheet.add(picture, (x, y), (head, result), failed=failed)
-        if self._camera is not None and self._deliveries == 1:
+            self.sheet.add(picture, (x, y), (head, result), failed=failed)
+        if self._camera is not None and len(self._deliveries) == 1:
             final = self._camera.picture("overview")
-            self._sheet.overview(final, ("the cell after its first delivery", f"{len(delivery.picks)} picks"))
+            self.sheet.overview(final, ("the cell after its first delivery", f"{len(delivery.picks)} picks"))
         self._camera = None
