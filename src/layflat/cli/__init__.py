@@ -8,6 +8,7 @@ import typer
 
 from layflat.cli import (
     arm_model,
+    cells,
     describe,
     design,
     identify,
@@ -29,6 +30,7 @@ from layflat.errors import LayflatError
 __all__ = [
     "app",
     "arm_model",
+    "cells",
     "describe",
     "design",
     "identify",

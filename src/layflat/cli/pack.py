@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -87,16 +89,16 @@ def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | Non
 
 def _run(cell: Cell, calibration: Calibration | None, seed: int, picks: int, out: Path, film: str) -> Run:
     """One run, with a film and a contact sheet where pictures can be drawn."""
-    from layflat.cell.work.onlookers import Counter, Several  # noqa: PLC0415
+    from layflat.cell.work.onlookers import Several, Tally  # noqa: PLC0415
     from layflat.cell.work.run import packed  # noqa: PLC0415
     from layflat.cell.work.show import shown  # noqa: PLC0415
 
     with _picks_bar(f"picks in {cell.name!r}", picks) as advance:
         if calibration is None:
-            return packed(cell, seed, picks, calibration, Counter(advance))
+            return packed(cell, seed, picks, calibration, Tally(advance))
         path = None if film == "none" else out / f"film.{film}"
         with shown(path, out / "sheet.png", f"{cell.name}, seed {seed}", calibration) as show:
-            return packed(cell, seed, picks, calibration, Several(Counter(advance), show))
+            return packed(cell, seed, picks, calibration, Several(Tally(advance), show))
 
 
 def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int) -> list[Run]:
@@ -140,33 +142,37 @@ def _picks_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
 
 
 def _print_picks(deliveries: list[Delivery]) -> None:
-    """A row a pick."""
-    rows = []
+    """A row a pick, and what went wrong."""
+    rows, troubles = [], []
     for number, delivery in enumerate(deliveries, start=1):
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
-            fruit, spot = pick.choice.fruit, pick.choice.spot
-            carried = verdict.fruit != ""
+            fruit, spot, name = pick.choice.fruit, pick.choice.spot, f"{number}.{pick.number}"
             rows.append(
                 [
-                    f"{number}.{pick.number}",
+                    name,
                     f"{fruit.kind}, {fruit.grade}",
                     f"{1e3 * fruit.diameter:.0f}",
                     f"{spot.pack} {spot.place.name}",
-                    "right" if verdict.right else pick.trouble or "wrong",
-                    f"{1e3 * verdict.release_error:.1f}" if carried else "",
-                    f"{verdict.peak_acceleration:.0f}" if carried else "",
+                    verdict.told(pick),
+                    _known(1e3 * verdict.release_error, 1),
+                    _known(verdict.peak_acceleration, 0),
                     f"{pick.end - pick.begin:.2f}",
                     f"{pick.air:.1f}",
                 ]
             )
-    columns = ["pick", "fruit", "mm", "place", "result", "off (mm)", "peak (m/s2)", "time (s)", "air (Nl)"]
-    print_table(columns, rows)
-    left = {}
-    for delivery in deliveries:
-        for one in delivery.left:
-            left[one.reason] = left.get(one.reason, 0) + 1
+            if pick.trouble:
+                troubles.append(f"pick {name}, {pick.outcome.name.lower()}, {pick.tries} tries: {pick.trouble}")
+    if rows:
+        print_table(["pick", "fruit", "mm", "place", "result", "off (mm)", "peak (m/s2)", "s", "air (Nl)"], rows)
+    for trouble in troubles:
+        typer.echo(trouble)
+    left = Counter(one.reason for delivery in deliveries for one in delivery.left)
     for reason, count in left.items():
         typer.echo(f"left {count}: {reason}")
+
+
+def _known(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if isfinite(value) else ""
 
 
 def _print_runs(runs: list[Run]) -> None:

@@ -82,12 +82,16 @@ def _read(where: str, seen: tuple[str, ...]) -> tuple[Plain, Sources]:
     below = Path(where).parent / base
     under, under_sources = _read(str(below) if below.suffix == ".toml" else base, (*seen, where))
     for path in omitted:
-        _omit(under, under_sources, path, where)
+        omit(under, under_sources, path, where)
     return laid_over(under, plain), under_sources | sources
 
 
-def _omit(plain: Plain, sources: Sources, path: str, where: str) -> None:
-    """Leave out a part, by its dotted path, of what a file extends."""
+def omit(plain: Plain, sources: Sources, path: str, where: str) -> None:
+    """Leave out a part, by its dotted path, of what a file extends.
+
+    Raises:
+        MachineError: there is no such part.
+    """
     *above, last = str(path).split(".")
     table: Any = plain
     for key in above:

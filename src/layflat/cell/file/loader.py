@@ -14,7 +14,7 @@ from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Layout
 from layflat.errors import CellError, MachineError
 from layflat.machine import load as load_machine
-from layflat.machine.loader import Plain, Sources, explained, laid_over
+from layflat.machine.loader import Plain, Sources, explained, laid_over, omit
 from layflat.machine.loader import names as machine_names
 from layflat.machine.provenance import split
 
@@ -95,17 +95,28 @@ def _read(where: str, folder: str, seen: tuple[str, ...]) -> tuple[Plain, Source
         raw = tomllib.loads(_text(where, folder))
     except tomllib.TOMLDecodeError as error:
         raise CellError(f"is not TOML: {error}", where=where, right='values look like height = "60 mm"') from None
-    base = raw.pop("extends", None)
+    base, omitted = raw.pop("extends", None), raw.pop("omits", [])
+    if not isinstance(base, str | None):
+        raise CellError(f"{base!r} is not a name", where=f"{where}: extends", right='give one such as "packing"')
+    under: tuple[Plain, Sources] = ({}, {})
+    if base is not None:
+        under = _read(_beside(where, base, _named(folder)), folder, (*seen, where))
     try:
+        for path in omitted:
+            omit(*under, path, where)
         plain, sources = split(raw, where)
     except MachineError as error:
         raise CellError(error.what, where=error.where, right=error.right) from None
-    if base is None:
-        return plain, sources
-    if not isinstance(base, str):
-        raise CellError(f"{base!r} is not a name", where=f"{where}: extends", right='give one such as "packing"')
-    under, under_sources = _read(_beside(where, base, _named(folder)), folder, (*seen, where))
-    return laid_over(under, plain), under_sources | sources
+    return laid_over(under[0], plain), under[1] | sources
+
+
+def text(cell: str) -> str:
+    """A cell's file as it is written, of a built-in name or a path.
+
+    Raises:
+        CellError: it can't be read.
+    """
+    return _text(cell, "")
 
 
 def _text(where: str, folder: str) -> str:

@@ -40,6 +40,12 @@ class Verdict:
     peak_acceleration: float = nan
     press: float = nan
 
+    def told(self, pick: Pick) -> str:
+        """What came of the pick in a word."""
+        if self.right:
+            return "right"
+        return "wrong" if pick.outcome is Outcome.PLACED else pick.outcome.name.lower()
+
 
 @dataclass
 class Vision:

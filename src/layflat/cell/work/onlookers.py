@@ -35,7 +35,7 @@ class Nobody:
         """The delivery is over."""
 
 
-class Counter(Nobody):
+class Tally(Nobody):
     """Calls with the number of picks that have ended.
 
     Args:

@@ -119,14 +119,8 @@ def _delivery(delivery: Delivery) -> dict[str, Any]:
         "error": str(delivery.error) if delivery.error is not None else None,
         "picks": [_pick(pick, verdict) for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True)],
         "left": [
-            {
-                "kind": left.fruit.kind,
-                "grade": left.fruit.grade,
-                "x": left.fruit.x,
-                "y": left.fruit.y,
-                "why": left.reason,
-            }
-            for left in delivery.left
+            {"kind": one.fruit.kind, "grade": one.fruit.grade, "x": one.fruit.x, "y": one.fruit.y, "why": one.reason}
+            for one in delivery.left
         ],
         "collisions": [vars(collision) for collision in delivery.collisions],
     }

@@ -17,7 +17,7 @@ from layflat.cell.work.eyes import Sight
 from layflat.cell.work.packer import Pick
 from layflat.cell.work.results import summary
 
-FPS = 12.0
+FPS = 10.0
 """Frames of a film a second of the cell's time."""
 
 
@@ -96,13 +96,11 @@ class Show:
                 continue
             picture = draw(sight.picture, sight.detections)
             x, y = self._calibration.to_pixels([fruit.x, fruit.y, fruit.radius]).tolist()
-            failed = "" if verdict.right else pick.outcome.name.lower() if not verdict.fruit else "wrong"
-            result = (
-                f"{spot.pack} {spot.place.name}, {1e3 * verdict.release_error:.1f} mm off, "
-                f"{verdict.peak_acceleration:.0f} m/s\N{SUPERSCRIPT TWO}"
-                if verdict.fruit
-                else pick.trouble
-            )
+            failed = "" if verdict.right else verdict.told(pick)
+            off, peak = 1e3 * verdict.release_error, verdict.peak_acceleration
+            result = f"{spot.pack} {spot.place.name}, {off:.1f} mm off, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
+            if pick.outcome is not Outcome.PLACED:
+                result = pick.trouble
             head = f"{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
             self.sheet.add(picture, (x, y), (head, result), failed=failed)
         if self._camera is not None and len(self._deliveries) == 1:

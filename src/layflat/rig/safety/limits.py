@@ -68,9 +68,9 @@ def limits(machine: Machine, name: str) -> Limits:
 
 
 def coupling(machine: Machine) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """How much of each other joint's differential pressure a joint at rest feels, (joints, joints), at angles (joints,).
+    """How much of each other joint's differential pressure a joint at rest feels, (joints, joints), by angles, rad.
 
-    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, here with
+    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, with
     the payload of the description.
     """
     arm, n = parameters.arm(machine), len(machine.joints)
