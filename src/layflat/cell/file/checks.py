@@ -65,7 +65,9 @@ def _markers(cell: Cell) -> None:
     held = range(board.first_id, board.first_id + board.columns * board.rows // 2)
     for name, marker in cell.base_markers.marker.items():
         if marker.number in seen:
-            raise ValueError(f"base_markers.marker.{name}.number {marker.number} is that of {seen[marker.number]!r} too")
+            raise ValueError(
+                f"base_markers.marker.{name}.number {marker.number} is that of {seen[marker.number]!r} too"
+            )
         if marker.number in held and board.dictionary == cell.base_markers.dictionary:
             raise ValueError(
                 f"base_markers.marker.{name}.number {marker.number} is one of the board's ({held[0]} to {held[-1]})"

@@ -49,7 +49,9 @@ def _words(name: str, last: int, where: str) -> Any:
     cv2 = opencv()
     code = getattr(cv2.aruco, name, None)
     if not name.startswith("DICT_") or code is None:
-        raise CellError(f"{name!r} is no dictionary of OpenCV", where="dictionary", right="give one such as DICT_4X4_50")
+        raise CellError(
+            f"{name!r} is no dictionary of OpenCV", where="dictionary", right="give one such as DICT_4X4_50"
+        )
     words = cv2.aruco.getPredefinedDictionary(code)
     if last >= len(words.bytesList):
         raise CellError(f"{name} has only {len(words.bytesList)} markers", where=where, right="give fewer")
