@@ -129,7 +129,9 @@ def inside(outlines: Array) -> Array:
 
 
 def relief(even: Any, outlines: Array, own: Array) -> Array:
-    """How light spreads over each thing, share of its mean, (B,): nearly 0 for what is flat.
+    """How much darker things get from their middle outwards, (B,): standard deviation as a share of their mean.
+
+    Nearly 0 for what is flat, even where it is brighter on one side.
 
     Args:
         even: the halved picture, evenly lit.
@@ -144,7 +146,7 @@ def relief(even: Any, outlines: Array, own: Array) -> Array:
     basis = np.stack([np.ones_like(x), x, y, x * x + y * y], axis=-1)
     weighed = (basis * weights[..., None]).transpose(0, 2, 1)
     terms = np.linalg.solve(weighed @ basis + 1e-6 * np.eye(4), weighed @ level[..., None])
-    return np.asarray((basis @ terms)[..., 0].std(axis=1) / np.maximum(level.mean(axis=1), 1.0))
+    return np.asarray(-terms[:, 3, 0] * basis[..., 3].std(axis=1) / np.maximum(level.mean(axis=1), 1.0))
 
 
 def _look(even: Any, outlines: Array) -> Array:
