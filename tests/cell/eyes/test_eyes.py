@@ -104,6 +104,8 @@ def test_what_lies_in_the_tray_is_seen(scene: Scene, cell: Cell, calibration: Ca
             assert one.kind == fruit.kind
             assert isinstance(graded, Left) or graded.grade == fruit.grade
         assert place_of(cell, one) is None
+    wide = [nearest(found, fruit).diameter / fruit.diameter for fruit in truth.values()]
+    assert np.mean(wide) == pytest.approx(1.0, abs=3e-3)
 
 
 def test_what_lies_in_packs_is_told_by_place(cell: Cell, calibration: Calibration) -> None:
