@@ -28,6 +28,11 @@ def test_a_ball_and_a_flat_cap_have_relief_in_soft_light() -> None:
         assert seen(0.5 + 0.45 * upwards) > 1.5 * FLAT
 
 
+def test_a_dark_stalk_is_no_hollow() -> None:
+    dome = 0.75 + 0.2 * np.sqrt(np.maximum(1.0 - FAR**2, 0.0))
+    assert seen(np.where(FAR < 0.26, 0.35, dome)) > 0.9 * seen(dome)
+
+
 def test_what_is_brighter_on_one_side_is_flat() -> None:
     assert abs(seen(np.full_like(X, 0.9))) < 0.1 * FLAT
     assert abs(seen(0.8 + 0.1 * X / RADIUS)) < 0.3 * FLAT
@@ -37,7 +42,7 @@ def test_what_is_brighter_on_one_side_is_flat() -> None:
 def test_ground_within_the_outline_tells_nothing() -> None:
     """A label half as wide as the circle around it, on a darker ground of nearly its chromaticity."""
     label = np.abs(Y) < 0.5 * RADIUS
-    level = np.where(label, 0.9, 0.5)
+    level = np.where(label, 0.9, 0.62)
     own = edges.sampled((255 * label).astype(np.uint8), inside(OUTLINE)) / 255.0
     assert seen(level) > FLAT
     assert abs(seen(level, own)) < 0.5 * FLAT

@@ -16,6 +16,8 @@ from layflat.cell.vision.detection import Detection, Kind
 
 STALK = 0.06
 """How far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin."""
+STALK_LEVEL = 0.6
+"""Brightness under which a thing's skin is a stalk, share of its median."""
 DUST = 1.2
 """Px that an edge may be off its outline in any case."""
 BALLS_APART = 0.8
@@ -139,7 +141,8 @@ def relief(even: Any, outlines: Array, own: Array) -> Array:
         own: how much of the thing is at each place of `inside`, 0 to 1: ground and neighbours tell nothing.
     """
     places, level, skin, _ = _skins(even, outlines)
-    weights = skin * own.reshape(skin.shape)
+    # A dark stalk in the middle, of the skin's chromaticity, would pass for a hollow.
+    weights = skin * own.reshape(skin.shape) * (level > STALK_LEVEL * np.median(level, axis=1, keepdims=True))
     at = (places - places.mean(axis=(1, 2), keepdims=True)).reshape(len(outlines), -1, 2)
     at /= np.maximum(np.abs(at).max(axis=(1, 2), keepdims=True), 1e-9)
     x, y = at[..., 0], at[..., 1]
