@@ -9,6 +9,11 @@ from layflat.cell.file import Cell, build, load, names
 from layflat.cell.file.loader import layout_names, tables
 from layflat.errors import CellError, MachineError
 
+MARKERS = {
+    "thickness": "1 mm",
+    "marker": {"one": {"number": 7, "centre": ["708 mm", "72 mm"], "side": "40 mm", "turn": "0 deg"}},
+}
+
 
 def broken(path: str, value: Any) -> str:
     """What is said of the built-in cell with one value changed."""
@@ -47,17 +52,22 @@ def test_units_are_si_behind_the_file(packing: Cell) -> None:
         ("lift/strok", "1 mm", "did you mean 'stroke'?"),
         ("table/size", ["1 m", "0.5 m"], "does not stand on the table"),
         ("tray/infeed/centre", ["300 mm", "250 mm"], "tray.infeed and pack.apples overlap"),
-        ("tray/infeed/centre", ["620 mm", "0 mm"], "tray.infeed is out of the arm's reach by "),
-        ("pack/tomatoes/centre", ["-100 mm", "700 mm"], "pack.tomatoes is out of the arm's reach by "),
+        ("tray/infeed/centre", ["640 mm", "300 mm"], "tray.infeed is out of the arm's reach by "),
+        ("pack/tomatoes/centre", ["0 mm", "800 mm"], "pack.tomatoes is out of the arm's reach by "),
         ("pack/apples/layout", "punnet-2x3", "pack.apples is too small: a place of 'punnet-2x3' takes 70 mm"),
         ("pack/apples/kind", "pear", "pack.apples.kind is the unknown kind 'pear'"),
         ("pack/apples/grade", "third", "pack.apples.grade 'third' is none of apple"),
-        ("tray/infeed/produce", ["apple", "plum"], "tray.infeed.produce names the unknown kind 'plum'"),
+        ("tray/infeed/produce", ["apple", "pear"], "tray.infeed.produce names the unknown kind 'pear'"),
         ("lift/stroke", "140 mm", "lift.stroke is too short"),
         ("mount/home", {"large": "0 deg"}, "mount.home"),
         ("mount/home", {"large": "0 deg", "small": "61 deg"}, "mount.home.small is outside"),
         ("machine", "paper-large-joint", "is no level arm of two joints"),
-        ("base_marker/centre", ["0 mm", "60 mm"], "base_marker and the arm's column overlap"),
+        ("base_markers/marker/left-near/centre", ["0 mm", "60 mm"], "marker.left-near and the arm's column overlap"),
+        ("base_markers/marker/left-near/number", 41, "left-near.number 41 is that of 'right-far' too"),
+        ("base_markers/marker", {}, "base_markers.marker"),
+        ("base_markers", MARKERS | {"dictionary": "DICT_4X4_50"}, "number 7 is one of the board's (0 to 23)"),
+        ("pack/tomatoes/kind", "plum", "pack.tomatoes.kind 'plum' is not known to vision"),
+        ("clutter/leaves/shape", "blob", "clutter.leaves.shape"),
         ("cup/tilt", "22 mm", "is not an angle"),
     ],
 )

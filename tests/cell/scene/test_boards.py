@@ -1,17 +1,28 @@
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.scene.boards import charuco, picture
+from layflat.cell.scene.boards import charuco, marker_picture, picture
 from layflat.errors import CellError
 
 
-def test_the_boards_share_no_marker(packing: Cell) -> None:
-    one, other = (set(charuco(board).getIds().ravel()) for board in (packing.board, packing.base_marker))
-    assert one
-    assert not one & other
+def test_markers_are_drawn_as_they_are_read(packing: Cell) -> None:
+    cv2: Any = __import__("cv2")
+    base = packing.base_markers
+    words = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, base.dictionary))
+    for marker in base.marker.values():
+        drawn = np.pad(marker_picture(base.dictionary, marker.number), 80, constant_values=255)
+        _, numbers, _ = cv2.aruco.ArucoDetector(words).detectMarkers(drawn)
+        assert numbers.ravel().tolist() == [marker.number]
+
+
+def test_a_marker_that_no_dictionary_has_is_told() -> None:
+    with pytest.raises(CellError, match="only 50 markers"):
+        marker_picture("DICT_5X5_50", 50)
 
 
 def test_a_board_is_drawn_black_and_white_without_margin(packing: Cell) -> None:

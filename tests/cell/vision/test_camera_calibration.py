@@ -152,6 +152,21 @@ def test_a_checkerboard_is_seen_where_it_is() -> None:
     assert off < 0.3
 
 
+def test_what_is_nearly_a_marker_or_read_twice_is_left_out() -> None:
+    cv2: Any = __import__("cv2")
+    words = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    grey = np.full((300, 900), 200, np.uint8)
+    drawn = [cv2.aruco.generateImageMarker(words, number, 120) for number in (1, 2, 2)]
+    nearly = cv2.aruco.generateImageMarker(words, 3, 120)
+    nearly[20:40, 20:40] = 255 - nearly[20:40, 20:40]
+    for place, marker in enumerate([*drawn, nearly]):
+        grey[90:210, 60 + 210 * place : 180 + 210 * place] = marker
+    markers = tuple(Marker(number, 0.1 * number, 0.0, 0.04) for number in (1, 2, 3))
+    seen = BaseMarkers(markers).seen(grey)
+    assert seen is not None
+    assert seen[0] == pytest.approx(markers[0].corners)
+
+
 def test_markers_need_numbers_of_their_own() -> None:
     with pytest.raises(CameraError, match="each with its own number"):
         BaseMarkers((Marker(1, 0.0, 0.0, 0.05), Marker(1, 0.1, 0.0, 0.05)))

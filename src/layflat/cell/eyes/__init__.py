@@ -1,4 +1,4 @@
-"""Vision set up for a cell: what it looks for, a calibrated camera, grades of what it sees. It knows no scene's truth."""
+"""Vision set up for a cell: what it looks for, a calibrated camera, grades of what it sees; never the scene's truth."""
 
 from layflat.cell.eyes.calibrating import base_of, calibrate_scene
 from layflat.cell.eyes.grading import fruit_of, place_of

@@ -17,7 +17,7 @@ from layflat.cell.plan.fruit import Fruit
 from layflat.cell.vision import Detection
 
 DIAMETER_ERROR = 0.015
-"""By which vision may be off, share: half as much again as the 95th percentile, see docs/cell-vision.md."""
+"""By which vision may be off, share: about the worst of 1800 fruit, see docs/cell-vision.md."""
 TINT = 0.01
 """By which a chromaticity may be off: lamps of unlike tint."""
 AS_NEAR = 0.6

@@ -164,6 +164,8 @@ def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: flo
     spec.stat.extent, spec.stat.center = 1.5, [0.3, 0.3, 0.1]
     spec.visual.map.znear, spec.visual.map.zfar = 0.1, 4.0
     spec.visual.quality.shadowsize, spec.visual.quality.offsamples = 2048, 0
+    # Fruit is drawn as a polyhedron within it: with MuJoCo's 28 slices it would be 0.4 % too small.
+    spec.visual.quality.numslices, spec.visual.quality.numstacks = 64, 32
     furnish(spec, cell, rng)
     add_shapes(spec, cell)
     add_tool(spec, cell)

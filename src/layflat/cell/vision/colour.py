@@ -14,15 +14,15 @@ from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.detection import Colour, Detection, Kind
 from layflat.cell.vision.light import evenly_lit
-from layflat.cell.vision.measure import COMPLETE, inside, measure, told
+from layflat.cell.vision.measure import COMPLETE, inside, measure, relief, told
 from layflat.cell.vision.opencv import opencv
 from layflat.cell.vision.usable import check_picture
 from layflat.errors import InputError
 
 SLACK = 0.08
 """How far a diameter may be out of its kind's limits, share."""
-FLAT = 0.02
-"""Spread of light over a thing, share of its mean, under which it is flat: a label, a lid."""
+FLAT = 0.03
+"""By how much a thing gets darker outwards, under which it is flat: a label, a lid. Of fruit it is 0.04 at least."""
 FEWEST_SEEN = 0.35
 """Share of an outline that must be seen for a thing to be told at all."""
 OWN = 0.7
@@ -84,11 +84,13 @@ class ColourDetector:
         rough = [_rough(guess, scale) for guess in guesses]
         places, usable = (np.concatenate(parts) for parts in zip(*rough, strict=True))
         measured = measure(picture, even, calibration, places, usable, kinds, self.plane)
-        own = _own(guesses, measured.outlines)
+        mine = _own(guesses, measured.outlines)
+        own = mine.mean(axis=(1, 2))
         sure = np.clip(measured.seen / COMPLETE, 0.0, 1.0) * np.clip(own / 0.95, 0.0, 1.0)
         least, most = np.array([kind.diameter for kind in kinds]).T / 2.0
         fits = (measured.radii >= (1.0 - SLACK) * least) & (measured.radii <= (1.0 + SLACK) * most)
-        good = fits & (measured.seen >= FEWEST_SEEN) & (own >= OWN) & (measured.relief >= FLAT)
+        good = fits & (measured.seen >= FEWEST_SEEN) & (own >= OWN)
+        good &= relief(even, measured.outlines, mine) >= FLAT
         names = [None if kind is self._unknown else kind.name for kind in kinds]
         return told(kinds, names, measured, sure, good)
 
@@ -119,10 +121,10 @@ def _rough(guess: _Guesses, scale: float) -> tuple[Array, Array]:
 
 
 def _own(guesses: Sequence[_Guesses], outlines: Array) -> Array:
-    """How much of each thing has its kind's colour."""
+    """Where within outlines each thing has its kind's colour, 0 to 1 at each place of `inside`."""
     shares, start = [], 0
     for guess in guesses:
         within = inside(outlines[start : start + len(guess.discs)])
-        shares.append(edges.sampled(guess.mask, within).mean(axis=(1, 2)) / 255.0)
+        shares.append(edges.sampled(guess.mask, within) / 255.0)
         start += len(guess.discs)
     return np.concatenate(shares)

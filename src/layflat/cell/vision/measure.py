@@ -16,6 +16,8 @@ from layflat.cell.vision.detection import Detection, Kind
 
 STALK = 0.06
 """How far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin."""
+STALK_LEVEL = 0.6
+"""Brightness under which a thing's skin is a stalk, share of its median."""
 DUST = 1.2
 """Px that an edge may be off its outline in any case."""
 BALLS_APART = 0.8
@@ -34,7 +36,6 @@ class Measured:
         outlines: (B, AROUND, 2), px.
         seen: share of each outline that is an edge in the picture.
         colours: mean RGB (B, 3), of 255, stalks and reflections left out.
-        relief: spread of light over each thing, share of its mean; nearly 0 for what is flat.
     """
 
     middles: Array
@@ -42,7 +43,6 @@ class Measured:
     outlines: Array
     seen: Array
     colours: Array
-    relief: Array
 
 
 def measure(
@@ -83,7 +83,7 @@ def measure(
     ratio = np.array([kind.height_ratio for kind in kinds])
     middles, radii = balls.place(middle, half, eye, plane, ratio, flattening)
     outlines = outlined()
-    return Measured(middles, radii, outlines, on.mean(axis=1), *_look(even, outlines))
+    return Measured(middles, radii, outlines, on.mean(axis=1), _look(even, outlines))
 
 
 def told(
@@ -130,19 +130,40 @@ def inside(outlines: Array) -> Array:
     return np.asarray((middle + shares[:, None, None] * (outlines[:, None, ::4] - middle) - 0.5) / 2.0)
 
 
-def _look(even: Any, outlines: Array) -> tuple[Array, Array]:
-    """Mean colours without stalks and reflections, (B, 3), and how light spreads over each thing, share of its mean."""
+def relief(even: Any, outlines: Array, own: Array) -> Array:
+    """How much darker things get from their middle outwards, (B,): standard deviation as a share of their mean.
+
+    Nearly 0 for what is flat, even where it is brighter on one side.
+
+    Args:
+        even: the halved picture, evenly lit.
+        outlines: (B, AROUND, 2), px of the whole picture.
+        own: how much of the thing is at each place of `inside`, 0 to 1: ground and neighbours tell nothing.
+    """
+    places, level, skin, _ = _skins(even, outlines)
+    # A dark stalk in the middle, of the skin's chromaticity, would pass for a hollow.
+    weights = skin * own.reshape(skin.shape) * (level > STALK_LEVEL * np.median(level, axis=1, keepdims=True))
+    at = (places - places.mean(axis=(1, 2), keepdims=True)).reshape(len(outlines), -1, 2)
+    at /= np.maximum(np.abs(at).max(axis=(1, 2), keepdims=True), 1e-9)
+    x, y = at[..., 0], at[..., 1]
+    basis = np.stack([np.ones_like(x), x, y, x * x + y * y], axis=-1)
+    weighed = (basis * weights[..., None]).transpose(0, 2, 1)
+    terms = np.linalg.solve(weighed @ basis + 1e-6 * np.eye(4), weighed @ level[..., None])
+    return np.asarray(-terms[:, 3, 0] * basis[..., 3].std(axis=1) / np.maximum(level.mean(axis=1), 1.0))
+
+
+def _look(even: Any, outlines: Array) -> Array:
+    """Mean colours without stalks and reflections, (B, 3)."""
+    _, level, skin, values = _skins(even, outlines)
+    dull = skin & (level <= np.sort(level, axis=1)[:, -level.shape[1] // 10, None])
+    return np.asarray((values * dull[..., None]).sum(axis=1) / np.maximum(dull.sum(axis=1, keepdims=True), 1))
+
+
+def _skins(even: Any, outlines: Array) -> tuple[Array, Array, Array, Array]:
+    """Places within outlines; brightness there, where the chromaticity is that of most, and the values."""
     places = inside(outlines)
     values = edges.sampled(even, places).reshape(len(outlines), -1, 3)
     level = values.mean(axis=2)
     shade = values / np.maximum(3.0 * level, 1.0)[..., None]
     skin = np.abs(shade - np.median(shade, axis=1, keepdims=True)).max(axis=2) < STALK
-    dull = skin & (level <= np.sort(level, axis=1)[:, -level.shape[1] // 10, None])
-    colours = (values * dull[..., None]).sum(axis=1) / np.maximum(dull.sum(axis=1, keepdims=True), 1)
-    at = (places - places.mean(axis=(1, 2), keepdims=True)).reshape(len(outlines), -1, 2)
-    at /= np.maximum(np.abs(at).max(axis=(1, 2), keepdims=True), 1e-9)
-    x, y = at[..., 0], at[..., 1]
-    basis = np.stack([np.ones_like(x), x, y, x * x + y * y], axis=-1)
-    weighed = (basis * skin[..., None]).transpose(0, 2, 1)
-    terms = np.linalg.solve(weighed @ basis + 1e-6 * np.eye(4), weighed @ level[..., None])
-    return colours, (basis @ terms)[..., 0].std(axis=1) / np.maximum(level.mean(axis=1), 1.0)
+    return places, level, skin, values

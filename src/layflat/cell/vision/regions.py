@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,23 +20,32 @@ PEAKS_APART = 0.3
 
 def in_colours(hsv: Any, colours: Sequence[Colour]) -> Any:
     """The pixels of an HSV picture (hue of 256) in any of some regions of colours, as a mask of 0 and 255."""
-    mask = np.zeros(hsv.shape[:2], np.uint8)
-    for colour in colours:
-        mask |= _in_colour(hsv, colour)
-    return mask
-
-
-def _in_colour(hsv: Any, colour: Colour) -> Any:
     cv2 = opencv()
-    low, high = (edge % 360.0 / 360.0 * 255.0 for edge in colour.hue)
-    if colour.hue[1] - colour.hue[0] >= 360.0:
-        low, high = 0.0, 255.0
-    s, v = ((255.0 * span[0], 255.0 * span[1]) for span in (colour.saturation, colour.value))
-    if low <= high:
-        return cv2.inRange(hsv, (low, s[0], v[0]), (high, s[1], v[1]))
-    return cv2.inRange(hsv, (low, s[0], v[0]), (255.0, s[1], v[1])) | cv2.inRange(
-        hsv, (0.0, s[0], v[0]), (high, s[1], v[1])
-    )
+    found = np.zeros(hsv.shape[:2], np.uint8)
+    for table in _tables(tuple(colours)):
+        hue, saturation, value = cv2.split(cv2.LUT(hsv, table))
+        found |= hue & saturation & value
+    return cv2.threshold(found, 0, 255.0, cv2.THRESH_BINARY)[1]
+
+
+@lru_cache(maxsize=64)
+def _tables(colours: tuple[Colour, ...]) -> tuple[Any, ...]:
+    """For each level of hue, saturation and value, (1, 256, 3), in which colours it may be: a bit each, 8 a table."""
+    levels = np.arange(256.0)
+    tables = []
+    for start in range(0, len(colours), 8):
+        table = np.zeros((1, 256, 3), np.uint8)
+        for bit, colour in enumerate(colours[start : start + 8]):
+            low, high = (edge % 360.0 / 360.0 * 255.0 for edge in colour.hue)
+            inside = (levels >= low) & (levels <= high) if low <= high else (levels >= low) | (levels <= high)
+            if colour.hue[1] - colour.hue[0] >= 360.0:
+                inside[:] = True
+            spans = [
+                (levels >= 255.0 * span[0]) & (levels <= 255.0 * span[1]) for span in (colour.saturation, colour.value)
+            ]
+            table[0] |= np.stack([inside, *spans], axis=-1).astype(np.uint8) << bit
+        tables.append(table)
+    return tuple(tables)
 
 
 def filled(mask: Any, background: Any, area: float) -> Any:
