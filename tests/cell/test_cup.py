@@ -45,7 +45,7 @@ def test_an_open_cup_keeps_little(packing: Cell) -> None:
 def test_what_is_held_is_held_against_less(pull: float, shear: float, less: float, least: float) -> None:
     cup = Cup(CELL.cup)
     cup.vacuum = 4e4
-    assert cup.force == pytest.approx(4e4 * pi / 4 * 0.016**2)
+    assert cup.force == pytest.approx(4e4 * pi / 4 * CELL.cup.effective_diameter**2)
     if cup.holds(pull, shear):
         assert cup.holds(pull - less, max(shear - least, 0.0))
         assert pull <= cup.force

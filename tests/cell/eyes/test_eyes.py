@@ -22,7 +22,6 @@ from layflat.cell.eyes.calibrating import views_of
 from layflat.cell.file.checks import places
 from layflat.cell.optics import optics_of
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.plan.order import Left
 from layflat.cell.scene import Scene
 from layflat.cell.vision import SURE, Calibration, check_picture, self_check
 from layflat.errors import CameraError, PictureError
@@ -99,10 +98,10 @@ def test_what_lies_in_the_tray_is_seen(scene: Scene, cell: Cell, calibration: Ca
         graded = fruit_of(cell, one)
         if fruit.kind == "plum":
             assert one.kind is None
-            assert isinstance(graded, Left)
+            assert graded.doubt
         else:
             assert one.kind == fruit.kind
-            assert isinstance(graded, Left) or graded.grade == fruit.grade
+            assert graded.doubt or graded.grade == fruit.grade
         assert place_of(cell, one) is None
     wide = [nearest(found, fruit).diameter / fruit.diameter for fruit in truth.values()]
     assert np.mean(wide) == pytest.approx(1.0, abs=3e-3)

@@ -41,7 +41,7 @@ def test_built_in_cells_and_layouts_are_sound_and_sourced(packing: Cell) -> None
 
 def test_units_are_si_behind_the_file(packing: Cell) -> None:
     assert packing.lift.stroke == pytest.approx(0.16)
-    assert packing.cup.vacuum == pytest.approx(0.5e5)
+    assert packing.cup.vacuum == pytest.approx(0.7e5)
     assert packing.camera.focal_pixels == pytest.approx(8e-3 / 3.75e-6)
 
 
@@ -52,7 +52,7 @@ def test_units_are_si_behind_the_file(packing: Cell) -> None:
         ("lift/strok", "1 mm", "did you mean 'stroke'?"),
         ("table/size", ["1 m", "0.5 m"], "does not stand on the table"),
         ("tray/infeed/centre", ["300 mm", "250 mm"], "tray.infeed and pack.apples overlap"),
-        ("tray/infeed/centre", ["640 mm", "300 mm"], "tray.infeed is out of the arm's reach by "),
+        ("tray/infeed/centre", ["670 mm", "300 mm"], "tray.infeed is out of the arm's reach by "),
         ("pack/tomatoes/centre", ["0 mm", "800 mm"], "pack.tomatoes is out of the arm's reach by "),
         ("pack/apples/layout", "punnet-2x3", "pack.apples is too small: a place of 'punnet-2x3' takes 70 mm"),
         ("pack/apples/kind", "pear", "pack.apples.kind is the unknown kind 'pear'"),

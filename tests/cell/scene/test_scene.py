@@ -86,7 +86,7 @@ def test_the_arm_weighs_what_the_machine_says(scene: Scene, packing: Cell) -> No
     M = np.zeros((scene.model.nv, scene.model.nv))
     mujoco.mj_fullM(scene.model, scene.data, M)
     arm = parameters.arm(packing.machine)
-    expected = two_link_mass(arm, packing.lift.mass, np.sin(elbow), np.cos(elbow))[:3]
+    expected = two_link_mass(arm, packing.lift.body + packing.lift.mass, np.sin(elbow), np.cos(elbow))[:3]
     found = M[np.ix_(dofs, dofs)]
     assert [found[0, 0], found[0, 1], found[1, 1]] == pytest.approx(list(expected), abs=1e-5)
 

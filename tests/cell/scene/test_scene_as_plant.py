@@ -35,7 +35,7 @@ def test_a_rigs_far_side_runs_on_a_scene_with_its_lift(packing: Cell) -> None:
 def test_a_load_on_a_scenes_arm_can_be_set(packing: Cell) -> None:
     scene = Scene(packing, 1)
     plant = MujocoPlant(packing.machine, scene.model, scene.data)
-    assert plant.payload == 0.0
+    assert plant.payload == packing.lift.body
     plant.payload = 1.0
     assert scene.model.body("payload").mass[0] == plant.payload == 1.0
     scene.step(20, plant.pneumatics.step)
