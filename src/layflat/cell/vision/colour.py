@@ -22,7 +22,10 @@ from layflat.errors import InputError
 SLACK = 0.08
 """How far a diameter may be out of its kind's limits, share."""
 FLAT = 0.03
-"""By how much a thing gets darker outwards, under which it is flat: a label, a lid. Of fruit it is 0.04 at least."""
+"""By how much a thing gets darker outwards, under which it is flat: a label, a lid.
+
+The least of fruit that is not overexposed: 0.041.
+"""
 FEWEST_SEEN = 0.35
 """Share of an outline that must be seen for a thing to be told at all."""
 OWN = 0.7
