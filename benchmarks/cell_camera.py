@@ -93,8 +93,9 @@ class Tally:
         self.ungraded += not isinstance(graded, Fruit) and fruit.grade is not None
         if isinstance(graded, Fruit) and graded.grade != fruit.grade:
             self.grade.append(f"{told}: {graded.grade}, is {fruit.grade}")
-        if place_of(cell, one) != fruit.place:
-            self.place.append(f"{told}: {place_of(cell, one)}, is {fruit.place}")
+        place = place_of(cell, *one.position[:2])
+        if place != fruit.place:
+            self.place.append(f"{told}: {place}, is {fruit.place}")
 
 
 def _nearest(truth: dict[str, FruitTruth], one: Detection) -> str | None:

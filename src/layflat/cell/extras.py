@@ -20,7 +20,7 @@ def mujoco() -> Any:
     """
     try:
         return engine()
-    except AttributeError:  # MUJOCO_GL names a library that is not there; only pictures need one, see gl.py
+    except (AttributeError, RuntimeError):  # MUJOCO_GL names what is not there; only pictures need it, see gl.py
         with _environment(MUJOCO_GL="disable"):
             return engine()
 

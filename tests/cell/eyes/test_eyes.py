@@ -102,7 +102,7 @@ def test_what_lies_in_the_tray_is_seen(scene: Scene, cell: Cell, calibration: Ca
         else:
             assert one.kind == fruit.kind
             assert graded.doubt or graded.grade == fruit.grade
-        assert place_of(cell, one) is None
+        assert place_of(cell, *one.position[:2]) is None
     wide = [nearest(found, fruit).diameter / fruit.diameter for fruit in truth.values()]
     assert np.mean(wide) == pytest.approx(1.0, abs=3e-3)
 
@@ -122,10 +122,10 @@ def test_what_lies_in_packs_is_told_by_place(cell: Cell, calibration: Calibratio
     found = detector_of(cell).find(picture_of(scene), calibration)
     for fruit in truth.values():
         one = nearest(found, fruit)
-        assert (one.kind, place_of(cell, one)) == (fruit.kind, fruit.place)
+        assert (one.kind, place_of(cell, *one.position[:2])) == (fruit.kind, fruit.place)
         assert one.confidence >= SURE
         assert one.position[:2] == pytest.approx(fruit.position[:2], abs=2e-3)
-    assert sum(place_of(cell, one) is not None for one in found) == len(truth)
+    assert sum(place_of(cell, *one.position[:2]) is not None for one in found) == len(truth)
 
 
 def test_a_blurred_picture_is_refused(cell: Cell, calibration: Calibration, picture: Picture) -> None:

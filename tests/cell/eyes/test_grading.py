@@ -80,5 +80,5 @@ def test_each_place_of_a_pack_is_told(packing: Cell) -> None:
     for name, pack in packing.pack.items():
         for number, (x, y) in enumerate(places(pack).tolist()):
             near = (x + 0.4 * pack.layout.pitch[0], y - 0.4 * pack.layout.pitch[1])
-            assert place_of(packing, seen("apple", 0.06, (0.5, 0.7, 0.2), near)) == (name, number)
-    assert place_of(packing, seen("apple", 0.06, (0.5, 0.7, 0.2), packing.tray["infeed"].centre)) is None
+            assert place_of(packing, *near) == (name, number)
+    assert place_of(packing, *packing.tray["infeed"].centre) is None

@@ -20,7 +20,7 @@ def _tip(angles: tuple[float, ...]) -> tuple[float, float]:
 
 PASSING, CARRYING = 0.1, 0.16
 RULES = Rules(tip=_tip, clear=(0.9, 0.5))
-TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.05, PASSING, CARRYING)
+TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.054, 0.05, PASSING, CARRYING)
 
 
 @dataclass
@@ -33,7 +33,7 @@ class Plant:
         drops_at: phase in which what is held falls off.
         lift_speed: with something on the cup, m/s.
         leaves: whether the vacuum goes when suction is off.
-        blocked: height at which the cup meets a fruit that is higher than it was thought, m.
+        top: of the fruit, where the cup meets it, m.
     """
 
     fruit: dict[tuple[float, ...], float] = field(default_factory=lambda: {TASK.over_fruit: 50e3})
@@ -41,7 +41,7 @@ class Plant:
     drops_at: Phase | None = None
     lift_speed: float = 0.5
     leaves: bool = True
-    blocked: float = 0.0
+    top: float = TASK.fruit_height
     angles: tuple[float, ...] = (0.0, 0.0)
     velocities: tuple[float, ...] = (0.0, 0.0)
     height: float = PASSING
@@ -63,15 +63,15 @@ class Plant:
         self.angles, before = after, self.height
         speed = CYCLE * (self.lift_speed if self.held else 0.5)
         self.height += min(max(command.height - self.height, -speed), speed)
-        self.height = max(self.height, self.blocked if command.height < PASSING else 0.0)
+        if state.over == TASK.over_fruit:
+            self.height = max(self.height, self.top)
         self.lift_moves = (self.height - before) / CYCLE
         if state.phase is self.drops_at:
             self.held = 0.0
         if not command.suction and self.held and self.leaves:
             self.laid.append(self.angles)
             self.held = 0.0
-        on_fruit = max(TASK.fruit_height, self.blocked)
-        if command.suction and self.height <= on_fruit + 1e-9 and not self.held:
+        if command.suction and self.height <= self.top + 1e-9 and not self.held:
             self.held = self._under()
         goal = self.held if command.suction or not self.leaves else 0.0
         self.vacuum += 0.2 * (goal - self.vacuum)

@@ -84,11 +84,11 @@ def test_what_is_too_heavy_is_put_back() -> None:
     assert plant.laid[0] == pytest.approx(TASK.over_fruit, abs=1e-3)
 
 
-def test_a_fruit_that_is_higher_than_it_seemed_is_let_go_as_much_higher() -> None:
-    plant = Plant(blocked=0.067)
-    state, trace = run(plant)
-    assert state.outcome is Outcome.PLACED
-    assert state.task.place_height == pytest.approx(TASK.place_height + 0.007)
+@pytest.mark.parametrize("top", [0.067, 0.0615, 0.0585, 0.0545])
+def test_a_fruit_that_is_higher_or_flatter_than_it_seemed_is_let_go_as_much_higher(top: float) -> None:
+    state, trace = run(Plant(top=top))
+    assert (state.outcome, state.tried) == (Outcome.PLACED, 1)
+    assert state.task.place_height == pytest.approx(TASK.place_height + top - TASK.fruit_height, abs=1e-9)
     assert next(command.height for s, command in trace if s.phase is Phase.PLACE) == state.task.place_height
 
 

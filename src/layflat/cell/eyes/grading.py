@@ -51,10 +51,10 @@ def fruit_of(cell: Cell, detection: Detection) -> Fruit:
     return _fruit(detection, detection.kind, grade)
 
 
-def place_of(cell: Cell, detection: Detection) -> tuple[str, int] | None:
-    """Name of the pack and number of the place over which a detection is, None where it is over none."""
+def place_of(cell: Cell, x: float, y: float) -> tuple[str, int] | None:
+    """Name of the pack and number of the place over which something is, None where it is over none."""
     for name, pack in cell.pack.items():
-        way = np.array(detection.position[:2]) - places(pack)
+        way = np.array([x, y]) - places(pack)
         cos, sin = np.cos(pack.turn), np.sin(pack.turn)
         along = np.abs(way @ np.array([[cos, -sin], [sin, cos]]))
         within = (2.0 * along < pack.layout.pitch).all(axis=1)

@@ -45,7 +45,8 @@ class Task:
     Args:
         over_fruit: posture, rad.
         over_place: likewise.
-        fruit_height: at which the cup is pressed on the fruit, as far as is known from above.
+        fruit_height: at which the cup sits on the fruit, as far as is known from above.
+        lowest: at which it sits on the flattest fruit of that size, and a bit.
         place_height: at which the fruit is let go.
         passing: over everything, the cup being empty.
         carrying: over everything, with the fruit.
@@ -54,6 +55,7 @@ class Task:
     over_fruit: Angles
     over_place: Angles
     fruit_height: float
+    lowest: float
     place_height: float
     passing: float
     carrying: float

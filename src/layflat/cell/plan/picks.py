@@ -59,6 +59,8 @@ def _wanted(rules: Rules, state: State) -> Angles:
 def _height(state: State) -> float:
     if state.phase in {Phase.PLACE, Phase.RELEASE}:
         return state.task.place_height
+    if state.phase is Phase.SUCK:
+        return state.task.lowest  # a fruit that is flatter than it seemed is felt for
     return state.task.fruit_height if state.phase in DOWN else state.passing
 
 

@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import cos, dist, sin
+from math import dist
 from typing import Protocol
 
 import numpy as np
 
+from layflat.cell.eyes import place_of
 from layflat.cell.file.checks import within
 from layflat.cell.file.model import Cell
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice, Cup, Left, next_pick
-from layflat.cell.plan.pick import Command, Outcome, Phase, Sighting, State, Task
+from layflat.cell.plan.pick import Command, Outcome, Phase, Sighting, State
 from layflat.cell.plan.picks import begun, step
 from layflat.cell.plan.reach import Angles, Reach
 from layflat.cell.vision.detection import SURE
 from layflat.cell.work.eyes import Eyes, Sight
 from layflat.cell.work.memory import Shade, remembered, same
-from layflat.cell.work.packs import packing_of
+from layflat.cell.work.packs import packing_of, spot_at
 from layflat.cell.work.station import Station
-from layflat.cell.work.tasks import Heights, rules_of
+from layflat.cell.work.tasks import Heights, centred, rules_of
 from layflat.errors import PictureError
 
 LOOKS = 3
@@ -32,6 +33,9 @@ PAUSE = 0.2
 
 STRAYED = 30e-3
 """How far a fruit may have rolled when the cup missed it and still be taken for the same, m."""
+
+
+ASTRAY = "lies beside trays and packs"
 
 
 @dataclass(frozen=True)
@@ -117,6 +121,8 @@ class Packer:
             yield pick
             if pick.outcome is Outcome.STUCK:
                 return
+            if pick.outcome is Outcome.LOST:
+                self._look_clear()  # it may lie anywhere
 
     def finish(self) -> None:
         """Bring the arm out of sight and take a last picture."""
@@ -134,12 +140,17 @@ class Packer:
             least_confidence=SURE, given_up=frozenset(given_up),
         )  # fmt: skip
         if only is None:
-            self.left = order.left
+            self.left = order.left + tuple(Left(fruit, ASTRAY) for fruit in self._astray())
         return order.choice
 
     def _in_trays(self) -> list[Fruit]:
         trays = self._cell.tray.values()
         return [fruit for fruit in self.known if any(within(tray, fruit.x, fruit.y) for tray in trays)]
+
+    def _astray(self) -> list[Fruit]:
+        """What lies neither in a tray nor in a pack."""
+        inside = self._in_trays()
+        return [fruit for fruit in self.known if fruit not in inside and place_of(self._cell, fruit.x, fruit.y) is None]
 
     @staticmethod
     def _way(start: Angles, end: Angles) -> float:
@@ -159,7 +170,8 @@ class Packer:
                 for witness in self._witnesses:
                     witness.phase(choice, before, state)
                 if state.phase is Phase.LIFT and before.phase is Phase.SUCK:
-                    state = replace(state, task=self._centred(choice, state.task))
+                    seated = centred(state.task, choice.fruit, choice.spot.place, station.arm.angles, self._reach)
+                    state = replace(state, task=seated)
                 self._follow(choice, before.phase, state.phase)
             if command.picture and self._look(shade=None):
                 again = self._again(choice.fruit)
@@ -177,19 +189,6 @@ class Packer:
             self.known = [fruit for fruit in self.known if not same(fruit, choice.fruit)]
         if before is Phase.RELEASE and after is Phase.RAISE:
             self._look(self._shade())
-
-    def _centred(self, choice: Choice, task: Task) -> Task:
-        """The task with the fruit's middle, not the cup's, over the middle of its place.
-
-        The cup sits beside the fruit's middle by what the arm is off when it sucks; that turns with the last link.
-        """
-        at, reach, place = self._station.arm.angles, self._reach, choice.spot.place
-        beside = np.array(_at(choice.fruit)) - reach.tip(at)
-        turned = sum(task.over_place) - sum(at)
-        c, s = cos(turned), sin(turned)
-        x, y = place.x - (c * beside[0] - s * beside[1]), place.y - (s * beside[0] + c * beside[1])
-        nearest = reach.choose(x, y, lambda angles: self._way(task.over_place, angles))
-        return replace(task, over_place=nearest.angles) if nearest is not None else task
 
     def _again(self, fruit: Fruit) -> Choice | None:
         """A fruit that was missed, where it lies now, if it still can be picked."""
@@ -217,6 +216,14 @@ class Packer:
                 break
             self._wait(PAUSE)
         self._anew = True
+        self._find_taken()
+
+    def _find_taken(self) -> None:
+        """A place in which something lies that nobody laid there is taken too."""
+        for fruit in self.known:
+            spot = spot_at(self._cell, self.packing, fruit)
+            if spot is not None and fruit.confidence >= SURE:
+                self.packing = self.packing.filled(spot, fruit)
 
     def _look(self, shade: Shade | None, *, strict: bool = False) -> bool:
         """Take a picture and remember what it shows; whether it could be used."""

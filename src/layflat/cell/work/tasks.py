@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import cos, dist, sin
+
+from layflat.cell.file.checks import within
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Cup
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice
+from layflat.cell.plan.packs import Place
 from layflat.cell.plan.pick import Rules, Task
-from layflat.cell.plan.reach import Reach
+from layflat.cell.plan.reach import Angles, Reach
 
 GAP = 10e-3
 """Between what passes and what it passes over, m."""
 
-PRESSED = 4e-3
-"""By how much the cup is led lower than the fruit's top is thought to be, m; the lift gives way."""
+PRESSED = 3e-3
+"""By how much the cup is led lower than a fruit's top is thought to be, m; the lift gives way."""
 
 DROP = 2e-3
 """Over the floor of its place, at which a fruit is let go, m."""
@@ -26,26 +31,47 @@ class Heights:
         self._cell = cell
         walls = [part.height + part.wall for part in cell.tray.values()]
         walls += [pack.layout.height + pack.layout.wall for pack in cell.pack.values()]
-        self.floor = max(tray.wall for tray in cell.tray.values())
+        floor = max(tray.wall for tray in cell.tray.values())
         comes = {kind for tray in cell.tray.values() for kind in tray.produce}
         tallest = max(cell.produce[kind].diameter.most * cell.produce[kind].flattening.most for kind in comes)
-        self.passing = min(max(self.floor + tallest, *walls) + GAP, cell.lift.clearance)
+        self.passing = min(max(floor + tallest, *walls) + GAP, cell.lift.clearance)
 
     def task(self, choice: Choice) -> Task:
         """What has to be done for a choice."""
-        tall = self._tall(choice.fruit)
-        most = self._cell.produce[choice.fruit.kind].flattening.most * choice.fruit.diameter
+        flattening = self._cell.produce[choice.fruit.kind].flattening
+        tall = flattening.mean * choice.fruit.diameter
+        least, most = flattening.least * choice.fruit.diameter, flattening.most * choice.fruit.diameter
+        x, y = choice.fruit.x, choice.fruit.y
+        floor = next((tray.wall for tray in self._cell.tray.values() if within(tray, x, y)), 0.0)
         return Task(
             choice.over_fruit.angles,
             choice.over_spot.angles,
-            fruit_height=self.floor + tall - PRESSED,
+            fruit_height=floor + tall - PRESSED,
+            lowest=floor + least - PRESSED,
             place_height=choice.spot.place.z + tall - PRESSED + DROP,
             passing=self.passing,
             carrying=min(self.passing + most, self._cell.lift.clearance),
         )
 
-    def _tall(self, fruit: Fruit) -> float:
-        return self._cell.produce[fruit.kind].flattening.mean * fruit.diameter
+
+def centred(task: Task, fruit: Fruit, place: Place, at: Angles, reach: Reach) -> Task:
+    """The task with the fruit's middle, not the cup's, over the middle of its place.
+
+    The cup sits beside the fruit's middle by what the arm is off when it sucks; that turns with the last link.
+
+    Args:
+        task: as planned.
+        fruit: where it was seen.
+        place: where it goes.
+        at: angles at which the cup sits on the fruit, rad.
+        reach: of the arm.
+    """
+    (x, y), turned = reach.tip(at), sum(task.over_place) - sum(at)
+    right, ahead = fruit.x - x, fruit.y - y
+    c, s = cos(turned), sin(turned)
+    tip = place.x - (c * right - s * ahead), place.y - (s * right + c * ahead)
+    nearest = min(reach.postures(*tip), key=lambda found: dist(found.angles, task.over_place), default=None)
+    return replace(task, over_place=nearest.angles) if nearest is not None else task
 
 
 def rules_of(cell: Cell, reach: Reach) -> Rules:

@@ -1,0 +1,28 @@
+"""Cells that differ from the built-in one."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+from layflat.cell import Cell
+from layflat.cell.file.loader import build, tables
+
+
+def cell_with(changes: dict[str, Any], *, without: tuple[str, ...] = ()) -> Cell:
+    """The built-in cell with values by their paths, such as "tray/infeed/touching", and without some parts."""
+    plain, _ = tables("packing")
+    plain = deepcopy(plain)
+    for path in without:
+        *above, last = path.split("/")
+        del _table(plain, above)[last]
+    for path, value in changes.items():
+        *above, last = path.split("/")
+        _table(plain, above)[last] = value
+    return build(plain, {}, "mine.toml")
+
+
+def _table(plain: dict[str, Any], path: list[str]) -> dict[str, Any]:
+    for key in path:
+        plain = plain[key]
+    return plain

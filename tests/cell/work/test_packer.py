@@ -1,0 +1,201 @@
+"""What a cell does in its scene, told by the scene where fruit lies: pictures are tested with eyes and run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from changed_cells import cell_with
+from numpy.typing import NDArray
+
+from layflat.cell import Cell
+from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.pick import Outcome
+from layflat.cell.scene import Scene
+from layflat.cell.work.eyes import SceneEyes, Sight
+from layflat.cell.work.judge import Judge, Verdict
+from layflat.cell.work.packer import Packer, Pick
+from layflat.cell.work.station import Station
+from layflat.errors import PictureError
+
+FEW = {"tray/infeed/count": {"least": 3, "most": 3}, "tray/infeed/touching": 0.0, "tray/infeed/produce": ["tomato"]}
+RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "53 mm"}
+
+
+class Looking:
+    """Eyes whose finds are changed before they are told."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._eyes = SceneEyes(scene)
+        self.position: NDArray[np.float64] = self._eyes.position
+        self.looks = 0
+
+    def look(self, time: float) -> Sight:
+        self.looks += 1
+        sight = self._eyes.look(time)
+        return replace(sight, fruits=tuple(self.told(list(sight.fruits))))
+
+    def told(self, fruits: list[Fruit]) -> list[Fruit]:
+        return fruits
+
+
+class Work:
+    """A cell at work, with its judge."""
+
+    def __init__(self, cell: Cell, seed: int = 1, eyes: type[Looking] = Looking) -> None:
+        self.scene = Scene(cell, seed)
+        self.station, self.eyes, self.judge = Station(self.scene, seed), eyes(self.scene), Judge(self.scene)
+        self.packer = Packer(cell, self.station, self.eyes, (self.judge,))
+        self.picks: list[Pick] = []
+
+    def run(self, most: int = 99) -> list[Verdict]:
+        for pick in self.packer.work(most):
+            self.picks.append(pick)
+            self.judge.ended()
+        return self.judge.verdicts(self.picks)
+
+
+def test_a_tray_is_packed() -> None:
+    work = Work(cell_with(FEW | RED))
+    verdicts = work.run()
+    assert [pick.outcome for pick in work.picks] == [Outcome.PLACED] * 3
+    assert all(verdict.right for verdict in verdicts)
+    assert max(verdict.release_error for verdict in verdicts) < 3e-3
+    assert max(verdict.peak_acceleration for verdict in verdicts) < work.scene.cell.limits.acceleration
+    assert work.judge.collisions == ()
+    assert work.packer.left == ()
+    assert work.judge.vision.false == 0
+    assert all(1.5 < pick.end - pick.begin < 4.5 for pick in work.picks)
+    assert all(3.0 < pick.air < 15.0 for pick in work.picks)
+
+
+def test_what_slips_off_is_lost_and_the_others_are_packed() -> None:
+    """One tomato is as slippery as soap: it goes where it likes, and is seen again where it lies."""
+    work = Work(cell_with(FEW | RED | {"cup/friction": 0.02}))
+    verdicts = work.run(2)
+    lost = [pick for pick in work.picks if pick.outcome is Outcome.LOST]
+    assert lost
+    assert all("vacuum went" in pick.trouble for pick in lost)
+    assert not any(verdict.right for verdict, pick in zip(verdicts, work.picks, strict=True) if pick in lost)
+    assert work.packer.packing.contents == {}
+    assert not any(fruit.held for fruit in work.scene.truth().fruits.values())
+    assert verdicts[0].told(work.picks[0]) == "lost"
+
+
+class Haunted(Looking):
+    """Sees a fruit at first where there is none."""
+
+    GHOST = Fruit(0.38, 0.40, 0.06, "tomato", "first")
+
+    def told(self, fruits: list[Fruit]) -> list[Fruit]:
+        return [self.GHOST] if self.looks == 1 else fruits
+
+
+def test_where_a_new_picture_shows_nothing_the_pick_is_over() -> None:
+    work = Work(cell_with(FEW | RED), eyes=Haunted)
+    work.run(2)
+    assert [pick.outcome for pick in work.picks] == [Outcome.GONE, Outcome.PLACED]
+    assert work.picks[0].tries == 1
+    assert work.picks[0].trouble == "nothing was sucked"
+
+
+class Stubborn(Looking):
+    """Goes on seeing it."""
+
+    def told(self, fruits: list[Fruit]) -> list[Fruit]:  # noqa: ARG002  (as all eyes)
+        return [Haunted.GHOST]
+
+
+def test_what_is_missed_three_times_is_given_up() -> None:
+    work = Work(cell_with(FEW | RED), eyes=Stubborn)
+    verdicts = work.run()
+    assert [(pick.outcome, pick.tries) for pick in work.picks] == [(Outcome.MISSED, 3)]
+    assert verdicts == [Verdict()] or verdicts[0].fruit == ""
+    assert [left.reason for left in work.packer.left] == ["was tried too often"]
+
+
+class Between(Looking):
+    """Takes two that touch for one between them."""
+
+    def told(self, fruits: list[Fruit]) -> list[Fruit]:
+        first, second, *_ = sorted(fruits, key=lambda fruit: fruit.x)
+        middle = Fruit((first.x + second.x) / 2, (first.y + second.y) / 2, 0.045, "mushroom", "first")
+        return [middle] if self.looks == 1 else []
+
+
+def test_two_fruits_in_one_cup_are_let_go_where_they_were() -> None:
+    touching = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/touching": 1.0}
+    work = Work(cell_with(touching | {"tray/infeed/produce": ["mushroom"]}), eyes=Between)
+    before = {name: fruit.position for name, fruit in work.scene.truth().fruits.items()}
+    work.run()
+    assert [pick.outcome for pick in work.picks] == [Outcome.GONE]
+    for name, fruit in work.scene.truth().fruits.items():
+        assert fruit.place is None
+        assert np.linalg.norm(fruit.position - before[name]) < 0.03
+
+
+def test_a_full_pack_takes_no_more() -> None:
+    six = FEW | RED | {"tray/infeed/count": {"least": 8, "most": 8}}
+    cell = cell_with(six, without=("pack/apples", "pack/mushrooms"))
+    work = Work(cell)
+    verdicts = work.run()
+    assert sum(verdict.right for verdict in verdicts) == 6
+    assert work.packer.packing.full == ("tomatoes",)
+    assert [left.reason for left in work.packer.left] == ["every place that takes it is full, in tomatoes"] * 2
+
+
+def test_an_empty_tray_is_left_alone() -> None:
+    work = Work(cell_with({"tray/infeed/count": {"least": 0, "most": 0}}))
+    assert work.run() == []
+    assert work.packer.left == ()
+
+
+class Doubtful(Looking):
+    """Knows one kind only, and can't reach one place."""
+
+    def told(self, fruits: list[Fruit]) -> list[Fruit]:
+        stranger = replace(fruits[0], kind="unknown", grade="", doubt="is of no kind that is known here")
+        unsure = replace(fruits[1], confidence=0.4)
+        return [stranger, unsure, replace(fruits[2], kind="apple", grade="third")]
+
+
+def test_what_can_t_be_picked_is_left_with_its_reason() -> None:
+    work = Work(cell_with(FEW | RED), eyes=Doubtful)
+    assert work.run() == []
+    assert sorted(left.reason for left in work.packer.left) == [
+        "is not sure enough: 0.40 is below 0.70",
+        "is of no kind that is known here",
+        "no place takes apple of grade 'third'",
+    ]
+
+
+class Blinking(Looking):
+    """Gives no picture that can be used, from the second on, for a while or for good."""
+
+    until = 3
+
+    def look(self, time: float) -> Sight:
+        self.looks += 1
+        if 1 < self.looks <= self.until:
+            raise PictureError("is black", where="picture", right="check the lamp")
+        self.looks -= 1
+        return super().look(time)
+
+
+class Blind(Blinking):
+    until = 99
+
+
+def test_a_picture_that_can_t_be_used_is_taken_again() -> None:
+    work = Work(cell_with(FEW | RED), eyes=Blinking)
+    work.run()
+    assert [pick.outcome for pick in work.picks] == [Outcome.PLACED] * 3
+
+
+def test_a_camera_that_fails_ends_the_work_but_not_the_pick() -> None:
+    work = Work(cell_with(FEW | RED), eyes=Blind)
+    with pytest.raises(PictureError):
+        work.run()
+    assert work.picks
+    assert all(pick.outcome is Outcome.PLACED for pick in work.picks)

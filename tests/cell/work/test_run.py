@@ -1,0 +1,132 @@
+"""Whole runs, seen by the camera: from a description to results, film and sheet."""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+import pytest
+from changed_cells import cell_with
+from PIL import Image
+
+from layflat.cell import Cell
+from layflat.cell.plan.pick import Outcome
+from layflat.cell.vision import Calibration
+from layflat.cell.work.onlookers import Nobody, Several, Tally
+from layflat.cell.work.results import as_dict, save, summary
+from layflat.cell.work.run import Run, calibrated, packed
+from layflat.cell.work.show import FPS, shown
+from layflat.cell.work.study import repeated
+from layflat.errors import CameraError, CellError, PictureError
+
+FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
+RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}
+
+
+@pytest.fixture(scope="module")
+def cell() -> Cell:
+    return cell_with(FEW | RED)
+
+
+@pytest.fixture(scope="module")
+def calibration(cell: Cell) -> Calibration:
+    shares: list[float] = []
+    found = calibrated(cell, shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    return found
+
+
+@pytest.fixture(scope="module")
+def run(cell: Cell, calibration: Calibration, tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path, list[int]]:
+    folder, told = tmp_path_factory.mktemp("run"), list[int]()
+    with shown(folder / "film.mp4", folder / "sheet.png", "few, seed 2", calibration) as show:
+        return packed(cell, 2, 3, calibration, Several(Tally(told.append), show)), folder, told
+
+
+def test_what_the_camera_sees_is_packed(run: tuple[Run, Path, list[int]]) -> None:
+    found, _, told = run
+    assert [len(delivery.picks) for delivery in found.deliveries] == [2, 1]
+    figures = summary(found.deliveries)
+    assert (figures.picks, figures.right, figures.collisions, figures.false_finds) == (3, 3, 0, 0)
+    assert figures.release_error_worst_mm < 3.5
+    assert figures.vision_error_mm < 1.0
+    assert figures.diameter_error < 0.03
+    assert told == [1, 2, 3]
+    assert found.error is None
+
+
+def test_a_film_and_a_sheet_are_left(run: tuple[Run, Path, list[int]]) -> None:
+    found, folder, _ = run
+    with av.open(str(folder / "film.mp4")) as film:
+        frames = sum(1 for _ in film.decode(video=0))
+    time = sum(delivery.time for delivery in found.deliveries)
+    assert frames == pytest.approx(FPS * time, abs=2 + len(found.deliveries))
+    sheet = np.asarray(Image.open(folder / "sheet.png"))
+    assert sheet.shape[2] == 3
+    assert sheet.std() > 20.0
+
+
+def test_results_are_numbers_and_texts(run: tuple[Run, Path, list[int]], tmp_path: Path) -> None:
+    found, _, _ = run
+    path = save(as_dict(found.cell, [found]), tmp_path / "results.json")
+    told = json.loads(path.read_text(encoding="utf-8"))
+    assert told["summary"]["right"] == 3
+    assert told["runs"][0]["eyes"] == "camera"
+    picks = [pick for delivery in told["runs"][0]["deliveries"] for pick in delivery["picks"]]
+    assert [pick["truth"]["right"] for pick in picks] == [True] * 3
+    assert {pick["outcome"] for pick in picks} == {"placed"}
+
+
+def test_same_seed_same_run_also_in_a_study_without_a_camera(cell: Cell) -> None:
+    alone = packed(cell, 7, 1, None, Nobody())
+    told: list[int] = []
+    others = sorted(repeated(cell, [7, 8], 1, None, told.append, processes=2), key=lambda run: run.seed)
+    assert as_dict(cell, [alone]) == as_dict(cell, others[:1])
+    assert others[1].deliveries[0].seed != alone.deliveries[0].seed
+    assert told[-1] == 2
+    assert as_dict(cell, others)["runs"][1]["eyes"] == "scene"
+
+
+def test_nothing_to_pick_is_told() -> None:
+    empty = packed(cell_with({"tray/infeed/count": {"least": 0, "most": 0}}), 0, 3, None, Nobody())
+    assert isinstance(empty.error, CellError)
+    assert "there is nothing in the trays" in str(empty.error)
+    figures = summary(empty.deliveries)
+    assert figures.picks == 0
+    assert isnan(figures.picks_a_minute)
+    unripe = {"produce/tomato/colour/red/share": 1e-6, "produce/tomato/colour/orange/share": 1.0}
+    left = packed(cell_with(FEW | unripe), 0, 3, None, Nobody())
+    assert "nothing can be picked: no place takes tomato of grade 'unripe'" in str(left.error)
+
+
+def test_a_camera_that_was_moved_does_not_start(calibration: Calibration) -> None:
+    moved = cell_with(
+        FEW | {"camera/position": ["305 mm", "370 mm", "1500 mm"], "camera/looks_at": ["305 mm", "370 mm", "0 mm"]}
+    )
+    with pytest.raises(CameraError, match="base markers are off by"):
+        packed(moved, 0, 1, calibration, Nobody())
+
+
+@pytest.mark.parametrize(("fault", "said"), [({"camera/blur": 6.0}, "blurred"), ({"camera/exposure": 0.02}, "black")])
+def test_a_blurred_or_black_picture_is_refused(fault: dict[str, float], said: str, calibration: Calibration) -> None:
+    spoilt = cell_with(FEW | fault)
+    with pytest.raises(PictureError, match=said):
+        calibrated(spoilt)
+    with pytest.raises(PictureError, match=said):
+        packed(spoilt, 0, 1, calibration, Nobody())
+
+
+def test_a_stranger_is_left_and_the_others_are_packed(calibration: Calibration) -> None:
+    mixed = cell_with(
+        FEW | RED | {"tray/infeed/produce": ["tomato", "plum"], "tray/infeed/count": {"least": 4, "most": 4}}
+    )
+    found = packed(mixed, 1, 1, calibration, Nobody())
+    kinds = {pick.choice.fruit.kind for delivery in found.deliveries for pick in delivery.picks}
+    assert kinds == {"tomato"}
+    assert all(pick.outcome is Outcome.PLACED for delivery in found.deliveries for pick in delivery.picks)
+    assert "is of no kind that is known here" in {left.reason for left in found.deliveries[0].left}

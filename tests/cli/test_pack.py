@@ -1,0 +1,116 @@
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from layflat.cli import app
+from layflat.errors import CameraError, CellError, InputError
+
+pytest.importorskip("mujoco")
+
+FEW = """\
+extends = "packing"
+name = "few"
+
+[tray.infeed]
+produce = ["tomato"]
+count = { least = 2, most = 2 }
+
+[produce.tomato.diameter]
+least = "54 mm"
+
+[produce.tomato.colour.orange]
+share = 0.000001
+"""
+
+
+MOVED = """\
+extends = "few.toml"
+
+[camera]
+position = ["305 mm", "370 mm", "1500 mm"]
+looks_at = ["305 mm", "370 mm", "0 mm"]
+"""
+
+
+@pytest.fixture
+def few(tmp_path: Path) -> str:
+    path = tmp_path / "few.toml"
+    path.write_text(FEW, encoding="utf-8")
+    return str(path)
+
+
+def test_cells_are_listed_and_printed() -> None:
+    assert "packing" in CliRunner().invoke(app, ["cells"]).output
+    printed = CliRunner().invoke(app, ["cells", "packing"]).output
+    assert printed.startswith('name = "packing"\n')
+    assert isinstance(CliRunner().invoke(app, ["cells", "paking"]).exception, CellError)
+
+
+def test_a_run_leaves_results_a_film_and_a_sheet(few: str, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = CliRunner().invoke(app, ["pack", "--cell", few, "--picks", "1", "--out", str(out), "--film", "gif"])
+    assert done.exception is None, done.output
+    assert "1 of 1 picks in the right place and grade (100.0%)" in done.output
+    assert max(len(line) for line in done.output.splitlines() if "wrote" not in line) <= 110
+    assert {path.name for path in out.iterdir()} == {"calibration.toml", "film.gif", "results.json", "sheet.png"}
+    assert json.loads((out / "results.json").read_text(encoding="utf-8"))["summary"]["right"] == 1
+
+    # The same camera again, moved by 5 mm.
+    moved = tmp_path / "moved.toml"
+    moved.write_text(MOVED, encoding="utf-8")
+    known = ["--calibration", str(out / "calibration.toml")]
+    refused = CliRunner().invoke(app, ["pack", "--cell", str(moved), *known, "--out", str(tmp_path / "moved")])
+    assert isinstance(refused.exception, CameraError)
+
+
+def test_a_study_has_a_row_for_each_seed(few: str, tmp_path: Path) -> None:
+    asked = ["pack", "--cell", few, "--study", "--seeds", "2", "--picks", "1", "--out", str(tmp_path / "out")]
+    done = CliRunner().invoke(app, asked, env={"MUJOCO_GL": "nothing"})
+    assert done.exception is None, done.output
+    assert "2 of 2 picks" in done.output
+    runs = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["runs"]
+    assert [run["seed"] for run in runs] == [0, 1]
+
+
+def test_without_opengl_it_goes_on_without_pictures(few: str, tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", "pack", "--cell", few, "--picks", "1"]
+    done = subprocess.run(
+        [*command, "--out", str(tmp_path / "out")], env=os.environ | {"MUJOCO_GL": "nothing"},
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)" in done.stderr
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"results.json"}
+    assert "1 of 1 picks" in done.stdout
+
+
+def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path: Path) -> None:
+    empty = tmp_path / "empty.toml"
+    empty.write_text('extends = "few.toml"\n[tray.infeed]\ncount = { least = 0, most = 0 }\n', encoding="utf-8")
+    out = tmp_path / "out"
+    done = CliRunner().invoke(app, ["pack", "--cell", str(empty), "--out", str(out), "--film", "none"])
+    assert done.exit_code == 2
+    assert "there is nothing in the trays; lay produce into them" in done.output
+    assert (out / "results.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--film", "avi"], "--film: 'avi' is no kind of film; give mp4, gif, none"),
+        (["--cell", "paking"], "paking: no such cell; did you mean 'packing'?"),
+        (["--calibration", "nowhere.toml"], "nowhere.toml: can't be read"),
+    ],
+)
+def test_what_is_wrong_is_said_before_any_work(options: list[str], said: str, tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, ["pack", *options, "--out", str(tmp_path / "out")])
+    assert isinstance(done.exception, InputError)
+    assert said in str(done.exception)
+    assert not (tmp_path / "out").exists()
