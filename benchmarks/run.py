@@ -15,7 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import many, mujoco_arm, rig_loop, scipy_plant
+from benchmarks import cell, many, mujoco_arm, rig_loop, scipy_plant
 from layflat.experiments.timing import CYCLES, control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
@@ -66,6 +66,7 @@ def measure() -> dict[str, float | str]:
         "controller_ns_per_cycle": 1e9 * controller,
         **many.measure(machine),
         **rig_loop.measure(),
+        **cell.measure(),
         "processor": platform.processor() or platform.machine(),
         "cores": float(os.cpu_count() or 1),
     }
@@ -89,6 +90,7 @@ MEANING = {
     "ensemble_100000_runs_on_gpu_ns_per_step": "100 000 runs on the CUDA device, where there is one",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
     **rig_loop.MEANING,
+    **cell.MEANING,
 }
 
 

@@ -208,7 +208,7 @@ def _print_summary(cell: Cell, deliveries: list[Delivery]) -> None:
         f"{found.right} of {found.picks} picks in the right place and grade ({found.right / found.picks:.1%}), "
         f"{found.picks_a_minute:.1f} a minute, {found.air:.1f} normal litres of air each",
         f"at release off by {found.release_error_mm:.1f} mm (95 %), {found.release_error_worst_mm:.1f} mm at most; "
-        f"{found.collisions} collisions",
+        f"{found.collisions} collisions; {found.overlooked} left that could have been packed",
         f"fruit: {found.peak_acceleration:.0f} m/s2 at most (limit {limits.acceleration:.0f}), "
         f"pressed by {found.press:.0f} N at most (limit {limits.press:.0f})",
         f"seen: off by {found.vision_error_mm:.2f} mm and {found.diameter_error:.1%} of the diameter (95 %), "

@@ -45,6 +45,13 @@ def test_the_camera_is_found_from_pictures(calibration: Calibration) -> None:
     assert calibration.pose_error_px < 0.4
 
 
+def test_same_pictures_same_calibration_to_the_last_bit(
+    views: list[Picture], base: Picture, calibration: Calibration
+) -> None:
+    for _ in range(3):
+        assert calibrate(views, BOARD, base, MARKERS) == calibration
+
+
 def test_pixels_are_places_to_half_a_millimetre(calibration: Calibration) -> None:
     for height in (0.0, 0.05):
         places = np.array([[x, y, height] for x in (0.1, 0.4, 0.74) for y in (-0.2, 0.0, 0.25)])

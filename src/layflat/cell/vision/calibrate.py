@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from layflat.cell.vision.boards import Array, Base, Board, Seen
 from layflat.cell.vision.calibration import Calibration
-from layflat.cell.vision.opencv import opencv
+from layflat.cell.vision.opencv import one_thread, opencv
 from layflat.cell.vision.usable import check_picture
 from layflat.errors import CameraError
 
@@ -97,7 +97,8 @@ def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float
     cv2 = opencv()
     known = [place.astype(np.float32) for place, _ in views]
     found = [pixels.astype(np.float32) for _, pixels in views]
-    error, matrix, distortion, turns, _, spread, _, _ = cv2.calibrateCameraExtended(known, found, size, None, None)
+    with one_thread():
+        error, matrix, distortion, turns, _, spread, _, _ = cv2.calibrateCameraExtended(known, found, size, None, None)
     ahead = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns])
     tilt = float(np.degrees(np.arccos(np.clip(ahead @ ahead.T, -1.0, 1.0)).max()))
     if tilt < LEAST_TILT:

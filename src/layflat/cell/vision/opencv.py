@@ -1,23 +1,26 @@
-"""OpenCV, where it is installed: it takes long to import and is an extra."""
+"""OpenCV as vision uses it, whichever version is installed."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
-from layflat.errors import InputError
+from layflat.cell.extras import opencv
+
+__all__ = ["one_thread", "opencv", "points"]
 
 
-def opencv() -> Any:
-    """The module cv2.
-
-    Raises:
-        InputError: it is not installed.
-    """
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let OpenCV work on one thread: sums of several come in any order, and their last digits with it."""
+    cv2 = opencv()
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
     try:
-        import cv2  # noqa: PLC0415
-    except ImportError:
-        raise InputError("needs OpenCV", where="vision", right="pip install 'layflat[cell]'") from None
-    return cv2
+        yield
+    finally:
+        cv2.setNumThreads(threads)
 
 
 def points(found: Any, width: int = 2) -> Any:

@@ -54,6 +54,8 @@ class Delivery:
         collisions: of arm, lift or cup with what they should not touch.
         time: from the first look to the last, s.
         vision: how well was seen what lay in the trays.
+        overlooked: fruit that could have been packed and was not, when nothing more could be picked; None where the
+            delivery ended before.
         error: what ended it before its time; None where nothing did.
     """
 
@@ -64,6 +66,7 @@ class Delivery:
     collisions: tuple[Collision, ...]
     time: float
     vision: Vision
+    overlooked: int | None = None
     error: LayflatError | None = None
 
 
@@ -113,5 +116,15 @@ def _worked(scene: Scene, eyes: Eyes, most: int, onlooker: Onlooker) -> Delivery
         if not picks:
             raise
         error = raised
-    verdicts = tuple(judge.verdicts(picks))
-    return Delivery(seed, tuple(picks), verdicts, packer.left, judge.collisions, station.time, judge.vision, error)
+    worked_off = error is None and len(picks) < most
+    return Delivery(
+        seed,
+        tuple(picks),
+        tuple(judge.verdicts(picks)),
+        packer.left,
+        judge.collisions,
+        station.time,
+        judge.vision,
+        judge.overlooked(packer.packing) if worked_off else None,
+        error,
+    )

@@ -8,6 +8,7 @@ from math import dist, hypot, nan
 
 from layflat.cell.file.checks import places
 from layflat.cell.plan.order import Choice
+from layflat.cell.plan.packs import Packing
 from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
 from layflat.cell.scene.truth import Collision, FruitTruth
@@ -107,6 +108,13 @@ class Judge:
             if meant.place is None:
                 self.vision.positions.append(float(away[meant.name]))
                 self.vision.diameters.append(abs(seen.diameter / meant.diameter - 1.0))
+
+    def overlooked(self, packing: Packing) -> int:
+        """Fruit that lies in no pack though a place that is free takes its kind and grade."""
+        cell, free = self._scene.cell, {spot.pack for spot in packing.free}
+        taken = {(cell.pack[name].kind, cell.pack[name].grade) for name in free}
+        fruits = self._scene.truth().fruits.values()
+        return sum(fruit.place is None and (fruit.kind, fruit.grade) in taken for fruit in fruits)
 
     def ended(self) -> None:
         """A pick has ended."""

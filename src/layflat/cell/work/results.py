@@ -30,6 +30,7 @@ class Summary:
         right: of these, in the right place, of its kind and grade.
         seconds_a_pick: all looks and ways home included.
         picks_a_minute: likewise.
+        overlooked: fruit left in trays that were worked off, though a free place takes it.
         release_error_mm: of the fruit's middle in its place as it is let go, 95th percentile.
         release_error_worst_mm: greatest.
         peak_acceleration: of any picked fruit, m/s^2.
@@ -43,6 +44,7 @@ class Summary:
 
     picks: int
     right: int
+    overlooked: int
     seconds_a_pick: float
     picks_a_minute: float
     release_error_mm: float
@@ -68,6 +70,7 @@ def summary(deliveries: Iterable[Delivery]) -> Summary:
     return Summary(
         picks=len(picks),
         right=sum(verdict.right for verdict in verdicts),
+        overlooked=sum(delivery.overlooked or 0 for delivery in all_of),
         seconds_a_pick=each,
         picks_a_minute=MINUTE / each if picks else nan,
         release_error_mm=_quantile(errors),
@@ -117,6 +120,7 @@ def _delivery(delivery: Delivery) -> dict[str, Any]:
         "seed": delivery.seed,
         "time": delivery.time,
         "error": str(delivery.error) if delivery.error is not None else None,
+        "overlooked": delivery.overlooked,
         "picks": [_pick(pick, verdict) for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True)],
         "left": [
             {"kind": one.fruit.kind, "grade": one.fruit.grade, "x": one.fruit.x, "y": one.fruit.y, "why": one.reason}
