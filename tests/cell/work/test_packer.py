@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from layflat.cell import Cell
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.plan.pick import Outcome
+from layflat.cell.plan.order import Choice
+from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
 from layflat.cell.work.eyes import SceneEyes, Sight
 from layflat.cell.work.judge import Judge, Verdict
 from layflat.cell.work.packer import Packer, Pick
 from layflat.cell.work.station import Station
-from layflat.errors import PictureError
+from layflat.errors import PictureError, RigStoppedError
 
 FEW = {"tray/infeed/count": {"least": 3, "most": 3}, "tray/infeed/touching": 0.0, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "53 mm"}
@@ -199,3 +200,44 @@ def test_a_camera_that_fails_ends_the_work_but_not_the_pick() -> None:
         work.run()
     assert work.picks
     assert all(pick.outcome is Outcome.PLACED for pick in work.picks)
+
+
+class Gripping:
+    """Holds the base as soon as the second fruit is carried."""
+
+    def __init__(self, work: Work) -> None:
+        self.work, self.carried = work, 0
+
+    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all witnesses)
+        self.carried += after.phase is Phase.CARRY
+        if self.carried == 2:
+            self.work.station._plant.grip(0, 500.0)
+
+    def looked(self, sight: Sight) -> None: ...
+
+
+def test_an_arm_that_is_held_stops_the_rig_with_the_fruit_in_its_cup() -> None:
+    work = Work(cell_with(FEW | RED))
+    work.packer._witnesses = (work.judge, Gripping(work))
+    with pytest.raises(RigStoppedError, match="the rig stopped: "):
+        work.run()
+    assert [pick.outcome for pick in work.picks] == [Outcome.PLACED]
+    assert sum(fruit.held for fruit in work.scene.truth().fruits.values()) == 1
+
+
+def test_an_arm_that_holds_something_is_not_sent_home() -> None:
+    work = Work(cell_with(FEW | RED))
+    steps: list[Phase] = []
+
+    class Stopping(Gripping):
+        def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all witnesses)
+            steps.append(after.phase)
+            if after.phase is Phase.CARRY:
+                work.packer._rules = replace(work.packer._rules, settle_time=0.05)
+
+    work.packer._witnesses = (work.judge, Stopping(work))
+    work.run()
+    assert [pick.outcome for pick in work.picks] == [Outcome.STUCK]
+    work.packer.finish()
+    assert steps[-1] is Phase.DONE
+    assert sum(fruit.held for fruit in work.scene.truth().fruits.values()) == 1

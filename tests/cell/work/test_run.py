@@ -14,14 +14,17 @@ from changed_cells import cell_with
 from PIL import Image
 
 from layflat.cell import Cell
-from layflat.cell.plan.pick import Outcome
+from layflat.cell.camera import Camera
+from layflat.cell.plan.order import Choice
+from layflat.cell.plan.pick import Outcome, Phase, State
+from layflat.cell.scene import Scene
 from layflat.cell.vision import Calibration
 from layflat.cell.work.onlookers import Nobody, Several, Tally
 from layflat.cell.work.results import as_dict, save, summary
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.show import FPS, shown
 from layflat.cell.work.study import repeated
-from layflat.errors import CameraError, CellError, PictureError
+from layflat.errors import CameraError, CellError, PictureError, RigStoppedError
 
 FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}
@@ -130,3 +133,26 @@ def test_a_stranger_is_left_and_the_others_are_packed(calibration: Calibration) 
     assert kinds == {"tomato"}
     assert all(pick.outcome is Outcome.PLACED for delivery in found.deliveries for pick in delivery.picks)
     assert "is of no kind that is known here" in {left.reason for left in found.deliveries[0].left}
+
+
+class Jamming(Nobody):
+    """Jams the base of the arm when the second fruit is carried."""
+
+    def __init__(self) -> None:
+        self.carried = 0
+
+    def begins(self, scene: Scene, camera: Camera | None) -> None:  # noqa: ARG002  (as all onlookers)
+        self.scene = scene
+
+    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all onlookers)
+        self.carried += after.phase is Phase.CARRY
+        if self.carried == 2:
+            self.scene.model.dof_frictionloss[self.scene.model.joint("large").dofadr[0]] = 1e4
+
+
+def test_a_rig_that_stops_ends_the_run_and_what_was_done_is_kept(cell: Cell) -> None:
+    found = packed(cell, 2, 5, None, Jamming())
+    assert isinstance(found.error, RigStoppedError)
+    assert [len(delivery.picks) for delivery in found.deliveries] == [1]
+    assert summary(found.deliveries).right == 1
+    assert as_dict(cell, [found])["runs"][0]["error"] == str(found.error)

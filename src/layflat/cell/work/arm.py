@@ -32,6 +32,11 @@ class Arm:
         load: greatest that it carries, lift included, kg.
         tip_speed: greatest of the tip, m/s.
         recorder: what keeps the cycles.
+
+    Attributes:
+        angles: averaged, rad.
+        velocities: averaged, rad/s.
+        target: where it is on the way to, rad.
     """
 
     ended = False
@@ -49,7 +54,7 @@ class Arm:
         self.loop.begin(first)
         self.angles: Angles = tuple(first.angles.tolist())
         self.velocities: Angles = (0.0,) * len(self.angles)
-        self._target = self.angles
+        self.target: Angles = self.angles
         self._demand, self._course, self._at = first.angles.copy(), first.angles[None], 0
 
     @property
@@ -59,11 +64,11 @@ class Arm:
 
     def go(self, target: Angles) -> None:
         """Be on the way to a posture, rad."""
-        if target != self._target:
+        if target != self.target:
             path = move_arm(
                 self._machine, self._demand, np.array(target), payload=self._load, tip_speed=self._tip_speed
             )
-            self._course, self._at, self._target = path.demand(self.cycle, lead=LEAD), 0, target
+            self._course, self._at, self.target = path.demand(self.cycle, lead=LEAD), 0, target
 
     def turn(self) -> None:
         """One control cycle.

@@ -7,10 +7,6 @@ from dataclasses import dataclass, replace
 from math import dist
 from typing import Protocol
 
-import numpy as np
-
-from layflat.cell.eyes import place_of
-from layflat.cell.file.checks import within
 from layflat.cell.file.model import Cell
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice, Cup, Left, next_pick
@@ -19,21 +15,17 @@ from layflat.cell.plan.picks import begun, step
 from layflat.cell.plan.reach import Angles, Reach
 from layflat.cell.vision.detection import SURE
 from layflat.cell.work.eyes import Eyes, Sight
-from layflat.cell.work.memory import Shade, remembered, same
+from layflat.cell.work.lookout import Looker, Lookout
+from layflat.cell.work.memory import same
 from layflat.cell.work.packs import packing_of, spot_at
 from layflat.cell.work.station import Station
 from layflat.cell.work.tasks import Heights, centred, rules_of
-from layflat.errors import PictureError
 
-LOOKS = 3
-"""Pictures that are tried one after the other until one can be used."""
-
-PAUSE = 0.2
-"""Between them, s."""
+PICTURES, PAUSE = 3, 0.2
+"""That are tried one after the other until one can be used, and the time between them, s."""
 
 STRAYED = 30e-3
 """How far a fruit may have rolled when the cup missed it and still be taken for the same, m."""
-
 
 ASTRAY = "lies beside trays and packs"
 
@@ -64,14 +56,11 @@ class Pick:
     sight: Sight
 
 
-class Witness(Protocol):
+class Witness(Looker, Protocol):
     """Who is told what a packer does."""
 
     def phase(self, choice: Choice, before: State, after: State) -> None:
         """A pick's phase has changed."""
-
-    def looked(self, sight: Sight) -> None:
-        """A picture was taken and could be used."""
 
 
 class Packer:
@@ -85,20 +74,18 @@ class Packer:
 
     Attributes:
         packing: what lies in the packs by now.
-        known: what lies elsewhere, as far as was seen.
         left: what is not picked, and why, when the last choice was made.
     """
 
     def __init__(self, cell: Cell, station: Station, eyes: Eyes, witnesses: Sequence[Witness] = ()) -> None:
-        self._cell, self._station, self._eyes, self._witnesses = cell, station, eyes, witnesses
+        self._cell, self._station, self._witnesses = cell, station, witnesses
         self._reach = Reach(cell.machine)
+        self._lookout = Lookout(cell, eyes, self._reach, witnesses)
         self._rules, self._heights = rules_of(cell, self._reach), Heights(cell)
         self._cup = Cup(cell.cup.diameter / 2)
         self.packing = packing_of(cell)
-        self.known: list[Fruit] = []
         self.left: tuple[Left, ...] = ()
         self._given_up: list[Fruit] = []
-        self._seen_in: dict[Fruit, Sight] = {}
         self._anew = False
         """Whether the last picture showed everything, and nothing was moved since."""
 
@@ -109,11 +96,11 @@ class Packer:
             PictureError: the camera gives no picture that can be used.
             RigStoppedError: the rig does not let the arm move.
         """
-        self._look_clear()
+        self._look_from_home()
         for number in range(1, most + 1):
             choice = self._choose()
             if choice is None and not self._anew:
-                self._look_clear()
+                self._look_from_home()
                 choice = self._choose()
             if choice is None:
                 return
@@ -122,44 +109,34 @@ class Packer:
             if pick.outcome is Outcome.STUCK:
                 return
             if pick.outcome is Outcome.LOST:
-                self._look_clear()  # it may lie anywhere
+                self._look_from_home()  # it may lie anywhere
 
     def finish(self) -> None:
-        """Bring the arm out of sight and take a last picture."""
-        self._look_clear()
+        """Bring the arm out of sight and take a last picture; an arm that holds something stays where it is."""
+        if self._station.measure().vacuum < self._rules.gone:
+            self._look_from_home()
 
     # Choosing
 
     def _choose(self, only: Fruit | None = None) -> Choice | None:
         """What to pick next, of all or of one."""
-        given_up = {fruit for fruit in self._in_trays() if any(same(fruit, other) for other in self._given_up)}
-        if only is not None:
-            given_up = {fruit for fruit in self._in_trays() if fruit != only}
+        fruits = self._lookout.in_trays
+        if only is None:
+            passed = {fruit for fruit in fruits if any(same(fruit, other) for other in self._given_up)}
+        else:
+            passed = {fruit for fruit in fruits if fruit != only}
         order = next_pick(
-            self._in_trays(), self.packing, self._reach, self._station.arm.angles, self._cup, self._way,
-            least_confidence=SURE, given_up=frozenset(given_up),
+            fruits, self.packing, self._reach, self._station.arm.angles, self._cup, _way,
+            least_confidence=SURE, given_up=frozenset(passed),
         )  # fmt: skip
         if only is None:
-            self.left = order.left + tuple(Left(fruit, ASTRAY) for fruit in self._astray())
+            self.left = order.left + tuple(Left(fruit, ASTRAY) for fruit in self._lookout.astray)
         return order.choice
-
-    def _in_trays(self) -> list[Fruit]:
-        trays = self._cell.tray.values()
-        return [fruit for fruit in self.known if any(within(tray, fruit.x, fruit.y) for tray in trays)]
-
-    def _astray(self) -> list[Fruit]:
-        """What lies neither in a tray nor in a pack."""
-        inside = self._in_trays()
-        return [fruit for fruit in self.known if fruit not in inside and place_of(self._cell, fruit.x, fruit.y) is None]
-
-    @staticmethod
-    def _way(start: Angles, end: Angles) -> float:
-        return max(abs(a - b) for a, b in zip(start, end, strict=True))
 
     # Picking
 
     def _pick(self, number: int, choice: Choice) -> Pick:
-        station, sight = self._station, self._seen_in[choice.fruit]
+        station, sight = self._station, self._lookout.seen_in[choice.fruit]
         begin, air, self._anew = station.time, station.air, False
         state, sighting = begun(self._heights.task(choice), station.measure()), None
         while state.phase is not Phase.DONE:
@@ -169,11 +146,8 @@ class Packer:
             if state.phase is not before.phase:
                 for witness in self._witnesses:
                     witness.phase(choice, before, state)
-                if state.phase is Phase.LIFT and before.phase is Phase.SUCK:
-                    seated = centred(state.task, choice.fruit, choice.spot.place, station.arm.angles, self._reach)
-                    state = replace(state, task=seated)
-                self._follow(choice, before.phase, state.phase)
-            if command.picture and self._look(shade=None):
+                state = self._follow(choice, before, state)
+            if command.picture and self._lookout.tried(station.time, arm=None):
                 again = self._again(choice.fruit)
                 choice = again or choice
                 sighting = Sighting(self._heights.task(again) if again else None)
@@ -183,17 +157,23 @@ class Packer:
         taken = station.air - air
         return Pick(number, choice, state.outcome, state.trouble, state.tried, begin, station.time, taken, sight)
 
-    def _follow(self, choice: Choice, before: Phase, after: Phase) -> None:
-        """Keep what is known up to date."""
-        if after is Phase.CARRY and before is Phase.LIFT:
-            self.known = [fruit for fruit in self.known if not same(fruit, choice.fruit)]
-        if before is Phase.RELEASE and after is Phase.RAISE:
-            self._look(self._shade())
+    def _follow(self, choice: Choice, before: State, after: State) -> State:
+        """What a new phase asks for beside commands; the state to go on from."""
+        angles = self._station.arm.angles
+        match before.phase, after.phase:
+            case Phase.SUCK, Phase.LIFT:
+                task = centred(after.task, choice.fruit, choice.spot.place, angles, self._reach)
+                return replace(after, task=task)
+            case Phase.LIFT, Phase.CARRY:
+                self._lookout.forget(choice.fruit)
+            case Phase.RELEASE, Phase.RAISE:
+                self._lookout.tried(self._station.time, angles)
+        return after
 
     def _again(self, fruit: Fruit) -> Choice | None:
         """A fruit that was missed, where it lies now, if it still can be picked."""
-        near = [new for new in self._in_trays() if new.kind == fruit.kind and dist(_at(new), _at(fruit)) < STRAYED]
-        found = min(near, key=lambda new: dist(_at(new), _at(fruit)), default=None)
+        alike = [new for new in self._lookout.in_trays if new.kind == fruit.kind and _apart(new, fruit) < STRAYED]
+        found = min(alike, key=lambda new: _apart(new, fruit), default=None)
         return self._choose(found) if found is not None else None
 
     def _book(self, choice: Choice, state: State) -> None:
@@ -202,70 +182,53 @@ class Packer:
         elif state.outcome in {Outcome.MISSED, Outcome.STUCK}:
             self._given_up.append(choice.fruit)
 
-    # Looking
+    # Looking from home
 
-    def _look_clear(self) -> None:
-        """Look from where the arm hides nothing.
+    def _look_from_home(self) -> None:
+        """Look from where the arm hides nothing, and see which places are taken.
 
         Raises:
             PictureError: no picture can be used.
         """
-        self._go(self._rules.clear)
-        for attempt in range(LOOKS):
-            if self._look(None, strict=attempt == LOOKS - 1):
+        arm = None if self._went_home() else self._station.arm.angles
+        for _ in range(PICTURES - 1):
+            if self._lookout.tried(self._station.time, arm):
                 break
             self._wait(PAUSE)
+        else:
+            self._lookout.look(self._station.time, arm)
         self._anew = True
-        self._find_taken()
-
-    def _find_taken(self) -> None:
-        """A place in which something lies that nobody laid there is taken too."""
-        for fruit in self.known:
+        for fruit in self._lookout.known:
             spot = spot_at(self._cell, self.packing, fruit)
             if spot is not None and fruit.confidence >= SURE:
                 self.packing = self.packing.filled(spot, fruit)
 
-    def _look(self, shade: Shade | None, *, strict: bool = False) -> bool:
-        """Take a picture and remember what it shows; whether it could be used."""
-        try:
-            sight = self._eyes.look(self._station.time)
-        except PictureError:
-            if strict:
-                raise
-            return False
-        self.known = remembered(self.known, sight.fruits, shade)
-        # What is remembered is the very same fruit as in the picture that showed it.
-        self._seen_in = {fruit: self._seen_in.get(fruit, sight) for fruit in self.known}
-        for witness in self._witnesses:
-            witness.looked(sight)
-        return True
-
-    def _shade(self) -> Shade:
-        machine, mount = self._cell.machine, self._cell.mount
-        joints = np.array(self._reach.axes(self._station.arm.angles))
-        radius = max(joint.cylinder.diameter for joint in machine.joints.values()) / 2
-        tall = max(joint.body.height for joint in machine.joints.values()) / 2
-        return Shade(self._eyes.position, joints, mount.height, radius, tall)
-
-    # Moving by itself
-
-    def _go(self, posture: Angles) -> None:
-        """Bring the empty arm to a posture; where it does not settle in time, it looks from where it is."""
+    def _went_home(self) -> bool:
+        """Bring the empty arm out of the camera's sight; whether it came there in time."""
         rules, station = self._rules, self._station
         until = station.time + rules.settle_time
         while station.time < until:
             measured = station.measure()
-            there = dist(rules.tip(measured.angles), rules.tip(posture)) <= rules.off
+            there = dist(rules.tip(measured.angles), rules.tip(rules.clear)) <= rules.off
             if there and all(abs(v) <= rules.still for v in measured.velocities):
-                break
+                return True
             up = measured.height >= self._heights.passing - rules.height
-            station.turn(Command(posture if up else measured.angles, self._heights.passing, False, picture=False))
+            self._turn(rules.clear if up else station.arm.target)
+        return False
 
     def _wait(self, time: float) -> None:
         until = self._station.time + time
         while self._station.time < until:
-            self._station.turn(Command(self._rules.clear, self._heights.passing, False, picture=False))
+            self._turn(self._rules.clear)
+
+    def _turn(self, posture: Angles) -> None:
+        """A cycle between picks."""
+        self._station.turn(Command(posture, self._heights.passing, suction=False, picture=False))
 
 
-def _at(fruit: Fruit) -> tuple[float, float]:
-    return fruit.x, fruit.y
+def _way(start: Angles, end: Angles) -> float:
+    return max(abs(a - b) for a, b in zip(start, end, strict=True))
+
+
+def _apart(one: Fruit, other: Fruit) -> float:
+    return dist((one.x, one.y), (other.x, other.y))
