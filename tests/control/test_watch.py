@@ -10,7 +10,7 @@ from layflat.control.watch import FRESH, Limits, Patience, WatchMemory, watch_jo
 
 CYCLE = 0.005
 LIMITS = Limits(-1.3, 1.3, 6e-4, 1.2, 14.0, 5e5, 1e5, 0.6, 0.1, 1.0, 0.25, 1000.0, 1.0)
-PATIENCE = Patience(3, 2, 2, 2, 0.09, 0.09, 0.09, 0.17, 0.0125, 0.0375, 0.29)
+PATIENCE = Patience(3, 2, 2, 2, 0.09, 0.09, 0.09, 0.17, 0.0125, 0.0375, 0.29, 0.6)
 SWING = (2000.0, 0.0, -2000.0, 0.0)
 
 
@@ -100,11 +100,20 @@ def test_a_joint_that_bears_more_than_friction_is_blocked_unless_others_hold_it(
     assert not any(follow(40, [0.5], averaged=1e3, others=9e3)[1]), "others that are held themselves shake nothing"
 
 
+def test_a_driven_joint_that_stays_where_it_is_but_for_noise_is_blocked() -> None:
+    noise = [0.0, 0.0007]
+    found = follow(200, noise, demand=0.2)[1]
+    first = int(np.flatnonzero(found)[0])
+    assert found[first] == watch.ANGLE_FROZEN
+    assert first * CYCLE == pytest.approx(0.6, abs=0.02)
+    assert not any(follow(200, noise, demand=0.05)[1])
+
+
 def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:
     ramp = [0.005 * k for k in range(200)]
     assert not any(follow(200, ramp, demand=1.0)[1])
-    wobble = [0.0, 0.0007]
-    found = follow(400, wobble, demand=1.0)[1]
+    slow = [0.0, 0.002]
+    found = follow(400, slow, demand=1.0)[1]
     first = int(np.flatnonzero(found)[0])
     assert found[first] == watch.OFF_TRACK
     assert first * CYCLE == pytest.approx(0.6 + 0.09, abs=0.02)

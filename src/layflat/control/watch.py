@@ -25,6 +25,9 @@ BEYOND = 1.9
 """Of the differential pressure that friction can hide: so much, what others hold off left out, a joint never bears
 without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour."""
 
+TURNS = 0.05
+"""Speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s."""
+
 DRIVEN = 0.09
 """Error of a joint that is driven, rad; by less friction may hold it."""
 
@@ -75,6 +78,8 @@ class Patience(NamedTuple):
     """The same, when such a sensor does not fit what the valve was told: it is frozen."""
     asleep: float
     """In which a driven joint moves by a count."""
+    held: float
+    """In which it moves by more than noise."""
 
 
 class WatchMemory(NamedTuple):
@@ -109,11 +114,14 @@ class WatchMemory(NamedTuple):
     suspect: float
     reach: float
     """Where the joint should be by now, rad; not a number at first."""
+    anchor: float
+    """Where it was when it last moved by more than noise, rad."""
+    held: float
 
 
 LIMITS, PATIENCE, WATCH_MEMORY = (len(kind._fields) for kind in (Limits, Patience, WatchMemory))
 
-FRESH = WatchMemory._make([nan] * 5 + [inf] + [0.0] * 15 + [nan])
+FRESH = WatchMemory._make([nan] * 5 + [inf] + [0.0] * 15 + [nan] * 2 + [0.0])
 """Memory of a watch that begins."""
 
 
@@ -186,7 +194,7 @@ def watch_joint(
     last_step = before.step if same else step
     least = min(before.least, averaged) if same else averaged
     most = max(before.most, averaged) if same else averaged
-    # The others turn, and shake it by their torques, or are held by their own friction: it is blocked if it bears both.
+    # Shaken by the others, or not as much as is believed: it is blocked if it bears both.
     net_least = min(before.net_least, averaged - others) if same else averaged - others
     net_most = max(before.net_most, averaged - others) if same else averaged - others
     borne = min(most - least, net_most - net_least)
@@ -201,11 +209,15 @@ def watch_joint(
         found |= ANGLE_FROZEN if stays and most - least > limits.friction_band else NO_ANSWER
     quiet = _last(before.quiet, airy and alone and ripple < limits.ripple, elapsed)
     found |= NO_ANSWER if quiet >= patience.quiet else 0
-    asleep = _last(before.asleep, same and abs(demand - angle) > DRIVEN, elapsed)
+    driven = airy and abs(demand - angle) > DRIVEN
+    asleep = _last(before.asleep, same and driven, elapsed)
+    anchor = before.anchor if abs(angle - before.anchor) <= MOVING * limits.lsb else angle
+    held = _last(before.held, anchor == before.anchor and driven, elapsed)
     brisk = last_step > BRISK * limits.lsb
     if (
         (stays and (brisk or (doubt_angle and suspect)))
         or asleep >= patience.asleep
+        or held >= patience.held
         or (same_angle >= patience.frozen_angle and borne > BEYOND * limits.friction_band)
     ):
         found |= ANGLE_FROZEN
@@ -219,7 +231,7 @@ def watch_joint(
     after = WatchMemory(
         angle, pressure, before.pressure_1, before.pressure_2, swing, ripple, rail, fast, outside, pressed,
         same_pressure, same_angle, off, quiet, asleep, least, most, net_least, net_most, last_step,
-        1.0 if suspect else 0.0, reach,
+        1.0 if suspect else 0.0, reach, anchor, held,
     )  # fmt: skip
     return after, found
 
@@ -236,6 +248,7 @@ def _memory(row):
     return WatchMemory(
         row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], row[10], row[11], row[12],
         row[13], row[14], row[15], row[16], row[17], row[18], row[19], row[20], row[21],
+        row[22], row[23],
     )  # fmt: skip
 
 
@@ -252,7 +265,7 @@ def watch_joints(
     into `found` (joints,). Returns the number of joints whose ripple is missing.
     """
     n, p = len(angles), patience
-    times = Patience(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10])
+    times = Patience(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
     still = 0
     for j in range(n):
         _, ripple = _listen(_memory(memory[0, j]), pressures[j])
@@ -261,7 +274,7 @@ def watch_joints(
     for j in range(n):
         others = 0.0
         for i in range(n):
-            others += coupling[j, i] * status[0, i, 2]
+            others += coupling[j, i] * status[0, i, 2] if abs(status[0, i, 1]) > TURNS else 0.0
         after, found[j] = watch_joint(
             _limits(limits[j]), times, _memory(memory[0, j]), angles[j], pressures[j], status[0, j, 2], others,
             status[0, j, 1], beliefs[0, j, 3], demands[j], lead, elapsed, level, alone,

@@ -35,6 +35,9 @@ RIPPLE_AFTER = 4.0
 ASLEEP = 0.29
 """A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
 
+HELD = 0.6
+"""The same by more than noise, which may go to and fro by a count, s."""
+
 
 def limits(machine: Machine, name: str) -> Limits:
     """Limits of a joint.
@@ -107,6 +110,7 @@ def patience(cycle: float) -> Patience:
         doubtful=2.5 * cycle,
         sure=7.5 * cycle,
         asleep=ASLEEP,
+        held=HELD,
     )
 
 
