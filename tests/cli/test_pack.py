@@ -95,10 +95,10 @@ def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path:
     empty = tmp_path / "empty.toml"
     empty.write_text('extends = "few.toml"\n[tray.infeed]\ncount = { least = 0, most = 0 }\n', encoding="utf-8")
     out = tmp_path / "out"
-    done = CliRunner().invoke(app, ["pack", "--cell", str(empty), "--out", str(out), "--film", "none"])
+    done = CliRunner().invoke(app, ["pack", "--cell", str(empty), "--out", str(out)])
     assert done.exit_code == 2
     assert "there is nothing in the trays; lay produce into them" in done.output
-    assert (out / "results.json").exists()
+    assert {path.name for path in out.iterdir()} == {"calibration.toml", "film.mp4", "results.json", "sheet.png"}
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import typer
 
 from layflat.cli.app import Out, app, print_table
 from layflat.cli.study import runs_bar
-from layflat.errors import InputError, NoDrawingError
+from layflat.errors import InputError, LayflatError, NoDrawingError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -110,9 +110,10 @@ def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int
         try:
             for run in repeated(cell, seeds, picks, calibration, advance):
                 runs.append(run)  # noqa: PERF402  # one by one: those before a Ctrl-C are kept
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, LayflatError) as error:
             if not runs:
                 raise
+            typer.echo(f"layflat: the study ended early: {error or 'stopped'}", err=True)
     return sorted(runs, key=lambda run: run.seed)
 
 

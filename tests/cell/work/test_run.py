@@ -19,6 +19,7 @@ from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
 from layflat.cell.vision import Calibration
+from layflat.cell.work.delivery import Delivery
 from layflat.cell.work.onlookers import Nobody, Several, Tally
 from layflat.cell.work.results import as_dict, save, summary
 from layflat.cell.work.run import Run, calibrated, packed
@@ -156,3 +157,30 @@ def test_a_rig_that_stops_ends_the_run_and_what_was_done_is_kept(cell: Cell) -> 
     assert [len(delivery.picks) for delivery in found.deliveries] == [1]
     assert summary(found.deliveries).right == 1
     assert as_dict(cell, [found])["runs"][0]["error"] == str(found.error)
+
+
+class Darkening(Nobody):
+    """Puts a cap on the lens after the first delivery."""
+
+    def __init__(self, cell: Cell) -> None:
+        self.cell, self.over = cell, False
+
+    def begins(self, scene: Scene, camera: Camera | None) -> None:  # noqa: ARG002  (as all onlookers)
+        assert camera is not None
+        self.camera = camera
+
+    def ends(self, delivery: Delivery) -> None:  # noqa: ARG002  (as all onlookers)
+        self.over = True
+
+
+def test_a_delivery_that_can_t_begin_ends_the_run_and_those_before_are_kept(
+    cell: Cell, calibration: Calibration, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    onlooker = Darkening(cell)
+    see = Camera.picture
+    monkeypatch.setattr(Camera, "picture", lambda self, *view: see(self, *view) // (50 if onlooker.over else 1))
+    found = packed(cell, 3, 4, calibration, onlooker)
+    assert isinstance(found.error, PictureError)
+    assert len(found.deliveries) == 1
+    assert len(found.deliveries[0].picks) == 2
+    assert all(pick.sight.picture is None for pick in found.deliveries[0].picks)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from layflat.cell.camera import Camera
@@ -68,6 +68,12 @@ class Delivery:
     vision: Vision
     overlooked: int | None = None
     error: LayflatError | None = None
+
+    @property
+    def without_pictures(self) -> Delivery:
+        """The same but for its pictures, of which a hundred picks have half a GB."""
+        picks = [replace(pick, sight=replace(pick.sight, picture=None, detections=())) for pick in self.picks]
+        return replace(self, picks=tuple(picks))
 
 
 def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, onlooker: Onlooker) -> Delivery:

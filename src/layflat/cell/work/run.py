@@ -23,24 +23,16 @@ class Run:
     Attributes:
         cell: in which it was.
         seed: as given.
-        deliveries: in order.
+        deliveries: in order, without their pictures.
         calibration: of the camera; None where there was none.
+        error: what ended it before its time, if anything did.
     """
 
     cell: Cell
     seed: int
     deliveries: tuple[Delivery, ...]
     calibration: Calibration | None
-
-    @property
-    def error(self) -> LayflatError | None:
-        """What ended it before its time, if anything did."""
-        last = self.deliveries[-1]
-        if last.error is not None or last.picks:
-            return last.error
-        why = sorted({left.reason for left in last.left})
-        told = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
-        return CellError(told, where=self.cell.origin, right="lay produce into them that a pack takes")
+    error: LayflatError | None = None
 
 
 def calibrated(cell: Cell, progress: Callable[[float], None] | None = None) -> Calibration:
@@ -62,15 +54,29 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
     Same cell, seed and calibration, same run. It ends where a delivery has nothing that can be picked.
 
     Raises:
-        PictureError, CameraError, CellError: as `deliver`.
+        PictureError, CameraError, CellError: as `deliver`, of the first delivery; those of others are told in the run.
     """
     deliveries: list[Delivery] = []
-    done = 0
-    while done < picks:
+    error, done = None, 0
+    while done < picks and error is None:
         drawn = int(np.random.SeedSequence((seed, len(deliveries))).generate_state(1)[0])
-        delivery = deliver(cell, drawn, picks - done, calibration, onlooker)
-        deliveries.append(delivery)
-        done += len(delivery.picks)
-        if delivery.error is not None or not delivery.picks:
+        try:
+            delivery = deliver(cell, drawn, picks - done, calibration, onlooker)
+        except LayflatError as raised:
+            if not deliveries:
+                raise
+            error = raised
             break
-    return Run(cell, seed, tuple(deliveries), calibration)
+        deliveries.append(delivery.without_pictures)
+        done += len(delivery.picks)
+        error = delivery.error or _nothing_in(delivery, cell)
+    return Run(cell, seed, tuple(deliveries), calibration, error)
+
+
+def _nothing_in(delivery: Delivery, cell: Cell) -> LayflatError | None:
+    """Why nothing was picked, where nothing was."""
+    if delivery.picks:
+        return None
+    why = sorted({left.reason for left in delivery.left})
+    told = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
+    return CellError(told, where=cell.origin, right="lay produce into them that a pack takes")

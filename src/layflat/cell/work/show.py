@@ -66,6 +66,7 @@ class Show:
     def begins(self, scene: Scene, camera: Camera | None) -> None:  # noqa: ARG002  (as all onlookers)
         """A delivery begins."""
         self._camera, self._next, self._doing = camera, 0.0, "looks at the tray"
+        self.cycle(0.0)  # also of a tray from which nothing is picked
 
     def cycle(self, time: float) -> None:
         """A frame, if it is time for one."""
@@ -89,7 +90,7 @@ class Show:
 
     def ends(self, delivery: Delivery) -> None:
         """Now that it is judged, its picks come on the sheet."""
-        self._deliveries.append(delivery)
+        self._deliveries.append(delivery.without_pictures)
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             sight, fruit, spot = pick.sight, pick.choice.fruit, pick.choice.spot
             if sight.picture is None:

@@ -6,13 +6,11 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, wait
 from contextlib import contextmanager
-from dataclasses import replace
 from multiprocessing import get_context
 from queue import Queue
 
 from layflat.cell.file.model import Cell
 from layflat.cell.vision import Calibration
-from layflat.cell.work.delivery import Delivery
 from layflat.cell.work.onlookers import Nobody
 from layflat.cell.work.packer import Pick
 from layflat.cell.work.run import Run, packed
@@ -25,7 +23,7 @@ def repeated(
     cell: Cell, seeds: Sequence[int], picks: int, calibration: Calibration | None,
     progress: Callable[[int], object] = lambda _: None, processes: int | None = None,
 ) -> Iterator[Run]:  # fmt: skip
-    """Runs with all seeds, as they end; without pictures. Whoever stops iterating stops the work.
+    """Runs with all seeds, as they end. Whoever stops iterating stops the work.
 
     Args:
         cell: its description.
@@ -78,11 +76,4 @@ class _Teller(Nobody):
 
 
 def _one(cell: Cell, seed: int, picks: int, calibration: Calibration | None, told: Queue[int]) -> Run:
-    run = packed(cell, seed, picks, calibration, _Teller(told))
-    return replace(run, deliveries=tuple(_light(delivery) for delivery in run.deliveries))
-
-
-def _light(delivery: Delivery) -> Delivery:
-    """Without its pictures, which would be many GB."""
-    picks = [replace(pick, sight=replace(pick.sight, picture=None, detections=())) for pick in delivery.picks]
-    return replace(delivery, picks=tuple(picks))
+    return packed(cell, seed, picks, calibration, _Teller(told))
