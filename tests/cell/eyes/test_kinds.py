@@ -8,7 +8,7 @@ import pytest
 
 from layflat.cell import Cell
 from layflat.cell.eyes import background_of, detector_of, kinds_of
-from layflat.cell.vision import Colour
+from layflat.cell.vision import Colour, ColourDetector
 from layflat.cell.vision.regions import in_colours
 
 
@@ -76,7 +76,9 @@ def test_shapes_follow_the_file(packing: Cell) -> None:
 
 
 def test_things_lie_on_the_trays_floor(packing: Cell) -> None:
-    assert detector_of(packing).plane == pytest.approx(packing.tray["infeed"].wall)
+    detector = detector_of(packing)
+    assert isinstance(detector, ColourDetector)
+    assert detector.plane == pytest.approx(packing.tray["infeed"].wall)
 
 
 def test_on_a_table_of_its_hue_a_mushroom_must_be_brighter(packing: Cell) -> None:

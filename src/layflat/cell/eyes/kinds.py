@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from itertools import combinations
 from math import sin
+from pathlib import Path
 
 import numpy as np
 
@@ -11,17 +12,24 @@ from layflat.cell.eyes.skins import GREY, SATURATION_MARGIN, Region, hsv, share,
 from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce
 from layflat.cell.scene.produce import CAP
-from layflat.cell.vision import Colour, ColourDetector, Kind
+from layflat.cell.vision import Colour, ColourDetector, Detector, Kind, OnnxDetector
 
 ROUND = 0.05
 """How far the outline of fruit is from that of a spheroid, share of its radius."""
 
 
-def detector_of(cell: Cell) -> ColourDetector:
-    """A detector of the cell's produce, in trays and packs on its table."""
+def detector_of(cell: Cell) -> Detector:
+    """A detector of the cell's produce, in trays and packs on its table: its network, or one by colour.
+
+    Raises:
+        InputError: the network's file can't be read, or is none.
+    """
     red, green, blue = (255.0 * channel for channel in cell.table.colour)
-    floors = [tray.wall for tray in cell.tray.values()]
-    return ColourDetector(kinds_of(cell), (red, green, blue), background_of(cell), float(np.mean(floors or [0.0])))
+    plane = float(np.mean([tray.wall for tray in cell.tray.values()] or [0.0]))
+    if (given := cell.network) is not None:
+        size = given.rows, given.columns
+        return OnnxDetector(Path(given.file), kinds_of(cell), (red, green, blue), size, plane)
+    return ColourDetector(kinds_of(cell), (red, green, blue), background_of(cell), plane)
 
 
 def kinds_of(cell: Cell) -> tuple[Kind, ...]:

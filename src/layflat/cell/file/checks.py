@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import combinations
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ def check(cell: Cell) -> None:
     """
     _arm(cell)
     _kinds(cell)
+    _network(cell)
     _markers(cell)
     _sizes(cell)
     _apart(cell)
@@ -73,6 +75,11 @@ def _markers(cell: Cell) -> None:
                 f"base_markers.marker.{name}.number {marker.number} is one of the board's ({held[0]} to {held[-1]})"
             )
         seen[marker.number] = name
+
+
+def _network(cell: Cell) -> None:
+    if cell.network is not None and not Path(cell.network.file).is_file():
+        raise ValueError(f"network.file: there is no {cell.network.file}; give the path of an ONNX file from here")
 
 
 def _sizes(cell: Cell) -> None:

@@ -52,6 +52,8 @@ def build(plain: Plain, sources: Sources, where: str) -> Cell:
         plain["machine"] = load_machine(_beside(where, plain["machine"], machine_names()))
     if isinstance(plain.get("pack"), dict):
         plain["pack"] = {name: _with_layout(pack, where) for name, pack in plain["pack"].items()}
+    if isinstance(plain.get("network"), dict) and "file" in plain["network"]:
+        plain["network"] = plain["network"] | {"file": str(Path(where).parent / str(plain["network"]["file"]))}
     cell: Cell = _validated(Cell, plain, where)
     cell._provenance.update(sources)
     cell._origin = where

@@ -10,7 +10,7 @@ from layflat.cell.file.checks import check
 from layflat.cell.file.clutter import Clutter
 from layflat.cell.file.parts import Cup, Lift, Limits, Mount, Pack, Table, Tray
 from layflat.cell.file.produce import Produce, Spread
-from layflat.cell.file.seen import BaseMarkers, Board, Camera, Light, Overview
+from layflat.cell.file.seen import BaseMarkers, Board, Camera, Light, Network, Overview
 from layflat.machine import Machine
 from layflat.machine.parts import Part
 from layflat.machine.provenance import Provenance
@@ -35,6 +35,7 @@ class Cell(Part):
     produce: dict[str, Produce]
     tray: dict[str, Tray]
     pack: dict[str, Pack]
+    network: Network | None = Field(default=None, description="finds produce; colours do where not given")
     clutter: dict[str, Clutter] = Field(default_factory=dict)
     limits: Limits
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)

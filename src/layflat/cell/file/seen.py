@@ -105,6 +105,14 @@ class BaseMarker(Part):
         return whole, whole
 
 
+class Network(Part):
+    """A network that finds produce in the camera's pictures, in place of colours."""
+
+    file: Annotated[str, Field(pattern=r"\.onnx$")] = Field(description="ONNX, as seen from the cell's file")
+    rows: Pixels = Field(description="of its input")
+    columns: Pixels = Field(description="of its input")
+
+
 class BaseMarkers(Part):
     """The markers by which the camera's place is found and checked."""
 

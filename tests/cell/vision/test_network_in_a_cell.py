@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from red_network import COLUMNS, ROWS, network
+
+from layflat.cell import load
+from layflat.cell.eyes import detector_of
+from layflat.cell.vision import OnnxDetector
+from layflat.cell.work.onlookers import Nobody
+from layflat.cell.work.results import summary
+from layflat.cell.work.run import calibrated, packed
+from layflat.errors import CellError, InputError
+
+CELL = """\
+extends = "packing"
+omits = ["clutter.leaves", "clutter.labels", "clutter.sticks"]
+name = "learned"
+
+[network]
+file = "red.onnx"
+rows = {rows}
+columns = {columns}
+
+[tray.infeed]
+produce = ["tomato"]
+count = {{ least = 1, most = 1 }}
+
+[produce.tomato.diameter]
+least = "54 mm"
+
+[produce.tomato.colour.orange]
+share = 0.000001
+"""
+
+
+def test_a_cell_packs_by_what_its_network_finds(tmp_path: Path) -> None:
+    """The stand-in calls the red thing number 0, which is the first kind of the cell's file: a tomato."""
+    network(tmp_path / "red.onnx")
+    path = tmp_path / "learned.toml"
+    path.write_text(CELL.format(rows=ROWS, columns=COLUMNS), encoding="utf-8")
+    cell = load(path)
+    assert isinstance(detector_of(cell), OnnxDetector)
+    found = packed(cell, 1, 1, calibrated(cell), Nobody())
+    assert summary(found.deliveries).right == 1
+
+
+def test_a_network_that_is_not_there_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "learned.toml"
+    path.write_text(CELL.format(rows=ROWS, columns=COLUMNS), encoding="utf-8")
+    with pytest.raises(CellError, match=r"network\.file: there is no .*red\.onnx"):
+        load(path)
+    (tmp_path / "red.onnx").write_bytes(b"no network")
+    with pytest.raises(InputError, match="is no network that OpenCV runs"):
+        detector_of(load(path))
+    path.write_text(CELL.format(rows=1, columns=COLUMNS), encoding="utf-8")
+    with pytest.raises(CellError, match=r"network\.rows"):
+        load(path)
