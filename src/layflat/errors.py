@@ -50,6 +50,10 @@ class CameraError(InputError):
     """The camera is not where its calibration says, or can't be calibrated with what was given."""
 
 
+class BrokenOffError(LayflatError):
+    """Somebody stopped the work (Ctrl-C); what was done is kept."""
+
+
 class RigStoppedError(LayflatError):
     """The rig's supervisor holds the joints, or has let out the air; the message says for which fault."""
 

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import Out, app, print_table
+from layflat.cli.rig import FAULT, INTERRUPTED
 from layflat.cli.study import runs_bar
-from layflat.errors import InputError, LayflatError, NoDrawingError
+from layflat.errors import BrokenOffError, InputError, LayflatError, NoDrawingError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 PICKS, STUDY_PICKS = 12, 25
 VIEWS = 11
 FILMS = ("mp4", "gif", "none")
-STOPPED = 3
-"""Exit status where the cell stopped before it was done."""
 
 CellName = Annotated[str, typer.Option("--cell", metavar="NAME|FILE", help="built-in cell or description file")]
 
@@ -133,7 +132,14 @@ def _report(cell: Cell, runs: list[Run], out: Path) -> None:
     for error in errors:
         typer.echo(f"layflat: {error}", err=True)
     if errors:
-        raise typer.Exit(2 if isinstance(errors[0], InputError) else STOPPED)
+        raise typer.Exit(_status(errors[0]))
+
+
+def _status(error: LayflatError) -> int:
+    """A user's mistake, a Ctrl-C, or a rig that stopped."""
+    if isinstance(error, InputError):
+        return 2
+    return INTERRUPTED if isinstance(error, BrokenOffError) else FAULT
 
 
 @contextmanager

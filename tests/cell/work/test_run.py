@@ -25,7 +25,7 @@ from layflat.cell.work.results import as_dict, save, summary
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.show import FPS, shown
 from layflat.cell.work.study import repeated
-from layflat.errors import CameraError, CellError, PictureError, RigStoppedError
+from layflat.errors import BrokenOffError, CameraError, CellError, PictureError, RigStoppedError
 
 FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}
@@ -184,3 +184,24 @@ def test_a_delivery_that_can_t_begin_ends_the_run_and_those_before_are_kept(
     assert len(found.deliveries) == 1
     assert len(found.deliveries[0].picks) == 2
     assert all(pick.sight.picture is None for pick in found.deliveries[0].picks)
+
+
+class Impatient(Nobody):
+    """Presses Ctrl-C when the second fruit is carried."""
+
+    carried = 0
+
+    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all onlookers)
+        self.carried += after.phase is Phase.CARRY
+        if self.carried == 2:
+            raise KeyboardInterrupt
+
+
+def test_what_was_done_before_ctrl_c_is_kept(cell: Cell) -> None:
+    found = packed(cell, 2, 5, None, Impatient())
+    assert isinstance(found.error, BrokenOffError)
+    assert summary(found.deliveries).right == 1
+    hasty = Impatient()
+    hasty.carried = 1
+    with pytest.raises(KeyboardInterrupt):
+        packed(cell, 2, 5, None, hasty)

@@ -17,7 +17,7 @@ from layflat.cell.work.eyes import CameraEyes, Eyes, SceneEyes, Sight
 from layflat.cell.work.judge import Judge, Verdict, Vision
 from layflat.cell.work.packer import Packer, Pick
 from layflat.cell.work.station import Station
-from layflat.errors import DivergedError, LayflatError, PictureError, RigStoppedError
+from layflat.errors import BrokenOffError, DivergedError, LayflatError, PictureError, RigStoppedError
 
 
 class Onlooker(Protocol):
@@ -111,7 +111,7 @@ def _worked(scene: Scene, eyes: Eyes, most: int, onlooker: Onlooker) -> Delivery
     judge = Judge(scene)
     packer = Packer(cell, station, eyes, (judge, onlooker))
     picks: list[Pick] = []
-    error = None
+    error: LayflatError | None = None
     try:
         for pick in packer.work(most):
             picks.append(pick)
@@ -122,6 +122,10 @@ def _worked(scene: Scene, eyes: Eyes, most: int, onlooker: Onlooker) -> Delivery
         if not picks:
             raise
         error = raised
+    except KeyboardInterrupt:
+        if not picks:
+            raise
+        error = BrokenOffError("stopped; what was done is kept")
     worked_off = error is None and len(picks) < most
     return Delivery(
         seed,
