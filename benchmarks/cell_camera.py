@@ -24,7 +24,6 @@ from layflat.cell.camera import Camera
 from layflat.cell.extras import mujoco, opencv
 from layflat.cell.eyes import calibrate_scene, detector_of, fruit_of, place_of
 from layflat.cell.file.checks import places
-from layflat.cell.plan.fruit import Fruit
 from layflat.cell.scene import FruitTruth, Scene
 from layflat.cell.vision import SURE, Calibration, Detection, draw
 
@@ -89,9 +88,9 @@ class Tally:
         self.off.append(1e3 * float(np.hypot(*(fruit.position[:2] - one.position[:2]))))
         self.wide.append(100.0 * (one.diameter / fruit.diameter - 1.0))
         graded = fruit_of(cell, one)
-        self.graded += isinstance(graded, Fruit)
-        self.ungraded += not isinstance(graded, Fruit) and fruit.grade is not None
-        if isinstance(graded, Fruit) and graded.grade != fruit.grade:
+        self.graded += not graded.doubt
+        self.ungraded += bool(graded.doubt) and fruit.grade is not None
+        if not graded.doubt and graded.grade != fruit.grade:
             self.grade.append(f"{told}: {graded.grade}, is {fruit.grade}")
         place = place_of(cell, *one.position[:2])
         if place != fruit.place:

@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -24,7 +25,6 @@ def test_importing_costs_nothing() -> None:
 
 def test_test_files_have_names_of_their_own() -> None:
     """Pytest imports them by name alone."""
-    names = [
-        path.name for path in Path(__file__).parent.rglob("*.py") if path.name not in {"conftest.py", "__init__.py"}
-    ]
+    files = [path.name for path in Path(__file__).parent.rglob("*.py")]
+    names = [name for name in files if name not in {"conftest.py", "__init__.py"}]
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
