@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from statistics import median
-
+from benchmarks.timing import ROUNDS, median_seconds
 from layflat.bridge import MujocoPlant
 from layflat.cell import load
 from layflat.cell.camera import Camera
@@ -23,7 +20,7 @@ MEANING = {
 }
 
 
-def measure(rounds: int = 15) -> dict[str, float]:
+def measure(rounds: int = ROUNDS) -> dict[str, float]:
     """Figures by name; those of pictures only where they can be drawn."""
     scene = Scene(load("packing"), 1)
     plant = MujocoPlant(scene.cell.machine, scene.model, scene.data)
@@ -31,7 +28,7 @@ def measure(rounds: int = 15) -> dict[str, float]:
     def with_joints() -> None:
         scene.step(STEPS, plant.pneumatics.step)
 
-    step, alone = _seconds(with_joints, 5) / STEPS, _seconds(lambda: scene.step(STEPS), 5) / STEPS
+    step, alone = median_seconds(with_joints, 5) / STEPS, median_seconds(lambda: scene.step(STEPS), 5) / STEPS
     found = {"cell_us_per_step": 1e6 * step, "cell_joints_ratio": step / alone}
     try:
         camera = Camera(scene)
@@ -40,21 +37,10 @@ def measure(rounds: int = 15) -> dict[str, float]:
     with camera:
         calibration, detector = calibrate_scene(scene, camera), detector_of(scene.cell)
         picture = camera.picture()
-        seen = _seconds(lambda: detector.find(picture, calibration), rounds)
-        overview = _seconds(lambda: camera.picture("overview"), rounds)
+        seen = median_seconds(lambda: detector.find(picture, calibration), rounds)
+        overview = median_seconds(lambda: camera.picture("overview"), rounds)
     return found | {
         "cell_detection_ms": 1e3 * seen,
         "cell_detections_per_second": 1.0 / seen,
         "cell_overview_ms": 1e3 * overview,
     }
-
-
-def _seconds(work: Callable[[], object], rounds: int) -> float:
-    """Median time of some work after a first call, s."""
-    work()
-    times = []
-    for _ in range(rounds):
-        begin = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - begin)
-    return median(times)

@@ -6,9 +6,6 @@ import argparse
 import json
 import os
 import platform
-import statistics
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,26 +13,15 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks import cell, many, mujoco_arm, rig_loop, scipy_plant
+from benchmarks.timing import median_seconds
 from layflat.experiments.timing import CYCLES, control_cycles
 from layflat.files import whole_file
 from layflat.machine import load, parameters
 from layflat.sim import Scenario
 from layflat.sim.run import prepare
 
-ROUNDS = 15
 SECONDS = 4.0
 SCIPY_SECONDS = 0.2
-
-
-def median_seconds(work: Callable[[], object], rounds: int = ROUNDS) -> float:
-    """Median time of some work, s, after a first call that compiles or warms up."""
-    work()
-    times = []
-    for _ in range(rounds):
-        begin = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times)
 
 
 def measure() -> dict[str, float | str]:

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from layflat.cell.work.run import Run
 
 PICKS, STUDY_PICKS = 12, 25
-VIEWS = 11
 FILMS = ("mp4", "gif", "none")
 
 CellName = Annotated[str, typer.Option("--cell", metavar="NAME|FILE", help="built-in cell or description file")]
@@ -76,8 +75,8 @@ def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | Non
         if given is not None:
             gl.check()
             return load_calibration(given)
-        with runs_bar("pictures for the camera's calibration") as advance:
-            found = calibrated(cell, lambda share: advance(round(VIEWS * share), VIEWS))
+        with runs_bar("calibrating the camera, per cent") as advance:
+            found = calibrated(cell, lambda share: advance(round(100 * share), 100))
     except NoDrawingError as error:
         typer.echo(f"layflat: {error}", err=True)
         typer.echo("layflat: goes on without pictures; the scene tells where fruit lies", err=True)

@@ -30,6 +30,12 @@ def test_every_posture_of_the_working_stroke_is_found_from_its_tip(machine: obje
     assert reach.missing(x, y) == 0.0
 
 
+def test_a_stretched_arm_is_in_reach_whichever_way_its_cosine_is_rounded() -> None:
+    for q in np.linspace(-radians(57), radians(57), 401).tolist():
+        found = BOTH.postures(*BOTH.tip((q, 0.0)))
+        assert any(np.allclose(one.angles, (q, 0.0), atol=1e-6) for one in found)
+
+
 @given(x=st.floats(-1.0, 1.0), y=st.floats(-1.0, 1.0))
 def test_what_is_out_of_reach_lacks_as_much_as_a_search_over_all_postures_finds(x: float, y: float) -> None:
     for machine, reach in ((ARM, REACH), (STRAIGHT, BOTH)):

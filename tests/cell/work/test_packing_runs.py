@@ -159,15 +159,10 @@ def test_a_rig_that_stops_ends_the_run_and_what_was_done_is_kept(cell: Cell) -> 
     assert as_dict(cell, [found])["runs"][0]["error"] == str(found.error)
 
 
-class Darkening(Nobody):
-    """Puts a cap on the lens after the first delivery."""
+class Counting(Nobody):
+    """Knows whether a delivery is over."""
 
-    def __init__(self, cell: Cell) -> None:
-        self.cell, self.over = cell, False
-
-    def begins(self, scene: Scene, camera: Camera | None) -> None:  # noqa: ARG002  (as all onlookers)
-        assert camera is not None
-        self.camera = camera
+    over = False
 
     def ends(self, delivery: Delivery) -> None:  # noqa: ARG002  (as all onlookers)
         self.over = True
@@ -176,8 +171,7 @@ class Darkening(Nobody):
 def test_a_delivery_that_can_t_begin_ends_the_run_and_those_before_are_kept(
     cell: Cell, calibration: Calibration, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    onlooker = Darkening(cell)
-    see = Camera.picture
+    onlooker, see = Counting(), Camera.picture  # a cap comes on the lens after the first delivery
     monkeypatch.setattr(Camera, "picture", lambda self, *view: see(self, *view) // (50 if onlooker.over else 1))
     found = packed(cell, 3, 4, calibration, onlooker)
     assert isinstance(found.error, PictureError)

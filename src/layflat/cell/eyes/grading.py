@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from layflat.cell.file.checks import places
+from layflat.cell.file.checks import place_over
 from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce, Skin
 from layflat.cell.plan.fruit import Fruit
@@ -54,12 +54,9 @@ def fruit_of(cell: Cell, detection: Detection) -> Fruit:
 def place_of(cell: Cell, x: float, y: float) -> tuple[str, int] | None:
     """Name of the pack and number of the place over which something is, None where it is over none."""
     for name, pack in cell.pack.items():
-        way = np.array([x, y]) - places(pack)
-        cos, sin = np.cos(pack.turn), np.sin(pack.turn)
-        along = np.abs(way @ np.array([[cos, -sin], [sin, cos]]))
-        within = (2.0 * along < pack.layout.pitch).all(axis=1)
-        if within.any():
-            return name, int(np.argmax(within))
+        number = place_over(pack, x, y)
+        if number is not None:
+            return name, number
     return None
 
 

@@ -134,6 +134,13 @@ def placed(centre: tuple[float, float], turn: float, points: Array) -> Array:
     return turned
 
 
+def place_over(pack: Pack, x: float, y: float) -> int | None:
+    """Number of the pack's place over which something is, None where it is over none."""
+    way = placed((0.0, 0.0), -pack.turn, np.array([x, y]) - places(pack))
+    over = (2.0 * np.abs(way) < pack.layout.pitch).all(axis=1)
+    return int(np.argmax(over)) if over.any() else None
+
+
 def within(tray: Tray, x: float, y: float) -> bool:
     """Whether a place is over a tray's floor."""
     along, across = placed((0.0, 0.0), -tray.turn, np.array([[x - tray.centre[0], y - tray.centre[1]]]))[0]
@@ -189,6 +196,19 @@ def _all_reached(cell: Cell, name: str, points: Array) -> None:
             )
 
 
+def tallest_fruit(cell: Cell) -> float:
+    """Height of the tallest fruit that comes in any tray, m."""
+    kinds = [cell.produce[kind] for tray in cell.tray.values() for kind in tray.produce]
+    return max(kind.diameter.most * kind.flattening.most for kind in kinds)
+
+
+def highest(cell: Cell) -> float:
+    """Height over the table of all that the cup has to pass over: fruit in trays, and walls, m."""
+    walls = [tray.height + tray.wall for tray in cell.tray.values()]
+    walls += [pack.layout.height + pack.layout.wall for pack in cell.pack.values()]
+    return max(tallest_fruit(cell) + max(tray.wall for tray in cell.tray.values()), *walls)
+
+
 def _lifted(cell: Cell) -> None:
     kinds = {kind: cell.produce[kind] for tray in cell.tray.values() for kind in tray.produce}
     low = cell.lift.clearance - cell.lift.stroke
@@ -199,10 +219,7 @@ def _lifted(cell: Cell) -> None:
                 f"lift.stroke is too short: the cup comes down to {1e3 * low:.0f} mm, "
                 f"a {name} is as low as {1e3 * lowest:.0f} mm"
             )
-    tallest = max(kind.diameter.most * kind.flattening.most for kind in kinds.values())
-    walls = [tray.height + tray.wall for tray in cell.tray.values()]
-    walls += [pack.layout.height + pack.layout.wall for pack in cell.pack.values()]
-    over = max(tallest + max(part.wall for part in cell.tray.values()), *walls)
+    tallest, over = tallest_fruit(cell), highest(cell)
     if cell.lift.clearance < tallest + over:
         raise ValueError(
             f"lift.clearance is too small: a fruit of {1e3 * tallest:.0f} mm must pass over {1e3 * over:.0f} mm; "

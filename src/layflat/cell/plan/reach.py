@@ -34,6 +34,9 @@ END_MARGIN = radians(3.0)
 AMPLE_MARGIN = radians(10.0)
 """A posture that keeps so much from the ends is as good as any other, rad."""
 
+ROUNDING = 1e-12
+"""By which the cosine of a stretched elbow may be over 1."""
+
 ON_ARC = 1e-3
 """How far from its circle a point may be that an arm with one joint is sent to, m."""
 
@@ -130,8 +133,9 @@ class Reach:
             return [(towards,)] if abs(distance - self.lengths[0]) <= ON_ARC else []
         l_1, l_2 = self.lengths
         bend = (distance * distance - l_1 * l_1 - l_2 * l_2) / (2.0 * l_1 * l_2)
-        if abs(bend) > 1.0:
+        if abs(bend) > 1.0 + ROUNDING:
             return []
+        bend = min(max(bend, -1.0), 1.0)
         elbows = {acos(bend), -acos(bend)}
         first = [remainder(towards - atan2(l_2 * sin(bent), l_1 + l_2 * cos(bent)), tau) for bent in elbows]
         return [(q, remainder(bent - self.machine.arm.elbow, tau)) for q, bent in zip(first, elbows, strict=True)]

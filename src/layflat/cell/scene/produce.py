@@ -25,8 +25,8 @@ GAP = 2e-3
 
 
 @dataclass(frozen=True)
-class Fruit:
-    """One fruit as it is drawn and laid: lengths in m, its middle at `position` in the cell's frame."""
+class Specimen:
+    """What a fruit is, whatever happens to it: lengths in m, mass in kg."""
 
     name: str
     kind: str
@@ -35,6 +35,12 @@ class Fruit:
     diameter: float
     height: float
     mass: float
+
+
+@dataclass(frozen=True)
+class Fruit(Specimen):
+    """One fruit as it is drawn and laid, its middle at `position` in the cell's frame, m."""
+
     rgb: tuple[float, float, float]
     shape: str
     top: str

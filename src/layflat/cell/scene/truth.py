@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.cell.scene.produce import Specimen
+
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class FruitTruth:
+class FruitTruth(Specimen):
     """A fruit at an instant.
 
     Attributes:
@@ -24,13 +26,6 @@ class FruitTruth:
         place: name of the pack and number of the place that it lies in, None if in none.
     """
 
-    name: str
-    kind: str
-    colour: str
-    grade: str | None
-    diameter: float
-    height: float
-    mass: float
     position: Array
     orientation: Array
     acceleration: float

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from layflat.cell.extras import mujoco
-from layflat.cell.file.checks import places
+from layflat.cell.file.checks import place_over
 from layflat.cell.file.model import Cell
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.produce import Fruit
@@ -87,12 +87,8 @@ class Watch:
     def _place(self, at: np.ndarray[Any, np.dtype[np.float64]], fruit: Fruit) -> tuple[str, int] | None:
         """The place in which a fruit lies: its middle is over it, and it is not on a rim."""
         for name, pack in self._cell.pack.items():
-            layout = pack.layout
-            way = at[:2] - places(pack)
-            cos, sin = np.cos(pack.turn), np.sin(pack.turn)
-            along, across = way[:, 0] * cos + way[:, 1] * sin, way[:, 1] * cos - way[:, 0] * sin
-            within = (2 * np.abs(along) < layout.pitch[0]) & (2 * np.abs(across) < layout.pitch[1])
-            low = at[2] < layout.wall + fruit.diameter / 2 + layout.divider / 2
-            if within.any() and low:
-                return name, int(np.argmax(within))
+            number = place_over(pack, float(at[0]), float(at[1]))
+            low = at[2] < pack.layout.wall + fruit.diameter / 2 + pack.layout.divider / 2
+            if number is not None and low:
+                return name, number
         return None

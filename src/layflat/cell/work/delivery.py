@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 from layflat.cell.camera import Camera
 from layflat.cell.file.model import Cell
@@ -20,8 +19,8 @@ from layflat.cell.work.station import Station
 from layflat.errors import BrokenOffError, DivergedError, LayflatError, PictureError, RigStoppedError
 
 
-class Onlooker(Protocol):
-    """Who looks on while a cell works: for progress, films and sheets."""
+class Onlooker:
+    """Who looks on while a cell works, for progress, films and sheets: a base that does nothing."""
 
     def begins(self, scene: Scene, camera: Camera | None) -> None:
         """A delivery begins; there is no camera where nothing can be drawn."""

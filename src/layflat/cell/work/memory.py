@@ -85,9 +85,14 @@ def remembered(before: Sequence[Fruit], seen: Sequence[Fruit], shade: Shade | No
     return in_the_open + hidden
 
 
+def apart(one: Fruit, other: Fruit) -> float:
+    """Between the middles of two sightings, m."""
+    return hypot(one.x - other.x, one.y - other.y)
+
+
 def same(one: Fruit, other: Fruit) -> bool:
     """Whether two sightings are of one fruit."""
-    return hypot(one.x - other.x, one.y - other.y) < SAME
+    return apart(one, other) < SAME
 
 
 def _distance(point: Array, start: Array, end: Array) -> float:

@@ -13,29 +13,11 @@ from layflat.cell.work.eyes import Sight
 from layflat.cell.work.packer import Pick
 
 
-class Nobody:
-    """Looks on and does nothing; a base for those who look at some of it only."""
-
-    def begins(self, scene: Scene, camera: Camera | None) -> None:
-        """A delivery begins."""
-
-    def cycle(self, time: float) -> None:
-        """A control cycle is over."""
-
-    def phase(self, choice: Choice, before: State, after: State) -> None:
-        """A pick's phase has changed."""
-
-    def looked(self, sight: Sight) -> None:
-        """A picture was taken."""
-
-    def picked(self, pick: Pick) -> None:
-        """A pick has ended."""
-
-    def ends(self, delivery: Delivery) -> None:
-        """The delivery is over."""
+class Nobody(Onlooker):
+    """Looks on and does nothing."""
 
 
-class Tally(Nobody):
+class Tally(Onlooker):
     """Calls with the number of picks that have ended.
 
     Args:
@@ -51,7 +33,7 @@ class Tally(Nobody):
         self._told(self._picks)
 
 
-class Several:
+class Several(Onlooker):
     """Onlookers as one, in the order given."""
 
     def __init__(self, *onlookers: Onlooker) -> None:

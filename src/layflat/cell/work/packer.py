@@ -16,7 +16,7 @@ from layflat.cell.plan.reach import Angles, Reach
 from layflat.cell.vision.detection import SURE
 from layflat.cell.work.eyes import Eyes, Sight
 from layflat.cell.work.lookout import Looker, Lookout
-from layflat.cell.work.memory import same
+from layflat.cell.work.memory import apart, same
 from layflat.cell.work.packs import packing_of, spot_at
 from layflat.cell.work.station import Station
 from layflat.cell.work.tasks import Heights, centred, rules_of
@@ -172,8 +172,8 @@ class Packer:
 
     def _again(self, fruit: Fruit) -> Choice | None:
         """A fruit that was missed, where it lies now, if it still can be picked."""
-        alike = [new for new in self._lookout.in_trays if new.kind == fruit.kind and _apart(new, fruit) < STRAYED]
-        found = min(alike, key=lambda new: _apart(new, fruit), default=None)
+        alike = [new for new in self._lookout.in_trays if new.kind == fruit.kind and apart(new, fruit) < STRAYED]
+        found = min(alike, key=lambda new: apart(new, fruit), default=None)
         return self._choose(found) if found is not None else None
 
     def _book(self, choice: Choice, state: State) -> None:
@@ -228,7 +228,3 @@ class Packer:
 
 def _way(start: Angles, end: Angles) -> float:
     return max(abs(a - b) for a, b in zip(start, end, strict=True))
-
-
-def _apart(one: Fruit, other: Fruit) -> float:
-    return dist((one.x, one.y), (other.x, other.y))

@@ -12,8 +12,7 @@ from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Outcome, State
 from layflat.cell.scene import Scene
 from layflat.cell.vision import Calibration, draw
-from layflat.cell.work.delivery import Delivery
-from layflat.cell.work.eyes import Sight
+from layflat.cell.work.delivery import Delivery, Onlooker
 from layflat.cell.work.packer import Pick
 from layflat.cell.work.results import summary
 
@@ -41,7 +40,7 @@ def shown(film: Path | None, sheet: Path, title: str, calibration: Calibration) 
         show.sheet.save(sheet)
 
 
-class Show:
+class Show(Onlooker):
     """An onlooker that makes a film and a contact sheet.
 
     Args:
@@ -79,9 +78,6 @@ class Show:
     def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all onlookers)
         """What the next frames show."""
         self._doing = f"{choice.fruit.kind}: {after.phase.value}"
-
-    def looked(self, sight: Sight) -> None:
-        """A picture is shown once a fruit is picked by it."""
 
     def picked(self, pick: Pick) -> None:
         """A pick has ended."""

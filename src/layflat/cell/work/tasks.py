@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from math import cos, dist, sin
 
-from layflat.cell.file.checks import within
+from layflat.cell.file.checks import highest, within
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Cup
 from layflat.cell.plan.fruit import Fruit
@@ -29,12 +29,7 @@ class Heights:
 
     def __init__(self, cell: Cell) -> None:
         self._cell = cell
-        walls = [part.height + part.wall for part in cell.tray.values()]
-        walls += [pack.layout.height + pack.layout.wall for pack in cell.pack.values()]
-        floor = max(tray.wall for tray in cell.tray.values())
-        comes = {kind for tray in cell.tray.values() for kind in tray.produce}
-        tallest = max(cell.produce[kind].diameter.most * cell.produce[kind].flattening.most for kind in comes)
-        self.passing = min(max(floor + tallest, *walls) + GAP, cell.lift.clearance)
+        self.passing = min(highest(cell) + GAP, cell.lift.clearance)
 
     def task(self, choice: Choice) -> Task:
         """What has to be done for a choice."""
