@@ -98,7 +98,7 @@ class Show(Onlooker):
             result = f"{spot.pack} {spot.place.name}, {off:.1f} mm off, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
             if pick.outcome is not Outcome.PLACED:
                 result = pick.trouble
-            head = f"{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
+            head = f"{len(self._deliveries)}.{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
             self.sheet.add(picture, (x, y), (head, result), failed=failed)
         if self._camera is not None and len(self._deliveries) == 1:
             final = self._camera.picture("overview")
