@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.machine import units as u
 from layflat.physics.noise import NOISE_BLOCK, noise_samples, sensor_noise
 from layflat.sim import Scenario
 from layflat.sim.scenario import signals, spread

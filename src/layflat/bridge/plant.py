@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from layflat.bridge.arm import arm_spec
 from layflat.bridge.engine import engine
 from layflat.bridge.joints import PneumaticJoints
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine import units as u
 from layflat.physics.noise import noise_samples
 
 Array = NDArray[np.float64]

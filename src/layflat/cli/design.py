@@ -82,8 +82,8 @@ def size(
 
 
 def _measured(table: Path, pressure: str | None, radius: float) -> Characteristic:
+    from layflat.description import units as u  # noqa: PLC0415
     from layflat.design import read_characteristic  # noqa: PLC0415
-    from layflat.machine import units as u  # noqa: PLC0415
 
     at = u.quantity(pressure, u.PRESSURE, "--pressure") if pressure else None
     return read_characteristic(table, pressure=at, roller_radius=radius)

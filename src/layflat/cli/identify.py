@@ -29,9 +29,9 @@ def excite(
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="[NAME]-excite.csv")] = None,
 ) -> None:
     """Write a bench sequence from which a machine can be identified: demands for its controller."""
+    from layflat.description import units as u  # noqa: PLC0415
     from layflat.identify.excite import sequence  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.machine import units as u  # noqa: PLC0415
     from layflat.sim.demand_file import write_demand  # noqa: PLC0415
 
     described = load(machine)

@@ -41,9 +41,9 @@ def faults(
 
     Exit status 3 where a fault was missed, found too late, or found where there was none.
     """
+    from layflat.description import units as u  # noqa: PLC0415
     from layflat.files import check_folder, whole_file  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.machine import units as u  # noqa: PLC0415
 
     if protocol not in (*PROTOCOLS, "both"):
         raise InputError(f"{protocol!r} is no protocol", where="--protocol", right="give modbus, serial or both")

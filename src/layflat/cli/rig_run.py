@@ -99,7 +99,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
         InputError: a demand makes no sense, or lies outside the stroke.
     """
     from layflat.cli.text import timed  # noqa: PLC0415
-    from layflat.machine import units as u  # noqa: PLC0415
+    from layflat.description import units as u  # noqa: PLC0415
     from layflat.rig.performance import Plan, check_stroke  # noqa: PLC0415
 
     lasts = u.quantity(duration, u.TIME, "--duration") if duration else None

@@ -29,8 +29,8 @@ def loop(
     out: Out = Path("build/loop"),
 ) -> None:
     """Sweep a joint slowly at constant pressure: its torque-angle loop."""
+    from layflat.description import units as u  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.machine import units as u  # noqa: PLC0415
     from layflat.plot.loops import loops  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
     from layflat.sim.sweep import sweep  # noqa: PLC0415

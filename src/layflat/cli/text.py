@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.machine import units as u
 
 Values = dict[str, str | float]
 Steps = list[tuple[float, Values]]

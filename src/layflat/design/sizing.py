@@ -22,6 +22,7 @@ from typing import Any, Self
 
 from scipy.optimize import brentq
 
+from layflat.description import units as u
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.characteristic import Characteristic, of_cylinder
@@ -34,7 +35,6 @@ from layflat.design.summary import JointDesign, design_joint
 from layflat.errors import DesignError
 from layflat.files import whole_file
 from layflat.machine import Joint, Machine, load
-from layflat.machine import units as u
 from layflat.machine.parts import Strap
 from layflat.physics.hose import peeled_volume
 

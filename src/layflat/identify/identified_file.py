@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from layflat.description import units as u
+from layflat.description.provenance import Provenance
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.benches.hyddown import hyddown_tables, read_hyddown_rig
 from layflat.identify.fit import Estimate, Fit
 from layflat.machine import Machine
-from layflat.machine import units as u
 from layflat.machine.derived import at_path, derived_path, with_value, write_derived
 from layflat.machine.listing import to_toml
 from layflat.machine.loader import Plain, Sources, tables
-from layflat.machine.provenance import Provenance
 from layflat.machine.rigs import Rig, load_described, load_rig, rig_tables
 
 SUFFIX = "identified"

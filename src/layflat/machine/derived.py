@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from layflat.description.provenance import Provenance
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine.listing import to_toml
 from layflat.machine.loader import load, names, tables
 from layflat.machine.model import Machine
-from layflat.machine.provenance import Provenance
 
 
 def derived_path(given: str, folder: Path, suffix: str) -> Path:

@@ -9,8 +9,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 Register = Annotated[int, Field(ge=0, le=65535)]
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from layflat.description.provenance import SOURCES, Provenance
 from layflat.machine.loader import Plain, Sources, tables
 from layflat.machine.model import Machine
-from layflat.machine.provenance import SOURCES, Provenance
 from layflat.machine.rigs.loader import is_rig, rig_tables
 
 

@@ -12,9 +12,9 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from layflat.description.provenance import Provenance, split
 from layflat.errors import MachineError
 from layflat.machine.model import Machine
-from layflat.machine.provenance import Provenance, split
 
 Plain = dict[str, Any]
 Sources = dict[str, Provenance]

@@ -6,10 +6,11 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
-from layflat.machine import units as u
+from layflat.description import Part
+from layflat.description import units as u
+from layflat.description.provenance import Provenance
 from layflat.machine.interface import Interface
-from layflat.machine.parts import Joint, Part
-from layflat.machine.provenance import Provenance
+from layflat.machine.parts import Joint
 from layflat.machine.safety import Safety
 from layflat.physics.delay import LONGEST
 

@@ -1,6 +1,6 @@
 """The parts of a joint as a person describes them: hose, cylinder, output, strap, cover, brake, stops, link.
 
-All numbers are SI floats once validated (see units.py); keys that end in `_gauge` are gauge pressures.
+All numbers are SI floats once validated ; keys that end in `_gauge` are gauge pressures.
 """
 
 from __future__ import annotations
@@ -8,22 +8,17 @@ from __future__ import annotations
 from math import radians
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from layflat.machine import units as u
+from layflat.description import Part
+from layflat.description import units as u
 
 
 def _at_most_half_round(wrap: float) -> float:
     if wrap > radians(180.0001):
         raise PydanticCustomError("quantity", 'is over 180 deg; give an angle such as "120 deg"')
     return wrap
-
-
-class Part(BaseModel):
-    """Base of all parts: frozen, and an unknown key is an error."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class Hose(Part):

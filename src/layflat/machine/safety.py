@@ -7,8 +7,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 
 class Safety(Part):

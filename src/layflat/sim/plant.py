@@ -8,10 +8,10 @@ from math import exp
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description import units as u
 from layflat.errors import DivergedError
 from layflat.lanes import leaves, read_numbers, write_numbers
 from layflat.machine import Machine, parameters
-from layflat.machine import units as u
 from layflat.physics.failing import BURST_TIME, held_at, kinked, seized
 from layflat.physics.joint import FILLED, Surroundings
 from layflat.physics.noise import noise_samples

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.control.gains import Gains
+from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load, parameters
-from layflat.machine import units as u
 from layflat.physics.joint import FILLED, Joint, Surroundings
 from layflat.physics.step import STEP
 from layflat.sim.kernel import Signals, Timing, run_cycles

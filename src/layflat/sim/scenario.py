@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
-from layflat.machine import units as u
 from layflat.physics.noise import sensor_noise
 from layflat.sim.kernel import Signals
 

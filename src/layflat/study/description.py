@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, field_validator
 from pydantic_core import ErrorDetails, PydanticCustomError, core_schema
 
+from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.machine import units as u
 
 
 @dataclass(frozen=True)

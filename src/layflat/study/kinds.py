@@ -9,9 +9,9 @@ from typing import Annotated, Any, get_args
 from annotated_types import Ge
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine import units as u
 from layflat.machine.change import paths
 from layflat.study.description import explained
 

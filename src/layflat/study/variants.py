@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from layflat.description.provenance import split
 from layflat.errors import InputError
 from layflat.machine import Machine, changed, load
 from layflat.machine.change import paths, value_at
 from layflat.machine.listing import leaves
 from layflat.machine.loader import build, laid_over, tables
-from layflat.machine.provenance import split
 from layflat.study.description import StudyFile, VariantTable
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from layflat.description.provenance import split
 from layflat.errors import MachineError
-from layflat.machine.provenance import split
 from layflat.machine.rigs import load_rig
 from layflat.machine.rigs.regulated import friction_law
 

@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
+from layflat.description.provenance import SOURCES, split
 from layflat.errors import MachineError
-from layflat.machine.provenance import SOURCES, split
 from layflat.machine.rigs import VesselRig, load_rig, rig_names
 from layflat.machine.rigs.loader import BUILT_IN
 from layflat.physics.flow import sonic_conductance

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from layflat.cell.file.parts import Colour, Range
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 
 class Clutter(Part):

@@ -12,11 +12,11 @@ from pydantic import BaseModel, ValidationError
 
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Layout
+from layflat.description.provenance import split
 from layflat.errors import CellError, MachineError
 from layflat.machine import load as load_machine
 from layflat.machine.loader import Plain, Sources, explained, laid_over, omit
 from layflat.machine.loader import names as machine_names
-from layflat.machine.provenance import split
 
 BUILT_IN = files("layflat.cell.file") / "builtin"
 

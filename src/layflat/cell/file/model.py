@@ -11,9 +11,9 @@ from layflat.cell.file.clutter import Clutter
 from layflat.cell.file.parts import Cup, Lift, Limits, Mount, Pack, Table, Tray
 from layflat.cell.file.produce import Produce, Spread
 from layflat.cell.file.seen import BaseMarkers, Board, Camera, Light, Network, Overview
+from layflat.description import Part
+from layflat.description.provenance import Provenance
 from layflat.machine import Machine
-from layflat.machine.parts import Part
-from layflat.machine.provenance import Provenance
 
 
 class Cell(Part):

@@ -10,8 +10,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 Spot = tuple[u.Coordinate, u.Coordinate]
 Point = tuple[u.Coordinate, u.Coordinate, u.Coordinate]

@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from layflat.cell.file.parts import Colour
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 
 class Spread(Part):

@@ -8,8 +8,8 @@ from pydantic import Field
 
 from layflat.cell.file.parts import Point, Spot
 from layflat.cell.file.produce import Spread
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 Pixels = Annotated[int, Field(ge=16, le=8192)]
 Squares = Annotated[int, Field(ge=3, le=40)]

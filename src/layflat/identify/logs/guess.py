@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name, conversion
 from layflat.identify.logs.table import Array, Column, Table, read_table
 from layflat.identify.logs.words import meanings, signal_of, words_of
-from layflat.machine import units as u
 
 BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
 """What a unit alone tells, by its SI unit."""

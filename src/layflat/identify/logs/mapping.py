@@ -31,10 +31,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion, nearest
-from layflat.machine import units as u
 
 
 class _Part(BaseModel):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.identify.logs.clock import Array, Clock, clock_of
 from layflat.identify.logs.grid import Grid, Series, gaps, grid_as_recorded, grid_over, resampled
@@ -16,7 +17,6 @@ from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import foreign, own_mapping
 from layflat.identify.logs.signals import SIGNALS, conversion, nearest
 from layflat.identify.logs.table import Column, Table, read_table
-from layflat.machine import units as u
 
 if TYPE_CHECKING:
     import xarray

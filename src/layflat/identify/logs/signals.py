@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from layflat.machine import units as u
+from layflat.description import units as u
 
 FORCE = u.Quantity("force", "N", "12 N")
 

@@ -11,10 +11,10 @@ from typing import Any, TypeAlias
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from layflat.description.provenance import split
 from layflat.errors import MachineError
 from layflat.machine.loader import Plain, Sources, load, names
 from layflat.machine.model import Machine
-from layflat.machine.provenance import split
 from layflat.machine.rigs.friction import FrictionRig
 from layflat.machine.rigs.regulated import RegulatedRig
 from layflat.machine.rigs.vessel import VesselRig

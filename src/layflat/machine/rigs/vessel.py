@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from layflat.machine import units as u
-from layflat.machine.parts import Part
+from layflat.description import Part
+from layflat.description import units as u
 
 GasName = Literal["air", "nitrogen", "oxygen", "hydrogen", "helium", "argon", "methane", "carbon dioxide"]
 

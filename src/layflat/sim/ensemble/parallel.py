@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.lanes import WIDTH
 from layflat.machine import Machine, load
-from layflat.machine import units as u
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases

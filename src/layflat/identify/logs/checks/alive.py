@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from layflat.description import units as u
 from layflat.identify.logs.checks.bench import Array, Bench, Channel, noise, quantum, runs
 from layflat.identify.logs.finding import Finding
-from layflat.machine import units as u
 
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8

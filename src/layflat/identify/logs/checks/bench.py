@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description import units as u
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name
 from layflat.machine import Machine
-from layflat.machine import units as u
 
 if TYPE_CHECKING:
     import xarray

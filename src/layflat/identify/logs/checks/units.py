@@ -7,11 +7,11 @@ from math import pi
 
 import numpy as np
 
+from layflat.description import units as u
 from layflat.identify.logs.checks.bench import Bench, Channel
 from layflat.identify.logs.checks.gauges import counts_wrong, pressure_span
 from layflat.identify.logs.finding import Finding
 from layflat.identify.logs.signals import conversion
-from layflat.machine import units as u
 
 BEYOND = 1.15
 """Share of a stroke or of full voltage that is no play any more."""

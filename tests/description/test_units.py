@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.machine import units as u
 
 ALL = [kind for kind in vars(u).values() if isinstance(kind, u.Quantity)]
 
