@@ -54,7 +54,7 @@ class PlantBench:
 
     def __init__(self, machine: Machine, angles: Array, seed: int = 0, gauge: float | None = None) -> None:
         self.n = len(machine.joints)
-        self.cycle = machine.controller.cycle if machine.controller is not None else 0.005
+        self.cycle = machine.cycle
         self._arm = parameters.arm(machine)
         self._joints: list[Any] = list(parameters.joints(machine))
         self.around = parameters.surroundings(machine)

@@ -60,7 +60,7 @@ class PneumaticJoints:
         pressures: tuple[float, float] | None = None,
     ) -> None:
         self._mj, self._model = engine(), model
-        self._cycle = machine.controller.cycle if machine.controller is not None else 0.005
+        self._cycle = machine.cycle
         laws = dict(zip(machine.joints, parameters.joints(machine), strict=True))
         driven = {name: name for name in laws} if joints is None else dict(joints)
         self.hinges = tuple(driven)

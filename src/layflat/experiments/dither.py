@@ -125,10 +125,9 @@ def perform(bench: Bench) -> Dither:
     dither = bench.valve.dither
     angle_free, pressure_free = ripple(arm, 0.0, dither.frequency)
     angle_braked, pressure_braked = ripple(arm, bench.brake, dither.frequency)
-    cycle = arm.controller.cycle if arm.controller else 0.005
     frequency = np.linspace(0.5, 100.0, 400)
-    response = frequency_response(frequency, cycle)
-    suppression, delay = _average(bench, cycle)
+    response = frequency_response(frequency, arm.cycle)
+    suppression, delay = _average(bench)
     return Dither(
         angle_free,
         angle_braked,
@@ -144,9 +143,9 @@ def perform(bench: Bench) -> Dither:
     )
 
 
-def _average(bench: Bench, cycle: float) -> tuple[float, float]:
+def _average(bench: Bench) -> tuple[float, float]:
     """Suppression of the dither's frequency (dB) and delay (s) of the angle that the controller uses."""
-    gains = parameters.gains(bench.arm, "small")
+    gains, cycle = parameters.gains(bench.arm, "small"), bench.arm.cycle
 
     def used(signal: NDArray[Any]) -> NDArray[np.float64]:
         memory = start(Measurement(float(signal[0]), 0.0, cycle))

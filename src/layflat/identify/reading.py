@@ -20,9 +20,6 @@ from layflat.machine.rigs import Rig
 if TYPE_CHECKING:
     import xarray
 
-CYCLE = 0.005
-"""Of a machine without a controller, s."""
-
 NAMED = 3
 """Values, and motions, that are named where there are more."""
 
@@ -101,8 +98,7 @@ def _for(
         return read_log(table, mapping, joints=list(machine.joints) if machine else None, as_recorded=True), []
     if machine is None:
         return _begun(read_log(table, mapping))
-    cycle = machine.controller.cycle if machine.controller is not None else CYCLE
-    return _begun(read_log(table, mapping, joints=list(machine.joints), cycle=cycle))
+    return _begun(read_log(table, mapping, joints=list(machine.joints), cycle=machine.cycle))
 
 
 def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Finding]]:

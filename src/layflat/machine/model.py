@@ -14,6 +14,9 @@ from layflat.machine.parts import Joint
 from layflat.machine.safety import Safety
 from layflat.physics.delay import LONGEST
 
+CYCLE = 0.005
+"""Cycle of a machine without a controller, s: the paper's."""
+
 
 class Supply(Part):
     """Air supply and surroundings."""
@@ -164,7 +167,7 @@ class Machine(Part):
                 f"arm.joints names {missing[0]!r}, which is no joint here; joints are {sorted(self.joint)}"
             )
         if self.valve is not None and self.controller is not None:
-            longest = LONGEST * self.controller.cycle
+            longest = LONGEST * self.cycle
             if self.valve.delay > longest:
                 raise ValueError(f"valve.delay is longer than three control cycles, {1000 * longest:g} ms")
         return self
@@ -184,6 +187,11 @@ class Machine(Part):
     def origin(self) -> str:
         """The file or built-in name that it was loaded from, its own name where there is none: for messages."""
         return self._origin or self.name
+
+    @property
+    def cycle(self) -> float:
+        """Control cycle, s; without a controller, the time between changes of the valves' voltages."""
+        return self.controller.cycle if self.controller is not None else CYCLE
 
     @property
     def joints(self) -> dict[str, Joint]:

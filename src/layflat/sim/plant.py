@@ -54,7 +54,7 @@ class SteppedPlant:
         step: Value = STEP,
         payload: Value | None = None,
     ) -> None:
-        cycle = machine.controller.cycle if machine.controller is not None else 0.005
+        cycle = machine.cycle
         timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
         scenario, n = Scenario(start=start, pressures=pressures), len(machine.joints)
         self.joints = tuple(machine.joints)

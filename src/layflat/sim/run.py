@@ -94,7 +94,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
     Raises:
         InputError: a machine, scenario or option is wrong.
     """
-    cycle = machine.controller.cycle if machine.controller is not None else 0.005
+    cycle = machine.cycle
     timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records, scenario.closed_loop)
     joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)

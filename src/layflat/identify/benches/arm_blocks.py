@@ -69,7 +69,7 @@ def _span(machine: Machine) -> float:
 
 
 def _longest_delay(machine: Machine, _: float) -> float:
-    return LONGEST * (machine.controller.cycle if machine.controller is not None else 0.005)
+    return LONGEST * machine.cycle
 
 
 def _sensor_span(machine: Machine) -> float:

@@ -115,7 +115,7 @@ class Record:
         brake, load, supply, payload = map(first, ("brake", "load", "supply", "payload"))
         ambient = self.machine.supply.ambient_pressure
         return Scenario(
-            duration=samples * self._cycle,
+            duration=samples * self.machine.cycle,
             demand=self._followed[:samples],
             voltage=self.voltage[:samples],
             start=dict(zip(self.joints, self._angles, strict=True)),
@@ -136,10 +136,6 @@ class Record:
         values = np.asarray(angles.transpose("time", "joint").to_numpy(), dtype=np.float64)
         window = min(SMOOTHED, 2 * ((len(values) - 1) // 2) + 1)
         return np.asarray(savgol_filter(values, window, 3, axis=0)) if window > 3 else values
-
-    @cached_property
-    def _cycle(self) -> float:
-        return self.machine.controller.cycle if self.machine.controller is not None else 0.005
 
     @cached_property
     def _angles(self) -> list[float]:

@@ -37,7 +37,7 @@ class Bench:
     def __init__(self, machine: Machine, driver: Driver, clock: Clock) -> None:
         self.machine, self.driver, self.clock = machine, driver, clock
         self.names = list(machine.joints)
-        self.cycle = machine.controller.cycle if machine.controller is not None else 5e-3
+        self.cycle = machine.cycle
         self.limits = [limits(machine, name) for name in self.names]
         valve, self.angle_part, self.pressure_part = drive_parts(machine)
         self.span = valve.volts_to_full

@@ -55,7 +55,6 @@ class Device:
         self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False, line: LineLaw | None = None
     ) -> None:
         valve, *_ = parameters.drive_parts(machine)
-        cycle = machine.controller.cycle if machine.controller is not None else 0.005
         n, span = len(machine.joints), valve.volts_to_full
         self.plant, self.clock, self.link, self.converters = plant, clock, Link(), Converters(machine)
         self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running, law=line)
@@ -69,7 +68,7 @@ class Device:
         self._centred = np.full(n, self.capabilities.centre_voltage)
         self._open = np.full(n, self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)
-        self._until_centre = min(round(machine.interface.watchdog_cycles * cycle * SECOND), self._until_dump)
+        self._until_centre = min(round(machine.interface.watchdog_cycles * machine.cycle * SECOND), self._until_dump)
         self._lsb = machine.interface.supply_range_gauge / 2**machine.interface.supply_bits
         self._counts = 2**machine.interface.supply_bits
         self._at = self._heard = clock.now()

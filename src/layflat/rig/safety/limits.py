@@ -26,9 +26,6 @@ RAIL = 2.0
 NOISE = 2.0
 """Counts by which a sample may be wrong: a joint at a limit is found in spite of them."""
 
-DEFAULT_CYCLE = 0.005
-"""s, of a machine without controller."""
-
 RIPPLE_AFTER = 4.0
 """Cycles that the ripple takes to show that there is none any more."""
 
@@ -52,13 +49,12 @@ def limits(machine: Machine, name: str) -> Limits:
     K = parameters.torque_constant(joint)
     friction = 2.0 * joint.brake.torque / K + parameters.loss_share(joint) * gauge
     seen = _dither_is_seen(machine)
-    cycle = machine.controller.cycle if machine.controller is not None else DEFAULT_CYCLE
     return Limits(
         angle.low + RAIL * angle.lsb,
         angle.high - RAIL * angle.lsb,
         angle.lsb,
         working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
-        safety.speed - NOISE * angle.lsb / cycle,
+        safety.speed - NOISE * angle.lsb / machine.cycle,
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
         friction,
         safety.following_error,

@@ -54,7 +54,7 @@ class Cases:
     @cached_property
     def cycle(self) -> float:
         """Control cycle, s."""
-        return self.base.controller.cycle if self.base.controller is not None else 0.005
+        return self.base.cycle
 
     @cached_property
     def which(self) -> NDArray[np.int64]:
@@ -212,7 +212,7 @@ def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayL
     if len(counts) > 1:
         lengths = ", ".join(f"{key}: {len(values)}" for key, values in arrays.items())
         raise InputError(f"has different numbers of runs ({lengths})", where="vary", right="give one number a run")
-    lasting = {scenario.cycles(machine.controller.cycle if machine.controller else 0.005) for scenario in scenarios}
+    lasting = {scenario.cycles(machine.cycle) for scenario in scenarios}
     if len(lasting) != 1:
         raise InputError("are not equally long", where="scenario", right="give all the same duration")
     varied = machine
