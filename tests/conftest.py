@@ -1,8 +1,9 @@
 from pathlib import Path
 
-import numba
 import pytest
 from hypothesis import settings
+
+from layflat.lanes.interpreted import interpreted
 
 settings.register_profile("layflat", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("layflat")
@@ -13,7 +14,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    if not interpreted():
         return
     for item in items:
         if "compiled" in item.keywords:

@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 import layflat
-from layflat.jit import by_kind, cache_folder, forget_stale, kernel, law, source_digest
+from layflat.jit import by_kind, cache_folder, kernel, law
+from layflat.jit.cache import forget_stale, source_digest, sources
 from layflat.physics.arm import OneLink
 from layflat.physics.hose import Stroke
 
@@ -22,7 +23,7 @@ from layflat.physics.hose import Stroke, torque_per_pressure
 def doubled(stroke, s):
     return 2.0 * torque_per_pressure(stroke, s)
 
-print(doubled(Stroke(1.0, 2.0, 0.0, 0.0, 0.0), 3.0), sum(doubled.stats.cache_hits.values()))
+print(doubled(Stroke(1.0, 2.0, 0.0, 0.0, 0.0), 3.0), sum(doubled.dispatcher.stats.cache_hits.values()))
 """
 
 SHORT_RUN = """
@@ -76,15 +77,68 @@ def test_a_run_without_the_jit_has_the_same_bits(tmp_path: Path) -> None:
 
 
 def test_kernels_are_cached_in_a_folder_of_these_sources() -> None:
-    folder = cache_folder()
+    loop = PACKAGE / "sim" / "kernel.py"
+    folder = cache_folder(loop)
     assert folder is not None
-    assert folder.name == source_digest()
+    assert folder.name == source_digest(loop)
+
+
+def test_machine_code_depends_on_laws_alone() -> None:
+    texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
+    kernels = [path for path, text in texts.items() if "\n@kernel" in text or "    @kernel" in text]
+    assert PACKAGE / "sim" / "kernel.py" in kernels
+    strangers = {
+        f"{path.name} depends on {f.relative_to(PACKAGE)}"
+        for path in kernels
+        for f in sources(path)
+        if f.relative_to(PACKAGE).parts[0] not in ("jit", "lanes", "physics", "control")
+        and not any(word in texts[f] for word in ("NamedTuple", "@law", "@kernel"))
+    }
+    assert not strangers
+
+
+OUTSIDE = """
+import sys
+from pathlib import Path
+from layflat.jit import cache_folder, include_source
+
+print(cache_folder(Path(__file__)))
+include_source(Path(sys.argv[1]))
+print(cache_folder(Path(__file__)))
+"""
+
+
+def test_laws_from_outside_have_machine_code_of_their_own(tmp_path: Path) -> None:
+    script, laws = tmp_path / "kernel.py", tmp_path / "laws.py"
+    script.write_text(OUTSIDE)
+    laws.write_text("number = 1\n")
+    first = python(script, str(laws)).split()
+    laws.write_text("number = 2\n")
+    second = python(script, str(laws)).split()
+    assert first[0] == second[0]
+    assert len({first[0], first[1], second[1]}) == 3
+
+
+WITHOUT_COMPILER = """
+import sys
+from layflat.machine import load, parameters
+import layflat.sim.kernel
+
+parameters.joints(load("paper-arm"))
+print(*(name for name in ("numba", "llvmlite") if name in sys.modules))
+"""
+
+
+def test_describing_a_machine_loads_no_compiler(tmp_path: Path) -> None:
+    script = tmp_path / "describe.py"
+    script.write_text(WITHOUT_COMPILER)
+    assert python(script).strip() == b""
 
 
 def test_no_cache_where_none_can_be_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("LAYFLAT_CACHE_DIR", str(tmp_path / "file"))
-    assert cache_folder.__wrapped__() is None
+    assert cache_folder(PACKAGE / "sim" / "kernel.py") is None
 
 
 @law

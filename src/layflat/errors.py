@@ -50,6 +50,10 @@ class CameraError(InputError):
     """The camera is not where its calibration says, or can't be calibrated with what was given."""
 
 
+class CompilerError(LayflatError):
+    """The installed compiler (numba, llvmlite) is not one that layflat knows."""
+
+
 class BrokenOffError(LayflatError):
     """Somebody stopped the work (Ctrl-C); what was done is kept."""
 

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from layflat.jit import composition, kernel, law
 from layflat.lanes import (
-    WIDTH,
     Lanes,
     halves,
     in_lanes,
@@ -18,6 +17,7 @@ from layflat.lanes import (
     read_lanes,
     read_numbers,
     select,
+    width,
     write_lanes,
     write_numbers,
     write_row,
@@ -133,20 +133,20 @@ def through_lanes(block: Any, out: Any, kept: Any) -> None:
 
 
 def test_lanes_are_read_from_and_written_to_columns() -> None:
-    block, out, kept = np.arange(3.0 * 2 * WIDTH).reshape(3, -1) / 4, np.zeros((3, WIDTH)), np.zeros((2, WIDTH))
-    part = block[:, WIDTH - 1 : 2 * WIDTH - 1]
+    block, out, kept = np.arange(3.0 * 2 * width()).reshape(3, -1) / 4, np.zeros((3, width())), np.zeros((2, width()))
+    part = block[:, width() - 1 : 2 * width() - 1]
     through_lanes(part, out, kept)
     assert np.array_equal(out, [part[0] + part[2], part[1], np.floor(part[2])])
-    assert kept.tolist() == [[7.0] * WIDTH, [0.5] * WIDTH]
+    assert kept.tolist() == [[7.0] * width(), [0.5] * width()]
 
 
 def test_the_interpreter_reads_and_writes_alike() -> None:
-    block, out = np.arange(3.0 * WIDTH).reshape(3, -1), np.zeros((3, WIDTH))
+    block, out = np.arange(3.0 * width()).reshape(3, -1), np.zeros((3, width()))
     read = interpreted.read_lanes(Nested(Pair(0.0, 0.0), 0.0), block)
     assert isinstance(read, Nested)
     interpreted.write_lanes(out, read)
     assert np.array_equal(out, block)
-    assert interpreted.in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * WIDTH), read.z)  # type: ignore[arg-type]
+    assert interpreted.in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * width()), read.z)  # type: ignore[arg-type]
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.jit import composition, kernel
-from layflat.lanes import WIDTH, in_lanes, read_lanes, slots, width, write_lanes
+from layflat.lanes import in_lanes, read_lanes, slots, width, write_lanes
 
 
 class Pair(NamedTuple):
@@ -52,7 +52,7 @@ def through_slots(block: Any, out: Any) -> int:
 
 
 def test_they_hold_lanes() -> None:
-    block, out = np.arange(2.0 * WIDTH).reshape(2, WIDTH), np.zeros((6, WIDTH))
-    assert through_slots(block, out) == WIDTH
+    block, out = np.arange(2.0 * width()).reshape(2, width()), np.zeros((6, width()))
+    assert through_slots(block, out) == width()
     assert np.array_equal(out[2:4], block)
     assert out[[0, 1, 4, 5], 0].tolist() == [1.0, 2.0, 1.0, 2.0]

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.bridge.engine import engine
 from layflat.jit import kernel
 from layflat.physics.friction import brake_one, brake_two
 
@@ -121,6 +120,8 @@ class Brakes:
     """
 
     def __init__(self, model: Any, dofs: NDArray[np.int64]) -> None:
+        from layflat.bridge.engine import engine  # noqa: PLC0415  # kernels stand here, which do not depend on it
+
         self._mj, self._model = engine(), model
         # The mass matrix couples nothing beyond a tree of bodies.
         tree = np.flatnonzero(np.isin(model.dof_treeid, model.dof_treeid[dofs]))

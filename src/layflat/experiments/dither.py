@@ -13,11 +13,9 @@ from layflat.control.controller import start, step
 from layflat.control.gains import Measurement
 from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
-from layflat.jit import kernel
+from layflat.experiments.kernels import sweep_spool
 from layflat.machine import Machine, parameters
 from layflat.machine.model import SpoolValve
-from layflat.physics.spool import advance_spool
-from layflat.physics.spool_valve import path_conductance
 from layflat.sim import rollout
 
 SETTLED = 1.0
@@ -81,30 +79,13 @@ def ripple(machine: Machine, brake: float, frequency: float) -> tuple[dict[str, 
     return angle, pressure
 
 
-@kernel
-def _valve_sweep(valve, command, amplitude, frequency, h, n):  # type: ignore[no-untyped-def]
-    """Mean net opening over the last half of n steps at each command, share of full conductance."""
-    opening = np.empty_like(command)
-    x, v, t = 0.0, 0.0, 0.0
-    for i in range(len(command)):
-        total = 0.0
-        for k in range(n):
-            u = command[i] + amplitude * np.sin(2.0 * pi * frequency * (t + 0.5 * h))
-            x, v = advance_spool(valve.spool, u, 0.0, x, v, h)
-            t += h
-            net = path_conductance(valve, x) - path_conductance(valve, -x)
-            total += net if k >= n // 2 else 0.0
-        opening[i] = total / (n - n // 2) / valve.conductance
-    return opening
-
-
 def sweep_valve(valve: SpoolValve, amplitude: float, frequency: float) -> ValveSweep:
     """Sweep a valve's command slowly up and down over a fifth of its stroke."""
     law = parameters.spool_valve(valve)
     command = np.linspace(-0.2, 0.2, 81)
     both = np.concatenate([command, command[::-1]])
     lap = np.concatenate([both, both])
-    opening = _valve_sweep(law, lap, amplitude, frequency, 1e-4, 800)
+    opening = sweep_spool(law, lap, amplitude, frequency, 1e-4, 800)
     return ValveSweep(command, opening[162:243], opening[243:][::-1])
 
 

@@ -7,11 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement
 from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
-from layflat.jit import kernel
+from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
 
 CYCLES = 1000
@@ -23,19 +21,6 @@ class Timing:
     """Median time of one cycle of both axes, s."""
 
     both_axes: float
-
-
-@kernel
-def control_cycles(gains, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
-    """Run the controllers of all axes over many cycles of given samples; returns the sum of their voltages."""
-    total = 0.0
-    memories = [start(Measurement(angle[0], pressure[0], 0.005)) for _ in range(len(gains))]
-    for i in range(cycles):
-        for j in range(len(gains)):
-            k = (i + j) % len(angle)
-            memories[j], voltage, _ = step(gains[j], memories[j], Measurement(angle[k], pressure[k], 0.005), demand[k])
-            total += voltage
-    return total
 
 
 def perform(bench: Bench) -> Timing:

@@ -13,36 +13,36 @@ a heap.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.
+
+What stands here is plain Python (interpreted.py). `compiled` teaches the compiler the same when it is first needed.
 """
 
-import layflat.lanes.boxing
-import layflat.lanes.lowering  # noqa: F401  (both teach the compiler what follows)
 from layflat.lanes.interpreted import (
-    WIDTH,
     Lanes,
     halves,
     in_lanes,
     join,
     lane_by_lane,
     leaves,
+    mapped,
     read_lanes,
     read_numbers,
     select,
+    slots,
     width,
     write_lanes,
     write_numbers,
     write_row,
 )
-from layflat.lanes.slots import slots
 
 __all__ = [
-    "WIDTH",
     "Lanes",
     "halves",
     "in_lanes",
     "join",
     "lane_by_lane",
     "leaves",
+    "mapped",
     "read_lanes",
     "read_numbers",
     "select",

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 import operator
+import os
 from collections.abc import Callable, Iterator
-from functools import wraps
+from functools import cache, wraps
 from itertools import count
 from typing import Any
 
-import numba
-from llvmlite import binding as _binding
 
-binding: Any = _binding
-config: Any = numba.config
+def _switched_on(name: str) -> bool:
+    return os.environ.get(name, "").strip() not in ("", "0")
 
 
-def _width() -> int:
-    if config.ENABLE_CUDASIM and config.DISABLE_JIT:
+@cache
+def interpreted() -> bool:
+    """Whether nothing is compiled (NUMBA_DISABLE_JIT)."""
+    return _switched_on("NUMBA_DISABLE_JIT")
+
+
+@cache
+def host_width() -> int:
+    """Lanes that a vector register of this machine holds; in the simulator of a CUDA device, one."""
+    if interpreted() and _switched_on("NUMBA_ENABLE_CUDASIM"):
         return 1
-    return 8 if binding.get_host_cpu_features().get("avx512f") else 4
+    from llvmlite import binding  # noqa: PLC0415  # part of the compiler, which takes long to load
 
-
-WIDTH = _width()
-"""Lanes that `read_lanes` gives here: as many as a vector register holds; in the simulator of a CUDA device, one."""
+    features: Any = binding.get_host_cpu_features()  # type: ignore[no-untyped-call]
+    return 8 if features.get("avx512f") else 4
 
 
 class Lanes(tuple[Any, ...]):
@@ -108,7 +114,7 @@ def leaves(value: Any) -> Iterator[Any]:
 
 def width() -> int:
     """Lanes that `read_lanes` gives; known when a kernel is compiled."""
-    return WIDTH
+    return host_width()
 
 
 def read_lanes(like: Any, block: Any) -> Any:
@@ -116,13 +122,13 @@ def read_lanes(like: Any, block: Any) -> Any:
 
     Only the first `width()` columns of the block are read.
     """
-    rows = count()
+    rows, lanes = count(), host_width()
 
     def read(part: Any) -> Any:
         if isinstance(part, tuple):
             return _rebuild(part, [read(item) for item in part])
         row = block[next(rows)]
-        return Lanes(float(row[lane]) for lane in range(WIDTH)) if WIDTH > 1 else float(row[0])
+        return Lanes(float(row[lane]) for lane in range(lanes)) if lanes > 1 else float(row[0])
 
     return read(like)
 
@@ -147,6 +153,8 @@ def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(function)
     def called(*args: Any) -> Any:
+        if not any(isinstance(arg, tuple) for arg in args):
+            return function(*args)
         counts = set(_counts(args))
         if not counts:
             return function(*args)
@@ -154,6 +162,18 @@ def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
         return _transpose([function(*_lane(args, i)) for i in range(lanes)])
 
     return called
+
+
+def mapped(value: Any, function: Callable[[Any], Any]) -> Any:
+    """A nested tuple with a function applied to all its leaves."""
+    if isinstance(value, tuple):
+        return _rebuild(value, [mapped(item, function) for item in value])
+    return function(value)
+
+
+def slots(items: Any, value: Any = None) -> Any:
+    """A list of the items; or, given a value, one with that value in the place of each."""
+    return list(items) if value is None else [value] * len(items)
 
 
 def _rebuild(like: Any, items: list[Any]) -> Any:

@@ -1,4 +1,4 @@
-"""Slots: a list of fixed length that needs no heap, so that there can be one in every thread of a CUDA device.
+"""Slots for the compiler: lists of fixed length without a heap, so that every thread of a CUDA device can have some.
 
 `slots(items)` holds the items of a tuple, all of one type; `slots(items, value)` holds `value` as many times. Without
 the compiler they are lists.
@@ -20,10 +20,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-
-def slots(items: Any, value: Any = None) -> Any:
-    """A list of the items; or, given a value, one with that value in the place of each."""
-    return list(items) if value is None else [value] * len(items)
+from layflat.lanes.interpreted import slots
 
 
 class SlotsType(types.Type):

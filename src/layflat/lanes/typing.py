@@ -19,8 +19,8 @@ from numba.core.typing import Context, signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
 from layflat.lanes.interpreted import (
-    WIDTH,
     halves,
+    host_width,
     in_lanes,
     join,
     read_lanes,
@@ -69,7 +69,7 @@ class _Vector(models.PrimitiveModel):
 
 def width_in(context: Any) -> int:
     """Lanes that `read_lanes` gives in code of a compiler's context: other targets than this machine have one."""
-    return WIDTH if isinstance(context, (Context, CPUContext)) else 1
+    return host_width() if isinstance(context, (Context, CPUContext)) else 1
 
 
 def lanes_type(count: int) -> Any:

@@ -3,7 +3,9 @@
 The arms differ only in how torques become velocities; `advance` picks the right one by the kind of arm.
 """
 
-from layflat.jit import by_kind, composition
+import numpy as np
+
+from layflat.jit import by_kind, composition, kernel
 from layflat.lanes import halves, join
 from layflat.physics.arm import (
     LevelTwoLink,
@@ -106,3 +108,12 @@ def _tip_of_two(arm, angles):
 
 tip = by_kind({OneLink: _tip_of_one, TwoLink: _tip_of_two, LevelTwoLink: _tip_of_two})
 """Position of the tip (m), x along link 1 at mid-stroke, from the joints' angles (a list): `tip(arm, angles)`."""
+
+
+@kernel
+def tips_along(arm, q):
+    """Positions of the tip, (instants, 2), m, from angles (instants, joints), rad."""
+    tips = np.empty((len(q), 2))
+    for i in range(len(q)):
+        tips[i, 0], tips[i, 1] = tip(arm, q[i])
+    return tips

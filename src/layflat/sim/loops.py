@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.jit import kernel, law
+from layflat.lanes import mapped
 from layflat.physics.joint import Hose
 from layflat.physics.loss import slip
 from layflat.physics.rod import Rod, slip_force, smooth_force
-from layflat.sim.ensemble.cases import mapped
-from layflat.sim.sweep import UNTURNED, Slow, turned
+from layflat.sim.slow import UNTURNED, Slow, turned
 
 Array = NDArray[np.float64]
 

@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from layflat.jit import kernel, law
-from layflat.lanes import read_numbers, slots, write_numbers
+from layflat.lanes import mapped, read_numbers, slots, write_numbers
 from layflat.physics.delay import NOTHING_ASKED, Line
 from layflat.physics.failing import through_hole
 from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valve import driven, start_wave
-from layflat.sim.ensemble.cases import mapped
 from layflat.sim.kernel import sense
 
 

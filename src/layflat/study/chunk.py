@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import layflat
 from layflat.errors import InputError
-from layflat.jit import source_digest
+from layflat.jit.cache import source_digest
 from layflat.sim.ensemble import ensemble
+from layflat.sim.ensemble import kernel as ensemble_kernel
 from layflat.study.sampling import Array
 from layflat.study.study import Study
 from layflat.study.varied import applied
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
 def made_with() -> dict[str, str]:
     """What decides, besides the study, about the last bit of its table."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    return {"layflat": layflat.__version__, "laws": source_digest(), **libraries}
+    return {"layflat": layflat.__version__, "laws": source_digest(Path(ensemble_kernel.__file__)), **libraries}
 
 
 def measured(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray
 
-from layflat.lanes import WIDTH
+from layflat.lanes import width
 from layflat.machine import Machine, changed, load
 from layflat.machine.change import value_at
 from layflat.sim import Scenario, rollout
@@ -178,7 +178,7 @@ def test_scenarios_differ_from_run_to_run() -> None:
 
 
 def test_neither_neighbours_nor_threads_nor_blocks_matter() -> None:
-    count = BLOCK * WIDTH + 3
+    count = BLOCK * width() + 3
     case = Scenario(demand=[(0.0, 0.0), (0.05, 0.2)], duration="0.1 s")
     payloads = np.linspace(0.0, 2.0, count)
     vary = {"scenario.payload": payloads, "seed": np.arange(count)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from layflat.errors import InputError
+from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, changed, parameters
 from layflat.machine.change import paths
 from layflat.physics.joint import FILLED
@@ -80,7 +81,7 @@ class Cases:
     @cached_property
     def numbers(self) -> list[Any]:
         """Every number of `case`, in order."""
-        return list(_leaves(self.case))
+        return list(leaves(self.case))
 
     @cached_property
     def template(self) -> tuple[Any, ...]:
@@ -248,20 +249,11 @@ def _checked(key: str, values: ArrayLike) -> Array:
     return array
 
 
-def _leaves(value: Any) -> Iterator[Any]:
-    """Numbers of a nested tuple, in order."""
-    if isinstance(value, tuple):
-        for item in value:
-            yield from _leaves(item)
-    else:
-        yield value
-
-
 def columns(case: tuple[Any, ...], rows: NDArray[np.int64]) -> Array:
     """Every number of a nested tuple in order, a column a run: (numbers, runs)."""
-    leaves = list(_leaves(case))
-    numbers = np.empty((len(leaves), len(rows)))
-    for place, number in zip(numbers, leaves, strict=True):
+    each = list(leaves(case))
+    numbers = np.empty((len(each), len(rows)))
+    for place, number in zip(numbers, each, strict=True):
         place[:] = number[rows] if isinstance(number, np.ndarray) else number
     return numbers
 
@@ -270,11 +262,3 @@ def first_of(case: tuple[Any, ...]) -> tuple[Any, ...]:
     """A nested tuple with the numbers of the first run."""
     first: tuple[Any, ...] = mapped(case, lambda leaf: float(np.ravel(leaf)[0]))
     return first
-
-
-def mapped(value: Any, function: Callable[[Any], Any]) -> Any:
-    """A nested tuple with a function applied to all its leaves."""
-    if isinstance(value, tuple):
-        items = [mapped(item, function) for item in value]
-        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
-    return function(value)

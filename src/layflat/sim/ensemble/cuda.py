@@ -17,9 +17,10 @@ from numba import cuda as _cuda
 from numpy.typing import NDArray
 
 from layflat.errors import InputError
-from layflat.jit import config, device_kernel, on_device
+from layflat.jit.compiler import config, device_kernel, on_device
+from layflat.lanes import mapped
 from layflat.sim.ensemble.block import Block, block_of, keep
-from layflat.sim.ensemble.cases import Cases, mapped
+from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.kernel import run_lanes
 from layflat.sim.ensemble.results import Results
 from layflat.sim.ensemble.watch import new_watch, some_lanes

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.lanes import WIDTH
+from layflat.lanes import width
 from layflat.machine import Machine, load
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
 BLOCK, SHARES = 32, 4
-"""Groups of `WIDTH` runs that a thread takes at a time: at most, and so that each thread takes this many times."""
+"""Groups of `width()` runs that a thread takes at a time: at most, and so that each thread takes this many times."""
 
 TIP_BAND = 2e-3
 """Within this of its goal the tip has settled, m: section 5 of the paper."""
@@ -154,9 +154,10 @@ def _run_on_threads(
 
 def _blocks(count: int, workers: int) -> Iterator[NDArray[np.int64]]:
     """Numbers of the runs of every block; the last run stands in where a group of lanes is not full."""
-    size = WIDTH * min(BLOCK, ceil(count / (WIDTH * SHARES * workers)))
+    lanes = width()
+    size = lanes * min(BLOCK, ceil(count / (lanes * SHARES * workers)))
     for first in range(0, count, size):
-        filled = WIDTH * ceil((min(first + size, count) - first) / WIDTH)
+        filled = lanes * ceil((min(first + size, count) - first) / lanes)
         yield np.minimum(np.arange(first, first + filled), count - 1)
 
 

@@ -1,0 +1,75 @@
+"""A joint that is turned slowly at constant pressure, without inertia or air flow: torque = K p - losses - brake."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from layflat.jit import kernel, law
+from layflat.lanes import in_lanes, read_lanes, select, width, write_lanes
+from layflat.physics.hose import torque_per_pressure
+from layflat.physics.loss import slip_all
+
+
+class Slow(NamedTuple):
+    """A joint on a slow sweep: its way, the torques of the slipping elements, torque without losses, and with (N m)."""
+
+    way: float
+    slip_a: tuple[float, float, float]
+    slip_b: tuple[float, float, float]
+    lossless: float
+    torque: float
+
+
+UNTURNED = Slow(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0)
+
+
+@law
+def turned(slow, hose_a, hose_b, q, turn, p_a, p_b, brake):
+    """The joint turned by `turn` to angle q, at constant gauge pressures."""
+    way = select(turn > 0.0, 1.0, select(turn < 0.0, -1.0, slow.way))
+    slip_a = slip_all(hose_a.loss, slow.slip_a[0], slow.slip_a[1], slow.slip_a[2], turn, p_a)
+    slip_b = slip_all(hose_b.loss, slow.slip_b[0], slow.slip_b[1], slow.slip_b[2], turn, p_b)
+    pull = torque_per_pressure(hose_a.stroke, hose_a.neutral + q) * p_a
+    push = torque_per_pressure(hose_b.stroke, hose_b.neutral - q) * p_b
+    lossless = pull - push
+    lost = slip_a[0] + slip_a[1] + slip_a[2] + slip_b[0] + slip_b[1] + slip_b[2]
+    return Slow(way, slip_a, slip_b, lossless, lossless - lost - way * brake)
+
+
+@kernel
+def sweep_joint(hose_a, hose_b, q, p_a, p_b, brake):
+    """Torques with and without losses and brake along angles q (rad), N m, at constant gauge pressures."""
+    torque, lossless = np.empty_like(q), np.empty_like(q)
+    slow = UNTURNED
+    for i in range(len(q)):
+        turn = q[i] - q[i - 1] if i > 0 else 0.0
+        slow = turned(slow, hose_a, hose_b, q[i], turn, p_a, p_b, brake)
+        torque[i], lossless[i] = slow.torque, slow.lossless
+    return torque, lossless
+
+
+@kernel
+def sweep_many(like, numbers, forward, found):
+    """Loop height over greatest torque of many joints swept to and fro, a joint in each lane.
+
+    Args: any one case (hose A, hose B, brake torque, gauge pressure, stroke); the numbers of all, a column a joint;
+    room for the torques of a way, (points, lanes). Writes into `found` (1, joints).
+    """
+    points = len(forward)
+    for first in range(0, len(found[0]), width()):
+        hose_a, hose_b, brake, p, stroke = read_lanes(like, numbers[:, first:])
+        zero = 0.0 * p
+        slow, q = in_lanes(UNTURNED, zero), -0.5 * stroke
+        height, most = zero, zero
+        for i in range(4 * points):
+            lap, k = i // points, i % points
+            last = q
+            q = stroke * ((k if lap % 2 == 0 else points - 1 - k) / (points - 1.0) - 0.5)
+            slow = turned(slow, hose_a, hose_b, q, q - last, p, zero, brake)
+            if lap == 2:
+                write_lanes(forward[k : k + 1], slow.torque)
+                most = max(most, abs(slow.lossless))
+            if lap == 3:
+                there = read_lanes(0.0, forward[points - 1 - k : points - k])
+                height = max(height, abs(there - slow.torque))
+        write_lanes(found[:, first:], height / most)
