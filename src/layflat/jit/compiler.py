@@ -103,7 +103,7 @@ def _host_type(law: Any) -> Any:
     return law._numba_type_
 
 
-class _Choice(types.Callable):  # type: ignore[misc]  # untyped
+class _Choice(types.Callable):
     """To the compiler: a call is one of the law for the kind of the first argument."""
 
     def __init__(self, laws: Mapping[type, Any], type_of: Callable[[Any], Any]) -> None:
