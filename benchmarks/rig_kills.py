@@ -23,10 +23,10 @@ import numpy as np
 from layflat.cli.rig import DriverOf
 from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import Machine, changed, load
-from layflat.rig.far.device import Device
-from layflat.rig.far.process import FarSide, ModbusPort
+from layflat.rig.device.process import DeviceProcess, ModbusPort
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.mailbox import Mailbox
-from layflat.rig.performance import EarlyEndError, Performance, Plan
+from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
 from layflat.rig.recorded import Recorded
 from layflat.rig.recorder.process import part_of
 from layflat.rig.recorder.repair import repair
@@ -72,7 +72,7 @@ def patient(machine: Machine) -> Machine:
 def host(machine: Machine, address: str, place: str, pipe: Connection) -> None:
     """What the host's process does: it swings the arm until the run ends, or it is killed."""
     with Recorded(machine, DriverOf(address, machine), address, Path(place)) as rig:
-        performance = Performance(rig)
+        performance = PlanRunner(rig)
         performance.bring_air()
         pipe.send((rig.session.process.pid, rig.recorder.pid, str(rig.session.mailbox)))
         times = np.arange(0.1, 20.0, 0.7)
@@ -83,14 +83,14 @@ def host(machine: Machine, address: str, place: str, pipe: Connection) -> None:
             pipe.send(str(error))
 
 
-def pressure(device: Device) -> float:
+def pressure(device: VirtualDevice) -> float:
     """The highest gauge pressure in any hose, Pa."""
     device.tick()
     return float(device.plant.pressures.max() - device.line.ambient)
 
 
-def lead_home(device: Device) -> bool:
-    """Turn joints by hand that a killed loop has left far out; whether there are any."""
+def lead_home(device: VirtualDevice) -> bool:
+    """Turn joints by hand that a killed loop has left device out; whether there are any."""
     device.tick()
     plant, away = device.plant, False
     for j, angle in enumerate(plant.angles):
@@ -100,13 +100,13 @@ def lead_home(device: Device) -> bool:
     return away
 
 
-def trial(far: FarSide, machine: Machine, victim: str, instant: float, folder: Path) -> Result:
+def trial(device: DeviceProcess, machine: Machine, victim: str, instant: float, folder: Path) -> Result:
     """Kill one of the three processes so many seconds after the first demand."""
     place = folder / f"{victim}-{time.monotonic_ns()}.mcap"
     context = multiprocessing.get_context("spawn")
     mine, its = context.Pipe()
-    process = context.Process(target=host, args=(machine, far.address, str(place), its), name="host")
-    _until(lambda: not far.call(lead_home))
+    process = context.Process(target=host, args=(machine, device.address, str(place), its), name="host")
+    _until(lambda: not device.call(lead_home))
     process.start()
     its.close()
     if not mine.poll(2.0 * PATIENCE):
@@ -119,7 +119,7 @@ def trial(far: FarSide, machine: Machine, victim: str, instant: float, folder: P
     assert row is not None
     known = float(row[0])
     os.kill({"loop": loop, "recorder": recorder, "host": process.pid}[victim], signal.SIGKILL)
-    vented = _until(lambda: far.call(pressure) < EMPTY)
+    vented = _until(lambda: device.call(pressure) < EMPTY)
     _until(lambda: not any(_runs(pid) for pid in (loop, recorder)))
     process.join(PATIENCE)
     shown.close()
@@ -167,11 +167,11 @@ def main() -> None:
     results: list[Result] = []
     with (
         tempfile.TemporaryDirectory() as folder,
-        FarSide(VirtualRig(machine), machine, ModbusPort()) as far,
+        DeviceProcess(VirtualRig(machine), machine, ModbusPort()) as device,
     ):
         for k in range(given.count):
             for victim in VICTIMS:
-                results.append(trial(far, machine, victim, random.uniform(0.0, 1.5), Path(folder)))
+                results.append(trial(device, machine, victim, random.uniform(0.0, 1.5), Path(folder)))
                 print(f"{k + 1:3d} {results[-1]}", flush=True)
     for victim in VICTIMS:
         own = [one for one in results if one.victim == victim]

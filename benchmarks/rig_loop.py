@@ -16,7 +16,7 @@ from layflat.rig.clock import PunctualClock
 from layflat.rig.loop import Loop, NoRecorder
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.realtime import go_realtime
-from layflat.rig.rehearsal import Rehearsal, Resting
+from layflat.rig.warmup import Resting, WarmupLoop
 
 SECONDS = 10.0
 """Of real time that are measured."""
@@ -41,7 +41,7 @@ def panel(mailbox: str, over: Event) -> None:
 def work(mailbox: str, sender: Connection) -> None:
     """The loop's process: cycles of an arm at rest, with air and demands."""
     machine = load("paper-arm")
-    clock, driver = PunctualClock(Rehearsal(machine)), Resting(machine)
+    clock, driver = PunctualClock(WarmupLoop(machine)), Resting(machine)
     driver.configure()
     driver.activate()
     loop = Loop(machine, driver, clock, RemoteHost(Mailbox(Path(mailbox), 2), clock, 2), NoRecorder())

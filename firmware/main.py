@@ -7,7 +7,7 @@ from station import Station
 
 
 def main():
-    """Be a rig's far side for ever; after an error, from the start: with the air out."""
+    """Be a rig's device for ever; after an error, from the start: with the air out."""
     station = Station(PicoIO(settings), settings)
     try:
         while True:

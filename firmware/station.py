@@ -27,7 +27,7 @@ STEPS = 32
 
 
 class Station:
-    """A rig's far side; call `step` again and again."""
+    """A rig's device; call `step` again and again."""
 
     def __init__(self, io, settings):
         self.io = io

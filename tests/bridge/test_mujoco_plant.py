@@ -12,13 +12,13 @@ from layflat.bridge import MujocoPlant, arm_spec
 from layflat.errors import DivergedError, InputError
 from layflat.machine import load
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.driver import FarState, Reading
+from layflat.rig.device.plant import Plant
+from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.device import Device
-from layflat.rig.far.plant import Plant
 from layflat.rig.loop import Loop
 from layflat.rig.safety.states import State
-from layflat.rig.safety.supervisor import Wish
+from layflat.rig.safety.supervisor import HostRequest
 from layflat.sim.plant import SteppedPlant
 
 mujoco: Any = pytest.importorskip("mujoco")
@@ -36,20 +36,20 @@ class Wanting:
     def __init__(self) -> None:
         self.demands, self.ended = [nan, nan], False
 
-    def wish(self, _now: int) -> Wish:
-        return Wish(list(self.demands))
+    def request(self, _now: int) -> HostRequest:
+        return HostRequest(list(self.demands))
 
     def publish(self, row: NDArray[np.float64]) -> None: ...
 
 
 def led(plant: Plant, seconds: float) -> tuple[NDArray[np.float64], Loop]:
-    """Angles (cycles, joints) of a loop with driver, far side and a plant, which is led to two places."""
+    """Angles (cycles, joints) of a loop with driver, device and a plant, which is led to two places."""
     clock, host = VirtualClock(3 * SECOND), Wanting()
-    driver = SimulatedDriver(Device(ARM, plant, clock, running=True))
+    driver = SimulatedDriver(VirtualDevice(ARM, plant, clock, running=True))
     driver.configure()
     driver.activate()
     loop = Loop(ARM, driver, clock, host)
-    loop.begin(Reading(plant.angles, plant.pressures @ [1.0, -1.0], plant.supply, False, FarState.RUNNING))
+    loop.begin(Reading(plant.angles, plant.pressures @ [1.0, -1.0], plant.supply, False, DeviceState.RUNNING))
     angles, cycles = [], round(seconds / CYCLE)
     for k in range(cycles):
         host.demands = [radians(30.0), radians(-20.0)] if k < cycles // 2 else [radians(-10.0), radians(15.0)]

@@ -18,7 +18,7 @@ import pytest
 from layflat import cli
 from layflat.cli.rig_status import line_of
 from layflat.errors import LayflatError
-from layflat.rig.far.failures import FAILURES
+from layflat.rig.device.failures import FAILURES
 from layflat.rig.record import Layout
 from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.faults import Fault
@@ -299,8 +299,8 @@ def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 def test_the_status_is_a_line() -> None:
     layout = Layout.of(["large", "small"])
     row = np.zeros(layout.width)
-    row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.NO_ANSWER
-    row[layout.of_joint(1).stop - 1] = Fault.NO_ANSWER
+    row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.VALVE_UNRESPONSIVE
+    row[layout.of_joint(1).stop - 1] = Fault.VALVE_UNRESPONSIVE
     line = line_of(Snapshot(layout, row), ["large", "small"])
     assert "FAULT joint 'small': air does not answer" in line
     assert "\n" not in line

@@ -80,7 +80,7 @@ def test_a_pressure_that_repeats_itself_is_found() -> None:
 
 
 def test_too_much_air_is_no_answer() -> None:
-    assert follow(5, [0.5, 0.5006], surplus=0.26)[1][-1] & watch.NO_ANSWER
+    assert follow(5, [0.5, 0.5006], surplus=0.26)[1][-1] & watch.VALVE_UNRESPONSIVE
     assert not any(follow(5, [0.5, 0.5006], surplus=-0.24)[1])
 
 

@@ -19,7 +19,7 @@ def simulated() -> Driver:
 
 
 def absent() -> Driver:
-    raise DriverError("nobody answers", where="modbus://127.0.0.1:5020", right="start the far side")
+    raise DriverError("nobody answers", where="modbus://127.0.0.1:5020", right="start the device")
 
 
 def of_one_joint() -> Driver:

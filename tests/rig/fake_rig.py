@@ -11,11 +11,11 @@ from plant_bench import PlantBench
 
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.driver import Capabilities, Command, Driver, FarState, LinkError, Reading
+from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.loop import Loop
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import Act, State
-from layflat.rig.safety.supervisor import Wish
+from layflat.rig.safety.states import State, ValveMode
+from layflat.rig.safety.supervisor import HostRequest
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,7 @@ class FakeDriver(Driver):
         self.command: Command | None = None
         self.commands: list[Command] = []
         self.link: str | None = None
-        self.far = FarState.RUNNING
+        self.device = DeviceState.RUNNING
         self.stopped = False
         self.supply: float | None = None
         self.spoil: Callable[[Array, Array], None] = _nothing
@@ -45,7 +45,7 @@ class FakeDriver(Driver):
         if self.link is not None:
             raise LinkError(self.link)
         supply = self.bench.around.supply_pressure if self.supply is None else self.supply
-        return Reading(angles, pressures, supply, self.stopped, self.far)
+        return Reading(angles, pressures, supply, self.stopped, self.device)
 
     def write(self, command: Command) -> None:
         self.command = command
@@ -75,8 +75,8 @@ class PlannedHost:
         self.lines: list[str] = []
         self.recording = True
 
-    def wish(self, _now: int) -> Wish:
-        wish = Wish(list(self.demands), self.start, self.stop, self.reset, self.age)
+    def request(self, _now: int) -> HostRequest:
+        wish = HostRequest(list(self.demands), self.start, self.stop, self.reset, self.age)
         self.start = self.stop = self.reset = False
         return wish
 
@@ -112,7 +112,7 @@ class Rig:
         if filled:
             self.host.demands = at.tolist()
             quiet = self.bench.exact()
-            self.loop.begin(Reading(*quiet, self.bench.around.supply_pressure, False, FarState.RUNNING))
+            self.loop.begin(Reading(*quiet, self.bench.around.supply_pressure, False, DeviceState.RUNNING))
 
     def cycles(self, count: int) -> Rig:
         for _ in range(count):
@@ -130,10 +130,10 @@ class Rig:
                 return (k + 1) * self.bench.cycle
         raise AssertionError(f"nothing within {most} s: {self.host.lines[-5:]}")
 
-    def shows(self, *what: State | Act | Fault) -> bool:
+    def shows(self, *what: State | ValveMode | Fault) -> bool:
         """Whether all of this is its state, its act, its latched or its worst fault."""
         ledger = self.supervisor.ledger
-        present = (self.supervisor.state, self.supervisor.act, ledger.latched, ledger.worst)
+        present = (self.supervisor.state, self.supervisor.valve_mode, ledger.latched, ledger.worst)
         return all(any(one is other for other in present) for one in what)
 
     @property

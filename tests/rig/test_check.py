@@ -11,11 +11,11 @@ from layflat.cli.virtual_rig import VirtualRig
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.rig.check.all import check_rig
-from layflat.rig.check.finding import Finding
+from layflat.rig.check.result import CheckResult
 from layflat.rig.clock import VirtualClock
-from layflat.rig.driver import Capabilities, Command, FarState, Lifecycle, Reading
+from layflat.rig.device.failures import failure
+from layflat.rig.driver import Capabilities, Command, DeviceState, Lifecycle, Reading
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.failures import failure
 
 ARM = load("paper-arm")
 CENTRE = 5.0
@@ -48,13 +48,13 @@ class Wired(SimulatedDriver):
         super().write(command._replace(voltages=volts[self.order]))
 
 
-def checked(driver: Wired, *, air: bool = True) -> dict[str, Finding]:
+def checked(driver: Wired, *, air: bool = True) -> dict[str, CheckResult]:
     found = check_rig(ARM, driver, driver.clock, air=air)
     assert driver.state is Lifecycle.FINALIZED
     return {one.what: one for one in found}
 
 
-def wrong(found: dict[str, Finding]) -> dict[str, str]:
+def wrong(found: dict[str, CheckResult]) -> dict[str, str]:
     return {one.what: one.right for one in found.values() if not one.sound}
 
 
@@ -72,7 +72,7 @@ def test_without_air_nothing_is_moved() -> None:
     driver = Wired()
     assert wrong(checked(driver, air=False)) == {}
     assert driver.pressed == ARM.supply.ambient_pressure
-    assert driver.device.state is FarState.DUMPED
+    assert driver.device.state is DeviceState.DUMPED
 
 
 @pytest.mark.parametrize("joint", [0, 1])

@@ -7,9 +7,9 @@ import pytest
 from fake_rig import Array, Rig
 
 from layflat.machine import load
-from layflat.rig.driver import FarState
+from layflat.rig.driver import DeviceState
 from layflat.rig.safety.faults import TABLE, Fault, Reaction
-from layflat.rig.safety.states import Act, State
+from layflat.rig.safety.states import State, ValveMode
 from layflat.rig.safety.supervisor import CENTRED
 
 ARM = load("paper-arm")
@@ -92,8 +92,8 @@ def link(rig: Rig) -> None:
     rig.driver.link = "crc"
 
 
-def far(state: FarState) -> Callable[[Rig], None]:
-    return lambda rig: setattr(rig.driver, "far", state)
+def device(state: DeviceState) -> Callable[[Rig], None]:
+    return lambda rig: setattr(rig.driver, "device", state)
 
 
 def e_stop(rig: Rig) -> None:
@@ -101,24 +101,24 @@ def e_stop(rig: Rig) -> None:
 
 
 CASES = [
-    ("angle at rail", rail, Fault.ANGLE_AT_RAIL, Act.VENT_JOINT),
-    ("angle not a number", no_angle, Fault.ANGLE_AT_RAIL, Act.VENT_JOINT),
-    ("pressure frozen", freeze_pressure, Fault.PRESSURE_FROZEN, Act.VENT_JOINT),
-    ("spool stuck in the middle", stuck(0.0), Fault.NO_ANSWER, Act.VENT),
-    ("spool stuck open", stuck(1.0), Fault.NO_ANSWER, Act.VENT),
-    ("hose A burst", burst(0), Fault.NO_ANSWER, Act.VENT),
-    ("hose B burst", burst(1), Fault.NO_ANSWER, Act.VENT),
-    ("over-speed", runaway, Fault.OVER_SPEED, Act.VENT),
-    ("outside", outside, Fault.OUTSIDE_STROKE, Act.VENT),
-    ("supply too high", supply(6.5), Fault.OVER_PRESSURE, Act.VENT),
-    ("differential pressure too high", high_pressure, Fault.OVER_PRESSURE, Act.VENT),
-    ("supply low", supply(2.0), Fault.SUPPLY_LOST, Act.VENT),
-    ("supply unknown", supply(float("nan")), Fault.OVER_PRESSURE, Act.VENT),
-    ("no ripple anywhere", still_air, Fault.SUPPLY_LOST, Act.VENT),
-    ("link", link, Fault.LINK_LOST, Act.VENT),
-    ("far side centred", far(FarState.CENTRED), Fault.FAR_CENTRED, Act.HOLD),
-    ("far side dumped", far(FarState.DUMPED), Fault.FAR_DUMPED, Act.VENT),
-    ("e-stop", e_stop, Fault.E_STOP, Act.VENT),
+    ("angle at rail", rail, Fault.ANGLE_AT_RAIL, ValveMode.VENT_JOINT),
+    ("angle not a number", no_angle, Fault.ANGLE_AT_RAIL, ValveMode.VENT_JOINT),
+    ("pressure frozen", freeze_pressure, Fault.PRESSURE_FROZEN, ValveMode.VENT_JOINT),
+    ("spool stuck in the middle", stuck(0.0), Fault.VALVE_UNRESPONSIVE, ValveMode.VENT),
+    ("spool stuck open", stuck(1.0), Fault.VALVE_UNRESPONSIVE, ValveMode.VENT),
+    ("hose A burst", burst(0), Fault.VALVE_UNRESPONSIVE, ValveMode.VENT),
+    ("hose B burst", burst(1), Fault.VALVE_UNRESPONSIVE, ValveMode.VENT),
+    ("over-speed", runaway, Fault.OVER_SPEED, ValveMode.VENT),
+    ("outside", outside, Fault.OUTSIDE_STROKE, ValveMode.VENT),
+    ("supply too high", supply(6.5), Fault.OVER_PRESSURE, ValveMode.VENT),
+    ("differential pressure too high", high_pressure, Fault.OVER_PRESSURE, ValveMode.VENT),
+    ("supply low", supply(2.0), Fault.SUPPLY_LOST, ValveMode.VENT),
+    ("supply unknown", supply(float("nan")), Fault.OVER_PRESSURE, ValveMode.VENT),
+    ("no ripple anywhere", still_air, Fault.SUPPLY_LOST, ValveMode.VENT),
+    ("link", link, Fault.LINK_LOST, ValveMode.VENT),
+    ("device centred", device(DeviceState.CENTRED), Fault.DEVICE_CENTRED, ValveMode.HOLD),
+    ("device dumped", device(DeviceState.DUMPED), Fault.DEVICE_DUMPED, ValveMode.VENT),
+    ("e-stop", e_stop, Fault.E_STOP, ValveMode.VENT),
 ]
 
 
@@ -129,7 +129,7 @@ EMPTIES = CENTRED + 0.01
 @pytest.mark.parametrize(("what", "fail", "fault", "act"), CASES, ids=[case[0] for case in CASES])
 @pytest.mark.parametrize("settle", [0.08, 0.35])
 def test_found_in_time_and_latched(
-    what: str, fail: Callable[[Rig], None], fault: Fault, act: Act, settle: float
+    what: str, fail: Callable[[Rig], None], fault: Fault, act: ValveMode, settle: float
 ) -> None:
     rig = moving(settle=settle)
     assert rig.shows(Fault.NONE)
@@ -140,9 +140,9 @@ def test_found_in_time_and_latched(
     assert took <= (entry.seconds or entry.cycles * 0.005) + 1e-9
     assert rig.shows(State.FAULT)
     command = rig.driver.commands[-1]
-    assert command.air is (act is Act.HOLD)
-    if act is not Act.HOLD:
-        if fault is Fault.NO_ANSWER:
+    assert command.air is (act is ValveMode.HOLD)
+    if act is not ValveMode.HOLD:
+        if fault is Fault.VALVE_UNRESPONSIVE:
             assert command.voltages[0] == CENTRE
             assert command.voltages[1] in {CENTRE - 5.0, CENTRE + 5.0}, "the fuller hose is let out at once"
         else:
@@ -150,9 +150,9 @@ def test_found_in_time_and_latched(
         rig.seconds(EMPTIES)
         command = rig.driver.commands[-1]
     assert rig.shows(act)
-    if act is Act.VENT:
+    if act is ValveMode.VENT:
         assert list(command.voltages) == [VENT, VENT]
-    if act is Act.VENT_JOINT:
+    if act is ValveMode.VENT_JOINT:
         assert list(command.voltages) == [CENTRE, VENT]
         assert [bool(f) for f in rig.supervisor.ledger.joints] == [False, True]
 
@@ -173,7 +173,7 @@ def test_a_frozen_angle_is_found_while_its_joint_moves(after: float) -> None:
     # Where the joint had not set off yet, it has to be driven for some time first.
     assert took <= (TABLE[Fault.ANGLE_FROZEN].seconds if 0.08 <= after <= 0.15 else 0.3)
     rig.seconds(EMPTIES)
-    assert rig.shows(Act.VENT_JOINT)
+    assert rig.shows(ValveMode.VENT_JOINT)
 
 
 def test_a_kinked_hose_is_found_as_soon_as_its_valve_is_driven() -> None:
@@ -181,8 +181,8 @@ def test_a_kinked_hose_is_found_as_soon_as_its_valve_is_driven() -> None:
     kinked(rig)
     rig.seconds(0.5)
     rig.host.demands = [0.0, 0.0]
-    assert found(rig, 1.0) <= TABLE[Fault.NO_ANSWER].seconds
-    assert rig.shows(Fault.NO_ANSWER)
+    assert found(rig, 1.0) <= TABLE[Fault.VALVE_UNRESPONSIVE].seconds
+    assert rig.shows(Fault.VALVE_UNRESPONSIVE)
 
 
 def test_every_fault_has_a_row_and_severity_grows_with_its_number() -> None:
@@ -205,10 +205,10 @@ def test_a_bad_voltage_never_leaves(bad: float, monkeypatch: pytest.MonkeyPatch)
     rig.cycles(1)
     assert rig.shows(Fault.BAD_COMMAND)
     assert rig.driver.commands[-1].voltages[1] == CENTRE
-    assert rig.shows(Act.HOLD)
+    assert rig.shows(ValveMode.HOLD)
     monkeypatch.undo()
     rig.seconds(0.5)
-    assert rig.shows(Act.HOLD)
+    assert rig.shows(ValveMode.HOLD)
     assert np.isfinite(rig.loop._memory).all()
     assert all(0.0 <= v <= 10.0 for command in rig.driver.commands for v in command.voltages)
 
@@ -234,22 +234,22 @@ def test_a_blocked_joint_is_held_where_it_is() -> None:
     took = rig.until(lambda: rig.supervisor.ledger.latched > Fault.NONE, 2.0)
     assert rig.shows(Fault.FOLLOWING_ERROR)
     assert took > 0.3
-    assert rig.shows(Act.HOLD)
+    assert rig.shows(ValveMode.HOLD)
     assert rig.supervisor.demands[1] == pytest.approx(rig.bench.states[1].motion.angle, abs=0.1)
 
 
 def test_the_worst_wins_and_a_milder_one_does_not_bring_back_the_air() -> None:
     rig = moving()
-    far(FarState.CENTRED)(rig)
+    device(DeviceState.CENTRED)(rig)
     rig.cycles(1)
-    assert rig.shows(Act.HOLD)
+    assert rig.shows(ValveMode.HOLD)
     rail(rig)
     rig.cycles(3)
     rig.seconds(EMPTIES)
-    assert rig.shows(Act.VENT_JOINT)
+    assert rig.shows(ValveMode.VENT_JOINT)
     e_stop(rig)
     rig.cycles(1)
-    assert rig.shows(Act.VENT)
+    assert rig.shows(ValveMode.VENT)
     assert rig.supervisor.ledger.reaction is Reaction.DUMP
     rig.driver.stopped = False
     rig.seconds(1.0)
@@ -280,9 +280,9 @@ def test_a_reset_needs_an_edge_and_the_fault_to_be_gone() -> None:
 
 def test_after_a_hold_a_reset_holds_and_a_start_goes_on() -> None:
     rig = moving()
-    far(FarState.CENTRED)(rig)
+    device(DeviceState.CENTRED)(rig)
     rig.cycles(2)
-    rig.driver.far = FarState.RUNNING
+    rig.driver.device = DeviceState.RUNNING
     rig.cycles(2)
     rig.host.reset = True
     rig.cycles(2)

@@ -11,7 +11,7 @@ from benchmarks.rig_kills import VICTIMS, patient, trial
 
 from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import load
-from layflat.rig.far.process import FarSide, ModbusPort
+from layflat.rig.device.process import DeviceProcess, ModbusPort
 
 pytestmark = pytest.mark.realtime
 
@@ -19,14 +19,14 @@ ARM = patient(load("paper-arm"))
 
 
 @pytest.fixture(scope="module")
-def far() -> Iterator[FarSide]:
-    with FarSide(VirtualRig(ARM), ARM, ModbusPort()) as far:
-        yield far
+def device() -> Iterator[DeviceProcess]:
+    with DeviceProcess(VirtualRig(ARM), ARM, ModbusPort()) as device:
+        yield device
 
 
 @pytest.mark.parametrize("victim", VICTIMS)
-def test_a_kill_leaves_a_log_and_a_vented_rig(far: FarSide, victim: str, tmp_path: Path) -> None:
-    result = trial(far, ARM, victim, np.random.default_rng().uniform(0.0, 1.5), tmp_path)
+def test_a_kill_leaves_a_log_and_a_vented_rig(device: DeviceProcess, victim: str, tmp_path: Path) -> None:
+    result = trial(device, ARM, victim, np.random.default_rng().uniform(0.0, 1.5), tmp_path)
     assert result.missing <= 0.05
     assert result.vented < 10.0
     assert result.repaired is (victim == "recorder")

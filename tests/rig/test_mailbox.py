@@ -80,14 +80,14 @@ def test_a_spoilt_message_is_not_taken(rubbish: bytes, at: int) -> None:
 def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
     box, clock = Mailbox(path, 2), VirtualClock()
     host = RemoteHost(Mailbox(path, 2), clock, 2)
-    assert all(isnan(demand) for demand in host.wish(0).demands)
+    assert all(isnan(demand) for demand in host.request(0).demands)
     box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
-    first, second = host.wish(SECOND), host.wish(SECOND + SECOND // 20)
+    first, second = host.request(SECOND), host.request(SECOND + SECOND // 20)
     assert (first.start, first.stop, first.reset, first.age) == (True, False, True, 0.0)
     assert (second.start, second.reset) == (False, False)
     assert second.age == pytest.approx(0.05)
     box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
-    assert host.wish(2 * SECOND).age == 0.0
+    assert host.request(2 * SECOND).age == 0.0
     clock.wait(3 * SECOND)
     assert not host.ended
     clock.wait(5 * SECOND)

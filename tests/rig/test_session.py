@@ -61,7 +61,7 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("driver", "line"),
     [
-        (drivers.absent, "modbus://127.0.0.1:5020: nobody answers; start the far side"),
+        (drivers.absent, "modbus://127.0.0.1:5020: nobody answers; start the device"),
         (drivers.of_one_joint, "does not fit 'paper-arm': it has 1 joints, the machine 2"),
     ],
 )

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from layflat.machine import changed, load
 from layflat.rig.safety.demands import DemandGate
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.states import Act, State
+from layflat.rig.safety.states import State, ValveMode
 from layflat.sim.run import rollout
 
 ARM = load("paper-arm")
@@ -61,9 +61,9 @@ def test_a_controlled_stop_holds_centres_and_vents() -> None:
     acts = []
     for _ in range(500):
         rig.cycles(1)
-        acts.append(rig.supervisor.act)
-    assert list(dict.fromkeys(acts)) == [Act.HOLD, Act.CENTRE, Act.VENT]
-    assert acts.count(Act.HOLD) * 0.005 == pytest.approx(ARM.safety.hold_time, abs=0.011)
+        acts.append(rig.supervisor.valve_mode)
+    assert list(dict.fromkeys(acts)) == [ValveMode.HOLD, ValveMode.CENTRE, ValveMode.VENT]
+    assert acts.count(ValveMode.HOLD) * 0.005 == pytest.approx(ARM.safety.hold_time, abs=0.011)
     assert rig.shows(State.STOPPED)
     assert rig.supervisor.empty
     for state in rig.bench.states:
@@ -81,7 +81,7 @@ def test_stale_setpoints_hold_and_then_vent() -> None:
     rig.host.age = 0.0999
     rig.cycles(1)
     assert rig.supervisor.ledger.now is Fault.SETPOINT_STALE
-    assert rig.shows(Act.HOLD)
+    assert rig.shows(ValveMode.HOLD)
     rig.host.age = 0.0
     rig.seconds(2.5)
     assert rig.shows(State.STOPPED)
@@ -92,10 +92,10 @@ def test_stale_setpoints_in_a_fault_that_holds_vent_too() -> None:
     rig = Rig(ARM, np.zeros(2)).seconds(0.1)
     rig.supervisor.ledger.note(Fault.FOLLOWING_ERROR)
     rig.cycles(1)
-    assert rig.shows(Act.HOLD)
+    assert rig.shows(ValveMode.HOLD)
     rig.host.age = 1.0
     rig.seconds(1.0)
-    assert rig.shows(Act.VENT)
+    assert rig.shows(ValveMode.VENT)
 
 
 def test_a_dead_recorder_is_told_and_bars_a_start() -> None:

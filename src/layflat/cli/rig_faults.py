@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from layflat.machine import Machine
     from layflat.rig.trials.campaign import Outcome
-    from layflat.rig.trials.quiet import Quiet
+    from layflat.rig.trials.soak import SoakResult
 
 LONG_ENOUGH = 0.05
 """Time limit of a reply in a trial, s: time that passes for the processor is none for the rig."""
@@ -62,7 +62,7 @@ def faults(
 
 def _tried(
     machine: Machine, protocols: tuple[str, ...], instants: int, seed: int, hours: float
-) -> tuple[dict[str, list[Outcome]], Quiet | None]:
+) -> tuple[dict[str, list[Outcome]], SoakResult | None]:
     """Outcomes by protocol, and of the quiet time; each in a process of its own."""
     from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait  # noqa: PLC0415
     from multiprocessing import get_context  # noqa: PLC0415
@@ -71,7 +71,7 @@ def _tried(
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
     from layflat.rig.trials.campaign import HOST_GONE  # noqa: PLC0415
-    from layflat.rig.trials.table import ROWS  # noqa: PLC0415
+    from layflat.rig.trials.cases import ROWS  # noqa: PLC0415
 
     context = get_context("spawn")
     trials = instants * len((HOST_GONE, *ROWS))
@@ -100,34 +100,36 @@ def _tried(
 
 
 def campaign(machine: Machine, protocol: str, instants: int, seed: int, told: Queue[Any]) -> list[Outcome]:
-    """All trials over a protocol; the far side is in another process, in step with this one."""
+    """All trials over a protocol; the device is in another process, in step with this one."""
     from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
     from layflat.machine import changed  # noqa: PLC0415
+    from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort  # noqa: PLC0415
     from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
-    from layflat.rig.far.process import FarSide, ModbusPort, SerialPort  # noqa: PLC0415
     from layflat.rig.trials.campaign import Campaign  # noqa: PLC0415
-    from layflat.rig.trials.stand import Stand  # noqa: PLC0415
+    from layflat.rig.trials.rig import TrialRig  # noqa: PLC0415
 
     patient = changed(machine, f"interface.{protocol}.timeout", LONG_ENOUGH)
     at = ModbusPort() if protocol == "modbus" else SerialPort()
     outcomes = []
-    with FarSide(VirtualRig(patient, seed), patient, at, lockstep=True) as far:
-        stand = Stand(patient, far, driver_of(far.address, patient))
-        for outcome in Campaign(stand, instants, seed).run():
+    with DeviceProcess(VirtualRig(patient, seed), patient, at, lockstep=True) as device:
+        rig = TrialRig(patient, device, driver_of(device.address, patient))
+        for outcome in Campaign(rig, instants, seed).run():
             outcomes.append(outcome)
             told.put((protocol, len(outcomes)))
     return outcomes
 
 
-def stay_quiet(machine: Machine, hours: float, seed: int, told: Queue[Any]) -> Quiet:
-    """Random moves of a sound rig, with the far side in the same process."""
+def stay_quiet(machine: Machine, hours: float, seed: int, told: Queue[Any]) -> SoakResult:
+    """Random moves of a sound rig, with the device in the same process."""
     from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
-    from layflat.rig.trials.quiet import quiet  # noqa: PLC0415
+    from layflat.rig.trials.soak import quiet  # noqa: PLC0415
 
     return quiet(machine, VirtualRig(machine, seed), hours, seed, lambda share: told.put(("quiet", share)))
 
 
-def _written(machine: Machine, outcomes: dict[str, list[Outcome]], found: Quiet | None, seed: int) -> dict[str, Any]:
+def _written(
+    machine: Machine, outcomes: dict[str, list[Outcome]], found: SoakResult | None, seed: int
+) -> dict[str, Any]:
     from dataclasses import asdict  # noqa: PLC0415
 
     from layflat.rig.trials.campaign import judged  # noqa: PLC0415
@@ -141,7 +143,7 @@ def _written(machine: Machine, outcomes: dict[str, list[Outcome]], found: Quiet 
     }
 
 
-def _print(outcomes: dict[str, list[Outcome]], found: Quiet | None) -> bool:
+def _print(outcomes: dict[str, list[Outcome]], found: SoakResult | None) -> bool:
     """Print what came of it, and whether all was good."""
     from layflat.rig.trials.campaign import judged  # noqa: PLC0415
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray
 
     from layflat.machine import Machine
-    from layflat.rig.performance import EarlyEndError, Performance, Plan
+    from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
     from layflat.rig.recorded import Recorded
     from layflat.sim.metrics import Move
 
@@ -56,7 +56,7 @@ def run(
     """
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.rig.performance import EarlyEndError, Performance, free_place  # noqa: PLC0415
+    from layflat.rig.plan import EarlyEndError, PlanRunner, free_place  # noqa: PLC0415
     from layflat.rig.recorded import Recorded  # noqa: PLC0415
 
     described = load(machine)
@@ -68,7 +68,7 @@ def run(
         with busy(f"connecting to {driver} (compiles for some seconds the first time)"):
             rig = Recorded(described, factory, name, place)
         with rig, _status(rig):
-            performance = Performance(rig, stopped)
+            performance = PlanRunner(rig, stopped)
             try:
                 performance.follow(plan_from(performance.bring_air()))
             except EarlyEndError as error:
@@ -100,7 +100,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
     """
     from layflat.cli.text import timed  # noqa: PLC0415
     from layflat.description import units as u  # noqa: PLC0415
-    from layflat.rig.performance import Plan, check_stroke  # noqa: PLC0415
+    from layflat.rig.plan import Plan, check_stroke  # noqa: PLC0415
 
     lasts = u.quantity(duration, u.TIME, "--duration") if duration else None
     if lasts is not None and lasts <= 0.0:
@@ -129,7 +129,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
 
 
 def _from_file(machine: Machine, demand: list[str], duration: str | None) -> Plan:
-    from layflat.rig.performance import Plan  # noqa: PLC0415
+    from layflat.rig.plan import Plan  # noqa: PLC0415
     from layflat.sim.demand_file import read_demand  # noqa: PLC0415
 
     if len(demand) > 1 or duration:
@@ -157,7 +157,7 @@ def _status(rig: Recorded) -> Iterator[None]:
         yield
 
 
-def _report(rig: Recorded, performance: Performance, followed: str | None) -> None:
+def _report(rig: Recorded, performance: PlanRunner, followed: str | None) -> None:
     """Tell how it went, and where its log is."""
     from layflat.plot.runs import run_figure  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
@@ -172,7 +172,7 @@ def _report(rig: Recorded, performance: Performance, followed: str | None) -> No
         elif performance.asked:
             print_moves(_moves(log, performance), rig.machine.name)
         _print_events(log)
-    for line in rig.session.told:
+    for line in rig.session.messages:
         typer.echo(line)
     if rig.place.exists():
         typer.echo(f"wrote {rig.place}")
@@ -183,7 +183,7 @@ def _report(rig: Recorded, performance: Performance, followed: str | None) -> No
         typer.echo("nothing was recorded", err=True)
 
 
-def _moves(log: xarray.Dataset, performance: Performance) -> list[tuple[float, Move]]:
+def _moves(log: xarray.Dataset, performance: PlanRunner) -> list[tuple[float, Move]]:
     """Metrics of every joint from each demand to the next; a demand counts from the cycle that takes it."""
     import numpy as np  # noqa: PLC0415
 

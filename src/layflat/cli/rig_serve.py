@@ -18,7 +18,7 @@ from layflat.cli.rig import rigs, stopping
 from layflat.errors import InputError, LayflatError
 
 if TYPE_CHECKING:
-    from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
+    from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 
 LOOKS = 0.1
 """Between two looks whether to end, s."""
@@ -38,24 +38,24 @@ def serve(
     """
     from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.rig.far.process import FarSide  # noqa: PLC0415
+    from layflat.rig.device.process import DeviceProcess  # noqa: PLC0415
 
     described = load(machine)
     at = _place(modbus, serial or link is not None, link)
     with stopping() as stopped:
-        far = FarSide(VirtualRig(described, seed), described, at)
+        device = DeviceProcess(VirtualRig(described, seed), described, at)
         with busy("starting (compiles for some seconds the first time)"):
-            far.__enter__()
+            device.__enter__()
         try:
-            typer.echo(f"{described.name} at {far.address}")
+            typer.echo(f"{described.name} at {device.address}")
             sys.stdout.flush()
-            _answer(far, stopped)
+            _answer(device, stopped)
         finally:
-            far.__exit__(None, None, None)
+            device.__exit__(None, None, None)
 
 
 def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | SerialPort:
-    from layflat.rig.far.process import ModbusPort, SerialPort  # noqa: PLC0415
+    from layflat.rig.device.process import ModbusPort, SerialPort  # noqa: PLC0415
 
     if (modbus is None) is not serial:
         raise InputError("give one of both", where="--modbus, --serial", right="for example --modbus 5020")
@@ -65,33 +65,33 @@ def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | 
     return ModbusPort(modbus) if modbus is not None else SerialPort(link)
 
 
-def _answer(far: FarSide, stopped: Callable[[], bool]) -> None:
+def _answer(device: DeviceProcess, stopped: Callable[[], bool]) -> None:
     """Do what lines on stdin say, until told to quit or to stop.
 
     Raises:
-        LayflatError: the far side is gone.
+        LayflatError: the device is gone.
     """
-    from layflat.rig.far.console import obey  # noqa: PLC0415
+    from layflat.rig.device.console import obey  # noqa: PLC0415
 
-    for words in _lines(far, stopped):
+    for words in _lines(device, stopped):
         if words == ["quit"]:
             return
         try:
-            typer.echo(far.call(obey, words))
+            typer.echo(device.call(obey, words))
         except LayflatError as error:
             typer.echo(f"layflat: {error}", err=True)
         sys.stdout.flush()
     if not stopped():
-        raise LayflatError("the far side is gone")
+        raise LayflatError("the device is gone")
 
 
-def _lines(far: FarSide, stopped: Callable[[], bool]) -> Iterator[list[str]]:
-    """Words of each line; after the last there may be none for long. It ends with the far side, or when stopped."""
+def _lines(device: DeviceProcess, stopped: Callable[[], bool]) -> Iterator[list[str]]:
+    """Words of each line; after the last there may be none for long. It ends with the device, or when stopped."""
     source = [sys.stdin.fileno()] if sys.stdin is not None and not sys.stdin.closed else []
     rest = b""
     while not stopped():
-        ready, _, _ = select([*source, far.sentinel], [], [], LOOKS)
-        if far.sentinel in ready:
+        ready, _, _ = select([*source, device.sentinel], [], [], LOOKS)
+        if device.sentinel in ready:
             return
         if not ready:
             continue

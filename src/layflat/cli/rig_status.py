@@ -26,7 +26,7 @@ def status(rig: Recorded) -> Text:
 
 def line_of(shot: Snapshot, joints: list[str]) -> str:
     """A snapshot in a line that fits a terminal."""
-    from layflat.rig.performance import told  # noqa: PLC0415
+    from layflat.rig.plan import fault_text  # noqa: PLC0415
 
     state = shot.state.name.lower()
     parts = [f"{state:8s}", f"{float(shot['time']):6.1f} s"]
@@ -36,5 +36,5 @@ def line_of(shot: Snapshot, joints: list[str]) -> str:
         parts.append(f"{name} {57.29578 * angle:.1f}/{57.29578 * demand:.1f} deg {pressure / 1e5:+.1f} bar")
     parts += [f"supply {float(shot['supply']) / 1e5:.1f} bar", f"late {1e6 * float(shot['lateness']):.0f} us"]
     if shot.fault:
-        parts.insert(1, f"FAULT {told(shot, joints)}")
+        parts.insert(1, f"FAULT {fault_text(shot, joints)}")
     return "  ".join(parts)

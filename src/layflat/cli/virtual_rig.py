@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.rig.clock import Clock
+    from layflat.rig.device.virtual import VirtualDevice
     from layflat.rig.driver import Driver
-    from layflat.rig.far.device import Device
 
 
 @dataclass(frozen=True)
 class VirtualRig:
-    """Makes a far side with a simulated machine behind it, in whatever process it is called; it can be pickled.
+    """Makes a device with a simulated machine behind it, in whatever process it is called; it can be pickled.
 
     Args:
         machine: what is simulated.
@@ -26,14 +26,14 @@ class VirtualRig:
     seed: int = 0
     filled: bool = False
 
-    def __call__(self, clock: Clock) -> Device:
+    def __call__(self, clock: Clock) -> VirtualDevice:
         """Make it."""
-        from layflat.rig.far.device import Device  # noqa: PLC0415
+        from layflat.rig.device.virtual import VirtualDevice  # noqa: PLC0415
         from layflat.sim.plant import SteppedPlant  # noqa: PLC0415
 
         ambient = self.machine.supply.ambient_pressure
         plant = SteppedPlant(self.machine, seed=self.seed, pressures=None if self.filled else (ambient, ambient))
-        return Device(self.machine, plant, clock, running=self.filled)
+        return VirtualDevice(self.machine, plant, clock, running=self.filled)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ from typing import NamedTuple
 from layflat.jit import kernel, law
 from layflat.lanes import write_row
 
-PRESSED, AT_RAIL, FAST, OUTSIDE, NO_ANSWER, ANGLE_FROZEN, PRESSURE_FROZEN, OFF_TRACK = (1 << bit for bit in range(8))
+PRESSED, AT_RAIL, FAST, OUTSIDE, VALVE_UNRESPONSIVE, ANGLE_FROZEN, PRESSURE_FROZEN, OFF_TRACK = (
+    1 << bit for bit in range(8)
+)
 """Bits of what was found."""
 
 SENSORS, MOTION, AIR = 0, 1, 2
@@ -206,9 +208,9 @@ def watch_joint(
     suspect = doubt and (wrong or before.suspect > 0.0)
     stays = same_angle > patience.sure
     if wrong and not doubt:
-        found |= ANGLE_FROZEN if stays and most - least > limits.friction_band else NO_ANSWER
+        found |= ANGLE_FROZEN if stays and most - least > limits.friction_band else VALVE_UNRESPONSIVE
     quiet = _last(before.quiet, airy and alone and ripple < limits.ripple, elapsed)
-    found |= NO_ANSWER if quiet >= patience.quiet else 0
+    found |= VALVE_UNRESPONSIVE if quiet >= patience.quiet else 0
     driven = airy and abs(demand - angle) > DRIVEN
     asleep = _last(before.asleep, same and driven, elapsed)
     anchor = before.anchor if abs(angle - before.anchor) <= MOVING * limits.lsb else angle

@@ -1,6 +1,6 @@
-"""What lies between the controller and the joints: converters, the far side's watchdog, and how to talk to it.
+"""What lies between the controller and the joints: converters, the device's watchdog, and how to talk to it.
 
-The far side is what the wires end in: a remote I/O station, or a microcontroller.
+The device is what the wires end in: a remote I/O station, or a microcontroller.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ class SerialLink(Part):
 
 
 class Interface(Part):
-    """Converters and far side; the sensors' own ranges and bits stand with the sensors."""
+    """Converters and device; the sensors' own ranges and bits stand with the sensors."""
 
     voltage_bits: Annotated[int, Field(ge=8, le=16)] = Field(default=16, description="of the voltages to the valves")
     supply_range_gauge: u.PositivePressure = Field(default=10e5, description="of the sensor of the supply's pressure")
     supply_bits: Annotated[int, Field(ge=4, le=16)] = 12
     watchdog_cycles: Annotated[int, Field(ge=2, le=100)] = Field(
-        default=4, description="control cycles without a command, after which the far side centres the valves"
+        default=4, description="control cycles without a command, after which the device centres the valves"
     )
     dump_after: u.Time = Field(default=0.2, description="without a command, after which it lets out the air")
     modbus: ModbusLink = ModbusLink()

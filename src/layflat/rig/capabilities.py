@@ -38,4 +38,4 @@ def check_capabilities(machine: Machine, found: Capabilities) -> None:
     ]
     for is_so, what in wrong:
         if is_so:
-            raise InputError(f"the far side does not fit {machine.name!r}: {what}", where="driver")
+            raise InputError(f"the device does not fit {machine.name!r}: {what}", where="driver")

@@ -13,7 +13,7 @@ SECOND = 1_000_000_000
 """ns"""
 
 LEAD, LATEST, TIMES = 1_000_000, 250_000, 3
-"""A punctual clock wakes so early before an instant (ns), begins no rehearsal later than so, makes so many of them."""
+"""A punctual clock wakes so early before an instant (ns), begins no warmup later than so, makes so many of them."""
 
 
 class Clock(Protocol):
@@ -43,22 +43,22 @@ class MonotonicClock:
 
 
 class PunctualClock(MonotonicClock):
-    """One that wakes early and gets everything ready: it rehearses what comes, and watches the time until it comes.
+    """One that wakes early and gets everything ready: it warms up what comes, and watches the time until it comes.
 
     Args:
-        rehearse: the first time it takes long, each time after that less.
+        warm_up: the first time it takes long, each time after that less.
     """
 
-    def __init__(self, rehearse: Callable[[], object]) -> None:
-        self._rehearse = rehearse
+    def __init__(self, warm_up: Callable[[], object]) -> None:
+        self._warm_up = warm_up
 
     def wait(self, until: int) -> None:
-        """Sleep until shortly before an instant, rehearse, and return at the instant."""
+        """Sleep until shortly before an instant, warm_up, and return at the instant."""
         super().wait(until - LEAD)
         for _ in range(TIMES):
             if time.monotonic_ns() > until - LATEST:
                 break
-            self._rehearse()
+            self._warm_up()
         while time.monotonic_ns() < until:
             pass
 

@@ -72,7 +72,7 @@ class Deadlines:
         """Compute time that this share of the cycles kept below, s."""
         return _quantile(self._busy, share)
 
-    def told(self) -> str:
+    def summary(self) -> str:
         """A line for people."""
         return (
             f"{int(self._late.sum())} cycles, late by {1e6 * self.lateness_at(0.5):.0f} us at the median and "

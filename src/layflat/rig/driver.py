@@ -3,7 +3,7 @@
     unconfigured --configure--> inactive --activate--> active --deactivate--> inactive --finalize--> finalized
 
 Only an active driver moves anything: `activate` sends no command of its own, `deactivate` centres the valves and lets
-out the air. In every cycle the loop calls `read` once, then `write` once. Where the far side answers commands (Modbus,
+out the air. In every cycle the loop calls `read` once, then `write` once. Where the device answers commands (Modbus,
 serial), `write` only keeps the command and `read` makes one transaction of both: voltages are then a cycle late.
 """
 
@@ -30,8 +30,8 @@ class Lifecycle(Enum):
     FINALIZED = "finalized"
 
 
-class FarState(IntEnum):
-    """What the far side does by itself."""
+class DeviceState(IntEnum):
+    """What the device does by itself."""
 
     RUNNING = 0
     """It obeys."""
@@ -49,7 +49,7 @@ class Command(NamedTuple):
     air: bool
     """Whether the dump valve lets air in; else the supply line is open to the atmosphere."""
     reset: bool = False
-    """Asks a far side that has dumped to obey again; it does on the edge, with the e-stop released."""
+    """Asks a device that has dumped to obey again; it does on the edge, with the e-stop released."""
 
 
 class Reading(NamedTuple):
@@ -63,19 +63,19 @@ class Reading(NamedTuple):
     """In the line behind the dump valve, absolute, Pa."""
     stopped: bool
     """Whether the e-stop is pressed (its loop is open)."""
-    far: FarState
+    device: DeviceState
 
 
 class Capabilities(NamedTuple):
-    """What a driver and its far side can do."""
+    """What a driver and its device can do."""
 
     joints: int
     voltage_low: float
     voltage_high: float
     centre_voltage: float
-    """Where valves are closed; the fallback of the far side. V"""
+    """Where valves are closed; the fallback of the device. V"""
     dithers: bool
-    """Whether the far side adds the dither; nobody else does."""
+    """Whether the device adds the dither; nobody else does."""
     shortest_cycle: float
     """s"""
 
@@ -89,7 +89,7 @@ class LinkError(LayflatError):
 
     def __init__(self, kind: str) -> None:
         self.kind = kind
-        super().__init__(f"the far side's reply: {kind}")
+        super().__init__(f"the device's reply: {kind}")
 
 
 class DriverError(InputError):
@@ -143,7 +143,7 @@ class Driver(ABC):
         """What the sensors say now.
 
         Raises:
-            LinkError: the far side did not answer well.
+            LinkError: the device did not answer well.
         """
 
     @abstractmethod

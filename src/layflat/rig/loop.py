@@ -15,10 +15,10 @@ from layflat.control.update import MEMORY, STATUS, flat, update, wake
 from layflat.machine import Machine, parameters
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
-from layflat.rig.driver import Command, Driver, FarState, LinkError, Reading
+from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.record import BY_JOINT, SHARED, Layout
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.supervisor import Supervisor, Wish
+from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ ALIVE_EVERY = 20
 class Host(Protocol):
     """Who wants something of the loop, and looks on."""
 
-    def wish(self, now: int) -> Wish:
+    def request(self, now: int) -> HostRequest:
         """What is wanted in the cycle that began at `now` (ns); edges are given once."""
         ...
 
@@ -106,7 +106,7 @@ class Loop:
         self._memory, self._status = np.zeros((1, n, MEMORY)), np.zeros((1, n, STATUS))
         self._voltages = np.full(n, machine.valve.centre_voltage if machine.valve is not None else 0.0)
         self._asked = self._voltages.copy()
-        self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, FarState.RUNNING)
+        self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None
         self._lost = self._cycles = 0
         self._compute = 0.0
@@ -148,7 +148,7 @@ class Loop:
             supervisor.judge(reading, self._status, self._memory, self._voltages, elapsed)
             self._cycles += 1
         self._tell()
-        supervisor.steer(self.host.wish(now), self._status[0, :, 0].tolist(), self.deadlines.elapsed)
+        supervisor.steer(self.host.request(now), self._status[0, :, 0].tolist(), self.deadlines.elapsed)
         if not lost:
             self._update(reading, elapsed)
         self._voltages = supervisor.gate(self._asked)
@@ -191,7 +191,7 @@ class Loop:
         since = now - begun if begun is not None else 0
         row[: len(SHARED)] = (
             since / SECOND, time_ns() / SECOND, elapsed, deadlines.lateness, self._compute, link, reading.supply,
-            supervisor.air, reading.stopped, reading.far, supervisor.state, ledger.worst, self._lost,
+            supervisor.air, reading.stopped, reading.device, supervisor.state, ledger.worst, self._lost,
         )  # fmt: skip
         status, memory = self._status[0], self._memory[0]
         joints[:, 0] = supervisor.demands

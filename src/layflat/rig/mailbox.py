@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.record import Layout
-from layflat.rig.safety.supervisor import Wish
+from layflat.rig.safety.supervisor import HostRequest
 
 Array = NDArray[np.float64]
 
@@ -173,7 +173,7 @@ class RemoteHost:
         self._heard = clock.now()
         self._given = Setpoints([])
 
-    def wish(self, now: int) -> Wish:
+    def request(self, now: int) -> HostRequest:
         """What is wanted now; edges are given once."""
         found = self._mailbox.asked()
         if found is not None and found[0] != self._number:
@@ -182,7 +182,7 @@ class RemoteHost:
         last, given = self._last, self._given
         start, stop, reset = last.starts > given.starts, last.stops > given.stops, last.resets > given.resets
         given.starts, given.stops, given.resets = last.starts, last.stops, last.resets
-        return Wish(last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND)
+        return HostRequest(last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND)
 
     def publish(self, row: Array) -> None:
         """Show a row to it."""

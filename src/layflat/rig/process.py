@@ -22,7 +22,7 @@ from layflat.rig.driver import Driver
 from layflat.rig.loop import Loop, NoRecorder, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
-from layflat.rig.rehearsal import Rehearsal
+from layflat.rig.warmup import WarmupLoop
 
 LEADS = 4
 """Shorter cycles than so many leads of a punctual clock leave others too little of a processor."""
@@ -58,7 +58,7 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Said:
+class LoopMessage:
     """What the process says: that it runs, that it failed, or that it ended."""
 
     kind: str
@@ -73,11 +73,11 @@ def run_loop(job: Job, pipe: Connection) -> None:
     try:
         with lock(job.rig):
             lines = _loop(job, pipe)
-        said = Said("ended", lines)
+        said = LoopMessage("ended", lines)
     except LayflatError as error:
-        said = Said("failed", (str(error),))
-    except Exception as error:  # whatever happens, the host is told; the far side centres by itself
-        said = Said("failed", (f"the loop broke: {type(error).__name__}: {error}",))
+        said = LoopMessage("failed", (str(error),))
+    except Exception as error:  # whatever happens, the host is told; the device centres by itself
+        said = LoopMessage("failed", (f"the loop broke: {type(error).__name__}: {error}",))
     job.mailbox.unlink(missing_ok=True)  # who has it open keeps it; the host may be gone
     with contextlib.suppress(OSError):  # the host may be gone
         pipe.send(said)
@@ -95,9 +95,9 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
         for line in refused:
             recorder.event(line)
         driver.activate()
-        pipe.send(Said("running", tuple(refused)))
+        pipe.send(LoopMessage("running", tuple(refused)))
         loop.run()
-        return (loop.deadlines.told(),)
+        return (loop.deadlines.summary(),)
     finally:
         driver.finalize()
         recorder.end()
@@ -106,10 +106,10 @@ def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
 
 def _clock(job: Job) -> MonotonicClock:
     """A punctual one where a processor can be had for it; what the first cycle calls is loaded in any case."""
-    rehearsal = Rehearsal(job.machine)
-    assert job.machine.controller is not None  # the rehearsal needed it too
+    warmup = WarmupLoop(job.machine)
+    assert job.machine.controller is not None  # the warmup needed it too
     spare = job.machine.controller.cycle * SECOND >= LEADS * LEAD and len(os.sched_getaffinity(0)) > 1
-    return PunctualClock(rehearsal) if job.realtime and spare else MonotonicClock()
+    return PunctualClock(warmup) if job.realtime and spare else MonotonicClock()
 
 
 def lock(rig: str) -> IO[str]:

@@ -11,7 +11,7 @@ from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
 from layflat.rig.recorder.bag import Heading
-from layflat.rig.recorder.hand import HandOf
+from layflat.rig.recorder.client import RecorderClientFactory
 from layflat.rig.recorder.process import part_of, start_recorder
 from layflat.rig.recorder.ring import RecorderState, Ring
 from layflat.rig.session import Session
@@ -46,7 +46,7 @@ class Recorded:
             self._let_go()
             raise
         try:
-            self.session = Session(machine, driver, address, HandOf(self._ring.path), realtime=realtime)
+            self.session = Session(machine, driver, address, RecorderClientFactory(self._ring.path), realtime=realtime)
         except BaseException:
             self._finish()
             raise

@@ -18,7 +18,7 @@ from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
 from layflat.rig.mailbox import Mailbox, Setpoints
-from layflat.rig.process import Job, Keeper, Said, run_loop
+from layflat.rig.process import Job, Keeper, LoopMessage, run_loop
 from layflat.rig.record import BY_JOINT, SHARED, Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
@@ -102,7 +102,7 @@ class Session:
         self._thread = threading.Thread(target=self._keep_fresh, daemon=True) if refresh else None
         if self._thread is not None:
             self._thread.start()
-        self.told: tuple[str, ...] = ()
+        self.messages: tuple[str, ...] = ()
         """Lines that the loop's process had to say."""
         try:
             self._begun()
@@ -161,9 +161,7 @@ class Session:
         """
         self._listen()
         if not self.process.is_alive():
-            raise LoopError(
-                f"the loop's process is gone (status {self.process.exitcode}); the far side vents by itself"
-            )
+            raise LoopError(f"the loop's process is gone (status {self.process.exitcode}); the device vents by itself")
 
     def end(self) -> None:
         """Stop, and let the loop end once the air is out; this does not wait for it."""
@@ -213,11 +211,11 @@ class Session:
     def _listen(self) -> bool:
         """Take what the process has said, if anything."""
         try:
-            said: Said | None = self._pipe.recv() if self._pipe.poll() else None
+            said: LoopMessage | None = self._pipe.recv() if self._pipe.poll() else None
         except (OSError, EOFError):  # it has ended
             return False
         if said is not None:
-            self.told += said.lines
+            self.messages += said.lines
             if said.kind == "failed":
                 raise LoopError(said.lines[0])
         return said is not None

@@ -7,8 +7,8 @@ from layflat.bridge import MujocoPlant
 from layflat.cell import Cell
 from layflat.cell.scene import Scene
 from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Command
-from layflat.rig.far.device import Device
 
 CYCLE = SECOND // 200
 pytestmark = pytest.mark.compiled
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.compiled
 def test_a_rigs_far_side_runs_on_a_scene_with_its_lift(packing: Cell) -> None:
     scene, clock, machine = Scene(packing, 1), VirtualClock(0), packing.machine
     plant = MujocoPlant(machine, scene.model, scene.data, step=lambda advance: scene.step(1, advance))
-    device = Device(machine, plant, clock, running=True)
+    device = VirtualDevice(machine, plant, clock, running=True)
     centred = np.full(2, device.capabilities.centre_voltage)
     opened = np.add(centred, [0.0, 1.0])
     home, scene.lift.demand = device.reading().angles, 0.03

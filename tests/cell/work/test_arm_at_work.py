@@ -7,16 +7,16 @@ from layflat.cell.work.arm import Arm
 from layflat.errors import RigStoppedError
 from layflat.machine import load
 from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.device import Device
 from layflat.sim.plant import SteppedPlant
 
 MACHINE = load("paper-arm-tuned")
 
 
-def arm_of(seed: int = 0) -> tuple[Arm, Device]:
+def arm_of(seed: int = 0) -> tuple[Arm, VirtualDevice]:
     clock = VirtualClock()
-    device = Device(MACHINE, SteppedPlant(MACHINE, seed=seed, payload=1.2), clock, running=True)
+    device = VirtualDevice(MACHINE, SteppedPlant(MACHINE, seed=seed, payload=1.2), clock, running=True)
     return Arm(MACHINE, SimulatedDriver(device), clock, load=1.2, tip_speed=2.5), device
 
 

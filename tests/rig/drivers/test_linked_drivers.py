@@ -1,4 +1,4 @@
-"""Both drivers against far sides over TCP and a pseudo-terminal."""
+"""Both drivers against devices over TCP and a pseudo-terminal."""
 
 from __future__ import annotations
 
@@ -10,77 +10,77 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from farsides import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
+from devices import ARM, WIRE, Threaded, angle_after, heal, spoil, truth
 
 from layflat import changed, load
 from layflat.machine.model import Machine
-from layflat.rig.driver import Capabilities, Command, Driver, DriverError, FarState, Lifecycle, LinkError
+from layflat.rig.device.exchange import LATE
+from layflat.rig.device.link import Spoil
+from layflat.rig.device.process import ModbusPort, SerialPort
+from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, DriverError, Lifecycle, LinkError
 from layflat.rig.drivers.address import driver_of
-from layflat.rig.far.exchange import LATE
-from layflat.rig.far.link import Spoil
-from layflat.rig.far.process import ModbusPort, SerialPort
 from layflat.rig.wire.sequence import ROUND
 
 FORWARD = Command(np.array([6.0, 5.5]), air=True)
 
 
 @pytest.fixture(scope="module", params=[ModbusPort(), SerialPort()], ids=["modbus", "serial"])
-def far(request: pytest.FixtureRequest) -> Iterator[Threaded]:
+def device(request: pytest.FixtureRequest) -> Iterator[Threaded]:
     with Threaded(request.param) as running:
         yield running
 
 
 @pytest.fixture
-def driver(far: Threaded) -> Iterator[Driver]:
-    far.call(heal)
-    found = driver_of(far.address, ARM)
+def driver(device: Threaded) -> Iterator[Driver]:
+    device.call(heal)
+    found = driver_of(device.address, ARM)
     found.configure()
     found.activate()
     yield found
-    far.call(heal)
+    device.call(heal)
     found.finalize()
 
 
-def obeyed(far: Threaded) -> list[Command]:
-    commands: list[Command] = far.call(truth)["obeyed"]
+def obeyed(device: Threaded) -> list[Command]:
+    commands: list[Command] = device.call(truth)["obeyed"]
     return commands
 
 
-def test_what_is_there_is_told(far: Threaded) -> None:
-    driver = driver_of(far.address, ARM)
-    before = len(obeyed(far))
+def test_what_is_there_is_told(device: Threaded) -> None:
+    driver = driver_of(device.address, ARM)
+    before = len(obeyed(device))
     assert driver.configure() == Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
     assert driver.state is Lifecycle.INACTIVE
     driver.finalize()
-    assert len(obeyed(far)) == before
+    assert len(obeyed(device)) == before
 
 
-def test_a_cycle_gives_the_command_and_takes_the_sensors_exactly(far: Threaded, driver: Driver) -> None:
-    before = len(obeyed(far))
+def test_a_cycle_gives_the_command_and_takes_the_sensors_exactly(device: Threaded, driver: Driver) -> None:
+    before = len(obeyed(device))
     driver.write(FORWARD)
     reading = driver.read()
-    sent = obeyed(far)
+    sent = obeyed(device)
     assert len(sent) == before + 1
     assert np.abs(sent[-1].voltages - FORWARD.voltages).max() <= WIRE.voltage.lsb / 2
     assert (sent[-1].air, sent[-1].reset) == (True, False)
     assert reading.angles.tolist() == [angle_after(len(sent)), WIRE.angle.low]
     assert reading.pressures.tolist() == [WIRE.pressure.value(4096), WIRE.pressure.value(7)]
-    assert (reading.supply, reading.stopped, reading.far) == (WIRE.supply.value(1638), False, FarState.CENTRED)
+    assert (reading.supply, reading.stopped, reading.device) == (WIRE.supply.value(1638), False, DeviceState.CENTRED)
 
 
-def test_until_something_is_asked_for_it_is_the_centre_without_air(far: Threaded, driver: Driver) -> None:
+def test_until_something_is_asked_for_it_is_the_centre_without_air(device: Threaded, driver: Driver) -> None:
     driver.read()
-    assert obeyed(far)[-1].voltages.tolist() == [5.0, 5.0]
-    assert not obeyed(far)[-1].air
+    assert obeyed(device)[-1].voltages.tolist() == [5.0, 5.0]
+    assert not obeyed(device)[-1].air
 
 
-def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far: Threaded, driver: Driver) -> None:
+def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(device: Threaded, driver: Driver) -> None:
     driver.write(FORWARD)
     driver.read()
-    far.call(spoil, Spoil.LOST, 2)
+    device.call(spoil, Spoil.LOST, 2)
     driver.deactivate()
-    assert obeyed(far)[-1].voltages.tolist() == [5.0, 5.0]
-    assert not obeyed(far)[-1].air
+    assert obeyed(device)[-1].voltages.tolist() == [5.0, 5.0]
+    assert not obeyed(device)[-1].air
     with pytest.raises(DriverError, match="can't write while inactive"):
         driver.write(FORWARD)
     driver.activate()
@@ -97,16 +97,16 @@ def test_who_is_deactivated_centres_and_lets_out_the_air_even_over_bad_wires(far
     ],
 )
 def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
-    far: Threaded, driver: Driver, how: Spoil | None, kind: str, heard: int
+    device: Threaded, driver: Driver, how: Spoil | None, kind: str, heard: int
 ) -> None:
     driver.read()
-    before = len(obeyed(far))
-    far.call(spoil, how)
+    before = len(obeyed(device))
+    device.call(spoil, how)
     with pytest.raises(LinkError) as error:
         driver.read()
     assert error.value.kind == kind
-    assert len(obeyed(far)) == before + heard
-    far.call(heal)
+    assert len(obeyed(device)) == before + heard
+    device.call(heal)
     # A late reply comes in the midst of these: none takes it for its own.
     end, more = time.monotonic() + (LATE * ARM.interface.modbus.timeout if how is Spoil.LATE else 0.0), 0
     while more < 3 or time.monotonic() < end:
@@ -115,32 +115,32 @@ def test_a_bad_reply_is_told_and_the_next_cycle_is_good(
         time.sleep(1e-3)
 
 
-def test_numbers_of_transactions_go_round(far: Threaded, driver: Driver) -> None:
+def test_numbers_of_transactions_go_round(device: Threaded, driver: Driver) -> None:
     driver._sequence = ROUND - 3  # type: ignore[attr-defined]
-    fresh = driver_of(far.address, ARM)
+    fresh = driver_of(device.address, ARM)
     driver.finalize()
     fresh.configure()
     fresh._sequence = ROUND - 3  # type: ignore[attr-defined]
-    before = len(obeyed(far))
+    before = len(obeyed(device))
     for more in range(1, 7):
         assert fresh.read().angles[0] == angle_after(before + more)
     fresh.finalize()
 
 
-def test_a_command_that_comes_again_is_not_obeyed_again(far: Threaded, driver: Driver) -> None:
+def test_a_command_that_comes_again_is_not_obeyed_again(device: Threaded, driver: Driver) -> None:
     driver.read()
-    before = len(obeyed(far))
+    before = len(obeyed(device))
     driver._sequence -= 1  # type: ignore[attr-defined]
     with suppress(LinkError):
         driver.read()
-    assert len(obeyed(far)) == before
+    assert len(obeyed(device)) == before
 
 
-def test_two_loops_on_one_rig(far: Threaded, driver: Driver) -> None:
-    second = driver_of(far.address, ARM)
+def test_two_loops_on_one_rig(device: Threaded, driver: Driver) -> None:
+    second = driver_of(device.address, ARM)
     with pytest.raises(DriverError, match=f"is driven by process {os.getpid()} .*end the other first") as error:
         second.configure()
-    assert str(error.value).startswith(far.address.split("://")[0])
+    assert str(error.value).startswith(device.address.split("://")[0])
     assert second.state is Lifecycle.UNCONFIGURED
     driver.read()
     driver.finalize()
@@ -148,8 +148,8 @@ def test_two_loops_on_one_rig(far: Threaded, driver: Driver) -> None:
     second.finalize()
 
 
-def test_a_driver_reads_only_what_it_is_connected_to(far: Threaded) -> None:
-    driver = driver_of(far.address, ARM)
+def test_a_driver_reads_only_what_it_is_connected_to(device: Threaded) -> None:
+    driver = driver_of(device.address, ARM)
     with pytest.raises(DriverError, match="can't read while unconfigured"):
         driver.read()
     driver.finalize()
@@ -166,8 +166,8 @@ def test_a_driver_reads_only_what_it_is_connected_to(far: Threaded) -> None:
         (changed(ARM, "angle_sensor.bits", 16), "angles of 12 bits"),
     ],
 )
-def test_a_machine_that_is_not_this_rig(far: Threaded, machine: Machine, what: str) -> None:
-    driver = driver_of(far.address, machine)
+def test_a_machine_that_is_not_this_rig(device: Threaded, machine: Machine, what: str) -> None:
+    driver = driver_of(device.address, machine)
     with pytest.raises(DriverError, match=re.escape(what)):
         driver.configure()
-    driver_of(far.address, ARM).finalize()
+    driver_of(device.address, ARM).finalize()

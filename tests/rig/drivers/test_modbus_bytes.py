@@ -11,7 +11,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from farsides import ARM, WIRE, patient
+from devices import ARM, WIRE, patient
 from hypothesis import given
 from hypothesis import strategies as st
 

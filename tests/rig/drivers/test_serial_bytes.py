@@ -14,7 +14,7 @@ from zlib import crc32
 import pytest
 import serial
 from cobs import cobs
-from farsides import ARM, WIRE, patient
+from devices import ARM, WIRE, patient
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -45,9 +45,9 @@ class Terminal:
 
     def __init__(self) -> None:
         self.reply: Reply = good
-        self._near, self._far = os.openpty()
-        tty.setraw(self._far)
-        self.path = os.ttyname(self._far)
+        self._near, self._device_state = os.openpty()
+        tty.setraw(self._device_state)
+        self.path = os.ttyname(self._device_state)
         threading.Thread(target=self._serve, daemon=True).start()
 
     def _serve(self) -> None:
@@ -64,7 +64,7 @@ class Terminal:
         return b""
 
     def close(self) -> None:
-        os.close(self._far)
+        os.close(self._device_state)
 
 
 @pytest.fixture(scope="module")

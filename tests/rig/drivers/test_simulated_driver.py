@@ -5,10 +5,10 @@ from layflat.control.controller import start, step
 from layflat.control.gains import Measurement
 from layflat.machine import Machine, load, parameters
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.driver import Command, DriverError, FarState, Lifecycle, LinkError
+from layflat.rig.device.link import Spoil
+from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import Command, DeviceState, DriverError, Lifecycle, LinkError
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.device import Device
-from layflat.rig.far.link import Spoil
 from layflat.sim import rollout
 from layflat.sim.plant import SteppedPlant
 
@@ -19,7 +19,7 @@ CYCLE = 5_000_000
 def driver_of(machine: Machine, **options: object) -> tuple[SimulatedDriver, VirtualClock]:
     clock = VirtualClock(3 * SECOND)
     plant = SteppedPlant(machine, start=0.0, **options)  # type: ignore[arg-type]
-    driver = SimulatedDriver(Device(machine, plant, clock, running=True))
+    driver = SimulatedDriver(VirtualDevice(machine, plant, clock, running=True))
     driver.configure()
     driver.activate()
     return driver, clock
@@ -44,7 +44,7 @@ def test_a_loop_over_it_is_the_rollout_bit_for_bit(name: str) -> None:
         assert np.array_equal(reading.angles, run["measured_angle"][k])
         assert np.array_equal(reading.pressures, run["measured_pressure"][k])
         assert np.array_equal(voltages, run["voltage"][k])
-        assert reading.far is FarState.RUNNING
+        assert reading.device is DeviceState.RUNNING
 
 
 def test_only_an_active_driver_writes() -> None:
@@ -54,7 +54,7 @@ def test_only_an_active_driver_writes() -> None:
     driver.deactivate()
     with pytest.raises(DriverError, match="SimulatedDriver: can't write while inactive"):
         driver.write(command)
-    assert driver.read().far is FarState.RUNNING
+    assert driver.read().device is DeviceState.RUNNING
 
 
 def test_put_down_it_centres_and_lets_out_the_air() -> None:
@@ -64,7 +64,7 @@ def test_put_down_it_centres_and_lets_out_the_air() -> None:
     assert driver.state is Lifecycle.FINALIZED
     clock.wait(clock.now() + SECOND)
     reading = driver.read()
-    assert reading.far is FarState.DUMPED
+    assert reading.device is DeviceState.DUMPED
     assert reading.supply == SMALL.supply.ambient_pressure
 
 
@@ -90,4 +90,4 @@ def test_over_a_cut_wire_nothing_is_heard() -> None:
             driver.read()
         driver.write(Command(np.array([9.0]), air=True))
     driver.device.link.mend()
-    assert driver.read().far is FarState.CENTRED
+    assert driver.read().device is DeviceState.CENTRED

@@ -11,10 +11,10 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from farsides import ARM, WIRE
+from devices import ARM, WIRE
 from firmwares import firmware
 
-from layflat.rig.driver import Command, Driver, FarState, LinkError, Reading
+from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.drivers.address import driver_of
 
 
@@ -22,8 +22,8 @@ class Board:
     """Pins that are not there; the serial line is a terminal, the time real."""
 
     def __init__(self) -> None:
-        self.near, self.far = os.openpty()
-        tty.setraw(self.far)
+        self.near, self.device = os.openpty()
+        tty.setraw(self.device)
         os.set_blocking(self.near, False)
         self.pressed, self.on = False, True
         self.let_in: list[bool] = []
@@ -41,7 +41,7 @@ class Board:
         self.on = False
         self.thread.join()
         os.close(self.near)
-        os.close(self.far)
+        os.close(self.device)
 
     def ticks(self) -> int:
         return time.monotonic_ns() // 1000
@@ -88,7 +88,7 @@ def board() -> Iterator[Board]:
 
 @pytest.fixture
 def driver(board: Board) -> Iterator[Driver]:
-    found = driver_of(f"serial://{os.ttyname(board.far)}", ARM)
+    found = driver_of(f"serial://{os.ttyname(board.device)}", ARM)
     assert found.configure().dithers
     found.activate()
     yield found
@@ -105,25 +105,25 @@ def cycle(driver: Driver, *, reset: bool = False, air: bool = True) -> Reading:
 
 
 def test_from_the_reset_through_silence_and_e_stop_to_the_next_reset(board: Board, driver: Driver) -> None:
-    assert cycle(driver).far is FarState.DUMPED
+    assert cycle(driver).device is DeviceState.DUMPED
     reading = cycle(driver, reset=True)
-    assert reading.far is FarState.RUNNING
+    assert reading.device is DeviceState.RUNNING
     assert reading.angles.tolist() == [WIRE.angle.value(500), WIRE.angle.value(501)]
     assert board.let_in[-1]
     assert board.driven != [0xFFFF, 0xFFFF]
     time.sleep(0.6)
     assert board.driven == [0xFFFF, 0xFFFF]
     assert not board.let_in[-1]
-    assert cycle(driver).far is FarState.DUMPED
-    assert cycle(driver, reset=True).far is FarState.RUNNING
+    assert cycle(driver).device is DeviceState.DUMPED
+    assert cycle(driver, reset=True).device is DeviceState.RUNNING
     board.pressed = True
     time.sleep(0.05)
     assert not board.let_in[-1]
     reading = cycle(driver)
-    assert (reading.stopped, reading.far) == (True, FarState.DUMPED)
+    assert (reading.stopped, reading.device) == (True, DeviceState.DUMPED)
     board.pressed = False
-    assert cycle(driver).far is FarState.DUMPED
-    assert cycle(driver, reset=True).far is FarState.RUNNING
+    assert cycle(driver).device is DeviceState.DUMPED
+    assert cycle(driver, reset=True).device is DeviceState.RUNNING
     driver.deactivate()
     time.sleep(0.01)
     assert not board.let_in[-1]

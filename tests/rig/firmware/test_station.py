@@ -6,12 +6,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from farsides import ARM, WIRE
+from devices import ARM, WIRE
 from firmwares import firmware
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.rig.driver import Command, FarState, Reading
+from layflat.rig.driver import Command, DeviceState, Reading
 from layflat.rig.wire import frames
 from layflat.rig.wire.identity import Identity
 
@@ -65,7 +65,7 @@ class Pins:
         self.lives += 1
 
 
-class Bench:
+class OpenLoopRig:
     """A station, and a host that talks to it."""
 
     def __init__(self, start: int = 0, **other: Any) -> None:
@@ -98,8 +98,8 @@ class Bench:
         return frames.Decoder().feed(self.pins.outgoing)
 
     def start(self) -> None:
-        assert self.say([5.0, 5.0], air=False).far is FarState.DUMPED
-        assert self.say([5.0, 5.0], air=False, reset=True).far is FarState.RUNNING
+        assert self.say([5.0, 5.0], air=False).device is DeviceState.DUMPED
+        assert self.say([5.0, 5.0], air=False, reset=True).device is DeviceState.RUNNING
 
     @property
     def dumped(self) -> bool:
@@ -125,7 +125,7 @@ def _array(values: list[float]) -> Any:
 
 
 def test_it_says_what_the_machines_file_says() -> None:
-    (told,) = Bench().exchange(frames.encode(frames.ASK, 77, b""))
+    (told,) = OpenLoopRig().exchange(frames.encode(frames.ASK, 77, b""))
     assert (told.kind, told.sequence) == (frames.TELL, 77)
     found = Identity.from_words(frames.as_words(told.payload))
     found.check(ARM, "here")
@@ -133,18 +133,18 @@ def test_it_says_what_the_machines_file_says() -> None:
 
 
 def test_it_starts_with_the_air_out_and_runs_after_a_reset_alone() -> None:
-    bench = Bench()
+    bench = OpenLoopRig()
     bench.wait(MS)
     assert bench.dumped
-    assert bench.say([6.0, 5.0], reset=True).far is FarState.DUMPED, "no edge: it was never low"
-    assert bench.say([6.0, 5.0]).far is FarState.DUMPED
+    assert bench.say([6.0, 5.0], reset=True).device is DeviceState.DUMPED, "no edge: it was never low"
+    assert bench.say([6.0, 5.0]).device is DeviceState.DUMPED
     assert bench.dumped
-    assert bench.say([6.0, 5.0], reset=True).far is FarState.RUNNING
+    assert bench.say([6.0, 5.0], reset=True).device is DeviceState.RUNNING
     assert bench.pins.let_in
 
 
 def test_it_obeys_and_tells_its_converters_counts() -> None:
-    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench = OpenLoopRig(DITHER_AMPLITUDE=0.0)
     bench.start()
     reading = bench.say([7.5, 0.0])
     assert bench.pins.driven == [0xC000, 0]
@@ -157,7 +157,7 @@ def test_it_obeys_and_tells_its_converters_counts() -> None:
 
 
 def test_the_dither_goes_both_ways_about_the_command_and_stays_in_range() -> None:
-    bench = Bench(CENTRES_AFTER=10**6, DUMPS_AFTER=10**6)
+    bench = OpenLoopRig(CENTRES_AFTER=10**6, DUMPS_AFTER=10**6)
     bench.start()
     bench.say([5.0, 10.0])
     middle, top = bench.dither()
@@ -171,7 +171,7 @@ def test_the_dither_goes_both_ways_about_the_command_and_stays_in_range() -> Non
 
 @pytest.mark.parametrize("start", [0, (1 << 30) - 30 * MS])
 def test_without_commands_it_centres_after_four_cycles_and_dumps_after_200_ms(start: int) -> None:
-    bench = Bench(start, DITHER_AMPLITUDE=0.0)
+    bench = OpenLoopRig(start, DITHER_AMPLITUDE=0.0)
     bench.start()
     bench.say([8.0, 2.0])
     bench.wait(19 * MS)
@@ -188,25 +188,25 @@ def test_without_commands_it_centres_after_four_cycles_and_dumps_after_200_ms(st
 
 
 def test_centred_it_obeys_the_next_command() -> None:
-    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench = OpenLoopRig(DITHER_AMPLITUDE=0.0)
     bench.start()
-    assert bench.say([8.0, 2.0], after=50 * MS).far is FarState.RUNNING
+    assert bench.say([8.0, 2.0], after=50 * MS).device is DeviceState.RUNNING
     assert bench.pins.driven == [0xCCCD, 0x3333]
 
 
 def test_dumped_it_obeys_after_the_edge_of_a_reset_alone() -> None:
-    bench = Bench()
+    bench = OpenLoopRig()
     bench.start()
     bench.say([5.0, 5.0], reset=True)
-    assert bench.say([5.0, 5.0], reset=True, after=300 * MS).far is FarState.DUMPED
-    assert bench.say([5.0, 5.0], reset=True).far is FarState.DUMPED
+    assert bench.say([5.0, 5.0], reset=True, after=300 * MS).device is DeviceState.DUMPED
+    assert bench.say([5.0, 5.0], reset=True).device is DeviceState.DUMPED
     assert bench.dumped
-    assert bench.say([5.0, 5.0]).far is FarState.DUMPED
-    assert bench.say([5.0, 5.0], reset=True).far is FarState.RUNNING
+    assert bench.say([5.0, 5.0]).device is DeviceState.DUMPED
+    assert bench.say([5.0, 5.0], reset=True).device is DeviceState.RUNNING
 
 
 def test_the_e_stop_dumps_at_once_and_stays() -> None:
-    bench = Bench()
+    bench = OpenLoopRig()
     bench.start()
     bench.say([6.0, 6.0])
     bench.pins.pressed = True
@@ -214,17 +214,17 @@ def test_the_e_stop_dumps_at_once_and_stays() -> None:
     assert bench.dumped
     reading = bench.say([6.0, 6.0])
     assert reading.stopped
-    assert reading.far is FarState.DUMPED
-    assert bench.say([6.0, 6.0], reset=True).far is FarState.DUMPED
+    assert reading.device is DeviceState.DUMPED
+    assert bench.say([6.0, 6.0], reset=True).device is DeviceState.DUMPED
     bench.pins.pressed = False
-    assert bench.say([6.0, 6.0], reset=True).far is FarState.DUMPED
+    assert bench.say([6.0, 6.0], reset=True).device is DeviceState.DUMPED
     assert bench.dumped
     bench.say([6.0, 6.0])
-    assert bench.say([6.0, 6.0], reset=True).far is FarState.RUNNING
+    assert bench.say([6.0, 6.0], reset=True).device is DeviceState.RUNNING
 
 
 def test_commands_that_come_again_late_or_broken_are_not_obeyed() -> None:
-    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench = OpenLoopRig(DITHER_AMPLITUDE=0.0)
     bench.start()
     bench.say([7.5, 7.5])
     old = WIRE.command_words(Command(_array([0.0, 0.0]), air=True))
@@ -240,23 +240,23 @@ def test_commands_that_come_again_late_or_broken_are_not_obeyed() -> None:
 
 
 def test_who_asks_may_begin_with_any_number() -> None:
-    bench = Bench()
+    bench = OpenLoopRig()
     bench.start()
     bench.exchange(frames.encode(frames.ASK, 0, b""))
     bench.sequence -= 200
-    assert bench.say([5.0, 5.0]).far is FarState.RUNNING
+    assert bench.say([5.0, 5.0]).device is DeviceState.RUNNING
 
 
 @given(st.lists(st.binary(max_size=80), max_size=6))
 def test_any_bytes_are_survived_without_a_word_or_a_move(chunks: list[bytes]) -> None:
-    bench = Bench(DITHER_AMPLITUDE=0.0)
+    bench = OpenLoopRig(DITHER_AMPLITUDE=0.0)
     bench.start()
     bench.say([7.5, 7.5])
     for chunk in chunks:
         assert bench.exchange(chunk) == []
     assert bench.pins.driven == [0xC000, 0xC000]
     bench.exchange(b"\0")
-    assert bench.say([2.5, 2.5]).far is FarState.RUNNING
+    assert bench.say([2.5, 2.5]).device is DeviceState.RUNNING
     assert bench.pins.driven == [0x4000, 0x4000]
 
 

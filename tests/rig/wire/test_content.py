@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from layflat import changed, load
 from layflat.machine.parameters import gains, joints
 from layflat.physics.sensor import read_sensor
-from layflat.rig.driver import Command, FarState, Reading
+from layflat.rig.driver import Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire
 from layflat.rig.wire.converter import WireError
 
@@ -29,9 +29,15 @@ def same(one: Reading, other: Reading) -> bool:
 
 
 @pytest.mark.parametrize("name", WIRES)
-@given(angles=pairs, pressures=pairs, supply=st.integers(0, 4096), stopped=st.booleans(), far=st.sampled_from(FarState))
+@given(
+    angles=pairs,
+    pressures=pairs,
+    supply=st.integers(0, 4096),
+    stopped=st.booleans(),
+    device=st.sampled_from(DeviceState),
+)
 def test_the_host_sees_what_the_sensors_said_bit_for_bit(
-    name: str, angles: list[float], pressures: list[float], supply: int, stopped: bool, far: FarState
+    name: str, angles: list[float], pressures: list[float], supply: int, stopped: bool, device: DeviceState
 ) -> None:
     (_, wire), law = WIRES[name], JOINTS[name]
     reading = Reading(
@@ -39,14 +45,14 @@ def test_the_host_sees_what_the_sensors_said_bit_for_bit(
         np.array([read_sensor(law.pressure_sensor, 4e5 * pressure, 0.0) for pressure in pressures]),
         wire.supply.value(supply),
         stopped,
-        far,
+        device,
     )
     words = wire.reading_words(reading)
     assert len(words) == wire.reading_size
     assert all(0 <= word < 1 << 16 for word in words)
     back = wire.reading(words)
     assert same(back, reading)
-    assert isinstance(back.far, FarState)
+    assert isinstance(back.device, DeviceState)
 
 
 @given(st.lists(st.floats(allow_nan=True), min_size=2, max_size=2), st.booleans(), st.booleans())

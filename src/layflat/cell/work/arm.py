@@ -15,7 +15,7 @@ from layflat.rig.loop import Loop, Recorder
 from layflat.rig.record import BY_JOINT, Layout
 from layflat.rig.safety.faults import TABLE
 from layflat.rig.safety.states import State
-from layflat.rig.safety.supervisor import Wish
+from layflat.rig.safety.supervisor import HostRequest
 
 Array = NDArray[np.float64]
 
@@ -82,11 +82,11 @@ class Arm:
             worst = supervisor.ledger.worst
             raise RigStoppedError(f"the rig stopped: {TABLE[worst].title}")
 
-    def wish(self, now: int) -> Wish:  # noqa: ARG002  (as the rig's hosts)
+    def request(self, now: int) -> HostRequest:  # noqa: ARG002  (as the rig's hosts)
         """The next row of the course that it is on."""
         self._demand = self._course[min(self._at, len(self._course) - 1)]
         self._at += 1
-        return Wish(self._demand.tolist())
+        return HostRequest(self._demand.tolist())
 
     def publish(self, row: Array) -> None:
         """Look at what the controllers know."""

@@ -13,8 +13,8 @@ from layflat.cell.work.arm import Arm
 from layflat.cell.work.tool import SceneTool, Tool
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.device import Device
 
 LITRES = 1000.0
 """In a m3."""
@@ -34,7 +34,7 @@ class Station:
         self._plant = MujocoPlant(
             cell.machine, scene.model, scene.data, seed=seed, step=lambda advance: scene.step(1, advance)
         )
-        device = Device(cell.machine, self._plant, self._clock, running=True)
+        device = VirtualDevice(cell.machine, self._plant, self._clock, running=True)
         self.arm = Arm(
             cell.machine, SimulatedDriver(device), self._clock,
             load=cell.lift.body + cell.lift.mass + heaviest(cell), tip_speed=cell.limits.speed,

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from layflat.machine import Machine
 from layflat.rig.capabilities import check_capabilities
-from layflat.rig.check.bench import Bench
-from layflat.rig.check.finding import Finding
+from layflat.rig.check.open_loop import OpenLoopRig
+from layflat.rig.check.result import CheckResult
 from layflat.rig.check.signs import try_signs
 from layflat.rig.check.still import look
 from layflat.rig.clock import Clock
@@ -16,7 +16,7 @@ from layflat.rig.driver import Driver
 
 def check_rig(
     machine: Machine, driver: Driver, clock: Clock, *, air: bool = False, tell: Callable[[str], object] = str
-) -> list[Finding]:
+) -> list[CheckResult]:
     """Look at a rig without air, and if that finds nothing wrong and it is asked for, with air.
 
     Args:
@@ -34,14 +34,14 @@ def check_rig(
         able = driver.configure()
         check_capabilities(machine, able)
         volts = f"{able.voltage_low:g} to {able.voltage_high:g} V, closed at {able.centre_voltage:g} V"
-        findings = [Finding("far side", f"{able.joints} joints, {volts}, as described")]
-        bench = Bench(machine, driver, clock)
+        findings = [CheckResult("device", f"{able.joints} joints, {volts}, as described")]
+        bench = OpenLoopRig(machine, driver, clock)
         tell("looking on")
         findings += look(bench)
         if air and all(one.sound for one in findings):
             findings += try_signs(bench, tell)
         elif air:
-            findings.append(Finding("air", "was left off", "put right what is wrong without air"))
+            findings.append(CheckResult("air", "was left off", "put right what is wrong without air"))
         return findings
     finally:
         driver.finalize()

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.check.bench import Bench, UnsafeError
-from layflat.rig.check.finding import Finding
+from layflat.rig.check.open_loop import OpenLoopRig, UnsafeError
+from layflat.rig.check.result import CheckResult
 from layflat.rig.safety.supervisor import RESET_HIGH, RESET_LOW
 
 Array = NDArray[np.float64]
@@ -49,14 +49,14 @@ class Pulse(NamedTuple):
     """Changes, Pa, (joints,)."""
 
 
-def try_signs(bench: Bench, tell: Callable[[str], object] = str) -> list[Finding]:
+def try_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list[CheckResult]:
     """Bring the air, try every joint, let the air out again, whatever happens.
 
     Args:
         bench: sound without air.
         tell: called with what is being done.
     """
-    findings: list[Finding] = []
+    findings: list[CheckResult] = []
     bench.driver.activate()
     try:
         tell("soft start")
@@ -66,14 +66,14 @@ def try_signs(bench: Bench, tell: Callable[[str], object] = str) -> list[Finding
                 tell(f"joint {name}")
                 findings.append(judged([_pulse(bench, joint, way) for way in (1, -1)], joint, bench.names))
     except UnsafeError as error:
-        findings.append(Finding("ended early", str(error), "find the cause; the air was let out"))
+        findings.append(CheckResult("ended early", str(error), "find the cause; the air was let out"))
     finally:
         tell("letting the air out")
         bench.vent()
     return findings
 
 
-def _bring_air(bench: Bench) -> Finding:
+def _bring_air(bench: OpenLoopRig) -> CheckResult:
     for k in range(RESET_LOW + RESET_HIGH):
         bench.act(bench.centred, reset=k >= RESET_LOW)
     safety, supply = bench.machine.safety, bench.machine.supply
@@ -84,19 +84,19 @@ def _bring_air(bench: Bench) -> Finding:
         if took > bench.cycles(safety.start_time):
             gauge = (reading.supply - supply.ambient_pressure) / 1e5
             right = "look at compressor, regulator, dump valve and the sensor behind it"
-            return Finding("air", f"{gauge:.2f} bar after {safety.start_time:g} s", right)
+            return CheckResult("air", f"{gauge:.2f} bar after {safety.start_time:g} s", right)
         reading = bench.act(bench.centred)
         took += 1
     _rest(bench)
-    return Finding("air", f"there {took * bench.cycle:.2f} s after it was asked for")
+    return CheckResult("air", f"there {took * bench.cycle:.2f} s after it was asked for")
 
 
-def _rest(bench: Bench) -> None:
+def _rest(bench: OpenLoopRig) -> None:
     for _ in range(bench.cycles(RESTS)):
         bench.act(bench.centred)
 
 
-def _pulse(bench: Bench, joint: int, way: int) -> Pulse:
+def _pulse(bench: OpenLoopRig, joint: int, way: int) -> Pulse:
     """Open a valve slowly until any joint stirs; it is centred at once then."""
     recent = [bench.act(bench.centred) for _ in range(MEAN)]
     angles, pressures = np.mean([r.angles for r in recent], axis=0), np.mean([r.pressures for r in recent], axis=0)
@@ -114,7 +114,7 @@ def _pulse(bench: Bench, joint: int, way: int) -> Pulse:
     return pulse
 
 
-def judged(pulses: list[Pulse], joint: int, names: list[str]) -> Finding:
+def judged(pulses: list[Pulse], joint: int, names: list[str]) -> CheckResult:
     """What two pulses of a joint's valve, one each way, say of its valve and sensors."""
     turned = [_sign(pulse.way * pulse.angles[joint], STIRS / 2) for pulse in pulses]
     pressed = [_sign(pulse.way * pulse.pressures[joint], ANSWERS) for pulse in pulses]
@@ -123,7 +123,7 @@ def judged(pulses: list[Pulse], joint: int, names: list[str]) -> Finding:
         f"{np.degrees(pulse.angles[joint]):+.1f} deg"
         for pulse in pulses
     )
-    return Finding(f"signs of {names[joint]}", found, _right(turned, pressed, _other(pulses, joint, names)))
+    return CheckResult(f"signs of {names[joint]}", found, _right(turned, pressed, _other(pulses, joint, names)))
 
 
 WRONG = {

@@ -1,4 +1,4 @@
-"""What can be told of a rig without air: link, timing, far side, e-stop, supply and every sensor."""
+"""What can be told of a rig without air: link, timing, device, e-stop, supply and every sensor."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from layflat.machine.parameters.drives import sensor as sensor_law
 from layflat.physics.sensor import Sensor
-from layflat.rig.check.bench import Bench
-from layflat.rig.check.finding import Finding
-from layflat.rig.driver import FarState, Reading
+from layflat.rig.check.open_loop import OpenLoopRig
+from layflat.rig.check.result import CheckResult
+from layflat.rig.driver import DeviceState, Reading
 
 Array = NDArray[np.float64]
 
@@ -28,16 +28,20 @@ LIVELY = 0.2
 NOISY = 5.0
 """Times the noise of the description, from which on something is wrong."""
 
-FAR = {FarState.RUNNING: "obeys", FarState.CENTRED: "has centred the valves", FarState.DUMPED: "has let out the air"}
+DOES = {
+    DeviceState.RUNNING: "obeys",
+    DeviceState.CENTRED: "has centred the valves",
+    DeviceState.DUMPED: "has let out the air",
+}
 
 
-def look(bench: Bench) -> list[Finding]:
+def look(bench: OpenLoopRig) -> list[CheckResult]:
     """Look at a rig that is not moved."""
     found = [reading for _ in range(bench.cycles(SECONDS)) if (reading := bench.look()) is not None]
     findings = [_link(bench, len(found)), _timing(bench)]
     if not found:
         return findings
-    findings += [_far(found[-1]), _supply(bench, found)]
+    findings += [_device_state(found[-1]), _supply(bench, found)]
     angles, pressures = np.array([r.angles for r in found]), np.array([r.pressures for r in found])
     angle, pressure = sensor_law(bench.angle_part), sensor_law(bench.pressure_part)
     for j, name in enumerate(bench.names):
@@ -45,36 +49,36 @@ def look(bench: Bench) -> list[Finding]:
     return findings
 
 
-def _link(bench: Bench, answered: int) -> Finding:
+def _link(bench: OpenLoopRig, answered: int) -> CheckResult:
     asked = answered + bench.lost
     found = f"{answered} of {asked} replies came, {1e6 * float(np.median(bench.transactions)):.0f} us at the median"
-    right = "look at cable and load of the far side, and at `timeout` in [interface]"
-    return Finding("link", found, right if bench.lost > FEW * asked else "")
+    right = "look at cable and load of the device, and at `timeout` in [interface]"
+    return CheckResult("link", found, right if bench.lost > FEW * asked else "")
 
 
-def _timing(bench: Bench) -> Finding:
+def _timing(bench: OpenLoopRig) -> CheckResult:
     late = bench.deadlines
     found = (
         f"{1e6 * late.lateness_at(0.5):.0f} us late at the median, {1e6 * late.lateness_at(0.99):.0f} us at 99 %, "
         f"{late.missed} cycles missed"
     )
     right = "run nothing else on this computer, or take a longer cycle"
-    return Finding("cycles", found, right if late.missed > FEW * bench.cycles(SECONDS) else "")
+    return CheckResult("cycles", found, right if late.missed > FEW * bench.cycles(SECONDS) else "")
 
 
-def _far(reading: Reading) -> Finding:
+def _device_state(reading: Reading) -> CheckResult:
     if reading.stopped:
-        return Finding("e-stop", "pressed", "release it")
-    return Finding("e-stop", f"released; the far side {FAR[FarState(reading.far)]}")
+        return CheckResult("e-stop", "pressed", "release it")
+    return CheckResult("e-stop", f"released; the device {DOES[DeviceState(reading.device)]}")
 
 
-def _supply(bench: Bench, found: list[Reading]) -> Finding:
+def _supply(bench: OpenLoopRig, found: list[Reading]) -> CheckResult:
     gauge = float(np.mean([r.supply for r in found])) - bench.machine.supply.ambient_pressure
     right = "shut off the air and vent the line, or set the sensor's zero" if abs(gauge) > NO_PRESSURE else ""
-    return Finding("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right)
+    return CheckResult("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right)
 
 
-def _angle(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> Finding:
+def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -> CheckResult:
     limits, middle = bench.limits[j], float(np.median(samples))
     end = 0.5 * bench.machine.joint[name].stops.mechanical_stroke
     right = ""
@@ -84,10 +88,10 @@ def _angle(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> Find
         right = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
     right = right or _noise(samples, law)
     told = f"{np.degrees(middle):.2f} deg, noise {_spread(samples) / law.lsb:.1f} counts"
-    return Finding(f"angle of {name}", told, right)
+    return CheckResult(f"angle of {name}", told, right)
 
 
-def _pressure(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> Finding:
+def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -> CheckResult:
     middle = float(np.median(samples))
     right = ""
     if not abs(middle) < bench.limits[j].pressure:
@@ -96,7 +100,7 @@ def _pressure(bench: Bench, j: int, name: str, samples: Array, law: Sensor) -> F
         right = "let the air out of the hoses, or set its zero"
     right = right or _noise(samples, law)
     told = f"{middle / 1e5:+.3f} bar, noise {_spread(samples) / law.lsb:.1f} counts"
-    return Finding(f"pressure of {name}", told, right)
+    return CheckResult(f"pressure of {name}", told, right)
 
 
 def _noise(samples: Array, law: Sensor) -> str:

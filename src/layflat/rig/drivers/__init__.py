@@ -1,1 +1,1 @@
-"""Ways to reach a far side."""
+"""Ways to reach a device."""

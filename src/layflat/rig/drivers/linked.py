@@ -21,7 +21,7 @@ FAREWELLS = 3
 
 
 class LinkedDriver(Driver):
-    """A driver whose far side answers commands.
+    """A driver whose device answers commands.
 
     Args:
         machine: what is driven.
@@ -40,7 +40,7 @@ class LinkedDriver(Driver):
         self._lock = RigLock(endpoint)
 
     def read(self) -> Reading:
-        """Send the kept command, and return what the far side answers; while inactive that command is the safe one.
+        """Send the kept command, and return what the device answers; while inactive that command is the safe one.
 
         Raises:
             LinkError: it did not answer well in time.

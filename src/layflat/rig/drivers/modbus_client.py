@@ -42,7 +42,7 @@ class PromptClient(ModbusTcpClient):
         self.socket.setblocking(False)
 
     def connect(self) -> bool:
-        """Connect anew if the far side has hung up, as promptly as everything else."""
+        """Connect anew if the device has hung up, as promptly as everything else."""
         if self.socket is None:
             try:
                 self.open(self.patience)

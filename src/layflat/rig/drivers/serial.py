@@ -23,7 +23,7 @@ from layflat.rig.wire.identity import Identity
 from layflat.rig.wire.sequence import following
 
 ASKED = 10
-"""How often a far side is asked who it is; some boot when the port is opened."""
+"""How often a device is asked who it is; some boot when the port is opened."""
 WAIT = 0.2
 """For each answer, s."""
 LARGEST = 4096

@@ -1,12 +1,12 @@
-"""A far side in the same process: nothing on the way, so that a voltage acts from the instant it is written."""
+"""A device in the same process: nothing on the way, so that a voltage acts from the instant it is written."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from layflat.rig.device.link import Spoil
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Capabilities, Command, Driver, Lifecycle, LinkError, Reading
-from layflat.rig.far.device import Device
-from layflat.rig.far.link import Spoil
 
 KINDS = {Spoil.LOST: "lost", Spoil.LATE: "lost", Spoil.CRC: "crc", Spoil.SEQUENCE: "sequence"}
 """What a spoilt reply is to who waits for it."""
@@ -19,7 +19,7 @@ class SimulatedDriver(Driver):
         device: the virtual rig; its clock should be the loop's.
     """
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: VirtualDevice) -> None:
         super().__init__()
         self.device = device
 

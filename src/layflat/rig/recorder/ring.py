@@ -170,7 +170,7 @@ class Ring:
     # the loop
 
     def push(self, row: Array) -> bool:
-        """Hand over a cycle's row, (width,); False if there was no room. It is a sign of life too."""
+        """RecorderClient over a cycle's row, (width,); False if there was no room. It is a sign of life too."""
         head = self._head
         written = head[_WRITTEN]
         head[_LOOP_BEAT] = time.monotonic_ns()
@@ -183,7 +183,7 @@ class Ring:
         return True
 
     def tell(self, event: Event) -> bool:
-        """Hand over an event; False if there was no room."""
+        """RecorderClient over an event; False if there was no room."""
         head = self._head
         written = head[_Word.EVENTS_WRITTEN]
         if written - head[_Word.EVENTS_READ] >= self._most_events:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
-from layflat.rig.driver import FarState
+from layflat.rig.driver import DeviceState
 from layflat.rig.record import BY_JOINT, SHARED
 from layflat.rig.recorder.bag import MACHINE, METADATA
 from layflat.rig.recorder.messages import CYCLE, LOG, Fixed
@@ -32,8 +32,11 @@ BEST_KNOWN = {
 }
 """What a rig does not know of itself, and the signal that stands in for it."""
 
-FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "far": FarState}
+FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
 """Columns that stand for something else than a quantity."""
+
+RENAMED = {"far": "device"}
+"""Columns that logs of earlier versions have, by their present names."""
 
 UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
 """What readers raise on bytes that make no sense."""
@@ -106,7 +109,7 @@ def _recording(reader: McapReader, path: Path) -> Recording:
         right = "give a log of `layflat rig`; `layflat log map` starts a mapping for others"
         raise InputError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
     joints = _joints_of(definition, cycles[0])
-    columns = Fixed(definition, joints).decoded(cycles)
+    columns = {RENAMED.get(name, name): values for name, values in Fixed(definition, joints).decoded(cycles).items()}
     begin = first - round(float(columns["time"][0]) * SECOND)
     told = [Event((stamp - begin) / SECOND, one.level, one.msg) for stamp, one in events]
     about = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})

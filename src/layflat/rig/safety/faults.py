@@ -10,7 +10,7 @@ class Reaction(IntEnum):
     """What a fault leads to, mildest first."""
 
     TELL = 0
-    """Said, and no more."""
+    """LoopMessage, and no more."""
     HOLD = 1
     """The joints are held where they are, with air."""
     STOP = 2
@@ -20,7 +20,7 @@ class Reaction(IntEnum):
     VENT = 4
     """Air off; all valves are opened to one end."""
     DUMP = 5
-    """The same; the far side does it by itself, too, and obeys again only after a reset."""
+    """The same; the device does it by itself, too, and obeys again only after a reset."""
 
 
 class Fault(IntEnum):
@@ -34,19 +34,19 @@ class Fault(IntEnum):
     REPLY_LOST = 5
     FOLLOWING_ERROR = 6
     BAD_COMMAND = 7
-    FAR_CENTRED = 8
+    DEVICE_CENTRED = 8
     SETPOINT_STALE = 9
     NO_AIR = 10
     PRESSURE_FROZEN = 11
     ANGLE_FROZEN = 12
     ANGLE_AT_RAIL = 13
     SUPPLY_LOST = 14
-    NO_ANSWER = 15
+    VALVE_UNRESPONSIVE = 15
     LINK_LOST = 16
     OVER_PRESSURE = 17
     OUTSIDE_STROKE = 18
     OVER_SPEED = 19
-    FAR_DUMPED = 20
+    DEVICE_DUMPED = 20
     E_STOP = 21
 
 
@@ -71,7 +71,7 @@ TABLE: dict[Fault, Entry] = {
     Fault.REPLY_LOST: Entry("a reply was lost", Reaction.TELL, False),
     Fault.FOLLOWING_ERROR: Entry("following error", Reaction.HOLD, True, seconds=0.1),
     Fault.BAD_COMMAND: Entry("command not a number or out of range: refused", Reaction.HOLD, True),
-    Fault.FAR_CENTRED: Entry("the far side heard nothing and centred the valves", Reaction.HOLD, True),
+    Fault.DEVICE_CENTRED: Entry("the device heard nothing and centred the valves", Reaction.HOLD, True),
     Fault.SETPOINT_STALE: Entry("setpoint stale", Reaction.STOP, False, seconds=0.1),
     Fault.NO_AIR: Entry("the air did not come", Reaction.STOP, True, seconds=5.0),
     Fault.PRESSURE_FROZEN: Entry("pressure sensor frozen", Reaction.VENT_JOINT, True, seconds=0.1),
@@ -83,14 +83,14 @@ TABLE: dict[Fault, Entry] = {
     ),
     Fault.ANGLE_AT_RAIL: Entry("angle sensor open or shorted", Reaction.VENT_JOINT, True, cycles=3),
     Fault.SUPPLY_LOST: Entry("supply lost", Reaction.VENT, True, seconds=0.1),
-    Fault.NO_ANSWER: Entry(
+    Fault.VALVE_UNRESPONSIVE: Entry(
         "air does not answer the valve (stuck spool, burst or kinked hose)", Reaction.VENT, True, seconds=0.2
     ),
     Fault.LINK_LOST: Entry("link lost", Reaction.VENT, True, cycles=3),
     Fault.OVER_PRESSURE: Entry("over-pressure", Reaction.VENT, True, cycles=2),
     Fault.OUTSIDE_STROKE: Entry("outside the stroke", Reaction.VENT, True, cycles=2),
     Fault.OVER_SPEED: Entry("over-speed", Reaction.VENT, True, cycles=2),
-    Fault.FAR_DUMPED: Entry("the far side let out the air", Reaction.DUMP, True),
+    Fault.DEVICE_DUMPED: Entry("the device let out the air", Reaction.DUMP, True),
     Fault.E_STOP: Entry("e-stop", Reaction.DUMP, True),
 }
 """Every fault but NONE. That of the air which does not come takes the machine's `safety.start_time`."""

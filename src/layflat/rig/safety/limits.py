@@ -102,7 +102,7 @@ def patience(cycle: float) -> Patience:
         frozen_pressure=within(Fault.PRESSURE_FROZEN),
         frozen_angle=within(Fault.ANGLE_FROZEN),
         following=within(Fault.FOLLOWING_ERROR),
-        quiet=within(Fault.NO_ANSWER, 2.0 + RIPPLE_AFTER),
+        quiet=within(Fault.VALVE_UNRESPONSIVE, 2.0 + RIPPLE_AFTER),
         doubtful=2.5 * cycle,
         sure=7.5 * cycle,
         asleep=ASLEEP,

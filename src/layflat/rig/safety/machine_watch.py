@@ -14,11 +14,11 @@ from layflat.control.watch import (
     AT_RAIL,
     FAST,
     FRESH,
-    NO_ANSWER,
     OFF_TRACK,
     OUTSIDE,
     PRESSED,
     PRESSURE_FROZEN,
+    VALVE_UNRESPONSIVE,
     WATCH_MEMORY,
     Limits,
     WatchMemory,
@@ -28,8 +28,8 @@ from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import follow_hoses
 from layflat.physics.joint import FILLED
 from layflat.rig.driver import Reading
+from layflat.rig.safety.debounce import CountDebounce, TimeDebounce
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.lasting import Lasting, Samples
 from layflat.rig.safety.limits import RIPPLE_AFTER, coupling, patience
 
 Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ UNEVEN, CALM = 0.3, 0.1
 """A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s."""
 
 DIPS = 3
-"""Samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
+"""CountDebounce of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
 
 LONG_TERM = Memory._fields.index("long_term")
 RIPPLE, LEAST = WatchMemory._fields.index("ripple"), Limits._fields.index("ripple")
@@ -51,7 +51,7 @@ FAULTS = (
     (FAST, Fault.OVER_SPEED),
     (OUTSIDE, Fault.OUTSIDE_STROKE),
     (PRESSED, Fault.OVER_PRESSURE),
-    (NO_ANSWER, Fault.NO_ANSWER),
+    (VALVE_UNRESPONSIVE, Fault.VALVE_UNRESPONSIVE),
     (AT_RAIL, Fault.ANGLE_AT_RAIL),
     (ANGLE_FROZEN, Fault.ANGLE_FROZEN),
     (PRESSURE_FROZEN, Fault.PRESSURE_FROZEN),
@@ -95,9 +95,9 @@ class MachineWatch:
         cycle = self._cycle
         self._memory[0] = FRESH
         self._even = CALM
-        self._pressed = Samples(TABLE[Fault.OVER_PRESSURE].cycles)
-        self._gone = Samples(DIPS)
-        self._still = Lasting(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
+        self._pressed = CountDebounce(TABLE[Fault.OVER_PRESSURE].cycles)
+        self._gone = CountDebounce(DIPS)
+        self._still = TimeDebounce(TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle, cycle)
 
     def begin(self, reading: Reading, *, filled: bool) -> None:
         """Believe that the hoses are empty, or filled as they are when left to themselves."""

@@ -24,7 +24,7 @@ class State(IntEnum):
     """A latched fault; a reset leads to OFF, or to HOLDING where the air was left on."""
 
 
-class Act(IntEnum):
+class ValveMode(IntEnum):
     """What is done with the valves."""
 
     CENTRE = 0
@@ -39,5 +39,5 @@ class Act(IntEnum):
     """Air off; all open to one end."""
 
 
-AIR = [act in {Act.HOLD, Act.FOLLOW} for act in Act]
+AIR = [act in {ValveMode.HOLD, ValveMode.FOLLOW} for act in ValveMode]
 """Whether the dump valve lets air in, by act."""

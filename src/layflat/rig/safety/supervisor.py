@@ -15,19 +15,19 @@ from numpy.typing import NDArray
 from layflat.control import watch
 from layflat.machine import Machine
 from layflat.machine.parameters.drives import drive_parts
-from layflat.rig.driver import FarState, Reading
+from layflat.rig.driver import DeviceState, Reading
+from layflat.rig.safety.debounce import CountDebounce, TimeDebounce
 from layflat.rig.safety.demands import DemandGate
 from layflat.rig.safety.faults import REACTIONS, TABLE, Fault, Reaction
-from layflat.rig.safety.lasting import Lasting, Samples
 from layflat.rig.safety.ledger import Ledger
 from layflat.rig.safety.limits import limits
 from layflat.rig.safety.machine_watch import MachineWatch
-from layflat.rig.safety.states import AIR, Act, State
+from layflat.rig.safety.states import AIR, State, ValveMode
 
 Array = NDArray[np.float64]
 
 RESET_LOW, RESET_HIGH = 4, 4
-"""Cycles for which a reset is not sent, and then is: the far side takes its edge, also if one reply is lost."""
+"""Cycles for which a reset is not sent, and then is: the device takes its edge, also if one reply is lost."""
 
 THERE = 0.2
 """Supply and ripple have to be there for so long until a soft start is over, s."""
@@ -40,7 +40,7 @@ CENTRED = 0.3
 rest between hoses that are shut, s."""
 
 
-class Wish(NamedTuple):
+class HostRequest(NamedTuple):
     """What the host wants in a cycle."""
 
     demands: list[float]
@@ -81,10 +81,10 @@ class Supervisor:
         self._centre = valve.centre_voltage
         self._low, self._high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
         self._out = np.full(len(each), self._centre)
-        self._lost = Samples(TABLE[Fault.LINK_LOST].cycles)
-        self._there = Lasting(THERE, 0.0)
+        self._lost = CountDebounce(TABLE[Fault.LINK_LOST].cycles)
+        self._there = TimeDebounce(THERE, 0.0)
         self._stale_after = machine.safety.setpoint_age - cycle
-        self.state, self.act = State.OFF, Act.CENTRE
+        self.state, self.valve_mode = State.OFF, ValveMode.CENTRE
         self.demands = np.zeros(len(each))
         """What the controllers are to be given, rad, (joints,); the array stays the same."""
         self.wake = True
@@ -97,24 +97,24 @@ class Supervisor:
     @property
     def air(self) -> bool:
         """Whether the dump valve is to let air in."""
-        return AIR[self.act]
+        return AIR[self.valve_mode]
 
     @property
     def resets(self) -> bool:
-        """Whether the far side is to be told to obey again."""
+        """Whether the device is to be told to obey again."""
         return 0 < self._reset_for <= RESET_HIGH
 
     @property
     def empty(self) -> bool:
         """Whether the air is off and has had the time to leave the hoses."""
-        return self.state is State.OFF or (not AIR[self.act] and self._in_act >= self.safety.vent_time)
+        return self.state is State.OFF or (not AIR[self.valve_mode] and self._in_act >= self.safety.vent_time)
 
     def begin(self, reading: Reading, *, filled: bool = False) -> None:
         """Start from a first reading; `filled`: air is there already, as in a simulated run, and demands are obeyed."""
         self.watch.begin(reading, filled=filled)
         self._freeze(reading.angles.tolist())
         if filled:
-            self._enter(State.READY, Act.HOLD)
+            self._enter(State.READY, ValveMode.HOLD)
             self.wake = False
 
     def judge(self, reading: Reading, status: Array, memory: Array, voltages: Array, elapsed: float) -> None:
@@ -125,7 +125,7 @@ class Supervisor:
         self._pressed, self._differences = reading.stopped, reading.pressures
         if reading.stopped:
             note(Fault.E_STOP)
-        self._far(reading.far)
+        self._device_state(reading.device)
         level = self._level()
         lead = max([gate.ahead for gate in self.gates])
         fault = self.watch.look(reading, status, memory, voltages, self.demands, lead, elapsed, level)
@@ -151,7 +151,7 @@ class Supervisor:
         if is_so:
             self.ledger.note(fault)
 
-    def steer(self, wish: Wish, angles: list[float], elapsed: float) -> None:
+    def steer(self, wish: HostRequest, angles: list[float], elapsed: float) -> None:
         """Decide on state, act and demands.
 
         Args:
@@ -162,7 +162,7 @@ class Supervisor:
         self._in_state += elapsed
         self._in_act += elapsed
         self._reset_for = max(self._reset_for - 1, 0)
-        running = AIR[self.act]
+        running = AIR[self.valve_mode]
         if wish.age > self._stale_after and running:
             self.ledger.note(Fault.SETPOINT_STALE)
             self._stop(angles)
@@ -179,7 +179,7 @@ class Supervisor:
 
     def gate(self, voltages: Array) -> Array:
         """Voltages that may be sent, V, (joints,); the array is used again in the next cycle."""
-        out, act = self._out, self.act
+        out, act = self._out, self.valve_mode
         if not AIR[act]:
             return self._without_air(out)
         bad = False
@@ -198,29 +198,29 @@ class Supervisor:
         return out
 
     def _without_air(self, out: Array) -> Array:
-        out.fill(self._high if self.act is Act.VENT else self._centre)
-        if self.act is Act.VENT_JOINT:
+        out.fill(self._high if self.valve_mode is ValveMode.VENT else self._centre)
+        if self.valve_mode is ValveMode.VENT_JOINT:
             for j, fault in enumerate(self.ledger.joints):
                 if REACTIONS[fault] is Reaction.VENT_JOINT:
                     out[j] = self._high
-        elif self.act is Act.CENTRE and self.ledger.latched >= Fault.NO_ANSWER:
+        elif self.valve_mode is ValveMode.CENTRE and self.ledger.latched >= Fault.VALVE_UNRESPONSIVE:
             for j, fault in enumerate(self.ledger.joints):
-                if fault is Fault.NO_ANSWER:
+                if fault is Fault.VALVE_UNRESPONSIVE:
                     # One hose may be burst: the other throws the joint into its stop, unless it is let out at once.
                     out[j] = self._low if self._differences[j] > 0.0 else self._high
         return out
 
     # States
 
-    def _enter(self, state: State, act: Act) -> None:
+    def _enter(self, state: State, act: ValveMode) -> None:
         if state is not self.state:
             self.ledger.say(f"{self.state.name.lower()} -> {state.name.lower()}")
             self.state, self._in_state = state, 0.0
-        if act is not self.act:
-            if AIR[act] and not AIR[self.act]:
+        if act is not self.valve_mode:
+            if AIR[act] and not AIR[self.valve_mode]:
                 self.wake = True
                 self.watch.reset()
-            self.act, self._in_act = act, 0.0
+            self.valve_mode, self._in_act = act, 0.0
 
     def _freeze(self, angles: list[float]) -> None:
         for j, (gate, angle) in enumerate(zip(self.gates, angles, strict=True)):
@@ -228,23 +228,23 @@ class Supervisor:
             self.demands[j] = gate.demand
 
     def _level(self) -> int:
-        if not AIR[self.act]:
+        if not AIR[self.valve_mode]:
             return watch.SENSORS
         return watch.MOTION if self.state is State.STARTING else watch.AIR
 
-    def _far(self, far: FarState) -> None:
-        if not AIR[self.act]:
+    def _device_state(self, device: DeviceState) -> None:
+        if not AIR[self.valve_mode]:
             return
-        if far == FarState.RUNNING:
+        if device == DeviceState.RUNNING:
             self._obeyed = True
         elif self._obeyed:
-            self.ledger.note(Fault.FAR_DUMPED if far == FarState.DUMPED else Fault.FAR_CENTRED)
+            self.ledger.note(Fault.DEVICE_DUMPED if device == DeviceState.DUMPED else Fault.DEVICE_CENTRED)
 
     def _starting(self, reading: Reading, elapsed: float) -> None:
         filled = self.watch.hoses_are_filled(reading.supply) or self._in_state > FILLS * self.safety.start_time
         if self._there(self.watch.air_is_there(reading), elapsed) and filled:
             self.watch.reset()
-            self._enter(State.READY, Act.HOLD)
+            self._enter(State.READY, ValveMode.HOLD)
         elif self._in_state > self.safety.start_time:
             self.ledger.note(Fault.NO_AIR)
 
@@ -253,28 +253,28 @@ class Supervisor:
             self.ledger.say("no start: a fault is latched; give a reset first")
         elif self._barred:
             self.ledger.say("no start: nothing is recorded")
-        elif self.state is State.HOLDING and AIR[self.act]:
-            self._enter(State.READY, Act.HOLD)
+        elif self.state is State.HOLDING and AIR[self.valve_mode]:
+            self._enter(State.READY, ValveMode.HOLD)
         elif self.state in {State.OFF, State.STOPPED}:
             self._freeze(angles)
             self._obeyed, self._reset_for = False, RESET_LOW + RESET_HIGH
             self._there(False, 0.0)
-            self._enter(State.STARTING, Act.HOLD)
+            self._enter(State.STARTING, ValveMode.HOLD)
 
     def _stop(self, angles: list[float]) -> None:
         """Controlled stop: the joints are held, then the air is let out."""
         if self.state is State.FAULT:
             self.ledger.worsen(Reaction.STOP)
         elif self.state is State.STARTING:
-            self._enter(State.STOPPED, Act.CENTRE)
+            self._enter(State.STOPPED, ValveMode.CENTRE)
         elif self.state is not State.STOPPED:
-            if self.act is not Act.HOLD or self.state is not State.HOLDING:
+            if self.valve_mode is not ValveMode.HOLD or self.state is not State.HOLDING:
                 self._freeze(angles)
-            self._enter(State.STOPPED, Act.HOLD)
+            self._enter(State.STOPPED, ValveMode.HOLD)
             self._in_act = 0.0
 
     def _reset(self, angles: list[float]) -> None:
-        if self._pressed or (self.ledger.now >= Fault.FAR_CENTRED and AIR[self.act]):
+        if self._pressed or (self.ledger.now >= Fault.DEVICE_CENTRED and AIR[self.valve_mode]):
             self.ledger.say("no reset: the fault is still there")
             return
         self.ledger.clear()
@@ -282,19 +282,22 @@ class Supervisor:
         if self.state is State.FAULT:
             self.watch.reset()
             self._freeze(angles)
-            self._enter(State.HOLDING if AIR[self.act] else State.OFF, self.act if AIR[self.act] else Act.CENTRE)
+            self._enter(
+                State.HOLDING if AIR[self.valve_mode] else State.OFF,
+                self.valve_mode if AIR[self.valve_mode] else ValveMode.CENTRE,
+            )
 
     def _react(self, angles: list[float]) -> None:
         """Do what the worst of the latched faults asks for; air that is off stays off."""
-        reaction, on = self.ledger.reaction, AIR[self.act]
-        if self.act is Act.FOLLOW or (on and self.state is not State.FAULT):
+        reaction, on = self.ledger.reaction, AIR[self.valve_mode]
+        if self.valve_mode is ValveMode.FOLLOW or (on and self.state is not State.FAULT):
             self._freeze(angles)
-        act = self.act
+        act = self.valve_mode
         if on:
             # Air that can't get out brakes best: valves open once the supply line is empty.
-            act = Act.CENTRE if reaction >= Reaction.VENT_JOINT else Act.HOLD
-        elif act is Act.VENT_JOINT and reaction >= Reaction.VENT:
-            act = Act.VENT
+            act = ValveMode.CENTRE if reaction >= Reaction.VENT_JOINT else ValveMode.HOLD
+        elif act is ValveMode.VENT_JOINT and reaction >= Reaction.VENT:
+            act = ValveMode.VENT
         self._enter(State.FAULT, act)
 
     def _go_on(self) -> None:
@@ -302,15 +305,15 @@ class Supervisor:
         reaction = self.ledger.reaction if self.state is State.FAULT else Reaction.STOP
         if self.state not in {State.STOPPED, State.FAULT} or reaction < Reaction.STOP:
             return
-        if self.act is Act.HOLD and self._in_act >= self.safety.hold_time:
-            self._enter(self.state, Act.CENTRE)
-        elif self.act is Act.CENTRE and self._in_act >= CENTRED:
-            self._enter(self.state, Act.VENT_JOINT if reaction is Reaction.VENT_JOINT else Act.VENT)
+        if self.valve_mode is ValveMode.HOLD and self._in_act >= self.safety.hold_time:
+            self._enter(self.state, ValveMode.CENTRE)
+        elif self.valve_mode is ValveMode.CENTRE and self._in_act >= CENTRED:
+            self._enter(self.state, ValveMode.VENT_JOINT if reaction is Reaction.VENT_JOINT else ValveMode.VENT)
 
-    def _demand(self, wish: Wish, elapsed: float) -> None:
+    def _demand(self, wish: HostRequest, elapsed: float) -> None:
         if self.state is State.READY and not all(isnan(demand) for demand in wish.demands):
-            self._enter(State.MOVING, Act.FOLLOW)
-        if self.act is Act.FOLLOW:
+            self._enter(State.MOVING, ValveMode.FOLLOW)
+        if self.valve_mode is ValveMode.FOLLOW:
             margin = min([gate.margin(asked) for gate, asked in zip(self.gates, wish.demands, strict=True)])
             lead = min(self.safety.demand_lead, self.safety.demand_margin * max(margin, 0.0))
             for j, (gate, asked) in enumerate(zip(self.gates, wish.demands, strict=True)):

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.rig.clock import SECOND
-from layflat.rig.driver import FarState
-from layflat.rig.far.device import Device
+from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import DeviceState
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.trials.stand import Stand
-from layflat.rig.trials.table import ROWS, Safe, Way
+from layflat.rig.trials.cases import ROWS, FaultCase, Safe
+from layflat.rig.trials.rig import TrialRig
 
 SPAN = 0.5
 """Of the working stroke in which moves end: an arm that stops at once flings its elbow by half a stroke."""
@@ -50,8 +50,13 @@ STILL = 0.02
 """Speed below which a joint stands still, rad/s."""
 
 HOST_GONE = "host dead, frozen or late"
-LATE = Way(
-    "late host", lambda *_: None, lambda *_: None, (Fault.FAR_CENTRED, Fault.FAR_DUMPED), Safe.ALL_VENTED, cycles=4
+LATE = FaultCase(
+    "late host",
+    lambda *_: None,
+    lambda *_: None,
+    (Fault.DEVICE_CENTRED, Fault.DEVICE_DUMPED),
+    Safe.ALL_VENTED,
+    cycles=4,
 )
 
 
@@ -59,7 +64,7 @@ class Outcome(NamedTuple):
     """One trial."""
 
     row: str
-    way: str
+    case: str
     joint: str
     at: float
     """s after the first demand."""
@@ -88,16 +93,16 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Campaign:
-    """Trials of all rows on one stand.
+    """Trials of all rows on one rig.
 
     Args:
-        stand: rig and loop.
+        rig: rig and loop.
         instants: trials of each row.
         seed: of moves, joints, ways and instants.
         rows: which; all where not given.
     """
 
-    stand: Stand
+    rig: TrialRig
     instants: int = 20
     seed: int = 0
     rows: tuple[str, ...] = (HOST_GONE, *ROWS)
@@ -108,49 +113,49 @@ class Campaign:
             ways = (LATE,) if row == HOST_GONE else ROWS[row]
             for number in range(self.instants):
                 random = np.random.default_rng((self.seed, [HOST_GONE, *ROWS].index(row), number))
-                yield Trial(self.stand, row, ways[number % len(ways)], random).run()
+                yield Trial(self.rig, row, ways[number % len(ways)], random).run()
 
 
-def lead_home(device: Device, home: float) -> bool:
+def lead_home(device: VirtualDevice, home: float) -> bool:
     """Turn joints that are further than `home` (rad) from mid-stroke towards it; whether there are any."""
     plant, away = device.plant, False
     for j, angle in enumerate(plant.angles):
-        far = abs(angle) > home
-        plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if far else 0.0
-        away = away or bool(far)
+        away_now = abs(angle) > home
+        plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if away_now else 0.0
+        away = away or bool(away_now)
     return away
 
 
 class Trial:
     """One failure of a rig that moves at random."""
 
-    def __init__(self, stand: Stand, row: str, way: Way, random: np.random.Generator) -> None:
-        self.stand, self.row, self.way, self.random = stand, row, way, random
-        names = list(stand.machine.joints)
+    def __init__(self, rig: TrialRig, row: str, case: FaultCase, random: np.random.Generator) -> None:
+        self.rig, self.row, self.case, self.random = rig, row, case, random
+        names = list(rig.machine.joints)
         self.joint = int(random.integers(len(names)))
         self.name = names[self.joint]
         self._next = 0
 
     def run(self) -> Outcome:
         """Bring the air, move, fail, watch, mend."""
-        stand, way = self.stand, self.way
-        stand.ready()
-        stand.clear_peaks()
-        begun = stand.clock.now()
+        rig, case = self.rig, self.case
+        rig.ready()
+        rig.clear_peaks()
+        begun = rig.clock.now()
         instant = self._until_failure(begun)
         if self.row == HOST_GONE:
             found, by, limit = self._host_gone()
         else:
-            stand.clock.at(instant, lambda: way.begin(stand, self.joint))
+            rig.clock.at(instant, lambda: case.begin(rig, self.joint))
             found, by, limit = self._found(instant)
         safe = self._safe(instant)
         turned = max(
             angle / (0.5 * joint.stops.mechanical_stroke)
-            for angle, joint in zip(stand.peaks.angles, stand.machine.joints.values(), strict=True)
+            for angle, joint in zip(rig.peaks.angles, rig.machine.joints.values(), strict=True)
         )
         outcome = Outcome(
-            self.row, way.name, self.name, (instant - begun) / SECOND, found, limit, by, safe, way.safe.value, turned,
-            stand.peaks.above_supply, way.pushed,
+            self.row, case.name, self.name, (instant - begun) / SECOND, found, limit, by, safe, case.safe.value, turned,
+            rig.peaks.above_supply, case.pushed,
         )  # fmt: skip
         self._mend()
         return outcome
@@ -159,105 +164,105 @@ class Trial:
 
     def _until_failure(self, begun: int) -> int:
         """Move at random up to the cycle in which it fails; the instant (ns)."""
-        random, stand = self.random, self.stand
+        random, rig = self.random, self.rig
         when = begun + round(random.uniform(*WHEN) * SECOND)
-        while stand.clock.now() < when or (self.way.moving and not self._off()):
+        while rig.clock.now() < when or (self.case.moving and not self._off()):
             self._move()
-            stand.turn()
-        if not self.way.moving:
-            return stand.clock.now() + int(random.integers(1, round(stand.cycle * SECOND)))
-        instant = stand.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
-        while stand.clock.now() + stand.cycle * SECOND < instant or abs(stand.truth.velocities[self.joint]) < GOING:
-            stand.turn()
-        return max(instant, stand.clock.now() + 1)
+            rig.cycle()
+        if not self.case.moving:
+            return rig.clock.now() + int(random.integers(1, round(rig.period * SECOND)))
+        instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
+        while rig.clock.now() + rig.period * SECOND < instant or abs(rig.truth.velocities[self.joint]) < GOING:
+            rig.cycle()
+        return max(instant, rig.clock.now() + 1)
 
     def _move(self) -> None:
         """Ask for another place now and then."""
-        now, stand = self.stand.clock.now(), self.stand
+        now, rig = self.rig.clock.now(), self.rig
         if now >= self._next:
             self._next = now + round(self.random.uniform(*PAUSE) * SECOND)
-            stand.host.demands = self._place()
+            rig.host.demands = self._place()
 
     def _place(self) -> list[float]:
-        half = [0.5 * SPAN * joint.stops.working_stroke for joint in self.stand.machine.joints.values()]
+        half = [0.5 * SPAN * joint.stops.working_stroke for joint in self.rig.machine.joints.values()]
         return [float(self.random.uniform(-reach, reach)) for reach in half]
 
     def _off(self) -> bool:
         """Ask the joint to go far, in this cycle."""
-        stand, reach = (
-            self.stand,
-            0.5 * SPAN * list(self.stand.machine.joints.values())[self.joint].stops.working_stroke,
+        rig, reach = (
+            self.rig,
+            0.5 * SPAN * list(self.rig.machine.joints.values())[self.joint].stops.working_stroke,
         )
-        here = stand.truth.angles[self.joint]
+        here = rig.truth.angles[self.joint]
         side = -1.0 if here > 0.0 else 1.0
         demands = self._place()
         demands[self.joint] = float(self.random.uniform(0.0, reach)) * side
-        if abs(demands[self.joint] - here) < self.way.way_to_go:
+        if abs(demands[self.joint] - here) < self.case.way_to_go:
             return False
-        stand.host.demands = demands
-        self._next = stand.clock.now() + round(PAUSE[1] * SECOND)
+        rig.host.demands = demands
+        self._next = rig.clock.now() + round(PAUSE[1] * SECOND)
         return True
 
     # After
 
     def _found(self, instant: int) -> tuple[float, str, float]:
         """After how long the fault was found (s), as what, and in which time it had to be (s)."""
-        stand, way = self.stand, self.way
-        limit = way.cycles * stand.cycle if way.cycles else way.seconds
-        since: int | None = None if way.since is not None else instant
-        for _ in range(round((limit + PATIENCE) / stand.cycle)):
+        rig, case = self.rig, self.case
+        limit = case.cycles * rig.period if case.cycles else case.seconds
+        since: int | None = None if case.since is not None else instant
+        for _ in range(round((limit + PATIENCE) / rig.period)):
             self._move()
-            if stand.clock.now() < instant:
-                stand.recorder.said.clear()
-            stand.turn()
-            now = stand.clock.now()
-            if way.since is not None:
-                beyond = way.since(stand, self.joint)
-                since = (since or now - round(stand.cycle * SECOND)) if beyond else None
-            said = "\n".join(stand.recorder.said)
-            by = [fault for fault in way.found if TABLE[fault].title in said]
+            if rig.clock.now() < instant:
+                rig.recorder.lines.clear()
+            rig.cycle()
+            now = rig.clock.now()
+            if case.since is not None:
+                beyond = case.since(rig, self.joint)
+                since = (since or now - round(rig.period * SECOND)) if beyond else None
+            said = "\n".join(rig.recorder.lines)
+            by = [fault for fault in case.found if TABLE[fault].title in said]
             if by and now > instant:
-                if way.brief:
-                    way.end(stand, self.joint)
+                if case.brief:
+                    case.end(rig, self.joint)
                 return (now - (since if since is not None else now)) / SECOND, TABLE[by[0]].title, limit
         return inf, "", limit
 
     def _host_gone(self) -> tuple[float, str, float]:
-        """Stop the loop for a while: the far side has to centre its valves, and to let out the air later."""
-        stand, machine = self.stand, self.stand.machine
-        last = stand.clock.now()
-        limit = machine.interface.watchdog_cycles * stand.cycle
+        """Stop the loop for a while: the device has to centre its valves, and to let out the air later."""
+        rig, machine = self.rig, self.rig.machine
+        last = rig.clock.now()
+        limit = machine.interface.watchdog_cycles * rig.period
         found, dumped, step = inf, inf, SECOND // 1000
         end = last + round(self.random.uniform(0.5, 2.0) * SECOND)
-        while stand.clock.now() < end:
-            stand.clock.wait(stand.clock.now() + step)
-            stand.look()
-            quiet = (stand.clock.now() - last) / SECOND
-            if stand.truth.far is not FarState.RUNNING and found == inf:
+        while rig.clock.now() < end:
+            rig.clock.wait(rig.clock.now() + step)
+            rig.look()
+            quiet = (rig.clock.now() - last) / SECOND
+            if rig.truth.device is not DeviceState.RUNNING and found == inf:
                 found = quiet
-            if stand.truth.far is FarState.DUMPED and dumped == inf:
+            if rig.truth.device is DeviceState.DUMPED and dumped == inf:
                 dumped = quiet
         on_time = dumped <= machine.interface.dump_after + 1e-3 + 1e-9
         return (
             (found if on_time else inf),
-            f"by the far side: centred, dumped after {1e3 * dumped:.0f} ms",
+            f"by the device: centred, dumped after {1e3 * dumped:.0f} ms",
             limit + 1e-3,
         )
 
     def _safe(self, instant: int) -> float:
         """How long after the failure what is safe was reached, s."""
-        stand = self.stand
-        until = stand.clock.now() + round(SETTLES * SECOND)
+        rig = self.rig
+        until = rig.clock.now() + round(SETTLES * SECOND)
         while True:
             if self._is_safe():
-                return (stand.clock.now() - instant) / SECOND
-            if stand.clock.now() >= until:
+                return (rig.clock.now() - instant) / SECOND
+            if rig.clock.now() >= until:
                 return inf
-            stand.turn()
+            rig.cycle()
 
     def _is_safe(self) -> bool:
-        truth, empty = self.stand.truth, self.stand.machine.supply.ambient_pressure + EMPTY
-        match self.way.safe:
+        truth, empty = self.rig.truth, self.rig.machine.supply.ambient_pressure + EMPTY
+        match self.case.safe:
             case Safe.TOLD:
                 return True
             case Safe.HELD:
@@ -272,17 +277,17 @@ class Trial:
 
     def _mend(self) -> None:
         """Heal, stop, let the air out, and reset."""
-        stand = self.stand
-        self.way.end(stand, self.joint)
-        stand.host.edges = {"stop"}
-        for _ in range(round((stand.machine.safety.hold_time + stand.machine.safety.vent_time) / stand.cycle)):
-            stand.turn()
+        rig = self.rig
+        self.case.end(rig, self.joint)
+        rig.host.edges = {"stop"}
+        for _ in range(round((rig.machine.safety.hold_time + rig.machine.safety.vent_time) / rig.period)):
+            rig.cycle()
         # By hand, as anyone would who finds a joint at its stop without air.
-        while stand.far.call(lead_home, HOME):
-            stand.turn()
-        stand.host.edges = {"reset"}
+        while rig.device.call(lead_home, HOME):
+            rig.cycle()
+        rig.host.edges = {"reset"}
         for _ in range(8):
-            stand.turn()
+            rig.cycle()
 
 
 def judged(outcomes: list[Outcome]) -> dict[str, dict[str, float | int]]:

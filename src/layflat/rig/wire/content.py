@@ -14,13 +14,13 @@ import numpy as np
 from layflat.machine.model import Machine
 from layflat.machine.parameters import drive_parts, joints
 from layflat.physics.sensor import Sensor
-from layflat.rig.driver import Command, FarState, Reading
+from layflat.rig.driver import Command, DeviceState, Reading
 from layflat.rig.wire.converter import Converter, WireError
 
 AIR, RESET = 1, 2
 """Bits of a command's flags."""
-FAR, STOPPED = 3, 4
-"""Bits of a reading's flags: two of the far side's state, one of the e-stop."""
+STATE, STOPPED = 3, 4
+"""Bits of a reading's flags: two of the device's state, one of the e-stop."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Wire:
 
     def reading_words(self, reading: Reading) -> list[int]:
         """A reading on the wire."""
-        words = [reading.far | STOPPED * reading.stopped]
+        words = [reading.device | STOPPED * reading.stopped]
         self.supply.put(words, reading.supply)
         for angle, pressure in zip(reading.angles.tolist(), reading.pressures.tolist(), strict=True):
             self.angle.put(words, angle)
@@ -115,11 +115,11 @@ class Wire:
         if len(words) != self.reading_size:
             raise WireError(f"a reading of {len(words)} words; this rig's have {self.reading_size}")
         flags = words[0]
-        if flags & ~(FAR | STOPPED) or flags & FAR > FarState.DUMPED:
+        if flags & ~(STATE | STOPPED) or flags & STATE > DeviceState.DUMPED:
             raise WireError(f"flags {flags:#06x}, which mean nothing")
         supply = self.supply.take(words, 1)
         at, each, pair = 1 + self.supply.words, self.angle.words, self.angle.words + self.pressure.words
         starts = range(at, len(words), pair)
         angles = np.array([self.angle.take(words, i) for i in starts])
         pressures = np.array([self.pressure.take(words, i + each) for i in starts])
-        return Reading(angles, pressures, supply, bool(flags & STOPPED), FarState(flags & FAR))
+        return Reading(angles, pressures, supply, bool(flags & STOPPED), DeviceState(flags & STATE))

@@ -23,7 +23,7 @@ LONGEST = 254
 
 ASK, COMMAND = 0x01, 0x02
 TELL, READING = 0x81, 0x82
-"""Kinds; the far side's have the high bit, so that nobody takes an echo for an answer."""
+"""Kinds; the device's have the high bit, so that nobody takes an echo for an answer."""
 
 
 class Frame(NamedTuple):

@@ -1,4 +1,4 @@
-"""What a far side says of itself before anything moves, and whether that fits the machine."""
+"""What a device says of itself before anything moves, and whether that fits the machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DITHERS = 1
 
 
 class Identity(NamedTuple):
-    """Words by which a far side can be known; lengths of time and voltages are rounded to those units."""
+    """Words by which a device can be known; lengths of time and voltages are rounded to those units."""
 
     magic: int
     version: int
@@ -44,7 +44,7 @@ class Identity(NamedTuple):
 
     @classmethod
     def of(cls, machine: Machine, able: Capabilities | None = None) -> Identity:
-        """What the far side of a machine says; of what it is able to do where that is told.
+        """What the device of a machine says; of what it is able to do where that is told.
 
         Raises:
             MachineError: the machine has no valve, sensors or controller, or a voltage beyond +-32 V.
@@ -94,7 +94,7 @@ class Identity(NamedTuple):
         return told._replace(**{name: _signed(getattr(told, name)) for name in _SIGNED})
 
     def check(self, machine: Machine, where: str) -> Capabilities:
-        """Make sure that this is the far side of a machine.
+        """Make sure that this is the device of a machine.
 
         Raises:
             DriverError: it is not; the message names the first number that differs.

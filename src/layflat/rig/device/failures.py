@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from math import inf
 
 from layflat.errors import InputError
-from layflat.rig.far.device import Device
-from layflat.rig.far.link import Spoil
-from layflat.rig.far.sensors import ANGLE, PRESSURE
+from layflat.rig.device.link import Spoil
+from layflat.rig.device.sensors import ANGLE, PRESSURE
+from layflat.rig.device.virtual import VirtualDevice
 
 
 @dataclass(frozen=True)
@@ -31,13 +31,13 @@ class Failure:
 
     name: str
     what: str
-    inject: Callable[[Device, int, float], None]
-    heal: Callable[[Device, int], None]
+    inject: Callable[[VirtualDevice, int, float], None]
+    heal: Callable[[VirtualDevice, int], None]
     size: float | None = None
     unit: str = ""
     limits: tuple[float, float] = (0.0, inf)
 
-    def begin(self, device: Device, joint: int = 0, size: float | None = None) -> None:
+    def begin(self, device: VirtualDevice, joint: int = 0, size: float | None = None) -> None:
         """Inject it at the present instant of the device's clock.
 
         Raises:
@@ -48,7 +48,7 @@ class Failure:
         device.tick()
         self.inject(device, joint, size)
 
-    def end(self, device: Device, joint: int = 0) -> None:
+    def end(self, device: VirtualDevice, joint: int = 0) -> None:
         """Heal it at the present instant of the device's clock.
 
         Raises:
@@ -71,45 +71,45 @@ class Failure:
         return size
 
 
-def _check_joint(device: Device, joint: int) -> None:
+def _check_joint(device: VirtualDevice, joint: int) -> None:
     count = device.capabilities.joints
     if not 0 <= joint < count:
         raise InputError(f"there is no joint {joint}", where="failure", right=f"joints are 0 to {count - 1}")
 
 
 def _spoilt(name: str, what: str, kind: Spoil) -> Failure:
-    def inject(device: Device, _: int, replies: float) -> None:
+    def inject(device: VirtualDevice, _: int, replies: float) -> None:
         device.link.spoil(kind, replies)
 
     return Failure(name, what, inject, lambda device, _: device.link.mend(), inf, "replies")
 
 
-def _sensed(name: str, what: str, fail: Callable[[Device, int], None], *sensors: int) -> Failure:
-    def heal(device: Device, joint: int) -> None:
+def _sensed(name: str, what: str, fail: Callable[[VirtualDevice, int], None], *sensors: int) -> Failure:
+    def heal(device: VirtualDevice, joint: int) -> None:
         for sensor in sensors:
             device.converters.mend(joint, sensor)
 
     return Failure(name, what, lambda device, joint, _: fail(device, joint), heal)
 
 
-def _silence(device: Device, _joint: int, _size: float) -> None:
+def _silence(device: VirtualDevice, _joint: int, _size: float) -> None:
     device.link.silent = True
 
 
-def _freeze_both(device: Device, joint: int) -> None:
+def _freeze_both(device: VirtualDevice, joint: int) -> None:
     device.converters.freeze(joint, ANGLE)
     device.converters.freeze(joint, PRESSURE)
 
 
-def _regulate(device: Device, share: float) -> None:
+def _regulate(device: VirtualDevice, share: float) -> None:
     device.line.regulator = device.line.ambient + share * device.set_gauge
 
 
-def _press(device: Device, *, pressed: bool) -> None:
+def _press(device: VirtualDevice, *, pressed: bool) -> None:
     device.stopped = pressed
 
 
-def _push(device: Device, joint: int, share: float) -> None:
+def _push(device: VirtualDevice, joint: int, share: float) -> None:
     device.plant.load[joint] = share * device.strengths[joint]
 
 

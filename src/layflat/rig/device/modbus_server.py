@@ -25,8 +25,8 @@ from pymodbus.pdu.register_message import (
 )
 
 from layflat.machine.model import Machine
-from layflat.rig.far.exchange import LATE, Device, Exchange
-from layflat.rig.far.link import Link, Spoil
+from layflat.rig.device.exchange import LATE, Device, Exchange
+from layflat.rig.device.link import Link, Spoil
 from layflat.rig.wire.converter import WireError
 from layflat.rig.wire.registers import Registers
 

@@ -77,7 +77,7 @@ def free_place(folder: Path, name: str) -> Path:
     return folder / f"{stem}.mcap"
 
 
-class Performance:
+class PlanRunner:
     """A rig that is led through a plan.
 
     Args:
@@ -108,7 +108,7 @@ class Performance:
             if shot is not None:
                 starting = starting or shot.state is State.STARTING
                 if starting and shot.state in {State.OFF, State.STOPPED}:
-                    why = told(shot, list(self._rig.machine.joints))
+                    why = fault_text(shot, list(self._rig.machine.joints))
                     raise EarlyEndError(f"the start was broken off: {why}", fault=True)
             if shot is not None and shot.state is State.READY:
                 self._running = True
@@ -152,11 +152,11 @@ class Performance:
         if not self._rig.recording:
             raise EarlyEndError("the recorder is gone", fault=True)
         if shot is not None and (shot.state is State.FAULT or (self._running and shot.state is State.STOPPED)):
-            raise EarlyEndError(told(shot, list(self._rig.machine.joints)), fault=True)
+            raise EarlyEndError(fault_text(shot, list(self._rig.machine.joints)), fault=True)
         return shot
 
 
-def told(shot: Snapshot, joints: Sequence[str]) -> str:
+def fault_text(shot: Snapshot, joints: Sequence[str]) -> str:
     """The worst fault there is, with its joint."""
     if shot.fault is Fault.NONE:
         return "stopped by the loop"

@@ -12,9 +12,9 @@ from layflat.machine import Machine
 from layflat.machine.parameters.drives import drive_parts
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
-from layflat.rig.driver import Command, Driver, FarState, Lifecycle, LinkError, Reading
+from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
+from layflat.rig.safety.debounce import CountDebounce
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.lasting import Samples
 from layflat.rig.safety.limits import limits
 from layflat.rig.safety.machine_watch import MachineWatch
 
@@ -25,7 +25,7 @@ class UnsafeError(LayflatError):
     """Something that ends a check with air at once; the message is the fault."""
 
 
-class Bench:
+class OpenLoopRig:
     """A driver that is configured, its clock, and what is noted of the link.
 
     Args:
@@ -50,7 +50,7 @@ class Bench:
         self._watch = MachineWatch(machine, self.cycle, self.limits)
         n = len(self.names)
         self._status, self._memory = np.zeros((1, n, STATUS)), np.zeros((1, n, MEMORY))
-        self._gone = Samples(TABLE[Fault.LINK_LOST].cycles)
+        self._gone = CountDebounce(TABLE[Fault.LINK_LOST].cycles)
         self._obeyed = False
 
     def cycles(self, seconds: float) -> int:
@@ -100,9 +100,9 @@ class Bench:
         fault = self._watch.look(
             reading, self._status, self._memory, self.centred, reading.angles, 0.0, self.cycle, MOTION
         )
-        self._obeyed = self._obeyed or reading.far is FarState.RUNNING
-        if self._obeyed and reading.far is not FarState.RUNNING:
-            fault = Fault.FAR_DUMPED if reading.far is FarState.DUMPED else Fault.FAR_CENTRED
+        self._obeyed = self._obeyed or reading.device is DeviceState.RUNNING
+        if self._obeyed and reading.device is not DeviceState.RUNNING:
+            fault = Fault.DEVICE_DUMPED if reading.device is DeviceState.DUMPED else Fault.DEVICE_CENTRED
         if reading.stopped:
             fault = Fault.E_STOP
         if fault:

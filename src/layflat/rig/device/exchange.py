@@ -1,4 +1,4 @@
-"""What the far side makes of words, whatever they came over."""
+"""What the device makes of words, whatever they came over."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from layflat.machine.model import Machine
+from layflat.rig.device.link import Link
 from layflat.rig.driver import Capabilities, Command, Reading
-from layflat.rig.far.link import Link
 from layflat.rig.wire.content import Wire
 from layflat.rig.wire.identity import Identity
 from layflat.rig.wire.sequence import is_later
@@ -17,7 +17,7 @@ LATE = 1.5
 
 
 class Device(Protocol):
-    """Valves, sensors and watchdog of a far side."""
+    """Valves, sensors and watchdog of a device."""
 
     capabilities: Capabilities
     """What it can do."""

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 import pytest
-from farsides import ARM, WIRE, FakeDevice
+from devices import ARM, WIRE, FakeDevice
 from hypothesis import given
 from hypothesis import strategies as st
 from pymodbus.client import ModbusTcpClient
 
 from layflat.rig.clock import VirtualClock
-from layflat.rig.far.modbus_server import ModbusStation
+from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.wire.identity import Identity
 
 SAFE = [0, 0x8000, 0x8000]

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from layflat.errors import InputError
-from layflat.rig.far.device import Device
-from layflat.rig.far.failures import FAILURES, failure
+from layflat.rig.device.failures import FAILURES, failure
+from layflat.rig.device.virtual import VirtualDevice
 
 HELP = "fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures or quit"
 
 
-def obey(device: Device, words: Sequence[str]) -> str:
+def obey(device: VirtualDevice, words: Sequence[str]) -> str:
     """Do what a line says; what is to be answered, in a line or several.
 
     Raises:
@@ -33,7 +33,7 @@ def obey(device: Device, words: Sequence[str]) -> str:
             raise InputError(f"{' '.join(words)!r} is not understood", where="line", right=f"give {HELP}")
 
 
-def state(device: Device) -> str:
+def state(device: VirtualDevice) -> str:
     """A line about what is so, whatever the sensors say."""
     device.tick()
     plant, parts = device.plant, [device.state.name.lower()]
@@ -45,7 +45,7 @@ def state(device: Device) -> str:
     return "; ".join(parts)
 
 
-def _gauge(device: Device, pressure: float) -> str:
+def _gauge(device: VirtualDevice, pressure: float) -> str:
     return f"{max(pressure - device.line.ambient, 0.0) / 1e5:.2f} bar"
 
 
@@ -53,7 +53,7 @@ def _sized(size: float | None, unit: str) -> str:
     return "" if size is None else f" (SIZE: {unit}; {size:g} where not given)"
 
 
-def _joint_and_size(device: Device, words: Sequence[str]) -> tuple[int, float | None]:
+def _joint_and_size(device: VirtualDevice, words: Sequence[str]) -> tuple[int, float | None]:
     """A joint and a size; a single number is a size if it is not that of a joint."""
     if len(words) == 2:
         return _joint(device, words[0]), _number(words[1])
@@ -63,7 +63,7 @@ def _joint_and_size(device: Device, words: Sequence[str]) -> tuple[int, float | 
     return 0, None
 
 
-def _joint(device: Device, word: str) -> int:
+def _joint(device: VirtualDevice, word: str) -> int:
     names = list(device.plant.joints)
     if word in names:
         return names.index(word)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.rig.far.supply import LineLaw, SupplyLine
+from layflat.rig.device.supply import LineLaw, SupplyLine
 
 AMBIENT, REGULATOR = 101325.0, 501325.0
 LAW = LineLaw()

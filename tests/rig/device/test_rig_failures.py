@@ -1,4 +1,4 @@
-"""Every failure of the virtual rig shows in what the far side says, and is gone once it is healed."""
+"""Every failure of the virtual rig shows in what the device says, and is gone once it is healed."""
 
 from collections.abc import Callable
 from math import radians
@@ -9,23 +9,23 @@ import pytest
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.driver import Command, FarState, LinkError, Reading
+from layflat.rig.device.failures import FAILURES, failure
+from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import Command, DeviceState, LinkError, Reading
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.device import Device
-from layflat.rig.far.failures import FAILURES, failure
 from layflat.sim.plant import SteppedPlant
 
 ARM = load("paper-arm")
 JOINT = 1
 
 
-class Bench:
+class OpenLoopRig:
     """The arm on a virtual rig, its second joint driven by a voltage."""
 
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.plant = SteppedPlant(ARM, start=0.0)
-        self.device = Device(ARM, self.plant, self.clock, running=True)
+        self.device = VirtualDevice(ARM, self.plant, self.clock, running=True)
         self.driver = SimulatedDriver(self.device)
         self.driver.configure()
         self.driver.activate()
@@ -55,86 +55,86 @@ class Bench:
         return [float(reading.pressures[JOINT]) for reading in self.readings(cycles, voltage)]
 
 
-def spoilt(kind: str) -> Callable[[Bench], bool]:
+def spoilt(kind: str) -> Callable[[OpenLoopRig], bool]:
     return lambda bench: bench.run(5) == [kind] * 5
 
 
-def far_state(bench: Bench) -> FarState:
+def device_state(bench: OpenLoopRig) -> DeviceState:
     bench.device.tick()
     return bench.device.state
 
 
-def unheard(bench: Bench) -> bool:
-    return bench.run(5) == ["lost"] * 5 and far_state(bench) is FarState.CENTRED
+def unheard(bench: OpenLoopRig) -> bool:
+    return bench.run(5) == ["lost"] * 5 and device_state(bench) is DeviceState.CENTRED
 
 
-def reads_low(bench: Bench) -> bool:
+def reads_low(bench: OpenLoopRig) -> bool:
     return set(bench.angles()) == {-radians(75.0)}
 
 
-def reads_high(bench: Bench) -> bool:
+def reads_high(bench: OpenLoopRig) -> bool:
     return min(bench.angles()) > radians(74.9)
 
 
-def angle_repeats(bench: Bench) -> bool:
+def angle_repeats(bench: OpenLoopRig) -> bool:
     return len(set(bench.angles())) == 1
 
 
-def pressure_reads_low(bench: Bench) -> bool:
+def pressure_reads_low(bench: OpenLoopRig) -> bool:
     return set(bench.pressures()) == {-5e5}
 
 
-def pressure_repeats(bench: Bench) -> bool:
+def pressure_repeats(bench: OpenLoopRig) -> bool:
     return len(set(bench.pressures())) == 1
 
 
-def both_repeat(bench: Bench) -> bool:
+def both_repeat(bench: OpenLoopRig) -> bool:
     readings = bench.readings(50)
     return len({(reading.angles[JOINT], reading.pressures[JOINT]) for reading in readings}) == 1
 
 
-def does_not_answer_its_voltage(bench: Bench) -> bool:
+def does_not_answer_its_voltage(bench: OpenLoopRig) -> bool:
     before = np.mean(bench.pressures(8))
     return bool(abs(bench.pressures(60, 10.0)[-1] - before) < 0.3e5)
 
 
-def filled_by_itself(bench: Bench) -> bool:
+def filled_by_itself(bench: OpenLoopRig) -> bool:
     return bench.pressures(100)[-1] > 1e5
 
 
-def hose_a_is_empty(bench: Bench) -> bool:
+def hose_a_is_empty(bench: OpenLoopRig) -> bool:
     bench.readings(60, 8.0)
     return bool(bench.plant.pressures[JOINT, 0] < ARM.supply.ambient_pressure + 1e5)
 
 
-def supply(bench: Bench) -> float:
+def supply(bench: OpenLoopRig) -> float:
     return bench.readings(60)[-1].supply
 
 
-def supply_is_gone(bench: Bench) -> bool:
+def supply_is_gone(bench: OpenLoopRig) -> bool:
     return supply(bench) == ARM.supply.ambient_pressure
 
 
-def supply_is_high(bench: Bench) -> bool:
+def supply_is_high(bench: OpenLoopRig) -> bool:
     return supply(bench) > ARM.supply.pressure + 1.9e5
 
 
-def pushed(bench: Bench) -> bool:
+def pushed(bench: OpenLoopRig) -> bool:
     return max(bench.angles(60)) > radians(60.0)
 
 
-def held_fast(bench: Bench) -> bool:
+def held_fast(bench: OpenLoopRig) -> bool:
     before = bench.angles(1)[0]
     bench.pressures(60, 10.0)
     return abs(bench.angles(1)[0] - before) < radians(1.0)
 
 
-def stopped(bench: Bench) -> bool:
+def stopped(bench: OpenLoopRig) -> bool:
     reading: Reading = bench.readings(2)[-1]
-    return reading.stopped and reading.far is FarState.DUMPED
+    return reading.stopped and reading.device is DeviceState.DUMPED
 
 
-SHOWS: dict[str, Callable[[Bench], bool]] = {
+SHOWS: dict[str, Callable[[OpenLoopRig], bool]] = {
     "reply-lost": spoilt("lost"),
     "reply-crc": spoilt("crc"),
     "reply-sequence": spoilt("sequence"),
@@ -163,7 +163,7 @@ def test_every_failure_is_looked_for() -> None:
 
 @pytest.mark.parametrize("name", FAILURES)
 def test_a_failure_shows_and_heals(name: str) -> None:
-    bench, shows = Bench(), SHOWS[name]
+    bench, shows = OpenLoopRig(), SHOWS[name]
     bench.readings(20)
     failure(name).begin(bench.device, JOINT)
     assert shows(bench)
@@ -174,12 +174,12 @@ def test_a_failure_shows_and_heals(name: str) -> None:
     bench.run(60, 2.0)
     bench.run(100)
     assert not shows(bench)
-    assert far_state(bench) is FarState.RUNNING
+    assert device_state(bench) is DeviceState.RUNNING
 
 
 @pytest.mark.parametrize("name", ["angle-open", "angle-shorted", "pressure-open"])
 def test_a_failed_sensor_leaves_the_others_alone(name: str) -> None:
-    sound, failed = Bench(), Bench()
+    sound, failed = OpenLoopRig(), OpenLoopRig()
     failure(name).begin(failed.device, JOINT)
     for one, other in zip(sound.readings(10), failed.readings(10), strict=True):
         assert one.angles[0] == other.angles[0]
@@ -189,7 +189,7 @@ def test_a_failed_sensor_leaves_the_others_alone(name: str) -> None:
 
 
 def test_sizes_may_be_given() -> None:
-    bench = Bench()
+    bench = OpenLoopRig()
     failure("reply-crc").begin(bench.device, size=2)
     told = bench.run(4)
     assert told[:2] == ["crc", "crc"]
@@ -202,7 +202,7 @@ def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
     with pytest.raises(InputError, match="'fire' is no failure; failures are reply-lost, reply-crc"):
         failure("fire")
     with pytest.raises(InputError, match="there is no joint 2; joints are 0 to 1"):
-        failure("push").begin(Bench().device, 2)
+        failure("push").begin(OpenLoopRig().device, 2)
 
 
 @pytest.mark.parametrize(
@@ -215,7 +215,7 @@ def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
 )
 def test_a_size_that_makes_no_sense_is_told(name: str, size: float, expected: str) -> None:
     with pytest.raises(InputError, match=expected):
-        failure(name).begin(Bench().device, size=size)
+        failure(name).begin(OpenLoopRig().device, size=size)
 
 
 def test_each_says_what_it_does_in_a_line() -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-class Samples:
+class CountDebounce:
     """True when a condition held in so many samples, one after the other."""
 
     __slots__ = ("count", "enough")
@@ -17,7 +17,7 @@ class Samples:
         return self.count >= self.enough
 
 
-class Lasting:
+class TimeDebounce:
     """True when a condition held for some time; two cycles are kept back, so that it is found within it."""
 
     __slots__ = ("enough", "time")

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from farsides import ARM, FakeDevice, angle_after, burst, far_side, frozen, patient, truth
+from devices import ARM, FakeDevice, angle_after, burst, device_process, frozen, patient, truth
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
+from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort, serve
 from layflat.rig.driver import Command, DriverError
 from layflat.rig.drivers.address import driver_of
-from layflat.rig.far.process import FarSide, ModbusPort, SerialPort, serve
 
 PATIENT = patient(ARM, 5.0)
 
@@ -32,50 +32,50 @@ class Stuck(FakeDevice):
 
 
 def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
-    with far_side(SerialPort(tmp_path / "rig")) as far:
-        assert far.address == f"serial://{tmp_path / 'rig'}"
-        driver = driver_of(far.address, PATIENT)
+    with device_process(SerialPort(tmp_path / "rig")) as device:
+        assert device.address == f"serial://{tmp_path / 'rig'}"
+        driver = driver_of(device.address, PATIENT)
         driver.configure()
         driver.activate()
         for cycle in range(1, 4):
-            assert far.advance(cycle * 5_000_000) == cycle * 5_000_000
+            assert device.advance(cycle * 5_000_000) == cycle * 5_000_000
             driver.write(Command(np.array([5.0, 5.0]), air=True))
             assert driver.read().angles[0] == angle_after(cycle)
-        found = far.call(truth)
+        found = device.call(truth)
         assert (found["ticks"], found["now"]) == (3, 15_000_000)
-        assert far.call(frozen) > 10_000, "a collection of all that was imported would stop it for 100 ms"
-        with pytest.raises(LayflatError, match="ZeroDivisionError on the far side: no such hose"):
-            far.call(burst)
+        assert device.call(frozen) > 10_000, "a collection of all that was imported would stop it for 100 ms"
+        with pytest.raises(LayflatError, match="ZeroDivisionError on the device: no such hose"):
+            device.call(burst)
         driver.read()
         driver.finalize()
-    assert not far._process.is_alive()
+    assert not device._process.is_alive()
     assert not (tmp_path / "rig").is_symlink()
 
 
 def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
-    with far_side(ModbusPort(), lockstep=False) as far:
-        driver = driver_of(far.address, PATIENT)
+    with device_process(ModbusPort(), lockstep=False) as device:
+        driver = driver_of(device.address, PATIENT)
         driver.configure()
         driver.activate()
         assert driver.read().angles[0] == angle_after(1)
         driver.finalize()
-        one = far.call(truth)
+        one = device.call(truth)
         time.sleep(0.2)
-        other = far.call(truth)
+        other = device.call(truth)
         assert other["now"] - one["now"] >= 200_000_000
         assert other["ticks"] > one["ticks"]
-        os.kill(far.pid, signal.SIGINT)
-        assert far.call(truth)["ticks"] >= other["ticks"], "an interrupt is for who holds the handle"
-        far._control.close()
-        far._process.join(10.0)
-        assert far._process.exitcode == 0, "it ends with whoever holds the handle"
-    with FarSide(Stuck, ARM, ModbusPort()) as far:
-        far._process.join(10.0)
-        assert not far._process.is_alive()
+        os.kill(device.pid, signal.SIGINT)
+        assert device.call(truth)["ticks"] >= other["ticks"], "an interrupt is for who holds the handle"
+        device._control.close()
+        device._process.join(10.0)
+        assert device._process.exitcode == 0, "it ends with whoever holds the handle"
+    with DeviceProcess(Stuck, ARM, ModbusPort()) as device:
+        device._process.join(10.0)
+        assert not device._process.is_alive()
         with pytest.raises(LayflatError, match="the run diverged"):
-            far.call(truth)
-        with pytest.raises(LayflatError, match="the far side is gone"):
-            far.call(truth)
+            device.call(truth)
+        with pytest.raises(LayflatError, match="the device is gone"):
+            device.call(truth)
 
 
 def test_a_port_that_is_taken() -> None:

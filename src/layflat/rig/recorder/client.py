@@ -23,7 +23,7 @@ STARTS_WITHIN = 30.0
 """A recorder has to be there by then, s."""
 
 
-class Hand:
+class RecorderClient:
     """Hands over what the loop has to keep; it never waits.
 
     Args:
@@ -35,12 +35,12 @@ class Hand:
         self._fault = ring.layout.shared["fault"]
 
     def push(self, row: NDArray[np.float64]) -> None:
-        """Hand over a row of `record.Layout`."""
+        """RecorderClient over a row of `record.Layout`."""
         self._time, self._level = float(row[0]), LEVELS[int(row[self._fault])]
         self._ring.push(row)
 
     def event(self, text: str) -> None:
-        """Hand over a line for people; it matters as much as the worst fault of the cycle that it belongs to.
+        """RecorderClient over a line for people; it matters as much as the worst fault of the cycle that it belongs to.
 
         A change of state beside a fault that is only told matters no more than any other.
         """
@@ -57,7 +57,7 @@ class Hand:
 
 
 @dataclass(frozen=True)
-class HandOf:
+class RecorderClientFactory:
     """Makes a hand in another process; it can be pickled.
 
     Args:
@@ -66,7 +66,7 @@ class HandOf:
 
     ring: Path
 
-    def __call__(self) -> Hand:
+    def __call__(self) -> RecorderClient:
         """Take hold of the ring, as soon as the recorder is there.
 
         Raises:
@@ -77,4 +77,4 @@ class HandOf:
             if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
                 raise OutputError("the recorder did not start", where="rig", right="see that logs can be written")
             time.sleep(0.005)
-        return Hand(ring)
+        return RecorderClient(ring)

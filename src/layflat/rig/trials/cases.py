@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from layflat.rig.far.device import Device
-from layflat.rig.far.failures import failure
+from layflat.rig.device.failures import failure
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.safety.faults import Fault
-from layflat.rig.trials.stand import Stand
+from layflat.rig.trials.rig import TrialRig
 
 
 class Safe(Enum):
@@ -24,7 +24,7 @@ class Safe(Enum):
     TOLD = "told"
     """Nothing but that it is said."""
     HELD = "held"
-    """All joints stand still."""
+    """All joints rig still."""
     VENTED = "vented"
     """The hoses of the joint are empty."""
     ALL_VENTED = "all vented"
@@ -33,7 +33,7 @@ class Safe(Enum):
     """All hoses of the other joints are empty, and this one stands still: its air can't get out."""
 
 
-class Way(NamedTuple):
+class FaultCase(NamedTuple):
     """One way to bring a fault about.
 
     Args:
@@ -48,14 +48,14 @@ class Way(NamedTuple):
     """
 
     name: str
-    begin: Callable[[Stand, int], None]
-    end: Callable[[Stand, int], None]
+    begin: Callable[[TrialRig, int], None]
+    end: Callable[[TrialRig, int], None]
     found: tuple[Fault, ...]
     safe: Safe
     cycles: int = 0
     seconds: float = 0.0
     moving: bool = False
-    since: Callable[[Stand, int], bool] | None = None
+    since: Callable[[TrialRig, int], bool] | None = None
     """Whether a limit is passed in truth, where the time counts from then on, as long as it is."""
     brief: bool = False
     """Whether it ends by itself when it is found: who pushes a joint lets go of it."""
@@ -65,79 +65,79 @@ class Way(NamedTuple):
     """Whether somebody pushes the joint, or a valve that stays open: into its stop, which alone can hold it."""
 
 
-def inject(device: Device, name: str, joint: int, size: float | None) -> None:
-    """Begin a failure; called on the far side."""
+def inject(device: VirtualDevice, name: str, joint: int, size: float | None) -> None:
+    """Begin a failure; called on the device."""
     failure(name).begin(device, joint, size)
 
 
-def heal(device: Device, name: str, joint: int) -> None:
-    """End a failure; called on the far side."""
+def heal(device: VirtualDevice, name: str, joint: int) -> None:
+    """End a failure; called on the device."""
     failure(name).end(device, joint)
 
 
 def _of_rig(
     name: str, found: tuple[Fault, ...], safe: Safe, *, size: float | None = None, label: str = "", **more: Any
-) -> Way:
-    """A way that the virtual rig is told to fail; `more` of `Way`."""
+) -> FaultCase:
+    """A way that the virtual rig is told to fail; `more` of `FaultCase`."""
 
-    def begin(stand: Stand, joint: int) -> None:
-        stand.far.call(inject, name, joint, size)
+    def begin(rig: TrialRig, joint: int) -> None:
+        rig.device.call(inject, name, joint, size)
 
-    def end(stand: Stand, joint: int) -> None:
-        stand.far.call(heal, name, joint)
+    def end(rig: TrialRig, joint: int) -> None:
+        rig.device.call(heal, name, joint)
 
-    return Way(label or name, begin, end, found, safe, **more)
-
-
-def _stale(stand: Stand, _: int) -> None:
-    stand.host.silent_since = stand.clock.now()
+    return FaultCase(label or name, begin, end, found, safe, **more)
 
 
-def _heard(stand: Stand, _: int) -> None:
-    stand.host.silent_since = None
+def _stale(rig: TrialRig, _: int) -> None:
+    rig.host.silent_since = rig.clock.now()
 
 
-def _nonsense(value: float, label: str) -> Way:
-    def begin(stand: Stand, joint: int) -> None:
-        stand.loop.spoil, stand.loop.spoilt_joint = value, joint
-
-    def end(stand: Stand, _: int) -> None:
-        stand.loop.spoil = None
-
-    return Way(label, begin, end, (Fault.BAD_COMMAND,), Safe.HELD, cycles=1)
+def _heard(rig: TrialRig, _: int) -> None:
+    rig.host.silent_since = None
 
 
-def _die(stand: Stand, _: int) -> None:
-    stand.recorder.dead = True
+def _nonsense(value: float, label: str) -> FaultCase:
+    def begin(rig: TrialRig, joint: int) -> None:
+        rig.loop.spoil, rig.loop.spoilt_joint = value, joint
+
+    def end(rig: TrialRig, _: int) -> None:
+        rig.loop.spoil = None
+
+    return FaultCase(label, begin, end, (Fault.BAD_COMMAND,), Safe.HELD, cycles=1)
 
 
-def _live(stand: Stand, _: int) -> None:
-    stand.recorder.dead = False
+def _die(rig: TrialRig, _: int) -> None:
+    rig.recorder.dead = True
 
 
-def _too_high(stand: Stand, _: int) -> bool:
-    supply, safety = stand.machine.supply, stand.machine.safety
-    return stand.truth.supply > supply.ambient_pressure + safety.overpressure * supply.pressure_gauge
+def _live(rig: TrialRig, _: int) -> None:
+    rig.recorder.dead = False
 
 
-def _away(stand: Stand, joint: int) -> bool:
-    safety, stops = stand.machine.safety, list(stand.machine.joints.values())[joint].stops
+def _too_high(rig: TrialRig, _: int) -> bool:
+    supply, safety = rig.machine.supply, rig.machine.safety
+    return rig.truth.supply > supply.ambient_pressure + safety.overpressure * supply.pressure_gauge
+
+
+def _away(rig: TrialRig, joint: int) -> bool:
+    safety, stops = rig.machine.safety, list(rig.machine.joints.values())[joint].stops
     stroke = 0.5 * (stops.working_stroke + safety.overrun * (stops.mechanical_stroke - stops.working_stroke))
-    return abs(stand.truth.velocities[joint]) > safety.speed or abs(stand.truth.angles[joint]) > stroke
+    return abs(rig.truth.velocities[joint]) > safety.speed or abs(rig.truth.angles[joint]) > stroke
 
 
-def _push_out(stand: Stand, joint: int) -> None:
-    stand.far.call(inject, "push", joint, PUSH if stand.truth.angles[joint] > 0.0 else -PUSH)
+def _push_out(rig: TrialRig, joint: int) -> None:
+    rig.device.call(inject, "push", joint, PUSH if rig.truth.angles[joint] > 0.0 else -PUSH)
 
 
-def _let_go(stand: Stand, joint: int) -> None:
-    stand.far.call(heal, "push", joint)
+def _let_go(rig: TrialRig, joint: int) -> None:
+    rig.device.call(heal, "push", joint)
 
 
-def _left_behind(stand: Stand, joint: int) -> bool:
-    limits, speed = stand.limits[joint], abs(stand.truth.velocities[joint])
-    allowed = limits.following + limits.following_time * speed + stand.lead
-    return bool(abs(stand.truth.angles[joint] - stand.reaches[joint]) > allowed)
+def _left_behind(rig: TrialRig, joint: int) -> bool:
+    limits, speed = rig.limits[joint], abs(rig.truth.velocities[joint])
+    allowed = limits.following + limits.following_time * speed + rig.lead
+    return bool(abs(rig.truth.angles[joint] - rig.reaches[joint]) > allowed)
 
 
 GRIP = 1.0
@@ -146,13 +146,13 @@ GRIP = 1.0
 PUSH = 1.2
 """Of a joint's greatest torque: what pushes it out against its controller."""
 
-LINK = (Fault.LINK_LOST, Fault.FAR_CENTRED, Fault.FAR_DUMPED)
+LINK = (Fault.LINK_LOST, Fault.DEVICE_CENTRED, Fault.DEVICE_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
-ANSWER = (Fault.NO_ANSWER, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
-BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.NO_ANSWER)
+ANSWER = (Fault.VALVE_UNRESPONSIVE, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
+BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.VALVE_UNRESPONSIVE)
 
-ROWS: dict[str, tuple[Way, ...]] = {
+ROWS: dict[str, tuple[FaultCase, ...]] = {
     "reply lost, bad CRC or sequence": (
         _of_rig("reply-lost", LINK, Safe.ALL_VENTED, cycles=3),
         _of_rig("reply-crc", LINK, Safe.ALL_VENTED, cycles=3),
@@ -160,7 +160,9 @@ ROWS: dict[str, tuple[Way, ...]] = {
         _of_rig("silence", LINK, Safe.ALL_VENTED, cycles=3),
         _of_rig("reply-lost", (Fault.REPLY_LOST,), Safe.TOLD, size=1.0, cycles=1, label="one reply lost"),
     ),
-    "setpoint stale": (Way("host silent", _stale, _heard, (Fault.SETPOINT_STALE,), Safe.ALL_VENTED, seconds=0.1),),
+    "setpoint stale": (
+        FaultCase("host silent", _stale, _heard, (Fault.SETPOINT_STALE,), Safe.ALL_VENTED, seconds=0.1),
+    ),
     "NaN or out-of-range command": (_nonsense(np.nan, "not a number"), _nonsense(25.0, "25 V")),
     "angle sensor open or shorted": (
         _of_rig("angle-open", SENSOR, Safe.VENTED, cycles=3),
@@ -168,8 +170,8 @@ ROWS: dict[str, tuple[Way, ...]] = {
     ),
     "sensor frozen": (
         _of_rig("pressure-frozen", (Fault.PRESSURE_FROZEN,), Safe.VENTED, seconds=0.1),
-        _of_rig("converter-frozen", (*FROZEN, Fault.NO_ANSWER), Safe.VENTED, seconds=0.1),
-        _of_rig("angle-frozen", (*FROZEN, Fault.NO_ANSWER), Safe.VENTED, seconds=0.1, moving=True),
+        _of_rig("converter-frozen", (*FROZEN, Fault.VALVE_UNRESPONSIVE), Safe.VENTED, seconds=0.1),
+        _of_rig("angle-frozen", (*FROZEN, Fault.VALVE_UNRESPONSIVE), Safe.VENTED, seconds=0.1, moving=True),
     ),
     "following error": (
         _of_rig(
@@ -191,9 +193,11 @@ ROWS: dict[str, tuple[Way, ...]] = {
     ),
     "over-pressure, over-speed, outside the stroke": (
         _of_rig("supply-high", (Fault.OVER_PRESSURE,), Safe.ALL_VENTED, cycles=2, since=_too_high),
-        Way("pushed out", _push_out, _let_go, BEYOND, Safe.ALL_VENTED, cycles=2, since=_away, brief=True, pushed=True),
+        FaultCase(
+            "pushed out", _push_out, _let_go, BEYOND, Safe.ALL_VENTED, cycles=2, since=_away, brief=True, pushed=True
+        ),
     ),
     "supply lost": (_of_rig("supply-lost", (Fault.SUPPLY_LOST,), Safe.ALL_VENTED, seconds=0.1),),
-    "recorder dead": (Way("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), Safe.TOLD, seconds=1.0),),
+    "recorder dead": (FaultCase("recorder dead", _die, _live, (Fault.RECORDER_DEAD,), Safe.TOLD, seconds=1.0),),
     "e-stop input": (_of_rig("e-stop", (Fault.E_STOP,), Safe.ALL_VENTED, cycles=1),),
 }

@@ -1,4 +1,4 @@
-"""A far side in a process of its own, and the handle by which a host starts, tells and ends it."""
+"""A device in a process of its own, and the handle by which a host starts, tells and ends it."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from typing import Any, Self
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.rig.clock import SECOND, Clock, MonotonicClock, VirtualClock
+from layflat.rig.device.exchange import Device
 from layflat.rig.driver import DriverError
-from layflat.rig.far.exchange import Device
 from layflat.rig.realtime import first_in
 from layflat.rig.shielded import shielded
 
 TICK = 5e-3
 """Between two looks at the clock in real time, s; a device makes up for what happened between them."""
 START = 60.0
-"""Until a far side has to be there, s: laws may have to be compiled first."""
+"""Until a device has to be there, s: laws may have to be compiled first."""
 
 Factory = Callable[[Clock], Device]
 """Makes the device, inside the process, with the clock that it lives by; it can be pickled."""
@@ -55,13 +55,13 @@ def serve(
     lockstep: bool = False,
     ready: Callable[[str], object] = str,
 ) -> None:
-    """Be a far side until told to quit, interrupted, or left alone by whoever holds the other end of `control`.
+    """Be a device until told to quit, interrupted, or left alone by whoever holds the other end of `control`.
 
     Args:
         factory: makes the device.
         machine: its description.
         at: the transport.
-        control: takes what `FarSide` sends, and answers (whether it went well, what came of it).
+        control: takes what `DeviceProcess` sends, and answers (whether it went well, what came of it).
         lockstep: whether time passes only while "advance" says so.
         ready: called with the address, as drivers take it, when all is ready.
 
@@ -115,11 +115,11 @@ class _Serving:
 
     async def _listen(self, at: ModbusPort | SerialPort) -> tuple[str, Callable[[], None]]:
         if isinstance(at, SerialPort):
-            from layflat.rig.far.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
+            from layflat.rig.device.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
 
             terminal = SerialStation(self._device, self._machine)
             return f"serial://{terminal.listen(at.link)}", terminal.close
-        from layflat.rig.far.modbus_server import ModbusStation  # noqa: PLC0415  (needs an extra)
+        from layflat.rig.device.modbus_server import ModbusStation  # noqa: PLC0415  (needs an extra)
 
         station = ModbusStation(self._device, self._machine, lambda: self._clock.now() / SECOND)
         try:
@@ -169,11 +169,11 @@ def _process(factory: Factory, machine: Machine, at: ModbusPort | SerialPort, co
 
 
 def _told(error: Exception) -> str:
-    return str(error) if isinstance(error, LayflatError) else f"{type(error).__name__} on the far side: {error}"
+    return str(error) if isinstance(error, LayflatError) else f"{type(error).__name__} on the device: {error}"
 
 
-class FarSide:
-    """A far side in another process: `with FarSide(...) as far: driver_of(far.address, machine)`.
+class DeviceProcess:
+    """A device in another process: `with DeviceProcess(...) as device: driver_of(device.address, machine)`.
 
     Args:
         factory: makes the device, in the other process.
@@ -188,7 +188,7 @@ class FarSide:
         context = multiprocessing.get_context("spawn")
         self._control, theirs = context.Pipe()
         self._process = context.Process(
-            target=_process, args=(factory, machine, at, theirs, lockstep), name="layflat far side", daemon=True
+            target=_process, args=(factory, machine, at, theirs, lockstep), name="layflat device", daemon=True
         )
         self._theirs = theirs
         self.address = ""
@@ -204,7 +204,7 @@ class FarSide:
         self._theirs.close()
         if not self._control.poll(START):
             self._process.kill()
-            raise LayflatError(f"the far side was not there after {START:g} s")
+            raise LayflatError(f"the device was not there after {START:g} s")
         try:
             self.address = self._answer()
         except BaseException:
@@ -239,7 +239,7 @@ class FarSide:
         """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.
 
         Raises:
-            LayflatError: the far side is gone, or the function raised what the message says.
+            LayflatError: the device is gone, or the function raised what the message says.
         """
         return self._ask("call", function, *arguments)
 
@@ -258,7 +258,7 @@ class FarSide:
         try:
             well, what = self._control.recv()
         except (EOFError, OSError):
-            raise LayflatError("the far side is gone") from None
+            raise LayflatError("the device is gone") from None
         if not well:
             raise LayflatError(what)
         return what

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from layflat.errors import OutputError
 from layflat.machine.model import Machine
-from layflat.rig.far.exchange import LATE, Device, Exchange
-from layflat.rig.far.link import Spoil
+from layflat.rig.device.exchange import LATE, Device, Exchange
+from layflat.rig.device.link import Spoil
 from layflat.rig.wire import frames
 from layflat.rig.wire.converter import WireError
 
@@ -41,10 +41,10 @@ class SerialStation:
         Raises:
             OutputError: the link can't be made.
         """
-        self._near, self._far = os.openpty()
-        tty.setraw(self._far)
+        self._near, self._device_state = os.openpty()
+        tty.setraw(self._device_state)
         os.set_blocking(self._near, False)
-        path = os.ttyname(self._far)
+        path = os.ttyname(self._device_state)
         if link is not None:
             try:
                 if link.is_symlink():
@@ -63,8 +63,8 @@ class SerialStation:
         """Serve no more, and leave nothing behind."""
         asyncio.get_running_loop().remove_reader(self._near)
         os.close(self._near)
-        os.close(self._far)
-        self._near = self._far = -1  # a late reply finds no file, rather than another one
+        os.close(self._device_state)
+        self._near = self._device_state = -1  # a late reply finds no file, rather than another one
         if self._link is not None:
             self._link.unlink(missing_ok=True)
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Driver
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.far.device import Device
 from layflat.rig.loop import Loop
 from layflat.rig.safety.faults import Reaction
 from layflat.rig.safety.states import State
-from layflat.rig.trials.stand import MortalRecorder, Script
+from layflat.rig.trials.rig import KillableRecorder, Script
 
 SPAN = 0.9
 """Of the working stroke in which moves end."""
@@ -31,7 +31,7 @@ HEAVIEST = 1.0
 
 
 @dataclass
-class Quiet:
+class SoakResult:
     """What came of it."""
 
     hours: float
@@ -44,28 +44,28 @@ class Quiet:
 
 
 def quiet(
-    machine: Machine, device_of: Callable[[VirtualClock], Device], hours: float, seed: int,
+    machine: Machine, device_of: Callable[[VirtualClock], VirtualDevice], hours: float, seed: int,
     progress: Callable[[float], None] | None = None, clock: VirtualClock | None = None,
-    driver_of: Callable[[Device], Driver] = SimulatedDriver,
-) -> Quiet:  # fmt: skip
+    driver_of: Callable[[VirtualDevice], Driver] = SimulatedDriver,
+) -> SoakResult:  # fmt: skip
     """Move at random, in simulated time, and note every fault; after a trip the rig is reset and goes on.
 
     Args:
         machine: with controller.
-        device_of: makes the far side, a sound one.
+        device_of: makes the device, a sound one.
         hours: simulated.
         seed: of moves and payloads.
         progress: is told the share that is done.
         clock: that the loop waits by; one that is never late where not given.
         driver_of: makes the driver.
     """
-    clock, host, recorder = clock or VirtualClock(), Script(len(machine.joints)), MortalRecorder()
+    clock, host, recorder = clock or VirtualClock(), Script(len(machine.joints)), KillableRecorder()
     device = device_of(clock)
     driver = driver_of(device)
     driver.configure()
     loop = Loop(machine, driver, clock, host, recorder)
     driver.activate()
-    random, found = np.random.default_rng(seed), Quiet(hours)
+    random, found = np.random.default_rng(seed), SoakResult(hours)
     half = np.array([0.5 * SPAN * joint.stops.working_stroke for joint in machine.joints.values()])
     end, next_move, next_payload, shown = round(hours * 3600 * SECOND), 0, 0, 0
     while clock.now() < end:

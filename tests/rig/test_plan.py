@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from layflat.machine import load
-from layflat.rig.performance import EarlyEndError, Performance
+from layflat.rig.plan import EarlyEndError, PlanRunner
 from layflat.rig.record import Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
@@ -21,11 +21,11 @@ def shot(state: State, fault: Fault = Fault.NONE) -> Snapshot:
     return Snapshot(LAYOUT, row)
 
 
-def performance(*shots: Snapshot) -> Performance:
+def performance(*shots: Snapshot) -> PlanRunner:
     left = list(shots)
     session: Any = SimpleNamespace(start=lambda: None, check=lambda: None, snapshot=lambda: left.pop(0))
     rig: Any = SimpleNamespace(machine=ARM, session=session, recording=True)
-    return Performance(rig)
+    return PlanRunner(rig)
 
 
 def test_air_that_comes_is_told_with_the_held_angles() -> None:

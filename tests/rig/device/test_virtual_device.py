@@ -1,4 +1,4 @@
-"""The far side over a plant that only notes what is done to it, and over a machine in motion."""
+"""The device over a plant that only notes what is done to it, and over a machine in motion."""
 
 import time
 from typing import Any
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from layflat.errors import MachineError
 from layflat.machine import changed, load
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.driver import Command, FarState
-from layflat.rig.far.device import Device
+from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import Command, DeviceState
 from layflat.sim.plant import SteppedPlant
 
 Array = NDArray[np.float64]
@@ -54,19 +54,19 @@ class Notebook:
     def grip(self, joint: int, torque: float) -> None: ...
 
 
-def noted(*, running: bool = True, **changes: Any) -> tuple[Device, Notebook, VirtualClock]:
+def noted(*, running: bool = True, **changes: Any) -> tuple[VirtualDevice, Notebook, VirtualClock]:
     machine = SMALL
     for path, value in changes.items():
         machine = changed(machine, f"interface.{path}", value)
     plant, clock = Notebook(), VirtualClock(7 * SECOND + 123)
-    return Device(machine, plant, clock, running=running), plant, clock
+    return VirtualDevice(machine, plant, clock, running=running), plant, clock
 
 
 def drives(plant: Notebook) -> list[Any]:
     return plant.drives
 
 
-def state(device: Device) -> FarState:
+def state(device: VirtualDevice) -> DeviceState:
     return device.state
 
 
@@ -81,10 +81,10 @@ def after(clock: VirtualClock, nanoseconds: int) -> None:
 def test_it_is_switched_on_dumped_and_without_air() -> None:
     device, plant, _ = noted(running=False)
     reading = device.reading()
-    assert (reading.far, reading.supply, reading.stopped) == (FarState.DUMPED, AMBIENT, False)
+    assert (reading.device, reading.supply, reading.stopped) == (DeviceState.DUMPED, AMBIENT, False)
     assert drives(plant) == [(0.0, OPEN)]
     device.obey(asked())
-    assert state(device) is FarState.DUMPED
+    assert state(device) is DeviceState.DUMPED
     assert len(drives(plant)) == 1
 
 
@@ -111,31 +111,32 @@ def test_the_watchdog_bites_to_the_instant_however_long_nobody_looks(
         clock.wait(heard + look)
         device.tick()
     clock.wait(heard + gap)
-    far = device.reading().far
-    assert far is (FarState.RUNNING if gap < 20 * MS else FarState.CENTRED if gap < 200 * MS else FarState.DUMPED)
+    assert device.reading().device is (
+        DeviceState.RUNNING if gap < 20 * MS else DeviceState.CENTRED if gap < 200 * MS else DeviceState.DUMPED
+    )
     due = [(at, voltages) for at, voltages in ((0.02, CENTRE), (0.5, OPEN)) if gap >= round(at * SECOND)]
     assert drives(plant)[begin:] == [(pytest.approx(since + at, abs=1e-9), voltages) for at, voltages in due]
     assert plant.time == pytest.approx(since + gap / SECOND)
-    if far is FarState.DUMPED and gap > 600 * MS:
+    if device is DeviceState.DUMPED and gap > 600 * MS:
         assert plant.supply == AMBIENT
 
 
 def test_centred_it_keeps_the_air_and_obeys_the_next_command() -> None:
     device, plant, clock = noted()
     after(clock, 150 * MS)
-    assert device.reading().far is FarState.CENTRED
+    assert device.reading().device is DeviceState.CENTRED
     assert plant.supply == FULL
     device.obey(asked(8.0))
-    assert state(device) is FarState.RUNNING
+    assert state(device) is DeviceState.RUNNING
     assert drives(plant)[-1][1] == [8.0]
     after(clock, 19 * MS)
-    assert device.reading().far is FarState.RUNNING
+    assert device.reading().device is DeviceState.RUNNING
 
 
 def test_a_dump_before_the_watchdog_leaves_out_the_centre() -> None:
     device, plant, clock = noted(watchdog_cycles=100, dump_after=0.1)
     after(clock, SECOND)
-    assert device.reading().far is FarState.DUMPED
+    assert device.reading().device is DeviceState.DUMPED
     assert [voltages for _, voltages in drives(plant)] == [CENTRE, CENTRE, OPEN]
     assert [at for at, _ in drives(plant)[1:]] == pytest.approx([0.1, 0.4])
 
@@ -145,18 +146,18 @@ def test_a_command_that_is_no_number_is_no_command() -> None:
     for _ in range(3):
         after(clock, 10 * MS)
         device.obey(asked(float("nan")))
-    assert state(device) is FarState.CENTRED
+    assert state(device) is DeviceState.CENTRED
     assert [voltages for _, voltages in drives(plant)] == [CENTRE, CENTRE]
 
 
 def test_a_reset_is_an_edge_and_a_stuck_one_is_none() -> None:
     device, _, _ = noted(running=False)
     device.obey(asked(reset=True))
-    assert state(device) is FarState.DUMPED
+    assert state(device) is DeviceState.DUMPED
     device.obey(asked())
-    assert state(device) is FarState.DUMPED
+    assert state(device) is DeviceState.DUMPED
     device.obey(asked(reset=True))
-    assert state(device) is FarState.RUNNING
+    assert state(device) is DeviceState.RUNNING
 
 
 def test_the_e_stop_dumps_at_once_and_a_reset_held_through_it_does_nothing() -> None:
@@ -165,19 +166,19 @@ def test_the_e_stop_dumps_at_once_and_a_reset_held_through_it_does_nothing() -> 
     device.stopped = True
     assert drives(plant)[-1] == (pytest.approx(0.002), CENTRE)
     assert not device.line.air
-    assert (device.reading().stopped, state(device)) == (True, FarState.DUMPED)
+    assert (device.reading().stopped, state(device)) == (True, DeviceState.DUMPED)
     for reset in (False, True):
         device.obey(asked(reset=reset))
-        assert state(device) is FarState.DUMPED
+        assert state(device) is DeviceState.DUMPED
     device.stopped = False
     device.obey(asked(reset=True))
-    assert state(device) is FarState.DUMPED
+    assert state(device) is DeviceState.DUMPED
     after(clock, 300 * MS)
     device.tick()
     assert drives(plant)[-1] == (pytest.approx(0.302), OPEN)
     device.obey(asked(reset=False))
     device.obey(asked(9.0, reset=True))
-    assert state(device) is FarState.RUNNING
+    assert state(device) is DeviceState.RUNNING
     assert drives(plant)[-1][1] == [9.0]
 
 
@@ -202,14 +203,14 @@ def test_only_an_edge_with_the_e_stop_released_ends_a_dump(steps: list[tuple[str
         else:
             device.obey(asked(6.0, air=air, reset=bool(value)))
             edge, reset = bool(value) and not reset, bool(value)
-            assert (state(device) is FarState.DUMPED) == (
-                before is FarState.DUMPED and not (edge and not device.stopped)
+            assert (state(device) is DeviceState.DUMPED) == (
+                before is DeviceState.DUMPED and not (edge and not device.stopped)
             )
-        if step != "obey" and before is FarState.DUMPED:
-            assert state(device) is FarState.DUMPED
+        if step != "obey" and before is DeviceState.DUMPED:
+            assert state(device) is DeviceState.DUMPED
         if device.stopped:
-            assert state(device) is FarState.DUMPED
-        if state(device) is FarState.DUMPED:
+            assert state(device) is DeviceState.DUMPED
+        if state(device) is DeviceState.DUMPED:
             assert not device.line.air
             assert drives(plant)[-1][1] in (CENTRE, OPEN)
 
@@ -229,12 +230,12 @@ def test_the_supply_is_reported_as_its_converter_sees_it() -> None:
 
 def test_a_rig_without_valves_is_refused() -> None:
     with pytest.raises(MachineError, match="has no valve or sensors"):
-        Device(load("rig-kevlar"), Notebook(), VirtualClock())
+        VirtualDevice(load("rig-kevlar"), Notebook(), VirtualClock())
 
 
 def test_air_comes_softly_and_goes_when_nobody_commands() -> None:
     clock, plant = VirtualClock(), SteppedPlant(SMALL, pressures=(AMBIENT, AMBIENT))
-    device = Device(SMALL, plant, clock)
+    device = VirtualDevice(SMALL, plant, clock)
     device.obey(asked(5.0))
     device.obey(asked(5.0, reset=True))
     highest, readings = AMBIENT, []
@@ -250,19 +251,19 @@ def test_air_comes_softly_and_goes_when_nobody_commands() -> None:
     assert AMBIENT + 0.5e5 < readings[20] < AMBIENT + 2e5
     assert plant.pressures[0].min() > 3e5
     after(clock, SECOND)
-    assert device.reading().far is FarState.DUMPED
+    assert device.reading().device is DeviceState.DUMPED
     assert plant.pressures == pytest.approx(AMBIENT, abs=1e4)
 
 
 def test_idle_for_an_hour_it_rests_and_is_cheap() -> None:
     clock, plant = VirtualClock(), SteppedPlant(ARM, start=(0.2, -0.2), pressures=(3e5, 3e5))
-    device = Device(ARM, plant, clock, running=True)
+    device = VirtualDevice(ARM, plant, clock, running=True)
     after(clock, 60 * SECOND)
     device.tick()
     at_rest = plant.angles
     begin = time.process_time()
     after(clock, 3600 * SECOND)
-    assert device.reading().far is FarState.DUMPED
+    assert device.reading().device is DeviceState.DUMPED
     assert time.process_time() - begin < 36.0
     assert np.array_equal(plant.angles, at_rest)
     assert plant.velocities.tolist() == [0.0, 0.0]
@@ -274,7 +275,7 @@ def test_idle_for_an_hour_it_rests_and_is_cheap() -> None:
 def test_pressures_of_joints_at_rest_stay_between_the_atmosphere_and_the_supply(seed: int) -> None:
     held = changed(changed(ARM, "joint.large.brake.torque", 1e4), "joint.small.brake.torque", 1e4)
     rng, clock, plant = np.random.default_rng(seed), VirtualClock(), SteppedPlant(held)
-    device = Device(held, plant, clock, running=True)
+    device = VirtualDevice(held, plant, clock, running=True)
     for _ in range(60):
         voltages, air = rng.uniform(0.0, 10.0, 2), rng.uniform() < 0.9
         device.obey(Command(np.round(voltages / 5.0) * 5.0, air, reset=True))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from layflat.rig.recorder.hand import HandOf
+from layflat.rig.recorder.client import RecorderClientFactory
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault
 
@@ -15,13 +15,13 @@ from layflat.rig.safety.faults import Fault
     [
         (Fault.NONE, Level.INFO, Level.INFO),
         (Fault.DEMAND_LIMITED, Level.WARN, Level.INFO),
-        (Fault.NO_ANSWER, Level.ERROR, Level.ERROR),
+        (Fault.VALVE_UNRESPONSIVE, Level.ERROR, Level.ERROR),
     ],
 )
 def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: Level) -> None:
     ring = Ring.create(["large", "small"])
     ring.beat(RecorderState.RECORDING)
-    hand = HandOf(ring.path)()
+    hand = RecorderClientFactory(ring.path)()
     row = np.zeros(ring.layout.width)
     row[0], row[ring.layout.shared["fault"]] = 2.5, fault
     hand.push(row)

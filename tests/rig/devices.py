@@ -14,11 +14,11 @@ import numpy as np
 from layflat import changed, load
 from layflat.machine.model import Machine
 from layflat.rig.clock import Clock, VirtualClock
-from layflat.rig.driver import Capabilities, Command, FarState, Reading
-from layflat.rig.far.link import Link, Spoil
-from layflat.rig.far.modbus_server import ModbusStation
-from layflat.rig.far.process import FarSide, ModbusPort, SerialPort
-from layflat.rig.far.serial_server import SerialStation
+from layflat.rig.device.link import Link, Spoil
+from layflat.rig.device.modbus_server import ModbusStation
+from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
+from layflat.rig.device.serial_server import SerialStation
+from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire
 
 
@@ -51,7 +51,7 @@ class FakeDevice:
     def reading(self) -> Reading:
         angles = np.array([angle_after(len(self.obeyed)), WIRE.angle.low])
         pressures = np.array([WIRE.pressure.value(4096), WIRE.pressure.value(7)])
-        return Reading(angles, pressures, WIRE.supply.value(1638), False, FarState.CENTRED)
+        return Reading(angles, pressures, WIRE.supply.value(1638), False, DeviceState.CENTRED)
 
     def tick(self) -> None:
         self.ticks += 1
@@ -82,14 +82,14 @@ def frozen(device: FakeDevice) -> int:
     return gc.get_freeze_count()
 
 
-def far_side(
+def device_process(
     at: ModbusPort | SerialPort, machine: Machine = ARM, able: Capabilities | None = None, *, lockstep: bool = True
-) -> FarSide:
-    return FarSide(partial(FakeDevice, able=able), machine, at, lockstep=lockstep)
+) -> DeviceProcess:
+    return DeviceProcess(partial(FakeDevice, able=able), machine, at, lockstep=lockstep)
 
 
 class Threaded:
-    """A far side in a thread of this process, which starts sooner; its clock stands still."""
+    """A device in a thread of this process, which starts sooner; its clock stands still."""
 
     def __init__(self, at: ModbusPort | SerialPort) -> None:
         self.device = FakeDevice(VirtualClock())

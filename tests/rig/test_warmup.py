@@ -2,12 +2,12 @@ import time
 
 from layflat.machine import load
 from layflat.rig.clock import LEAD, TIMES, PunctualClock
-from layflat.rig.rehearsal import READINGS, Rehearsal
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
+from layflat.rig.warmup import READINGS, WarmupLoop
 
 
-def test_a_punctual_clock_rehearses_and_never_comes_early() -> None:
+def test_a_punctual_clock_warms_up_and_never_comes_early() -> None:
     made: list[int] = []
     clock = PunctualClock(lambda: made.append(time.monotonic_ns()))
     until = clock.now() + 3 * LEAD
@@ -25,10 +25,10 @@ def test_a_punctual_clock_has_no_time_to_rehearse_where_it_comes_late() -> None:
 
 
 def test_a_rehearsal_goes_on_like_a_machine_in_motion() -> None:
-    rehearsal = Rehearsal(load("paper-arm"))
+    warmup = WarmupLoop(load("paper-arm"))
     for _ in range(4 * READINGS):
-        rehearsal()
-    loop = rehearsal.loop
+        warmup()
+    loop = warmup.loop
     assert loop.supervisor.state is State.MOVING
     assert loop.supervisor.ledger.worst is Fault.NONE
-    assert rehearsal.ring.dropped == 0
+    assert warmup.ring.dropped == 0

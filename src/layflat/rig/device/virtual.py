@@ -1,10 +1,10 @@
-"""The far side of the wires: it obeys while it is commanded, and makes safe by itself when it is not.
+"""The device at the other end of the wires: it obeys while it is commanded, and makes safe by itself when it is not.
 
     running --silence of some cycles--> centred --longer silence--> dumped --reset--> running
        ^------------a command-------------|              ^
        '------ e-stop, from any state -------------------'
 
-Dumped is latched: only the edge of a reset with the e-stop released ends it, and a far side that was just switched on
+Dumped is latched: only the edge of a reset with the e-stop released ends it, and a device that was just switched on
 has to see the reset low first. Dumped, the supply line is open to the atmosphere; once it is empty, every valve is
 opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust.
 """
@@ -15,11 +15,11 @@ import numpy as np
 
 from layflat.machine import Machine, parameters
 from layflat.rig.clock import SECOND, Clock
-from layflat.rig.driver import Capabilities, Command, FarState, Reading
-from layflat.rig.far.link import Link
-from layflat.rig.far.plant import Plant
-from layflat.rig.far.sensors import Converters
-from layflat.rig.far.supply import LineLaw, SupplyLine
+from layflat.rig.device.link import Link
+from layflat.rig.device.plant import Plant
+from layflat.rig.device.sensors import Converters
+from layflat.rig.device.supply import LineLaw, SupplyLine
+from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 
 EMPTIES = 3 * SECOND // 10
 """ns: until valves are opened to a line that is let out; what is shut in brings the joints to rest meanwhile."""
@@ -28,7 +28,7 @@ CHUNK = SECOND // 1000
 """ns: while the supply's pressure changes, the plant is moved on by so much at a time."""
 
 
-class Device:
+class VirtualDevice:
     """A remote I/O station or microcontroller with a machine behind it.
 
     As a real one it starts dumped, its line empty; the plant's hoses are whatever they are.
@@ -75,7 +75,7 @@ class Device:
         self._begin = self._at - round(plant.time * SECOND)
         self._stopped, self._reset = False, True
         self._opens: int | None = None
-        self.state = FarState.RUNNING if running else FarState.DUMPED
+        self.state = DeviceState.RUNNING if running else DeviceState.DUMPED
         plant.supply = self.line.pressure
         plant.drive(self._centred if running else self._open)
 
@@ -98,9 +98,9 @@ class Device:
             return
         edge, self._reset = command.reset and not self._reset, command.reset
         self._heard = self._at
-        if self.state is FarState.DUMPED and not (edge and not self._stopped):
+        if self.state is DeviceState.DUMPED and not (edge and not self._stopped):
             return
-        self.state, self._opens = FarState.RUNNING, None
+        self.state, self._opens = DeviceState.RUNNING, None
         self.line.air = command.air
         self.plant.drive(command.voltages)
 
@@ -114,8 +114,8 @@ class Device:
     def tick(self) -> None:
         """Let the time pass that has passed, what the watchdog does in it included."""
         now = self.clock.now()
-        while self.state is not FarState.DUMPED:
-            running = self.state is FarState.RUNNING
+        while self.state is not DeviceState.DUMPED:
+            running = self.state is DeviceState.RUNNING
             due = self._heard + (self._until_centre if running else self._until_dump)
             if due > now:
                 break
@@ -123,7 +123,7 @@ class Device:
             if due >= self._heard + self._until_dump:
                 self._dump()
             else:
-                self.state = FarState.CENTRED
+                self.state = DeviceState.CENTRED
                 self.plant.drive(self._centred)
         if self._opens is not None and self._opens <= now:
             self._pass(self._opens)
@@ -132,11 +132,11 @@ class Device:
         self._pass(now)
 
     def _dump(self) -> None:
-        if self.state is not FarState.DUMPED:
+        if self.state is not DeviceState.DUMPED:
             self._opens = self._at + EMPTIES
-        if self.state is FarState.RUNNING:
+        if self.state is DeviceState.RUNNING:
             self.plant.drive(self._centred)
-        self.state = FarState.DUMPED
+        self.state = DeviceState.DUMPED
         self.line.air = False
 
     def _pass(self, until: int) -> None:

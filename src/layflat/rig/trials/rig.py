@@ -1,4 +1,4 @@
-"""The rig that is tried: a loop in this process, a far side in another, and a clock that both live by.
+"""The rig that is tried: a loop in this process, a device in another, and a clock that both live by.
 
 Time passes on both sides only while the loop waits for its next deadline: trials go faster than real ones, over the
 real protocol, and the same seed gives the same instants.
@@ -16,19 +16,19 @@ from numpy.typing import NDArray
 
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
-from layflat.rig.driver import Driver, FarState
-from layflat.rig.far.device import Device
-from layflat.rig.far.process import FarSide
+from layflat.rig.device.process import DeviceProcess
+from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import DeviceState, Driver
 from layflat.rig.loop import Loop, Recorder
 from layflat.rig.safety.limits import limits
 from layflat.rig.safety.states import State
-from layflat.rig.safety.supervisor import Supervisor, Wish
+from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
 Array = NDArray[np.float64]
 
 
 class Truth(NamedTuple):
-    """What is so on the far side, whatever its sensors say."""
+    """What is so on the device, whatever its sensors say."""
 
     angles: tuple[float, ...]
     """rad"""
@@ -38,10 +38,10 @@ class Truth(NamedTuple):
     """The higher of each joint's hoses, absolute, Pa."""
     supply: float
     """Of the line, absolute, Pa."""
-    far: FarState
+    device: DeviceState
 
 
-def truth(device: Device) -> Truth:
+def truth(device: VirtualDevice) -> Truth:
     """Look at a device from within."""
     plant = device.plant
     highest = plant.pressures.max(axis=1)
@@ -52,10 +52,10 @@ def truth(device: Device) -> Truth:
 
 
 class SharedClock:
-    """The far side's clock and the loop's in one; something may be made to happen at an instant between deadlines."""
+    """The device's clock and the loop's in one; something may be made to happen at an instant between deadlines."""
 
-    def __init__(self, far: FarSide) -> None:
-        self._far, self._now = far, 0
+    def __init__(self, device: DeviceProcess) -> None:
+        self._device, self._now = device, 0
         self._due: tuple[int, Callable[[], None]] | None = None
 
     def now(self) -> int:
@@ -63,7 +63,7 @@ class SharedClock:
         return self._now
 
     def wait(self, until: int) -> None:
-        """Let time pass on the far side."""
+        """Let time pass on the device."""
         if self._due is not None and self._due[0] <= until:
             at, action = self._due
             self._due = None
@@ -77,7 +77,7 @@ class SharedClock:
 
     def _pass(self, until: int) -> None:
         if until > self._now:
-            self._far.advance(until)
+            self._device.advance(until)
             self._now = until
 
 
@@ -95,36 +95,36 @@ class Script:
     def __post_init__(self) -> None:
         self.demands = [nan] * self.joints
 
-    def wish(self, now: int) -> Wish:
+    def request(self, now: int) -> HostRequest:
         """What is wanted now."""
         edges, self.edges = self.edges, set()
         age = 0.0 if self.silent_since is None else (now - self.silent_since) / SECOND
-        return Wish(self.demands, "start" in edges, "stop" in edges, "reset" in edges, age)
+        return HostRequest(self.demands, "start" in edges, "stop" in edges, "reset" in edges, age)
 
     def publish(self, row: Array) -> None:
         """Nobody looks on."""
 
 
-class MortalRecorder:
+class KillableRecorder:
     """Keeps nothing, and dies when told to; what was said is kept."""
 
     def __init__(self) -> None:
         self.dead = False
-        self.said: list[str] = []
+        self.lines: list[str] = []
 
     def push(self, row: Array) -> None:
         """Forget a row."""
 
     def event(self, text: str) -> None:
         """Keep a line."""
-        self.said.append(text)
+        self.lines.append(text)
 
     def alive(self) -> bool:
         """Until it is told to die."""
         return not self.dead
 
 
-class SpoiltLoop(Loop):
+class FaultInjectingLoop(Loop):
     """A loop whose controllers can be made to ask for nonsense."""
 
     spoil: float | None = None
@@ -148,31 +148,33 @@ class Peaks:
     """Highest in any hose less the highest that the line has had, Pa."""
 
 
-class Stand:
+class TrialRig:
     """A loop with its virtual rig, ready to be tried.
 
     Args:
         machine: with controller.
-        far: in lockstep.
-        driver: to the far side, unconfigured.
+        device: in lockstep.
+        driver: to the device, unconfigured.
         recorder: what keeps the rows.
     """
 
-    def __init__(self, machine: Machine, far: FarSide, driver: Driver, recorder: Recorder | None = None) -> None:
-        self.machine, self.far = machine, far
-        self.clock = SharedClock(far)
+    def __init__(
+        self, machine: Machine, device: DeviceProcess, driver: Driver, recorder: Recorder | None = None
+    ) -> None:
+        self.machine, self.device = machine, device
+        self.clock = SharedClock(device)
         self.host = Script(len(machine.joints))
-        self.recorder = MortalRecorder()
+        self.recorder = KillableRecorder()
         driver.configure()
         self.driver = driver
-        self.loop = SpoiltLoop(machine, driver, self.clock, self.host, recorder or self.recorder)
+        self.loop = FaultInjectingLoop(machine, driver, self.clock, self.host, recorder or self.recorder)
         driver.activate()
         assert machine.controller is not None  # the loop has taken its gains
-        self.cycle = machine.controller.cycle
+        self.period = machine.controller.cycle
         self.limits = [limits(machine, name) for name in machine.joints]
         self.peaks = Peaks([0.0] * len(machine.joints))
         self._line = 0.0
-        self.truth: Truth = far.call(truth)
+        self.truth: Truth = device.call(truth)
         self.reaches = list(self.truth.angles)
         """Where each joint's demand has led it by now, as the watch of the following error means it, rad."""
 
@@ -186,18 +188,18 @@ class Stand:
         """How far any joint's demand is ahead of what it could reach, rad."""
         return max(gate.ahead for gate in self.supervisor.gates)
 
-    def turn(self) -> None:
+    def cycle(self) -> None:
         """One control cycle, and a look at what is so."""
         self.loop.cycle()
         self.look()
 
     def look(self) -> None:
-        """See what is so on the far side, and keep the peaks."""
-        self.truth = self.far.call(truth)
+        """See what is so on the device, and keep the peaks."""
+        self.truth = self.device.call(truth)
         peaks = self.peaks
         peaks.angles = [max(a, abs(b)) for a, b in zip(peaks.angles, self.truth.angles, strict=True)]
         self._line = max(self._line, self.truth.supply)
-        way = self.machine.safety.demand_speed * self.cycle
+        way = self.machine.safety.demand_speed * self.period
         for j, (angle, demand) in enumerate(zip(self.truth.angles, self.supervisor.demands, strict=True)):
             reach = self.reaches[j]
             up = min(max(reach + way, angle), demand)
@@ -212,10 +214,10 @@ class Stand:
     def ready(self) -> bool:
         """Bring the air, and whether it came within the time that the machine's file gives."""
         self.host.edges = {"reset"}
-        self.turn()
+        self.cycle()
         self.host.edges = {"start"}
-        for _ in range(round((self.machine.safety.start_time + 0.5) / self.cycle)):
-            self.turn()
+        for _ in range(round((self.machine.safety.start_time + 0.5) / self.period)):
+            self.cycle()
             if self.supervisor.state in {State.READY, State.MOVING}:
                 return True
         return False

@@ -1,4 +1,4 @@
-"""What the far side needs of a machine that moves; whoever can simulate one hands it in."""
+"""What the device needs of a machine that moves; whoever can simulate one hands it in."""
 
 from __future__ import annotations
 

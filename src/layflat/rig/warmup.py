@@ -1,7 +1,7 @@
 """A loop that moves nothing, run just before each deadline: what the real cycle calls is loaded then, and at hand.
 
 A processor that slept for 5 ms has forgotten code and data of the loop: a cycle takes eight times as long as one that
-follows another. A rehearsal is the same code with data of its own; nothing of the real rig is touched.
+follows another. A warmup is the same code with data of its own; nothing of the real rig is touched.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import numpy as np
 
 from layflat.machine import Machine
 from layflat.rig.clock import VirtualClock
-from layflat.rig.driver import Capabilities, Command, Driver, FarState, Reading
+from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, Reading
 from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
-from layflat.rig.recorder.hand import Hand
+from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.ring import RecorderState, Ring
 
 READINGS = 64
@@ -43,7 +43,7 @@ class Resting(Driver):
                 RIPPLE[k % len(RIPPLE)] + PRESSURE_NOISE * rng.standard_normal(n),
                 machine.supply.pressure,
                 False,
-                FarState.RUNNING,
+                DeviceState.RUNNING,
             )
             for k in range(READINGS)
         ]
@@ -66,7 +66,7 @@ class Resting(Driver):
     def _finalize(self) -> None: ...
 
 
-class Rehearsal:
+class WarmupLoop:
     """Cycles of a loop in motion, with everything around it, on a machine that is not there.
 
     Args:
@@ -84,7 +84,7 @@ class Rehearsal:
         driver = Resting(machine)
         driver.configure()
         driver.activate()
-        self.loop = Loop(machine, driver, clock, RemoteHost(ours, clock, n), Hand(self.ring))
+        self.loop = Loop(machine, driver, clock, RemoteHost(ours, clock, n), RecorderClient(self.ring))
         self.loop.begin(driver.read())
         for _ in range(UNTIL_LOADED):
             self()

@@ -6,12 +6,12 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from farsides import ARM, WIRE, FakeDevice
+from devices import ARM, WIRE, FakeDevice
 
 from layflat.errors import OutputError
 from layflat.rig.clock import VirtualClock
-from layflat.rig.far.link import Spoil
-from layflat.rig.far.serial_server import SerialStation
+from layflat.rig.device.link import Spoil
+from layflat.rig.device.serial_server import SerialStation
 from layflat.rig.wire import frames
 
 SAFE = frames.as_bytes([0, 0x8000, 0x8000])
