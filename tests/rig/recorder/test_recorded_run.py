@@ -160,3 +160,14 @@ def test_what_is_no_log_of_a_rig_is_told(tmp_path: Path) -> None:
     path.write_bytes(whole[:9000] + bytes(100) + whole[9100:])
     with pytest.raises(InputError, match=r"can't be read \(.*`layflat log repair .*` keeps what is whole"):
         read_run(path)
+
+
+def test_a_log_of_the_first_version_still_reads() -> None:
+    """60 cycles of a virtual rig, written before columns were renamed."""
+    run = read_run(Path(__file__).parent / "logs" / "first-version.mcap")
+    assert set(run["device"].values) == {0.0}
+    assert run["device"].attrs["flag_meanings"] == "running centred dumped"
+    assert run["measured_angle"].dims == ("time", "joint")
+    assert run["demand"].values[-1, 0] == 0.2
+    assert {"phase", "short_term", "long_term", "learning"} <= set(run.variables)
+    assert list(run["event_text"].values) == ["off -> ready", "ready -> moving"]
