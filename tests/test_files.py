@@ -1,9 +1,16 @@
+import resource
+import signal
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray
 
-from layflat.errors import OutputError
-from layflat.files import check_folder, whole_file
+from layflat.errors import InputError, OutputError
+from layflat.files import check_folder, file_name, whole_file
+from layflat.sim.dataset import save
 
 
 def test_a_file_appears_whole(tmp_path: Path) -> None:
@@ -40,3 +47,71 @@ def test_a_place_that_can_not_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(OutputError, match="can't write here"):
         check_folder(tmp_path / "file" / "out")
+
+
+@pytest.mark.parametrize("name", ["paper-arm", "My arm 2", "Gelenk_ü", "a.b", "v1.2+3"])
+def test_names_that_files_can_bear(name: str, tmp_path: Path) -> None:
+    (tmp_path / f"{file_name(name, 'name')}.toml").write_text("", encoding="utf-8")
+    assert [path.name for path in tmp_path.iterdir()] == [f"{name}.toml"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["", " ", "/abs/path", "../evil", "..", ".", ".hidden", "-rf", "a\0b", "a\nb", "a\\b", "c:d", "a ", "nul", "LPT1.x",
+     "a" * 101, "ü" * 60, "end.", "what?", "\x7f"],
+)  # fmt: skip
+def test_names_that_they_can_not(name: str) -> None:
+    with pytest.raises(InputError, match=r"--name: .*give a name such as"):
+        file_name(name, "--name")
+
+
+@pytest.fixture
+def nearly_full() -> Iterator[None]:
+    """No file may grow beyond 4 KiB, as on a disk with no more space."""
+    before, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, handler)
+
+
+@pytest.mark.usefixtures("nearly_full")
+def test_a_full_disk_is_told_and_leaves_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "file.txt"
+    target.write_text("old", encoding="utf-8")
+    with (
+        pytest.raises(OutputError, match=r"can't write here \(File too large\); free some space"),
+        whole_file(target) as temporary,
+    ):
+        temporary.write_bytes(bytes(10000))
+    assert target.read_text(encoding="utf-8") == "old"
+    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
+    with pytest.raises(OutputError, match="free some space"):
+        check_folder(tmp_path / "out")
+
+
+@pytest.mark.usefixtures("nearly_full")
+def test_a_full_disk_is_told_where_a_library_does_not_say_so(tmp_path: Path) -> None:
+    def spoilt(path: Path) -> None:
+        with suppress(OSError):
+            path.write_bytes(bytes(10000))
+        raise RuntimeError("a library's own")
+
+    with pytest.raises(OutputError, match="can't write here"), whole_file(tmp_path / "file") as temporary:
+        spoilt(temporary)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("nearly_full")
+def test_a_data_set_on_a_full_disk(tmp_path: Path) -> None:
+    """HDF5 ends the process with a segmentation fault where it writes to the disk itself."""
+    with pytest.raises(OutputError, match="free some space"):
+        save(xarray.Dataset({"x": ("time", np.random.default_rng(1).random(5000))}), tmp_path / "run.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_another_error_stays_what_it_is(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError), whole_file(tmp_path / "a"):
+        (tmp_path / "not there").read_bytes()
+    with pytest.raises(ValueError, match="something else"), whole_file(tmp_path / "a"):
+        raise ValueError("something else")

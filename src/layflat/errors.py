@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
 
 class LayflatError(Exception):
     """Base of all errors; its message is one line that a user can act on."""
@@ -20,6 +26,24 @@ class InputError(LayflatError):
         self.what, self.where, self.right = what, where, right
         text = f"{where}: {what}" if where else what
         super().__init__(f"{text}; {right}" if right else text)
+
+
+class MissingExtraError(InputError):
+    """A package that an extra brings is not installed.
+
+    Args:
+        extra: the extra.
+        packages: what is missing, as pip knows it.
+        where: what needs it.
+        reason: why a package that is there can't be imported.
+    """
+
+    def __init__(self, extra: str, packages: Sequence[str], where: str = "", reason: str = "") -> None:
+        self.extra = extra
+        state = f"can't be imported ({reason})" if reason else "not installed"
+        super().__init__(
+            f"needs {' and '.join(packages)}, {state}", where=where, right=f"install it: pip install 'layflat[{extra}]'"
+        )
 
 
 class MachineError(InputError):
@@ -54,8 +78,20 @@ class CompilerError(LayflatError):
     """The installed compiler (numba, llvmlite) is not one that layflat knows."""
 
 
-class BrokenOffError(LayflatError):
-    """Somebody stopped the work (Ctrl-C); what was done is kept."""
+class StoppedError(LayflatError):
+    """The user stopped the work (Ctrl-C): the command ends with exit status 130.
+
+    Raise it after what was done has been written and marked as partial.
+
+    Args:
+        done: how far the work was, such as "12 of 40 runs".
+        kept: where partial results are.
+    """
+
+    def __init__(self, done: str = "", kept: Path | str = "") -> None:
+        self.done, self.kept = done, kept
+        after = f" after {done}" if done else ""
+        super().__init__(f"stopped{after}" + (f"; partial results are in {kept}" if kept else ""))
 
 
 class RigStoppedError(LayflatError):
@@ -63,7 +99,7 @@ class RigStoppedError(LayflatError):
 
 
 class DivergedError(LayflatError):
-    """A run left the range in which the model means anything.
+    """A run left the range in which the model is valid.
 
     Args:
         time: when, s.

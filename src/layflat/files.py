@@ -2,13 +2,55 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import re
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from layflat.errors import OutputError
+from layflat.errors import InputError, LayflatError, OutputError
+
+LONGEST_NAME = 100
+"""Bytes that a name may have in UTF-8: the longest suffix still fits into what file systems allow."""
+
+FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
+"""The disk, the file or the user's share is at its limit."""
+
+TRIAL = bytes(1 << 16)
+"""Enough to see that nothing more can be written."""
+
+_FORBIDDEN = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
+_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+
+
+def file_name(name: str, where: str) -> str:
+    """Check a name that files will bear, on any operating system; return it unchanged.
+
+    Args:
+        name: of a machine, a cell, a study, a design.
+        where: the option or key that gives it.
+
+    Raises:
+        InputError: it is empty, too long, begins with a dot or dash, holds a path or a control character, or is
+            reserved.
+    """
+    found = _FORBIDDEN.search(name)
+    if not name.strip():
+        problem = "is empty"
+    elif found:
+        problem = f"has {found[0]!r} in it"
+    elif name != name.strip() or name.startswith((".", "-")) or name.endswith("."):
+        problem = "begins or ends with a space, dot or dash"
+    elif _RESERVED.fullmatch(name):
+        problem = "is a reserved name"
+    elif len(name.encode(errors="replace")) > LONGEST_NAME:
+        problem = f"is longer than {LONGEST_NAME} bytes"
+    else:
+        return name
+    shown = name if len(name) <= LONGEST_NAME else f"{name[:20]}..."
+    raise InputError(f"{shown!r} {problem}", where=where, right='results are named so; give a name such as "my-arm"')
 
 
 @contextmanager
@@ -16,23 +58,55 @@ def whole_file(path: Path) -> Iterator[Path]:
     """Give a temporary path to write to; move it to `path` when the block ends well, remove it otherwise.
 
     Raises:
-        OutputError: the folder can't be made or written.
+        OutputError: the folder can't be made or written, or the disk is full.
     """
+    temporary: Path | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
+        temporary = Path(name)
         os.close(handle)
-    except OSError as error:
-        raise OutputError(
-            f"can't write here ({error.strerror})", where=str(path), right="give a folder that you may write to"
-        ) from None
-    temporary = Path(name)
-    try:
         yield temporary
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(path)
+    except LayflatError:
+        raise
+    except Exception as error:
+        refused = _refusal(error, path, temporary)
+        if refused is None:
+            raise
+        raise refused from error
     finally:
-        temporary.unlink(missing_ok=True)
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+
+
+def _refusal(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
+    """Why nothing could be written; None where it could, and something else is wrong.
+
+    Libraries raise errors of their own on a full disk, without its number: writing a little more shows the cause.
+    """
+    cause = error if isinstance(error, OSError) and error.errno is not None else _trial(temporary)
+    other = temporary is not None and cause is not None and cause.filename not in {None, str(temporary), str(path)}
+    if cause is None or other:
+        return None
+    full = cause.errno in FULL
+    right = "free some space, or give another folder" if full else "give a folder that you may write to"
+    return OutputError(f"can't write here ({cause.strerror})", where=str(path), right=right)
+
+
+def _trial(temporary: Path | None) -> OSError | None:
+    """Return what forbids to write more, if anything does."""
+    if temporary is None:
+        return None
+    try:
+        with temporary.open("ab") as file:
+            file.write(TRIAL)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        return error
+    return None
 
 
 def _umask() -> int:
@@ -48,9 +122,10 @@ def check_folder(folder: Path) -> Path:
         OutputError: they can't.
     """
     missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
-    with whole_file(folder / ".layflat"):
-        pass
-    (folder / ".layflat").unlink()
+    with whole_file(folder / ".layflat") as trial:
+        trial.write_bytes(TRIAL)
+    (folder / ".layflat").unlink(missing_ok=True)
     for parent in missing:
-        parent.rmdir()
+        with suppress(OSError):  # somebody else writes here by now
+            parent.rmdir()
     return folder

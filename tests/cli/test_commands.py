@@ -113,12 +113,14 @@ def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:
         (("simulate", "paper-arm", "--duration", "1 m"), "duration: '1 m' is not a time"),
         (("simulate", "rig-polyester"), "rig-polyester: has no valve or sensors"),
         (("loop", "paper-arm", "--pressure", "0 bar"), "--pressure: '0 bar' presses no hose"),
-        (("loop", "paper-arm", "--joint", "wrist"), "--joint: 'wrist' is no joint here; give large or small"),
+        (("loop", "paper-arm", "--joint", "wrist"), "--joint: unknown joint 'wrist'; give large or small"),
         (("size", "--torque", "0 N m", "--stroke", "120 deg", "--supply", "4 bar"), "size: torque: 0 N m"),
         (("size", "--torque", "25", "--stroke", "120 deg", "--supply", "4 bar"), "size: torque: '25' is a bare number"),
         (("design", "paper-arm", "--table", "none.csv", "--pressure", "3 bar"), "none.csv"),
-        (("simulat",), "No such command 'simulat'"),
-        (("simulate",), "Missing argument"),
+        (("simulat",), "No such command 'simulat'. Did you mean 'simulate'? (see `layflat --help`)"),
+        (("simulate",), "Missing argument 'NAME|FILE' (see `layflat simulate --help`)"),
+        (("rig", "run"), "(see `layflat rig run --help`)"),
+        (("rig", "ruin"), "Did you mean 'run'? (see `layflat rig --help`)"),
     ],
 )
 def test_a_mistake_gives_one_line(words: tuple[str, ...], expected: str, tmp_path: Path) -> None:

@@ -2,69 +2,67 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from contextlib import suppress
+from typing import NoReturn
 
 import typer
 
-from layflat.cli import (
-    arm_model,
-    cells,
-    describe,
-    design,
-    identify,
-    log,
-    pack,
-    recorded,
-    reproduce,
-    rig_check,
-    rig_faults,
-    rig_run,
-    rig_serve,
-    simulate,
-    study,
-    tune,
-)
 from layflat.cli.app import app
-from layflat.errors import LayflatError
+from layflat.errors import LayflatError, StoppedError
 
-__all__ = [
-    "app",
-    "arm_model",
-    "cells",
-    "describe",
-    "design",
-    "identify",
-    "log",
-    "main",
-    "pack",
-    "recorded",
-    "reproduce",
-    "rig_check",
-    "rig_faults",
-    "rig_run",
-    "rig_serve",
-    "simulate",
-    "study",
-    "tune",
-]
+__all__ = ["app", "main"]
+
+STOPPED = 130
+"""Exit status after Ctrl-C."""
 
 
 def main() -> None:
-    """Run a command; a mistake of the user's gives one line on stderr and exit status 2."""
+    """Run a command; an error is one line on stderr and exit status 2, Ctrl-C one line and 130.
+
+    A command that can keep what was done catches `KeyboardInterrupt`, writes its results marked as partial, and raises
+    `StoppedError`, whose line says where they are.
+    """
     try:
-        status = app(standalone_mode=False)
+        status = app(prog_name="layflat", standalone_mode=False)
+        sys.stdout.flush()
+    except StoppedError as error:
+        _fail(str(error), STOPPED)
+    except (typer.Abort, KeyboardInterrupt):
+        _fail("stopped before there was anything to keep", STOPPED)
     except LayflatError as error:
         _fail(str(error))
     except typer.TyperException as error:
-        _fail(f"{error.format_message()} (`layflat --help` shows how)")
-    except (typer.Abort, KeyboardInterrupt):
-        _fail("stopped", status=130)
+        _fail_usage(error)
     except BrokenPipeError:
-        sys.stderr.close()
+        _silence(sys.stdout)
         sys.exit(0)
+    except MemoryError:
+        _fail("not enough memory")
+    except OSError as error:
+        _silence(sys.stdout)
+        _fail(f"{error.filename or 'standard output'}: {error.strerror or error}")
     sys.exit(status if isinstance(status, int) else 0)
 
 
-def _fail(text: str, status: int = 2) -> None:
-    print(f"layflat: {' '.join(text.split())}", file=sys.stderr)  # noqa: T201
+def _fail_usage(error: typer.TyperException) -> NoReturn:
+    """Say what is wrong with the words of a command, and which help tells more; without words, show the help."""
+    context = getattr(error, "ctx", None)
+    if "Usage:" in error.format_message():  # a group without a command
+        print(error.format_message(), file=sys.stderr)  # noqa: T201
+        sys.exit(2)
+    command = context.command_path if context is not None else "layflat"
+    _fail(f"{error.format_message().rstrip('.')} (see `{command} --help`)")
+
+
+def _fail(text: str, status: int = 2) -> NoReturn:
+    with suppress(OSError):
+        print(f"layflat: {' '.join(text.split())}", file=sys.stderr)  # noqa: T201
     sys.exit(status)
+
+
+def _silence(stream: object) -> None:
+    """Let what is still to be written to a stream that refuses it go nowhere, so that the interpreter ends quietly."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""The application, and what its commands share. Every command imports what it needs, when it runs."""
+"""The application, and what its commands share. Each command is imported when it is used."""
 
 from __future__ import annotations
 
@@ -8,20 +8,50 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from layflat import __version__
+from layflat.cli.lazy import LazyTyper
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
     from layflat.design import Finding
     from layflat.machine import Machine
 
-app = typer.Typer(
-    name="layflat",
-    help="Design, simulate and control robot joints made of layflat hose.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
+app = LazyTyper(
+    "layflat",
+    "Design, simulate and control robot joints made of layflat hose.",
+    {
+        "machines": "describe",
+        "show": "describe",
+        "check": "describe",
+        "schema": "describe",
+        "design": "design",
+        "size": "design",
+        "simulate": "simulate",
+        "loop": "loop",
+        "tune": "tune",
+        "studies": "study",
+        "study": "study",
+        "reproduce": "reproduce",
+        "excite": "identify",
+        "identify": "identify",
+        "log": "log:logs",
+        "rig": "rig:rigs",
+        "cells": "cells",
+        "pack": "pack",
+        "arm-model": "arm_model",
+    },
 )
+
+
+@app.callback()
+def options(
+    version: Annotated[bool, typer.Option("--version", is_eager=True, help="Print the version and exit.")] = False,
+) -> None:
+    """Take the options that stand before any command."""
+    if version:
+        typer.echo(f"layflat {__version__}")
+        raise typer.Exit
+
 
 MachineName = Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in machine or description file")]
 Out = Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="folder for the results")]
@@ -49,15 +79,15 @@ def print_findings(findings: Iterable[Finding]) -> None:
     """Print what the design rules found, if anything."""
     rows = [[f.severity, f.where, f.what, f.right] for f in findings]
     if rows:
-        print_table(["severity", "where", "found", "what is right, or follows"], rows)
+        print_table(["severity", "where", "found", "action"], rows)
 
 
 def known_joint(machine: Machine, joint: str) -> str:
-    """A joint of a machine, by the name given to --joint.
+    """Return the name given to --joint, of a joint of this machine.
 
     Raises:
-        InputError: there is none of this name.
+        InputError: the machine has no such joint.
     """
     if joint not in machine.joints:
-        raise InputError(f"{joint!r} is no joint here", where="--joint", right=f"give {' or '.join(machine.joints)}")
+        raise InputError(f"unknown joint {joint!r}", where="--joint", right=f"give {' or '.join(machine.joints)}")
     return joint

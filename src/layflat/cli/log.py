@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import app, print_table
+from layflat.cli.app import print_table
+from layflat.cli.lazy import LazyTyper
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,8 +18,17 @@ if TYPE_CHECKING:
 
     from layflat.machine import Machine
 
-logs = typer.Typer(help="Logs of a bench or a rig: what is in them, and whether they are sound.", no_args_is_help=True)
-app.add_typer(logs, name="log")
+logs = LazyTyper(
+    "log",
+    "Logs of a test bench or a rig: what is in them, and whether they can be used.",
+    {"check": "log", "map": "log", "info": "recorded", "repair": "recorded", "plot": "recorded", "export": "recorded"},
+)
+
+
+@logs.callback()
+def log() -> None:
+    """Group the commands about logs."""
+
 
 LogFile = Annotated[Path, typer.Argument(metavar="LOG", help="CSV, Parquet, NetCDF or MCAP")]
 MappingFile = Annotated[

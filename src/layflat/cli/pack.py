@@ -14,7 +14,7 @@ import typer
 from layflat.cli.app import Out, app, print_table
 from layflat.cli.rig import FAULT, INTERRUPTED
 from layflat.cli.study import runs_bar
-from layflat.errors import BrokenOffError, InputError, LayflatError, NoDrawingError
+from layflat.errors import InputError, LayflatError, NoDrawingError, StoppedError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -138,7 +138,7 @@ def _status(error: LayflatError) -> int:
     """A user's mistake, a Ctrl-C, or a rig that stopped."""
     if isinstance(error, InputError):
         return 2
-    return INTERRUPTED if isinstance(error, BrokenOffError) else FAULT
+    return INTERRUPTED if isinstance(error, StoppedError) else FAULT
 
 
 @contextmanager

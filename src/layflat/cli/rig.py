@@ -12,14 +12,23 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import app
+from layflat.cli.lazy import LazyTyper
 
 if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.rig.driver import Driver
 
-rigs = typer.Typer(help="Run a machine on a rig, real or virtual.", no_args_is_help=True)
-app.add_typer(rigs, name="rig")
+rigs = LazyTyper(
+    "rig",
+    "Run a machine on a rig, real or virtual.",
+    {"run": "rig_run", "check": "rig_check", "serve": "rig_serve", "faults": "rig_faults"},
+)
+
+
+@rigs.callback()
+def rig() -> None:
+    """Group the commands about rigs."""
+
 
 Address = Annotated[
     str, typer.Option("--driver", metavar="ADDRESS", help="modbus://HOST:PORT, serial:///dev/NAME or simulated")

@@ -52,8 +52,9 @@ def save(run: xarray.Dataset, path: Path) -> Path:
     Raises:
         OutputError: it can't be written there.
     """
+    content = run.to_netcdf(None, engine="h5netcdf")  # in memory: HDF5 brings the process down on a full disk
     with whole_file(path) as temporary:
-        run.to_netcdf(temporary, engine="h5netcdf")
+        temporary.write_bytes(content)
     return path
 
 

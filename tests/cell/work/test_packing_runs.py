@@ -25,7 +25,7 @@ from layflat.cell.work.results import as_dict, save, summary
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.show import FPS, shown
 from layflat.cell.work.study import repeated
-from layflat.errors import BrokenOffError, CameraError, CellError, PictureError, RigStoppedError
+from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
 
 FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}
@@ -193,7 +193,7 @@ class Impatient(Nobody):
 
 def test_what_was_done_before_ctrl_c_is_kept(cell: Cell) -> None:
     found = packed(cell, 2, 5, None, Impatient())
-    assert isinstance(found.error, BrokenOffError)
+    assert isinstance(found.error, StoppedError)
     assert summary(found.deliveries).right == 1
     hasty = Impatient()
     hasty.carried = 1

@@ -16,7 +16,7 @@ from layflat.cell.work.eyes import CameraEyes, Eyes, SceneEyes, Sight
 from layflat.cell.work.judge import Judge, Verdict, Vision
 from layflat.cell.work.packer import Packer, Pick
 from layflat.cell.work.station import Station
-from layflat.errors import BrokenOffError, DivergedError, LayflatError, PictureError, RigStoppedError
+from layflat.errors import DivergedError, LayflatError, PictureError, RigStoppedError, StoppedError
 
 
 class Onlooker:
@@ -124,7 +124,7 @@ def _worked(scene: Scene, eyes: Eyes, most: int, onlooker: Onlooker) -> Delivery
     except KeyboardInterrupt:
         if not picks:
             raise
-        error = BrokenOffError("stopped; what was done is kept")
+        error = StoppedError(f"{len(picks)} picks")
     worked_off = error is None and len(picks) < most
     return Delivery(
         seed,

@@ -46,7 +46,7 @@ def export(run: xarray.Dataset, path: Path) -> Path:
 
 
 def _write_netcdf(run: xarray.Dataset, path: Path) -> None:
-    run.to_netcdf(path, engine="h5netcdf")
+    path.write_bytes(run.to_netcdf(None, engine="h5netcdf"))  # in memory: HDF5 brings the process down on a full disk
 
 
 def _write_parquet(run: xarray.Dataset, path: Path) -> None:
