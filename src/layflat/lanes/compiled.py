@@ -2,4 +2,5 @@
 
 import layflat.lanes.boxing
 import layflat.lanes.lowering
-import layflat.lanes.slots  # noqa: F401
+import layflat.lanes.slots
+import layflat.lanes.tuples  # noqa: F401

@@ -176,6 +176,20 @@ def slots(items: Any, value: Any = None) -> Any:
     return list(items) if value is None else [value] * len(items)
 
 
+def gather(like: Any, items: Any) -> Any:
+    """A tuple of the first items of slots or of an array, as many as the tuple `like` has."""
+    return tuple(items[i] for i in range(len(like)))
+
+
+def each(law: Callable[..., Any], *columns: tuple[Any, ...]) -> Any:
+    """A law called with the first items of some tuples, with the second ones and so on: the tuple of what it returns.
+
+    Of a law that returns several things (a plain tuple), a tuple of each: `memory, voltage = each(step, ...)`.
+    """
+    found = [law(*items) for items in zip(*columns, strict=True)]
+    return tuple(zip(*found, strict=True)) if type(found[0]) is tuple else tuple(found)
+
+
 def _rebuild(like: Any, items: list[Any]) -> Any:
     return type(like)(*items) if hasattr(like, "_fields") else tuple(items)
 
