@@ -56,3 +56,11 @@ def test_they_hold_lanes() -> None:
     assert through_slots(block, out) == width()
     assert np.array_equal(out[2:4], block)
     assert out[[0, 1, 4, 5], 0].tolist() == [1.0, 2.0, 1.0, 2.0]
+
+
+def test_teaching_the_compiler_leaves_the_names_of_the_room_alone() -> None:
+    import layflat.lanes
+    import layflat.lanes.compiled  # noqa: F401
+    from layflat.lanes import interpreted
+
+    assert all(getattr(layflat.lanes, name) is getattr(interpreted, name) for name in layflat.lanes.__all__)

@@ -2,5 +2,5 @@
 
 import layflat.lanes.boxing
 import layflat.lanes.lowering
-import layflat.lanes.slots
+import layflat.lanes.slotting
 import layflat.lanes.tuples  # noqa: F401

@@ -14,7 +14,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.np.arrayobj import make_array
 
 from layflat.lanes.interpreted import each, gather
-from layflat.lanes.slots import SlotsType
+from layflat.lanes.slotting import SlotsType
 
 
 @infer_global(gather)
