@@ -1,3 +1,4 @@
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -28,3 +29,22 @@ def test_test_files_have_names_of_their_own() -> None:
     files = [path.name for path in Path(__file__).parent.rglob("*.py")]
     names = [name for name in files if name not in {"conftest.py", "__init__.py"}]
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
+
+
+def test_no_submodule_takes_the_place_of_a_name_that_its_package_offers() -> None:
+    """A module that is first imported later on becomes an attribute of its package, over a function of that name."""
+    source, hidden = Path(layflat.__file__).parents[1], []
+    for init in source.rglob("__init__.py"):
+        package = ".".join(init.parent.relative_to(source).parts)
+        modules = {
+            path.stem for path in init.parent.iterdir() if path.suffix == ".py" or (path / "__init__.py").exists()
+        }
+        for node in ast.walk(ast.parse(init.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                offered = {alias.asname or alias.name for alias in node.names}
+                hidden += [
+                    f"{package}.{name}"
+                    for name in offered & modules
+                    if node.module not in {package, f"{package}.{name}"}
+                ]
+    assert hidden == []
