@@ -8,37 +8,35 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName, Out, app, known_joint, print_findings, print_table
+from layflat.errors import InputError
 
 if TYPE_CHECKING:
-    from layflat.design import Characteristic
+    from layflat.design import Characteristic, JointDesign
+    from layflat.machine import Machine
 
 
 @app.command()
 def design(
     machine: MachineName,
-    joint: Annotated[str | None, typer.Option(help="joint; all joints where not given")] = None,
+    joint: Annotated[str | None, typer.Option(help="default: all joints")] = None,
     table: Annotated[Path | None, typer.Option(metavar="CSV", help="measured torque over angle, for Eq. (1)")] = None,
-    pressure: Annotated[str | None, typer.Option(help="gauge pressure of the measurement")] = None,
+    pressure: Annotated[str | None, typer.Option(help="gauge pressure at which --table was measured")] = None,
     out: Out = Path("build/design"),
 ) -> None:
     """Design a machine's joints: torque, cam, strap, mass, air; write the cam as DXF, SVG and CSV."""
-    from layflat.cli.design_tables import print_design  # noqa: PLC0415
-    from layflat.design import design_joint, write_drawings  # noqa: PLC0415
+    from layflat.design import design_joint  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
 
     described = load(machine)
-    chosen = [known_joint(described, joint)] if joint else list(described.joints)
-    designs = []
-    for name in chosen:
-        measured = _measured(table, pressure, described.joint[name].output.radius) if table else None
-        designs.append(design_joint(described, name, measured=measured))
+    chosen = [known_joint(described, joint)] if joint is not None else list(described.joints)
+    measured = _measured(described, chosen, table, pressure)
+    designs = [design_joint(described, name, measured=measured) for name in chosen]
     check_folder(out)
     for made in designs:
-        print_design(made, print_table)
-        print_findings(made.findings)
-        for path in write_drawings(made, out) if made.cam is not None else []:
-            typer.echo(f"wrote {path}")
+        _show(made)
+    for made in designs:
+        _draw(made, out)
 
 
 @app.command()
@@ -46,18 +44,20 @@ def size(
     torque: Annotated[str, typer.Option(help='over the whole working stroke, such as "25 N m"')],
     stroke: Annotated[str, typer.Option(help='working stroke, such as "120 deg"')],
     supply: Annotated[str, typer.Option(help='gauge pressure of the supply, such as "4 bar"')],
-    wrap: Annotated[str | None, typer.Option(help="wrap angle of the collapsed hose")] = None,
-    hose_width: Annotated[str | None, typer.Option(help="of the flat hose; a standard width where not given")] = None,
-    cylinder_diameter: Annotated[str | None, typer.Option(help="of the outer cylinder")] = None,
-    strap_width: Annotated[str | None, typer.Option(help="of the steel strap")] = None,
-    strap_thickness: Annotated[str | None, typer.Option(help="of the steel strap")] = None,
-    payload_inertia: Annotated[str | None, typer.Option(help="about the joint")] = None,
+    wrap: Annotated[str | None, typer.Option(help="wrap angle of the collapsed hose; default: 120 deg")] = None,
+    hose_width: Annotated[str | None, typer.Option(help="of the flat hose; default: a standard width")] = None,
+    cylinder_diameter: Annotated[str | None, typer.Option(help="of the outer cylinder; default: chosen")] = None,
+    strap_width: Annotated[str | None, typer.Option(help="of the steel strap; default: chosen")] = None,
+    strap_thickness: Annotated[str | None, typer.Option(help="of the steel strap; default: chosen")] = None,
+    link_length: Annotated[str | None, typer.Option(help="from the joint to the payload; default: 400 mm")] = None,
+    payload_inertia: Annotated[
+        str | None, typer.Option(help="about the joint; default: 0.01 kg m^2 per N m of torque")
+    ] = None,
     name: Annotated[str, typer.Option(help="of the machine")] = "sized-joint",
     out: Out = Path("build/size"),
 ) -> None:
-    """Size a joint from what it shall do: a complete description that can be simulated, and its drawings."""
-    from layflat.cli.design_tables import print_design  # noqa: PLC0415
-    from layflat.design import SizingRequest, size_joint, write_drawings  # noqa: PLC0415
+    """Size a joint from what it must do: write a complete description that can be simulated, and its drawings."""
+    from layflat.design import SizingRequest, size_joint  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 
     request = SizingRequest.from_text(
@@ -69,21 +69,47 @@ def size(
         cylinder_diameter=cylinder_diameter,
         strap_width=strap_width,
         strap_thickness=strap_thickness,
+        link_length=link_length,
         payload_inertia=payload_inertia,
         name=name,
     )
     sized = size_joint(request)
     check_folder(out)
-    print_design(sized.design, print_table)
-    print_findings(sized.findings)
-    typer.echo(f"wrote {sized.write(out / f'{name}.toml')}")
-    for path in write_drawings(sized.design, out):
+    _show(sized.design)
+    path = sized.write(out / f"{name}.toml")
+    typer.echo(f"wrote {path}")
+    _draw(sized.design, out)
+    typer.echo(f"the controller's gains are the paper's, scaled; to tune them for this joint: layflat tune {path}")
+
+
+def _show(made: JointDesign) -> None:
+    from layflat.cli.design_tables import print_design  # noqa: PLC0415
+
+    print_design(made, print_table)
+    print_findings(made.findings)
+
+
+def _draw(made: JointDesign, out: Path) -> None:
+    from layflat.design import write_drawings  # noqa: PLC0415
+
+    for path in write_drawings(made, out) if made.cam is not None else []:
         typer.echo(f"wrote {path}")
 
 
-def _measured(table: Path, pressure: str | None, radius: float) -> Characteristic:
+def _measured(machine: Machine, chosen: list[str], table: Path | None, pressure: str | None) -> Characteristic | None:
+    """Read --table, which measures one joint.
+
+    Raises:
+        InputError: it can't be read, it is not said which joint it measures, or --pressure stands alone.
+    """
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.design import read_characteristic  # noqa: PLC0415
 
-    at = u.quantity(pressure, u.PRESSURE, "--pressure") if pressure else None
-    return read_characteristic(table, pressure=at, roller_radius=radius)
+    if table is None:
+        if pressure is not None:
+            raise InputError("needs --table", where="--pressure", right="it is the pressure of a measured table")
+        return None
+    if len(chosen) > 1:
+        raise InputError("measures one joint", where="--table", right=f"add --joint {' or --joint '.join(chosen)}")
+    at = u.quantity(pressure, u.PRESSURE, "--pressure") if pressure is not None else None
+    return read_characteristic(table, pressure=at, roller_radius=machine.joint[chosen[0]].output.radius)

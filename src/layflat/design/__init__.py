@@ -5,14 +5,16 @@ does what is asked).
 """
 
 from layflat.design.cam import Cam, synthesise
+from layflat.design.candidates import HOSE_WIDTHS
 from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
 from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
 from layflat.design.mass import Air, Mass
 from layflat.design.measured import read_characteristic
 from layflat.design.outline import Outline, cam_outline
 from layflat.design.plates import Plate, of_plate
+from layflat.design.request import SizingRequest
 from layflat.design.rules import Finding, refuse_errors
-from layflat.design.sizing import HOSE_WIDTHS, Sized, SizingRequest, size_joint
+from layflat.design.sizing import Sized, size_joint
 from layflat.design.strap import StrapStress, strap_stress
 from layflat.design.straplines import Lines, RollerLine, ShellLine, StrapLine
 from layflat.design.summary import JointDesign, design_joint

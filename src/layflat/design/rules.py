@@ -5,7 +5,7 @@ An "error" is what can't be made or breaks, a "warning" what works badly, a "not
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import degrees, pi, radians
 from typing import Literal
@@ -51,7 +51,7 @@ class Finding:
         rule: short name of the rule.
         where: machine, joint and key.
         what: what is so, with its value.
-        right: what would be right, or what follows.
+        right: what would be right, or what it leads to.
     """
 
     severity: Severity
@@ -76,10 +76,24 @@ class Checked:
     outline: Outline | None
     stresses: Sequence[StrapStress]
 
+    @property
+    def straight(self) -> Cam | None:
+        """The cam, if it can be made and the strap runs straight from the shell to it."""
+        deflected = self.joint.deflecting_roller is not None or self.joint.output.shaft_offset == 0
+        return None if deflected or self.outline is None else self.cam
+
+
+Found = Iterator[tuple[Severity, str, str, str]]
+"""Severity, key within the joint, what is so, and what would be right or what it leads to."""
+
 
 def check(checked: Checked) -> tuple[Finding, ...]:
-    """Findings of all rules, worst first."""
-    found = [finding for rule in RULES for finding in rule(checked)]
+    """Return the findings of all rules, worst first."""
+    found = [
+        Finding(severity, name, f"{checked.where}.{key}" if key else checked.characteristic.source, what, right)
+        for name, rule in RULES.items()
+        for severity, key, what, right in rule(checked)
+    ]
     return tuple(sorted(found, key=lambda finding: ORDER.index(finding.severity)))
 
 
@@ -94,133 +108,103 @@ def refuse_errors(findings: Sequence[Finding]) -> None:
             raise DesignError(finding.what, where=finding.where, right=finding.right)
 
 
-def _wrap(at: Checked) -> Iterator[Finding]:
-    wrap, where = at.joint.hose.wrap, f"{at.where}.hose.wrap"
+def _wrap(at: Checked) -> Found:
+    wrap = at.joint.hose.wrap
     if wrap > WRAP_GREATEST + SLACK:
-        yield Finding("error", "wrap", where, f"{degrees(wrap):.4g} deg", "at most 180 deg; up to 120 deg works well")
+        yield "error", "hose.wrap", f"{degrees(wrap):.4g} deg", "at most 180 deg; up to 120 deg works well"
     elif wrap > WRAP_LIMIT + SLACK:
-        yield Finding(
+        yield (
             "warning",
-            "wrap",
-            where,
+            "hose.wrap",
             f"{degrees(wrap):.4g} deg",
             "over 120 deg the hose kinks and slides: loss and wear",
         )
 
 
-def _convex(at: Checked) -> Iterator[Finding]:
+def _convex(at: Checked) -> Found:
     if at.cam is not None and not at.cam.convex:
-        worst = int(np.argmin(at.cam.curvature_radius))
-        yield Finding(
-            "error",
-            "convexity",
-            f"{at.where}.output",
-            f"the cam is hollow at {degrees(at.cam.angle[worst]):.4g} deg "
-            f"(radius of curvature {at.cam.smallest_radius * 1e3:.4g} mm), so a strap can't lie on it",
-            "a larger output.radius (shorter stroke) or another output.shaft_offset may help",
-        )
+        worst = degrees(at.cam.angle[int(np.argmin(at.cam.curvature_radius))])
+        hollow = f"the cam is hollow at {worst:.4g} deg (radius of curvature {at.cam.smallest_radius * 1e3:.4g} mm)"
+        right = "a larger output.radius (shorter stroke) or another output.shaft_offset may help"
+        yield "error", "output", f"{hollow}, so a strap can't lie on it", right
 
 
-def _strap(at: Checked) -> Iterator[Finding]:
-    strap, where = at.joint.strap, f"{at.where}.strap"
-    if strap.width > at.joint.hose.width:
-        yield Finding(
-            "error",
-            "strap width",
-            f"{where}.width",
-            f"{strap.width * 1e3:.4g} mm is wider than the hose",
-            f"at most {at.joint.hose.width * 1e3:.4g} mm",
-        )
+def _strap_width(at: Checked) -> Found:
+    strap, hose = at.joint.strap.width * 1e3, at.joint.hose.width * 1e3
+    if strap > hose:
+        yield "error", "strap.width", f"{strap:.4g} mm is wider than the hose", f"at most {hose:.4g} mm"
+
+
+def _strap_stress(at: Checked) -> Found:
+    right = "a thinner strap bends easier, a wider one or more layers pull less each"
     for stress in at.stresses:
         what = (
             f"{stress.total / 1e6:.4g} MPa over the {stress.place} (tension {stress.tensile / 1e6:.4g}, bending over "
             f"{stress.bend_radius * 1e3:.4g} mm {stress.bending / 1e6:.4g}), yield {stress.yield_stress / 1e6:.4g} MPa"
         )
-        right = "a thinner strap bends easier, a wider one or more layers pull less each"
         if stress.safety < 1:
-            yield Finding("error", "strap stress", where, what, right)
+            yield "error", "strap", what, right
         elif stress.safety < SAFETY_WANTED:
-            yield Finding("warning", "strap stress", where, f"{what}: safety {stress.safety:.3g}", right)
+            yield "warning", "strap", f"{what}: safety {stress.safety:.3g}", right
 
 
-def _deflection(at: Checked) -> Iterator[Finding]:
+def _deflection(at: Checked) -> Found:
     roller = at.joint.deflecting_roller
     if roller is not None:
         share = loss_share(at.joint) - loss_share(at.joint.model_copy(update={"deflecting_roller": None}))
-        yield Finding(
-            "warning",
-            "deflection",
-            f"{at.where}.deflecting_roller",
-            f"{roller.count} of {roller.diameter * 1e3:.4g} mm bend the strap and cost {100 * share:.2g} % of torque",
-            "larger rollers or a thinner strap lose less; an offset output shaft needs none",
-        )
+        what = f"{roller.count} of {roller.diameter * 1e3:.4g} mm bend the strap and cost {100 * share:.2g} % of torque"
+        right = "larger rollers or a thinner strap lose less; an offset output shaft needs none"
+        yield "warning", "deflecting_roller", what, right
     elif at.cam is not None and at.joint.output.shaft_offset == 0:
-        yield Finding(
-            "warning",
-            "deflection",
-            f"{at.where}.output.shaft_offset",
-            "0 mm without deflecting_roller, so the strap bends over the cylinder's edge",
-            "offset the shaft, for example by half of the cylinder's radius, or describe deflecting_roller",
-        )
+        what = "0 mm without deflecting_roller, so the strap bends over the cylinder's edge"
+        right = "offset the shaft, for example by half of the cylinder's radius, or describe deflecting_roller"
+        yield "warning", "output.shaft_offset", what, right
 
 
-def _place_of_shaft(at: Checked) -> Iterator[Finding]:
-    if at.cam is None or at.outline is None or at.joint.deflecting_roller or at.joint.output.shaft_offset == 0:
-        return
-    where = f"{at.where}.output.shaft_offset"
-    least = float(at.cam.alignment.min())
-    if least < ALIGNMENT_WANTED:
-        yield Finding(
-            "warning",
-            "alignment",
-            where,
-            f"the strap pulls across the shell's motion: only {100 * least:.3g} % of its tension works",
-            "place the shaft further from the clamps",
-        )
-    if at.cam.dip > LEAST_SLOT:
-        yield Finding(
-            "note",
-            "slot",
-            where,
-            f"the strap dips {at.cam.dip * 1e3:.3g} mm below the cylinder's free edge",
-            "slot the cylinder there as wide as the strap, or place the shaft further from the clamps",
-        )
+def _alignment(at: Checked) -> Found:
+    if at.straight is not None and at.straight.alignment.min() < ALIGNMENT_WANTED:
+        share = f"only {100 * at.straight.alignment.min():.3g} % of its tension works"
+        what = f"the strap pulls across the shell's motion: {share}"
+        yield "warning", "output.shaft_offset", what, "place the shaft further from the clamps"
 
 
-def _stroke(at: Checked) -> Iterator[Finding]:
+def _slot(at: Checked) -> Found:
+    if at.straight is not None and at.straight.dip > LEAST_SLOT:
+        what = f"the strap dips {at.straight.dip * 1e3:.3g} mm below the cylinder's free edge"
+        right = "slot the cylinder there as wide as the strap, or place the shaft further from the clamps"
+        yield "note", "output.shaft_offset", what, right
+
+
+def _stroke(at: Checked) -> Found:
     full = at.characteristic.full_travel / at.joint.output.radius
     working = at.joint.stops.working_stroke
     if full < working - SLACK:
-        yield Finding(
-            "error",
-            "stroke",
-            f"{at.where}.stops.working_stroke",
-            f"{degrees(working):.4g} deg, but the hose turns the output by {degrees(full):.4g} deg only",
-            "a smaller output.radius gives more stroke and less torque",
-        )
+        what = f"{degrees(working):.4g} deg, but the hose turns the output by {degrees(full):.4g} deg only"
+        yield "error", "stops.working_stroke", what, "a smaller output.radius gives more stroke and less torque"
 
 
-def _constant(at: Checked) -> Iterator[Finding]:
+def _constant(at: Checked) -> Found:
     if at.cam is None:
-        left = at.characteristic.force[-1] / at.characteristic.force.max()
-        yield Finding(
-            "note",
-            "constant torque",
-            f"{at.where}.output.kind",
-            f"on a round roller torque falls to {100 * left:.3g} % of its greatest",
-            'kind = "cam" keeps it constant',
-        )
+        left = 100 * at.characteristic.force[-1] / at.characteristic.force.max()
+        what = f"on a round roller torque falls to {left:.3g} % of its greatest"
+        yield "note", "output.kind", what, 'kind = "cam" keeps it constant'
 
 
-def _measured(at: Checked) -> Iterator[Finding]:
+def _measured(at: Checked) -> Found:
     if at.characteristic.fit_error > FIT_WANTED:
-        yield Finding(
-            "warning",
-            "measured table",
-            at.characteristic.source,
-            f"points lie up to {100 * at.characteristic.fit_error:.2g} % from the curve through them",
-            "check for outliers; of a loop, give the mean of both directions",
-        )
+        what = f"points lie up to {100 * at.characteristic.fit_error:.2g} % from the curve through them"
+        yield "warning", "", what, "check for outliers; of a hysteresis curve, give the mean of both directions"
 
 
-RULES = (_wrap, _convex, _strap, _deflection, _place_of_shaft, _stroke, _constant, _measured)
+RULES: dict[str, Callable[[Checked], Found]] = {
+    "wrap": _wrap,
+    "convexity": _convex,
+    "strap width": _strap_width,
+    "strap stress": _strap_stress,
+    "deflection": _deflection,
+    "alignment": _alignment,
+    "slot": _slot,
+    "stroke": _stroke,
+    "constant torque": _constant,
+    "measured table": _measured,
+}

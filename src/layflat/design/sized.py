@@ -1,8 +1,10 @@
 """The description of a sized joint: only what differs from the model machine, each value with its provenance.
 
-Similarity: filling takes as long if the valve's conductance grows with the hose's volume, and a joint is as quick if
-inertia grows with torque. Then the controller's gains are the model's. With another inertia per torque the natural
-frequency, and with it the gains, go as sqrt(T/J).
+Similarity: a volt fills a hose as fast in shares of the supply pressure if the valve's conductance grows with the
+hose's volume, and shares of the supply pressure are what moves the joint. So the gains of the error are the model's,
+and those of the pressure go with one over the supply pressure. A joint that carries more inertia per torque than the
+model moves more slowly, as sqrt(T/J), and the speeds below which its phases begin fall with it. One that carries less
+is not made quicker: spool, averaging and control cycle are as slow as the model's.
 """
 
 from __future__ import annotations
@@ -12,9 +14,10 @@ from dataclasses import dataclass
 from math import ceil, degrees, sqrt
 from typing import Any
 
+from layflat.design.request import SizingRequest
 from layflat.machine import Joint, Machine
 from layflat.machine.parameters import torque_constant, travel_volume
-from layflat.machine.parts import JointGains
+from layflat.machine.parts import JointGains, Link
 
 Tables = dict[str, Any]
 
@@ -27,60 +30,76 @@ OVERSHOOT_ROOM = 20.0
 HEIGHT_PER_WIDTH = 1.6
 """Height of a joint over the width of its hose: 1.64 and 1.56 in the paper."""
 
+INERTIA_PER_TORQUE = 1e-2
+"""Payload inertia that a joint carries, kg m2 per N m. Source: section 5."""
+
+BY_TORQUE = "the paper's small joint, scaled by torque"
+
 
 @dataclass(frozen=True)
 class SizedJoint:
     """What sizing settled, in SI.
 
     Args:
+        request: what was asked for.
         joint: the model's joint with its new sizes.
         torque_constant: K, m3/rad.
         swept_volume: of one hose, m3.
         mass: of the whole joint, kg.
-        torque: that was asked for, N m.
-        stroke: working stroke, rad.
-        supply: gauge supply pressure, Pa.
-        payload_inertia: about the joint, kg m2.
     """
 
+    request: SizingRequest
     joint: Joint
     torque_constant: float
     swept_volume: float
     mass: float
-    torque: float
-    stroke: float
-    supply: float
-    payload_inertia: float
+
+    @property
+    def torque(self) -> float:
+        """Torque at supply pressure, N m."""
+        return self.torque_constant * self.request.supply
+
+    @property
+    def payload_inertia(self) -> float:
+        """Of what is carried, about the joint, kg m2."""
+        return self.request.payload_inertia or INERTIA_PER_TORQUE * self.request.torque
 
 
 @dataclass(frozen=True)
 class _Ratios:
-    """Of the sized joint to the model's: torque, volume, length, and quickness sqrt(T/J)."""
+    """Of the sized joint to the model's: torque, hose's volume, hose's width, link's length, supply pressure."""
 
     torque: float
     volume: float
-    length: float
-    quickness: float
+    width: float
+    reach: float
+    supply: float
 
 
 def description(sized: SizedJoint, model: Machine, extends: str, name: str) -> Tables:
-    """Nested tables of a machine with the sized joint; leaves are tables of value, source and note."""
+    """Return nested tables of a machine with the sized joint; leaves are tables of value, source and note."""
     joint_name, base = next(iter(model.joints.items()))
-    link = base.link
-    ratios = _ratios(sized, model, base)
-    payload = sized.payload_inertia / link.length**2
+    request, reach = sized.request, sized.request.link_length or base.link.length
+    ratios = _Ratios(
+        torque=sized.torque / (torque_constant(base) * model.supply.pressure_gauge),
+        volume=sized.swept_volume / travel_volume(base),
+        width=sized.joint.hose.width / base.hose.width,
+        reach=reach / base.link.length,
+        supply=request.supply / model.supply.pressure_gauge,
+    )
+    payload, stroke = sized.payload_inertia / reach**2, degrees(request.stroke)
     tables: Tables = {
         "extends": extends,
         "name": name,
-        "title": f"Sized for {sized.torque:.4g} N m, {degrees(sized.stroke):.4g} deg, {sized.supply / 1e5:.4g} bar",
+        "title": f"Sized for {request.torque:.4g} N m, {stroke:.4g} deg, {request.supply / 1e5:.4g} bar",
         "arm": {"payload": _value(f"{payload:.4g} kg", f"{sized.payload_inertia:.4g} kg m2 at the link's end")},
-        "supply": {"pressure_gauge": _value(f"{sized.supply / 1e5:.6g} bar", "asked for", "given")},
-        "angle_sensor": {
-            "range": _value(f"{degrees(sized.stroke) + 1.5 * OVERSHOOT_ROOM:.6g} deg", "mechanical stroke and 10 deg")
-        },
-        "pressure_sensor": {"range": _value(f"{ceil(2.5e-5 * sized.supply)} bar", "2.5 times supply pressure")},
+        "supply": {"pressure_gauge": _value(f"{request.supply / 1e5:.6g} bar", "asked for", "given")},
+        "angle_sensor": {"range": _value(f"{stroke + 1.5 * OVERSHOOT_ROOM:.6g} deg", "mechanical stroke and 10 deg")},
+        "pressure_sensor": {"range": _value(f"{ceil(2.5e-5 * request.supply)} bar", "2.5 times supply pressure")},
         "joint": {joint_name: _joint(sized, base, ratios)},
     }
+    if base.gains is not None:
+        tables["joint"][joint_name]["gains"] = _gains(base.gains, ratios, _slowness(sized, model, base, ratios))
     if model.valve is not None:
         conductance = model.valve.conductance * ratios.volume * 1e8
         note = "grows with the hose's volume, so that filling takes as long as in the model"
@@ -91,23 +110,13 @@ def description(sized: SizedJoint, model: Machine, extends: str, name: str) -> T
 
 
 def description_text(tables: Tables) -> str:
-    """TOML text, laid out as the built-in machines are."""
+    """Return TOML text, laid out as the built-in machines are."""
     return "\n".join(_lines(tables, "")) + "\n"
 
 
-def _ratios(sized: SizedJoint, model: Machine, base: Joint) -> _Ratios:
-    reach = base.link.length
-    carried = base.link.rotor_inertia + base.link.inertia + base.link.mass * base.link.centre**2
-    torque = sized.torque_constant * sized.supply / (torque_constant(base) * model.supply.pressure_gauge)
-    volume = sized.swept_volume / travel_volume(base)
-    inertia = (sized.payload_inertia + carried * torque) / (model.arm.payload * reach**2 + carried)
-    return _Ratios(torque, volume, sized.joint.hose.width / base.hose.width, sqrt(torque / inertia))
-
-
 def _joint(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Tables:
-    joint, torque = sized.joint, sized.torque_constant * sized.supply
-    by_torque = "the paper's small joint, scaled by torque"
-    tables: Tables = {
+    joint = sized.joint
+    return {
         "hose": {
             "width": _mm(joint.hose.width, "the narrowest that gives torque and stroke, or as given"),
             "wrap": _deg(joint.hose.wrap, "over 120 deg the hose kinks and slides"),
@@ -136,46 +145,67 @@ def _joint(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Tables:
         },
         "cover": {"thickness": _mm(joint.cover.thickness, "scaled by diameter")},
         "brake": {
-            "torque": _value(f"{BRAKE_SHARE * torque:.4g} N m", "8 % of maximum torque, section 4.2"),
-            "viscous": _value(f"{base.brake.viscous * ratios.torque:.4g} N m s/rad", by_torque),
+            "torque": _value(f"{BRAKE_SHARE * sized.torque:.4g} N m", "8 % of maximum torque, section 4.2"),
+            "viscous": _value(f"{base.brake.viscous * ratios.torque:.4g} N m s/rad", BY_TORQUE),
         },
-        "stops": _stops(sized, base, ratios, by_torque),
-        "link": {
-            "mass": _value(f"{base.link.mass * ratios.torque:.4g} kg", by_torque),
-            "inertia": _value(f"{base.link.inertia * ratios.torque:.4g} kg m^2", by_torque),
-            "rotor_inertia": _value(f"{base.link.rotor_inertia * ratios.length**5:.4g} kg m^2", "scaled by size"),
-        },
+        "stops": _stops(sized, base, ratios),
+        "link": _link(base.link, ratios),
         "body": {
             "mass": _value(f"{sized.mass:.4g} kg", "counted parts over their share in the paper's small joint"),
             "height": _mm(HEIGHT_PER_WIDTH * joint.hose.width, "1.6 times the hose's width, as the paper's joints"),
         },
     }
-    if base.gains is not None:
-        tables["gains"] = _gains(base.gains, ratios.quickness)
-    return tables
 
 
-def _stops(sized: SizedJoint, base: Joint, ratios: _Ratios, by_torque: str) -> Tables:
-    stops = base.stops
+def _stops(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Tables:
+    stops, stroke = base.stops, degrees(sized.request.stroke)
     return {
-        "working_stroke": _value(f"{degrees(sized.stroke):.6g} deg", "asked for", "given"),
-        "mechanical_stroke": _value(f"{degrees(sized.stroke) + OVERSHOOT_ROOM:.6g} deg", "20 deg more, section 2.3"),
-        "squeeze_stiffness": _value(f"{stops.squeeze_stiffness * ratios.torque:.4g} N m/rad", by_torque),
-        "stop_stiffness": _value(f"{stops.stop_stiffness * ratios.torque:.4g} N m/rad", by_torque),
-        "stop_damping": _value(f"{stops.stop_damping * ratios.torque:.4g} N m s/rad", by_torque),
+        "working_stroke": _value(f"{stroke:.6g} deg", "asked for", "given"),
+        "mechanical_stroke": _value(f"{stroke + OVERSHOOT_ROOM:.6g} deg", "20 deg more, section 2.3"),
+        "squeeze_stiffness": _value(f"{stops.squeeze_stiffness * ratios.torque:.4g} N m/rad", BY_TORQUE),
+        "stop_stiffness": _value(f"{stops.stop_stiffness * ratios.torque:.4g} N m/rad", BY_TORQUE),
+        "stop_damping": _value(f"{stops.stop_damping * ratios.torque:.4g} N m s/rad", BY_TORQUE),
     }
 
 
-def _gains(gains: JointGains, quickness: float) -> Tables:
-    note = f"the paper's small joint times {quickness:.3g}: sqrt of torque per inertia, relative to it"
+def _link(base: Link, ratios: _Ratios) -> Tables:
+    """The model's link, as heavy per length as its torque is greater; its length and centre only where asked for."""
+    torque, reach = ratios.torque, ratios.reach
+    note = BY_TORQUE if reach == 1.0 else f"{BY_TORQUE} and length"
+    tables = {
+        "mass": _value(f"{base.mass * torque * reach:.4g} kg", note),
+        "inertia": _value(f"{base.inertia * torque * reach**3:.4g} kg m^2", note),
+        "rotor_inertia": _value(f"{base.rotor_inertia * ratios.width**5:.4g} kg m^2", "scaled by size"),
+    }
+    if reach == 1.0:
+        return tables
+    own = {
+        "length": _mm(base.length * reach, "asked for", "given"),
+        "centre": _mm(base.centre * reach, "as its length"),
+    }
+    return own | tables
+
+
+def _slowness(sized: SizedJoint, model: Machine, base: Joint, ratios: _Ratios) -> float:
+    """How slowly the sized joint moves beside the model's, sqrt(T/J) over the model's: at most 1."""
+    link = base.link
+    along = link.inertia + link.mass * link.centre**2
+    own = sized.payload_inertia + along * ratios.torque * ratios.reach**3 + link.rotor_inertia * ratios.width**5
+    models = model.arm.payload * link.length**2 + along + link.rotor_inertia
+    return min(1.0, sqrt(ratios.torque * models / own))
+
+
+def _gains(gains: JointGains, ratios: _Ratios, slowness: float) -> Tables:
+    """What differs from the model's gains; those of the error and the integral do not."""
+    by_supply = f"the paper's small joint over {ratios.supply:.3g}: its share of the supply pressure"
+    by_speed = f"the paper's small joint times {slowness:.3g}: sqrt of torque per inertia, relative to it, at most 1"
     tables: Tables = {
-        phase: {
-            "error": _value(f"{getattr(gains, phase).error * quickness:.4g} V/rad", note),
-            "pressure": _value(f"{getattr(gains, phase).pressure * quickness * 1e5:.4g} V/bar", note),
-        }
+        phase: {"pressure": _value(f"{getattr(gains, phase).pressure / ratios.supply * 1e5:.4g} V/bar", by_supply)}
         for phase in ("far", "near", "close")
     }
-    tables["integral"] = _value(f"{gains.integral * quickness:.4g} V/(rad s)", note)
+    for threshold in ("near_below", "close_below"):
+        speed = degrees(getattr(gains, threshold).speed * slowness)
+        tables[threshold] = {"speed": _value(f"{speed:.4g} deg/s", by_speed)}
     return tables
 
 
@@ -183,8 +213,8 @@ def _value(value: str | int, note: str, source: str = "derived") -> Tables:
     return {"value": value, "source": source, "note": note}
 
 
-def _mm(value: float, note: str) -> Tables:
-    return _value(f"{value * 1e3:.6g} mm", note)
+def _mm(value: float, note: str, source: str = "derived") -> Tables:
+    return _value(f"{value * 1e3:.6g} mm", note, source)
 
 
 def _deg(value: float, note: str) -> Tables:

@@ -14,9 +14,20 @@ in the bending stress.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
+from math import ceil, inf
 
+from layflat.design.request import SizingRequest
+from layflat.errors import DesignError
 from layflat.machine.parts import Strap
+
+THICKNESSES = tuple(t * 1e-3 for t in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3))
+"""Of steel strip, m."""
+
+WIDTH_SHARE = 0.45
+"""Greatest width of a strap over the hose's: two opposing straps pass each other."""
+
+LEAST_WIDTH = 0.012
+LAYERS = (2, 4)
 
 
 @dataclass(frozen=True)
@@ -50,23 +61,46 @@ class StrapStress:
         return self.yield_stress / self.total if self.total > 0 else inf
 
 
-def tensile_stress(tension: float, width: float, thickness: float, layers: int) -> float:
-    """F/(w t n), Pa."""
-    return tension / (width * thickness * layers)
-
-
 def bending_stress(modulus: float, thickness: float, bend_radius: float) -> float:
-    """E t/(2 rho), Pa: the outer fibre of a thin strip; infinite over an edge."""
+    """Return E t/(2 rho), Pa: the stress of a thin strip's outer fibre; infinite over an edge."""
     return modulus * thickness / (2 * bend_radius) if bend_radius > 0 else inf
 
 
 def strap_stress(strap: Strap, place: str, bend_radius: float, tension: float) -> StrapStress:
-    """Stress of a described strap that bends over a radius (m) under a tension (N)."""
-    return StrapStress(
-        place,
-        bend_radius,
-        tension,
-        tensile_stress(tension, strap.width, strap.thickness, strap.layers),
-        bending_stress(strap.modulus, strap.fibre or strap.thickness, bend_radius),
-        strap.yield_stress,
+    """Return the stress of a described strap that bends over a radius (m) under a tension (N)."""
+    tensile = tension / (strap.width * strap.thickness * strap.layers)
+    bending = bending_stress(strap.modulus, strap.fibre or strap.thickness, bend_radius)
+    return StrapStress(place, bend_radius, tension, tensile, bending, strap.yield_stress)
+
+
+def choose_strap(request: SizingRequest, base: Strap, hose_width: float, tension: float, bend_radius: float) -> Strap:
+    """Choose the narrowest strip of the base's steel that bears tension and bending with the margin asked for.
+
+    Args:
+        request: margin, and perhaps width and thickness.
+        base: the strap whose material is taken.
+        hose_width: of the flat hose, m.
+        tension: greatest tension, N.
+        bend_radius: smallest radius that it bends over, m.
+
+    Raises:
+        DesignError: none bears it.
+    """
+    allowed = base.yield_stress / request.stress_margin
+    widest = request.strap_width or WIDTH_SHARE * hose_width
+    thicknesses = THICKNESSES if request.strap_thickness is None else (request.strap_thickness,)
+    for layers in LAYERS:
+        left = [(t, allowed - bending_stress(base.modulus, t, bend_radius)) for t in thicknesses]
+        fits = [
+            (max(LEAST_WIDTH, ceil(tension / (t * layers * stress) * 1e3) / 1e3), t) for t, stress in left if stress > 0
+        ]
+        width, t = min(fits, default=(inf, 0.0))
+        if width <= widest:
+            update = {"width": request.strap_width or width, "thickness": t, "layers": layers}
+            return base.model_copy(update=update)
+    raise DesignError(
+        f"no strap up to {widest * 1e3:.4g} mm wide bears {tension:.4g} N around {bend_radius * 1e3:.4g} mm "
+        f"with a margin of {request.stress_margin:.3g}",
+        where="size: strap",
+        right="a shorter stroke bends it less, a lower supply pressure pulls less; or ask for a smaller stress_margin",
     )
