@@ -10,9 +10,9 @@ import numpy as np
 from benchmarks.digests.runs import Arrays
 
 SHARED = {
-    name: name
-    for name in ("time", "elapsed", "supply", "air", "stopped", "far", "mode", "fault", "lost")
-}  # fmt: skip
+    **{name: name for name in ("time", "elapsed", "supply", "air", "stopped", "mode", "fault", "lost")},
+    "far": "device",
+}
 BY_JOINT = {
     name: name
     for name in (
@@ -32,12 +32,12 @@ class PlannedHost:
         self.demands, self.edges, self.ended = [nan] * joints, dict[str, bool](), False
         self.rows: list[Any] = []
 
-    def wish(self, _now: int) -> Any:
+    def request(self, _now: int) -> Any:
         """What is wanted in this cycle."""
-        from layflat.rig.safety.supervisor import Wish  # noqa: PLC0415
+        from layflat.rig.safety.supervisor import HostRequest  # noqa: PLC0415
 
         edges, self.edges = self.edges, {}
-        return Wish(list(self.demands), **edges)
+        return HostRequest(list(self.demands), **edges)
 
     def publish(self, row: Any) -> None:
         """Keep a row."""
@@ -86,7 +86,7 @@ def fails(name: str) -> Any:
     """The virtual rig fails in its last joint."""
 
     def do(host: PlannedHost, device: Any) -> None:
-        from layflat.rig.far.failures import failure  # noqa: PLC0415
+        from layflat.rig.device.failures import failure  # noqa: PLC0415
 
         failure(name).begin(device, len(host.demands) - 1)
 
@@ -97,7 +97,7 @@ def mends(name: str, **edges: bool) -> Any:
     """What had failed is mended."""
 
     def do(host: PlannedHost, device: Any) -> None:
-        from layflat.rig.far.failures import failure  # noqa: PLC0415
+        from layflat.rig.device.failures import failure  # noqa: PLC0415
 
         failure(name).end(device, len(host.demands) - 1)
         host.edges = edges
