@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import builtins
 import csv
 import subprocess
 import sys
+from functools import cache
+from itertools import combinations
 from math import pi, radians
 from pathlib import Path
 from typing import Any
@@ -16,12 +17,28 @@ import numpy as np
 import pytest
 from rolled_cam import Shell
 
-from layflat.design import JointDesign, cam_outline, design_joint, of_cylinder, straplines, synthesise, write_drawings
+from layflat.design import (
+    JointDesign,
+    SizingRequest,
+    cam_outline,
+    cam_sheet,
+    design_joint,
+    layout_sheet,
+    of_cylinder,
+    size_joint,
+    straplines,
+    synthesise,
+    write_drawings,
+)
+from layflat.design.dxf import dxf_text
 from layflat.design.outline import HUB_SHARE
-from layflat.errors import DesignError, OutputError
+from layflat.design.sheet import Sheet
+from layflat.design.svg import svg_text
+from layflat.errors import DesignError, MissingExtraError, OutputError
 from layflat.machine import load
 
 ARM = load("paper-arm")
+Box = np.ndarray[Any, np.dtype[np.float64]]
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -98,9 +115,70 @@ def test_csv_holds_the_columns(design: JointDesign, drawn: list[Path]) -> None:
     assert float(rows[-1]["cam_angle_deg"]) == pytest.approx(np.degrees(design.stroke))
 
 
-def test_layout_is_a_picture(drawn: list[Path]) -> None:
-    root = ElementTree.parse(drawn[3]).getroot()
-    assert len([e for e in root.iter(f"{SVG}path") if e.attrib["class"] == "strap"]) == 3
+@cache
+def sheets() -> list[tuple[JointDesign, Sheet]]:
+    """Cams and layouts of the arm's joints, of a drum with deflecting roller, and of joints of unusual size."""
+    drum = load("rig-shell-steel")
+    joint = drum.joint["small"]
+    rolled = joint.model_copy(update={"output": joint.output.model_copy(update={"kind": "cam"})})
+    designs = [
+        *(design_joint(ARM, name) for name in ARM.joints),
+        design_joint(drum.model_copy(update={"joint": {"small": rolled}})),
+        size_joint(SizingRequest(8.0, radians(90), 2.5e5)).design,
+        size_joint(SizingRequest(300.0, radians(150), 7e5)).design,
+    ]
+    return [(design, draw(design)) for design in designs for draw in (cam_sheet, layout_sheet)]
+
+
+def test_no_text_covers_another() -> None:
+    for _, sheet in sheets():
+        boxes = text_boxes(svg_text(sheet))
+        assert len(boxes) > 5
+        for (one, a), (other, b) in combinations(boxes, 2):
+            assert (a[0] >= b[1]).any() or (b[0] >= a[1]).any(), f"{sheet.title}: {one!r} covers {other!r}"
+
+
+def text_boxes(svg: str) -> list[tuple[str, Box]]:
+    """Each text of an SVG, with the lower and upper corner of the box that it takes, a little less than its height."""
+    found = []
+    for element in ElementTree.fromstring(svg).iter(f"{SVG}text"):
+        height, text = float(element.attrib["font-size"]), element.text or ""
+        at = np.array([float(element.attrib["x"]), -float(element.attrib["y"])])
+        turned = -radians(float(element.attrib["transform"].removeprefix("rotate(").split()[0]))
+        long, high = 0.5 * height * len(text), 0.7 * height
+        first = -0.5 * long if element.attrib["text-anchor"] == "middle" else 0.0
+        corners = np.array([[first, 0.0], [first + long, 0.0], [first, high], [first + long, high]])
+        c, s = np.cos(turned), np.sin(turned)
+        placed = at + corners @ np.array([[c, s], [-s, c]])
+        found.append((text, np.array([placed.min(axis=0), placed.max(axis=0)])))
+    return found
+
+
+def test_dimension_lines_of_a_cam_stay_clear_of_each_other_and_of_the_part() -> None:
+    for _, sheet in sheets()[::2]:
+        part = sheet.paths[0].points
+        *levers, width, height = sheet.distances
+        for distance in (width, height):
+            overall = distance.ends
+            axis = 1 if distance is width else 0
+            others = np.vstack([part, *(lever.ends for lever in levers)])[:, axis]
+            assert abs(overall[:, axis] - others[:, None]).min() > 2 * sheet.text_height
+            measured = float(np.hypot(*(overall[1] - overall[0])))
+            assert distance.label == f"{measured:.2f}"
+
+
+def test_layout_has_dimensions_and_says_what_each_kind_of_line_is(design: JointDesign) -> None:
+    sheet, joint = layout_sheet(design), design.joint
+    assert [d.label for d in sheet.diameters] == [f"⌀{joint.cylinder.diameter * 1e3:.4g}"]
+    assert [d.label for d in sheet.distances] == [f"{joint.output.shaft_offset * 1e3:.4g}"]
+    texts = " ".join(note.text for note in sheet.notes)
+    for word in ("cam", "strap", "shell", "cylinder", "hose", "mm", design.name):
+        assert word in texts
+    samples = [path for path in sheet.paths if (path.points[:, 1] == path.points[0, 1]).all() and len(path.points) == 2]
+    drawn = {path.layer for path in sheet.paths}
+    assert drawn == {"OUTLINE", "CENTRE", "STRAP", "HOSE"} == {path.layer for path in samples[-4:]}
+    straps = [path for path in sheet.paths if path.layer == "STRAP"]
+    assert len(straps) == 3 + 1
 
 
 def test_layout_of_a_drum_shows_its_roller(tmp_path: Path) -> None:
@@ -149,18 +227,15 @@ def test_nothing_is_written_where_a_file_is_in_the_way(design: JointDesign, tmp_
         write_drawings(design, tmp_path / "file")
 
 
-def test_without_ezdxf_nothing_is_written(design: JointDesign, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real = builtins.__import__
-
-    def without(name: str, *args: Any, **kwargs: Any) -> Any:
-        if name.startswith("ezdxf"):
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(OutputError, match=r"needs ezdxf; pip install 'layflat\[drawing\]'"):
-        write_drawings(design, tmp_path / "out")
-    assert not (tmp_path / "out").exists()
+def test_without_ezdxf_all_is_written_but_the_dxf(
+    design: JointDesign, drawn: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    files = write_drawings(design, tmp_path / "out")
+    assert [file.name for file in files] == [file.name for file in drawn if file.suffix != ".dxf"]
+    assert [file.read_bytes() for file in files] == [file.read_bytes() for file in drawn if file.suffix != ".dxf"]
+    with pytest.raises(MissingExtraError, match=r"DXF drawing: needs ezdxf, .*pip install 'layflat\[drawing\]'"):
+        dxf_text(cam_sheet(design))
 
 
 def test_ezdxf_is_not_imported_with_the_package() -> None:

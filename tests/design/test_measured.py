@@ -76,7 +76,7 @@ def changed(line: int, text: str) -> str:
         (changed(3, "26.64,-98"), r"line 4: torque_Nm: -98 is not positive"),
         (changed(0, "degrees,torque_Nm"), r"no column angle_deg or angle_rad.*columns here are degrees, torque_Nm"),
         (changed(0, "angle_deg,force_N"), r"angle_deg beside force_N"),
-        (changed(0, "angle_deg,angle_deg"), r"line 1: column 'angle_deg' stands there twice"),
+        (changed(0, "angle_deg,angle_deg"), r"line 1: column 'angle_deg' appears twice"),
         ("angle_deg,torque_Nm\n0,1\n1,1\n", r"2 rows of data; give a header and at least 5"),
         ("", r"0 rows of data"),
         (TURNED.replace("13.32", '"13.32'), r"is not CSV"),
@@ -103,7 +103,7 @@ def test_pressure_is_needed(tmp_path: Path, pressure: float | None) -> None:
 def test_a_pressure_of_zero_in_a_column_names_its_line(tmp_path: Path) -> None:
     lines = TURNED.splitlines()
     text = "\n".join([lines[0] + ",pressure_bar", *(line + ",0" for line in lines[1:])])
-    with pytest.raises(InputError, match="line 2: pressure_bar: is not positive"):
+    with pytest.raises(InputError, match="line 2: pressure_bar: 0 bar; give the gauge pressure"):
         read_characteristic(written(tmp_path, text), roller_radius=0.026)
 
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from layflat import extras
 from layflat.cli.app import MachineName, Out, app, known_joint, print_findings, print_table
-from layflat.errors import InputError
+from layflat.errors import InputError, MissingExtraError
 
 if TYPE_CHECKING:
     from layflat.design import Characteristic, JointDesign
@@ -33,6 +34,8 @@ def design(
     measured = _measured(described, chosen, table, pressure)
     designs = [design_joint(described, name, measured=measured) for name in chosen]
     check_folder(out)
+    if any(made.cam is not None for made in designs):
+        _say_what_is_left_out()
     for made in designs:
         _show(made)
     for made in designs:
@@ -53,7 +56,7 @@ def size(
     payload_inertia: Annotated[
         str | None, typer.Option(help="about the joint; default: 0.01 kg m^2 per N m of torque")
     ] = None,
-    name: Annotated[str, typer.Option(help="of the machine")] = "sized-joint",
+    name: Annotated[str, typer.Option(help="of the machine and its file")] = "sized-joint",
     out: Out = Path("build/size"),
 ) -> None:
     """Size a joint from what it must do: write a complete description that can be simulated, and its drawings."""
@@ -73,13 +76,22 @@ def size(
         payload_inertia=payload_inertia,
         name=name,
     )
-    sized = size_joint(request)
     check_folder(out)
+    sized = size_joint(request)
+    _say_what_is_left_out()
     _show(sized.design)
     path = sized.write(out / f"{name}.toml")
     typer.echo(f"wrote {path}")
     _draw(sized.design, out)
     typer.echo(f"the controller's gains are the paper's, scaled; to tune them for this joint: layflat tune {path}")
+
+
+def _say_what_is_left_out() -> None:
+    """Say in one line, before any work is done, which extra brings the DXF where it is not installed."""
+    try:
+        extras.require("drawing", where="no DXF")
+    except MissingExtraError as missing:
+        typer.echo(f"layflat: {missing}", err=True)
 
 
 def _show(made: JointDesign) -> None:

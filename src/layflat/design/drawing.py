@@ -6,18 +6,19 @@ import csv
 import io
 import re
 from contextlib import ExitStack
-from math import cos, degrees, pi, sin
+from math import cos, degrees, radians, sin
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat import extras
 from layflat.design.cam import Cam
 from layflat.design.dxf import dxf_text
 from layflat.design.outline import Outline
-from layflat.design.sheet import Circle, Diameter, Distance, Note, Sheet
+from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet
 from layflat.design.sheet import Path as Line
-from layflat.design.straplines import CLAMP_ANGLE, ShellLine, of_joint
+from layflat.design.straplines import CLAMP_ANGLE, RollerLine, ShellLine, of_joint
 from layflat.design.summary import JointDesign
 from layflat.design.svg import svg_text
 from layflat.errors import DesignError
@@ -30,12 +31,17 @@ LARGEST_TEXT = 3.5
 TEXTS_ACROSS = 18.0
 """Text height of a drawing: the part's size over this, at most LARGEST_TEXT mm."""
 
-BORE_DIRECTION = 215.0
+BORE_DIRECTION = 245.0
 """Where the bore's dimension is led out, deg: the side without profile."""
+
+CYLINDER_DIRECTION = -35.0
+"""Where the cylinder's is, deg: the side without shell."""
 
 
 def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
     """Write a joint's cam as DXF, SVG and CSV, and its layout as SVG; all of them, or none.
+
+    Without ezdxf, which the extra `drawing` brings, there is no DXF.
 
     Args:
         design: a joint with a cam.
@@ -46,19 +52,20 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
 
     Raises:
         DesignError: the joint has no cam that can be made.
-        OutputError: the folder can't be written, or ezdxf is not installed.
+        OutputError: the folder can't be written.
     """
-    cam_drawing, stem = cam_sheet(design), re.sub(r"[^\w.-]+", "-", f"{design.machine.name}-{design.name}")
+    cam, stem = cam_sheet(design), re.sub(r"[^\w.-]+", "-", f"{design.machine.name}-{design.name}")
     contents = {
-        folder / f"{stem}-cam.dxf": dxf_text(cam_drawing),
-        folder / f"{stem}-cam.svg": svg_text(cam_drawing),
-        folder / f"{stem}-cam.csv": columns_text(design.columns()),
-        folder / f"{stem}-layout.svg": svg_text(layout_sheet(design)),
+        "cam.dxf": dxf_text(cam) if extras.available("drawing") else "",
+        "cam.svg": svg_text(cam),
+        "cam.csv": columns_text(design.columns()),
+        "layout.svg": svg_text(layout_sheet(design)),
     }
+    texts = {folder / f"{stem}-{name}": text for name, text in contents.items() if text}
     with ExitStack() as files:
-        for path, text in contents.items():
+        for path, text in texts.items():
             files.enter_context(whole_file(path)).write_text(text, encoding="utf-8", newline="\n")
-    return list(contents)
+    return list(texts)
 
 
 def columns_text(columns: dict[str, Array]) -> str:
@@ -85,18 +92,18 @@ def cam_sheet(design: JointDesign) -> Sheet:
     sheet.circles.append(Circle((0.0, 0.0), outline.bore / 2 * MM, "OUTLINE"))
     sheet.cross((0.0, 0.0), outline.hub / 2 * MM + t)
     _levers(sheet, cam)
-    bases = np.array([distance.base for distance in sheet.distances])
-    _overall(sheet, low, high, np.vstack((points, bases)))
+    ends = np.vstack([distance.ends for distance in sheet.distances])
+    _overall(sheet, low, high, np.vstack((points, ends)))
     bore, lead = outline.bore * MM, _lead(outline, BORE_DIRECTION) * MM + 2 * t
     sheet.diameters.append(Diameter((0.0, 0.0), bore / 2, BORE_DIRECTION, f"⌀{bore:.4g}", lead))
-    top = min(low[1], bases[:, 1].min()) - 11 * t
+    top = min(low[1], ends[:, 1].min()) - 11 * t
     for row, text in enumerate(_notes(design, cam, outline)):
         sheet.notes.append(Note((float(low[0]) - 6 * t, float(top) - 1.6 * t * row), text, 1.25 if row == 0 else 1.0))
     return sheet
 
 
 def layout_sheet(design: JointDesign) -> Sheet:
-    """Cylinder, shell, strap and cam of the left hose in the joint's frame, at three angles of the output.
+    """Draw cylinder, shell, strap and cam of the left hose in the joint's frame, at three angles of the output.
 
     Raises:
         DesignError: the joint has no cam that can be made.
@@ -109,28 +116,50 @@ def layout_sheet(design: JointDesign) -> Sheet:
     sheet.cross((0.0, 0.0), 2 * t)
     axis = np.array(cam.axis) * MM
     sheet.circles.append(Circle(_point(axis), outline.bore / 2 * MM, "OUTLINE"))
+    sheet.cross(_point(axis), outline.bore / 2 * MM + t)
     line = of_joint(joint)
-    if not isinstance(line, ShellLine):
-        roller = joint.deflecting_roller
-        centre = _point(np.array(getattr(line, "centre", (0.0, 0.0))) * MM)
-        sheet.circles.append(Circle(centre, roller.diameter / 2 * MM if roller else 0.5, "OUTLINE"))
+    if isinstance(line, RollerLine):
+        centre = _point(np.array(line.centre) * MM)
+        sheet.circles.append(Circle(centre, max(line.radius * MM, 0.5), "OUTLINE"))
     last = len(cam.angle) - 1
     for k in (0, last // 2, last):
         turned = _rotated(outline.points * MM, float(cam.angle[k])) + axis
         sheet.paths.append(Line(turned, "OUTLINE" if k == 0 else "CENTRE", closed=True))
-        psi = float(cam.line_normal[k])
+        normal = np.array([cos(cam.line_normal[k]), sin(cam.line_normal[k])])
         foot = _rotated(cam.profile[k : k + 1] * MM, float(cam.angle[k]))[0] + axis
         start = cam.strap_point[k] * MM
         sheet.line(_point(start), _point(foot), "STRAP")
+        corner = turned[int(np.argmax(np.hypot(*(turned - axis).T)))] - axis
+        beside = axis + corner * (1 + 1.5 * t / np.hypot(*corner)) - np.array([t, 0.0])
         if isinstance(line, ShellLine):
             sheet.paths.append(Line(_shell(R, gamma, float(cam.travel[k] / line.chord)), "HOSE"))
-        along = 2.5 * t * np.array([-sin(psi), cos(psi)])
-        beyond = start + along - np.array([t, 0.0]) if isinstance(line, ShellLine) else foot - 0.5 * along
-        sheet.notes.append(Note(_point(beyond), f"{degrees(cam.angle[k]):.0f}°", 0.8))
-    sheet.notes.append(Note((-1.3 * R, -R - 6 * t), sheet.title, 1.25))
-    text = "left hose; the right one is its mirror image; cam and strap at three angles of the output"
-    sheet.notes.append(Note((-1.3 * R, -R - 8 * t), text, 0.8))
+            beside = start + 2.5 * t * np.array([-normal[1], normal[0]]) - np.array([t, 0.0])
+        sheet.notes.append(Note(_point(beside), f"{degrees(cam.angle[k]):.0f}°", 0.8))
+    sheet.diameters.append(Diameter((0.0, 0.0), R, CYLINDER_DIRECTION, f"⌀{2 * R:.4g}", R + 3 * t))
+    if joint.output.shaft_offset:
+        base = (R + 4 * t, 0.0)
+        sheet.distances.append(Distance((0.0, 0.0), _point(axis), base, 90.0, f"{joint.output.shaft_offset * MM:.4g}"))
+    _legend(sheet, design, (-R, min(-R, *(float(path.points[:, 1].min()) for path in sheet.paths)) - 6 * t))
     return sheet
+
+
+def _legend(sheet: Sheet, design: JointDesign, at: tuple[float, float]) -> None:
+    """Title, what each kind of line stands for, and the sizes that no dimension shows."""
+    t, (x, y), hose, line = sheet.text_height, at, design.joint.hose, of_joint(design.joint)
+    _, middle, end = (f"{degrees(design.with_cam().angle[k]):.0f}°" for k in (0, len(design.with_cam().angle) // 2, -1))
+    lines: dict[Layer, str] = {
+        "OUTLINE": "cam with the hose collapsed (0°)",
+        "CENTRE": f"cam turned by {middle} and {end}",
+        "STRAP": "strap at the same angles",
+        "HOSE": "cylinder, and the shell at the same angles" if isinstance(line, ShellLine) else "cylinder",
+    }
+    sheet.notes.append(Note((x, y), sheet.title, 1.25))
+    for row, (layer, text) in enumerate(lines.items(), start=1):
+        sheet.line((x, y + (0.35 - 1.8 * row) * t), (x + 5 * t, y + (0.35 - 1.8 * row) * t), layer)
+        sheet.notes.append(Note((x + 6 * t, y - 1.8 * row * t), text))
+    width, wrap = f"{hose.width * MM:.4g}", f"{degrees(hose.wrap):.4g}°"
+    text = f"hose {width} wide, wrapped {wrap}; dimensions in mm; the right hose is the mirror image of this one"
+    sheet.notes.append(Note((x, y - 1.8 * (len(lines) + 1) * t), text))
 
 
 def _outline(design: JointDesign) -> Outline:
@@ -171,7 +200,7 @@ def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
         "mirrored for the other hose",
         f"lever arm {cam.lever.min() * MM:.3f} to {cam.lever.max() * MM:.3f} mm, "
         f"radius of curvature from {cam.smallest_radius * MM:.3f} mm",
-        f"strap {strap.material} {strap.width * MM:.4g} x {strap.thickness * MM:.4g} mm, layers: {strap.layers}; "
+        f"strap {strap.material} {strap.width * MM:.4g} × {strap.thickness * MM:.4g} mm, layers: {strap.layers}; "
         "clamped on the flat",
         f"profile: {outline.working} points; dimensions in mm",
     ]
@@ -187,7 +216,7 @@ def _shell(R: float, gamma: float, opened: float) -> Array:
 
 def _lead(outline: Outline, direction: float) -> float:
     """How far the outline reaches from the axis in a direction (degrees), m."""
-    unit = np.array([cos(direction * pi / 180), sin(direction * pi / 180)])
+    unit = np.array([cos(radians(direction)), sin(radians(direction))])
     return float((outline.points @ unit).max())
 
 

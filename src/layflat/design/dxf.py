@@ -6,13 +6,13 @@ import io
 from math import cos, radians, sin
 from typing import TYPE_CHECKING, Any
 
-from layflat.design.sheet import Sheet
-from layflat.errors import OutputError
+from layflat import extras
+from layflat.design.sheet import Layer, Sheet
 
 if TYPE_CHECKING:
     from ezdxf.layouts.layout import Modelspace
 
-LAYERS: dict[str, tuple[int, str]] = {
+LAYERS: dict[Layer, tuple[int, str]] = {
     "OUTLINE": (7, "CONTINUOUS"),
     "CENTRE": (8, "CENTER"),
     "STRAP": (1, "CONTINUOUS"),
@@ -24,18 +24,14 @@ LAYERS: dict[str, tuple[int, str]] = {
 
 
 def dxf_text(sheet: Sheet) -> str:
-    """The DXF document of a sheet.
+    """Return the DXF document of a sheet.
 
     Raises:
-        OutputError: ezdxf is not installed.
+        MissingExtraError: ezdxf is not installed.
     """
-    try:
-        from ezdxf import units  # noqa: PLC0415  # an extra
-        from ezdxf.filemanagement import new  # noqa: PLC0415
-    except ImportError:
-        raise OutputError("needs ezdxf", where="DXF drawing", right="pip install 'layflat[drawing]'") from None
-    document = new("R2010", setup=True)
-    document.units = units.MM
+    ezdxf = extras.module("drawing", "ezdxf", where="DXF drawing")
+    document = ezdxf.new("R2010", setup=True)
+    document.units = ezdxf.units.MM
     for name, (colour, line) in LAYERS.items():
         document.layers.add(name, color=colour, linetype=line)
     space = document.modelspace()

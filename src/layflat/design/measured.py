@@ -30,6 +30,9 @@ FORCES = {"torque_Nm": 1.0, "force_N": 1.0}
 PRESSURES = {"pressure_bar": 1e5, "pressure_Pa": 1.0}
 """Known columns, and what turns each into its SI unit."""
 
+PRESSURE_RANGE = 1e3, 1e7
+"""Gauge pressures that a test may have had, Pa."""
+
 LEAST_ROWS = 5
 DEGREE = 4
 """Of the polynomial through the points. A cam's curvature hangs on second derivatives, so noise must not pass."""
@@ -44,10 +47,10 @@ class _Table:
 def read_characteristic(
     path: Path, *, pressure: float | None = None, roller_radius: float | None = None, degree: int = DEGREE
 ) -> Characteristic:
-    """Force over travel from a measured table.
+    """Return force over travel from a measured table.
 
     Args:
-        path: CSV file, as the head of this module shows.
+        path: CSV file, as this module's docstring shows.
         pressure: gauge pressure at which it was measured, Pa; needed where no column gives it.
         roller_radius: radius of the round roller that turned, m; needed for a table of angle and torque.
         degree: of the polynomial that is laid through the points (least squares).
@@ -71,7 +74,7 @@ def read_characteristic(
             f"{travel_name} beside {force_name}", where=where, right="pair angle with torque_Nm, or travel with force_N"
         )
     if turning:
-        r = _positive(roller_radius, f"{where}: roller radius", "give that of the roller which was measured, in metres")
+        r = _radius(roller_radius, where)
         s, F = s * r, F / r
     f = F / _pressures(table, pressure, where)
     _check_rows(s, f, table, (travel_name, force_name), where)
@@ -97,9 +100,7 @@ def _read(path: Path) -> _Table:
     names = [name.strip() for name in rows[0][1]]
     doubled = next((name for name in names if names.count(name) > 1), None)
     if doubled is not None:
-        raise InputError(
-            f"column {doubled!r} stands there twice", where=f"{where}, line {rows[0][0]}", right="keep one"
-        )
+        raise InputError(f"column {doubled!r} appears twice", where=f"{where}, line {rows[0][0]}", right="keep one")
     values = [_numbers(row, names, f"{where}, line {number}") for number, row in rows[1:]]
     return _Table(dict(zip(names, np.array(values).T, strict=True)), [number for number, _ in rows[1:]])
 
@@ -133,24 +134,29 @@ def _one_of(table: _Table, known: dict[str, float], where: str) -> tuple[str, fl
     return found[0], known[found[0]]
 
 
-def _positive(value: float | None, where: str, right: str) -> float:
-    if value is None:
-        raise InputError("is missing", where=where, right=right)
-    if not (isfinite(value) and value > 0):
-        raise InputError(f"{value:.6g} is not positive", where=where, right=right)
+def _radius(value: float | None, where: str) -> float:
+    if value is None or not (isfinite(value) and value > 0):
+        what = "is missing" if value is None else f"{value:.6g} is not positive"
+        right = "give that of the roller which was measured, in metres"
+        raise InputError(what, where=f"{where}: roller radius", right=right)
     return value
 
 
 def _pressures(table: _Table, pressure: float | None, where: str) -> Array | float:
+    least, greatest = PRESSURE_RANGE
+    right = f"give the gauge pressure of the test, {least / 1e5:g} bar to {greatest / 1e5:g} bar"
     if not any(name in table.columns for name in PRESSURES):
-        return _positive(
-            pressure, f"{where}: pressure", "give the gauge pressure of the test, or a column pressure_bar"
-        )
+        if pressure is None:
+            raise InputError("is missing", where=f"{where}: pressure", right=f"{right}, or a column pressure_bar")
+        if not least <= pressure <= greatest:
+            raise InputError(f"{pressure / 1e5:.6g} bar", where=f"{where}: pressure", right=right)
+        return pressure
     name, unit = _one_of(table, PRESSURES, where)
     values = table.columns[name] * unit
-    if not (values > 0).all():
-        line = table.lines[int(np.argmax(values <= 0))]
-        raise InputError("is not positive", where=f"{where}, line {line}: {name}", right="give gauge pressure above 0")
+    wrong = np.flatnonzero((values < least) | (values > greatest))
+    if wrong.size:
+        line = f"{where}, line {table.lines[wrong[0]]}: {name}"
+        raise InputError(f"{values[wrong[0]] / 1e5:.6g} bar", where=line, right=right)
     return values
 
 
@@ -161,7 +167,7 @@ def _check_rows(s: Array, f: Array, table: _Table, names: tuple[str, str], where
         raise InputError(
             f"{table.columns[names[0]][row]:.6g} does not rise above the line before",
             where=f"{where}, line {table.lines[row]}: {names[0]}",
-            right="order the rows by travel; of a loop, give the mean of both directions",
+            right="order the rows by travel; of a hysteresis curve, give the mean of both directions",
         )
     if not (f > 0).all():
         row = int(np.argmax(f <= 0))

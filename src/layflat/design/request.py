@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from layflat.description import units as u
 from layflat.errors import DesignError
+from layflat.files import file_name
 
 RANGES: dict[str, tuple[u.Quantity | None, float, float]] = {
     "torque": (u.TORQUE, 0.5, 1500.0),
@@ -44,9 +45,10 @@ class SizingRequest:
         link_length: from the joint to what it carries, m; the paper's 0.4 m if None.
         payload_inertia: about the joint, kg m2; the paper's 10^-2 kg m2 per N m if None.
         stress_margin: yield over stress that the strap must keep.
-        name: of the machine.
+        name: of the machine and its files.
 
     Raises:
+        InputError: the name can't be that of a file.
         DesignError: a value lies outside any sensible range.
     """
 
@@ -64,6 +66,7 @@ class SizingRequest:
     name: str = "sized-joint"
 
     def __post_init__(self) -> None:
+        file_name(self.name, "size: name")
         for key, (kind, least, greatest) in RANGES.items():
             value = getattr(self, key)
             if value is not None and not (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import cos, radians, sin
 from typing import Literal
 
 import numpy as np
@@ -40,6 +41,13 @@ class Distance:
     base: Point
     direction: float
     label: str
+
+    @property
+    def ends(self) -> Array:
+        """Both ends of the dimension line, shape (2, 2)."""
+        along = np.array([cos(radians(self.direction)), sin(radians(self.direction))])
+        base = np.array(self.base)
+        return np.array([base + ((np.array(point) - base) @ along) * along for point in (self.first, self.second)])
 
 
 @dataclass(frozen=True)

@@ -110,17 +110,14 @@ def _distance(drawn: _Canvas, dimension: Distance) -> None:
     t = drawn.t
     angle = radians(dimension.direction)
     along = np.array([cos(angle), sin(angle)])
-    base = np.array(dimension.base)
-    ends = []
-    for point in (np.array(dimension.first), np.array(dimension.second)):
-        end = base + ((point - base) @ along) * along
+    ends = dimension.ends
+    for point, end in zip(np.array((dimension.first, dimension.second)), ends, strict=True):
         away = end - point
         far = float(np.hypot(*away))
         if far > GAP * t:
             unit = away / far
             drawn.path(np.array([point + GAP * t * unit, end + PAST * t * unit]), "DIMENSIONS")
-        ends.append(end)
-    drawn.path(np.array(ends), "DIMENSIONS")
+    drawn.path(ends, "DIMENSIONS")
     drawn.arrow(ends[1], along)
     drawn.arrow(ends[0], -along)
     turned = (dimension.direction + 90.0) % 180.0 - 90.0
