@@ -2,8 +2,12 @@ import json
 from html.parser import HTMLParser
 from pathlib import Path
 
-from layflat.experiments import Reproduction, write_claims, write_report
+import pytest
+
+from layflat.experiments import Claim, Quantity, Reproduction, write_claims, write_report
 from layflat.experiments.figures import FIGURES
+from layflat.experiments.report import number, table
+from layflat.experiments.reproduction import STOPPED
 from layflat.machine.listing import listing
 
 
@@ -43,4 +47,55 @@ def test_the_report_stands_alone_with_figures_in_the_papers_order(paper: Reprodu
         *(f"fig-{n}" for n in (10, 11, 12, 13, 14)),
     ]
     assert html.count("✓ agrees") == 20
-    assert all(title.split(".")[0] in html for title, _, _ in FIGURES.values())
+    assert all(title.split(".")[0] in html for title, *_ in FIGURES.values())
+
+
+def partly(paper: Reproduction, judged: set[str]) -> Reproduction:
+    """A reproduction that was stopped when it had judged so many claims."""
+    claims = [
+        claim if claim.id in judged else Claim(claim.id, claim.where, claim.says, claim.criterion, reason=STOPPED)
+        for claim in paper.claims
+    ]
+    return Reproduction(*(getattr(paper, name) for name in list(vars(paper))[:5]), claims)
+
+
+def test_every_number_of_the_claims_stands_in_the_report(paper: Reproduction, tmp_path: Path) -> None:
+    html = write_report(paper, [], tmp_path / "report.html").read_text(encoding="utf-8")
+    for claim in paper.claims:
+        part = html.partition(f'<tbody id="{claim.id}">')[2].partition("</tbody>")[0]
+        for one in claim.quantities:
+            shown = number(one.value).replace("<", "&lt;")
+            assert f">{one.name}<" in part
+            assert f">{shown}<" in part
+            assert f">{one.paper}<" in part
+
+
+def test_what_was_not_judged_is_said_and_not_drawn(paper: Reproduction, tmp_path: Path) -> None:
+    found = partly(paper, {"table-1", "rig-variants", "averaging"})
+    html = write_report(found, [], tmp_path / "report.html").read_text(encoding="utf-8")
+    page = Links()
+    page.feed(html)
+    assert page.figures == ["fig-2", "fig-3", "fig-4", "fig-5", "fig-average"]
+    assert html.count("✓ agrees") == 3
+    assert html.count(f">{STOPPED}<") == 17
+    assert "3 of 3 claims agree; partial: stopped before 17 were judged" in html
+    records = json.loads(write_claims(found, tmp_path / "claims.json").read_text(encoding="utf-8"))
+    assert [record["agrees"] for record in records].count(None) == 17
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1.2111e-13, "< 0.0001"), (0.0, "0"), (float("inf"), "never"), (1e6, "1,000,000"), (-3.25, "-3.25")],
+)
+def test_numbers_as_people_read_them(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+def test_a_row_for_each_quantity_or_for_the_reason() -> None:
+    several = Claim("a", "1", "", "", (Quantity("x", 1.0, "m", "2"), Quantity("y", 2.0)), agrees=False)
+    none = Claim("b", "2", "", "", reason="not applicable: no arm")
+    assert table([several, none]) == [
+        ["a", "x", "2", "1", "m", "NO"],
+        ["", "y", "", "2", "", ""],
+        ["b", "not applicable: no arm", "", "", "", "-"],
+    ]

@@ -1,11 +1,12 @@
-"""The paper's claims: they agree, and they can fail."""
+"""The paper's claims: they agree, they can fail, and what a machine lacks is said."""
 
 from dataclasses import replace
 
 import pytest
 
 from layflat.experiments import Bench, Reproduction, bench, reproduce
-from layflat.experiments.reproduction import ORDER
+from layflat.experiments.claim import Claim
+from layflat.experiments.reproduction import ORDER, STOPPED
 from layflat.machine import changed, load
 
 STATICS = {
@@ -15,6 +16,8 @@ SETTLING = {"unbraked-joint", "braked-joint", "two-axis-settling", "repeatabilit
 BRAKE = {"open-loop-hysteresis", "loop-character", "overall-hysteresis", "dither-motion"}
 DITHER = {"dither-motion", "dither-need", "long-term-integral"}
 LOSSES = {"open-loop-hysteresis", "overall-hysteresis", "loop-character"}
+TWO_JOINTS = {"torque-per-mass", "two-axis-settling", "repeatability", "coupling", "overall-hysteresis"}
+LARGE = {"mean-torque", "large-joint-torque", "constant-torque"}
 
 
 def failed(on: Bench) -> set[str]:
@@ -25,6 +28,16 @@ def test_all_twenty_claims_agree(paper: Reproduction) -> None:
     assert [claim.id for claim in paper.claims] == list(ORDER)
     assert len(ORDER) == 20
     assert [claim.id for claim in paper.claims if not claim.agrees] == []
+    assert paper.summary == "20 of 20 claims agree"
+
+
+def test_the_papers_value_stands_beside_what_is_simulated(paper: Reproduction) -> None:
+    given = {claim.id: {one.name: one.paper for one in claim.quantities} for claim in paper.claims}
+    assert given["open-loop-hysteresis"] == {"earlier": "25", "new": "7", "new with brake": "25"}
+    assert given["large-joint-torque"] == {"maximum torque": "84"}
+    assert given["torque-per-mass"]["mean"] == "3.5"
+    assert all(any(names.values()) for names in given.values())
+    assert not any("(" in name for names in given.values() for name in names), "units stand in a column of their own"
 
 
 def test_without_brake_only_what_needs_it_fails() -> None:
@@ -65,8 +78,44 @@ def test_with_polyester_straps_on_the_new_joint_only_losses_fail() -> None:
     assert broken <= LOSSES | SETTLING | {"long-term-integral"}
 
 
+def by_id(found: Reproduction) -> dict[str, Claim]:
+    return {claim.id: claim for claim in found.claims}
+
+
+def test_a_machine_of_one_joint_is_judged_by_what_it_has(paper: Reproduction) -> None:
+    found = reproduce(bench("paper-small-joint"))
+    lacking = {claim.id: claim.reason for claim in found.claims if claim.agrees is None}
+    assert lacking.keys() == TWO_JOINTS | LARGE
+    assert set(lacking.values()) == {"not applicable: paper-small-joint: has no joint 'large'"}
+    assert found.agrees
+    assert found.summary == "12 of 12 claims agree; 8 do not apply to this machine"
+    for name in ("small-joint-torque", "unbraked-joint", "braked-joint", "long-term-integral"):
+        assert by_id(found)[name] == by_id(paper)[name], "axis one is the arm's small joint, alone"
+
+
+def test_a_rig_without_valve_and_controller_has_its_statics() -> None:
+    found = by_id(reproduce(bench("rig-kevlar")))
+    judged = {name for name, claim in found.items() if claim.agrees is not None}
+    assert judged == {"table-1", "small-joint-torque", "open-loop-hysteresis", "loop-character", "rig-variants"}
+    assert found["dither-need"].reason == "not applicable: rig-kevlar: has no spool valve"
+    assert "rig-kevlar: valve" in found["control-cycle"].reason or "controller" in found["control-cycle"].reason
+
+
+def test_an_interruption_keeps_what_was_judged() -> None:
+    def two(name: str) -> None:
+        if name == "mean-torque":
+            raise KeyboardInterrupt
+
+    found = reproduce(bench(), two)
+    assert found.stopped
+    assert [claim.id for claim in found.judged] == ["table-1", "mean-torque"]
+    assert [claim.id for claim in found.claims] == list(ORDER)
+    assert {claim.reason for claim in found.claims[2:]} == {STOPPED}
+    assert found.summary == "2 of 2 claims agree; partial: stopped before 18 were judged"
+
+
 def test_the_same_bench_gives_the_same_values(paper: Reproduction) -> None:
-    again = {claim.id: claim for claim in reproduce(bench()).claims}
+    again = by_id(reproduce(bench()))
     for claim in paper.claims:
         if claim.id != "control-cycle":
             assert again[claim.id] == claim

@@ -25,11 +25,12 @@ def reproduce(
 ) -> int:
     """Reproduce the paper: perform its experiments, judge its claims, write report.html and claims.json.
 
-    The report shows the open questions whose studies are done below the folder.
+    Claims that need what the machine lacks are listed as not judged, with the reason. Ctrl-C ends it; what was judged
+    until then is kept. The report shows the open questions whose studies are done below the folder.
     """
     from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
     from layflat.experiments.questions import answers  # noqa: PLC0415
-    from layflat.experiments.report import lines  # noqa: PLC0415
+    from layflat.experiments.report import COLUMNS, table  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine.listing import listing  # noqa: PLC0415
 
@@ -39,15 +40,17 @@ def reproduce(
         _ask(out / "questions")
     with _progress() as advance:
         found = reproduce(on, advance)
-        assumed = [line for line in listing(machine) if line.source in {"assumed", "calibrated", "identified", "given"}]
-        write_claims(found, out / "claims.json")
-        answered = answers(out / "questions")
-        report = write_report(found, assumed, out / "report.html", answered)
-    rows = [[c.id, c.where, "\n".join(lines(c)), c.unit, "yes" if c.agrees else "NO"] for c in found.claims]
-    print_table(["claim", "where", "simulated", "unit", "agrees"], rows)
-    typer.echo(f"{sum(c.agrees for c in found.claims)} of {len(found.claims)} claims agree; wrote {report}")
+    write_claims(found, out / "claims.json")
+    assumed = [line for line in listing(machine) if line.source in {"assumed", "calibrated", "identified", "given"}]
+    answered = answers(out / "questions")
+    report = write_report(found, assumed, out / "report.html", answered)
+    print_table(list(COLUMNS), table(found.claims))
+    typer.echo(f"{found.summary}; wrote {report}")
     for one in answered:
         typer.echo(f"\n{one.title}\n{fill(one.finding, WIDTH)}")
+    if found.stopped:
+        typer.echo(f"layflat: stopped; what was judged is kept, marked partial, in {out}", err=True)
+        return 130
     return 0 if found.agrees else 1
 
 
@@ -67,13 +70,13 @@ def _progress() -> Iterator[Callable[[str], None]]:
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
 
-    from layflat.experiments import EXPERIMENTS  # noqa: PLC0415
+    from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
 
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("compiling (the first time only)", total=len(EXPERIMENTS) + 1)
+        task = bar.add_task("compiling (the first time only)", total=len(ORDER))
 
         def advance(name: str) -> None:
-            bar.update(task, advance=1, description=f"done: {name}")
+            bar.update(task, advance=1, description=f"judged: {name}")
 
         yield advance

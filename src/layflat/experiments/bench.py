@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import degrees
 
 from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.machine.model import SpoolValve
+from layflat.machine.parts import Joint
 
 RIGS = (
     "rig-polyester",
@@ -26,16 +26,16 @@ INERTIA_PER_TORQUE = 1e-2
 
 
 def alone(arm: Machine, joint: str, payload: float) -> Machine:
-    """One joint of an arm on a fixed base, with a payload (kg) at the end of its link."""
+    """Return one joint of an arm on a fixed base, with a payload (kg) at the end of its link."""
     return changed(changed(arm, "arm.joints", (joint,)), "arm.payload", payload)
 
 
 @dataclass(frozen=True)
 class Bench:
-    """The arm under test and the paper's other machines.
+    """The machine under test and the paper's other machines.
 
     Args:
-        arm: two joints named "large" and "small".
+        arm: under test; experiments ask it for the joints "large" and "small".
         earlier: the earlier actuator, with a joint named "small".
         brake: share of the brakes' torque in every experiment with brakes.
     """
@@ -44,15 +44,31 @@ class Bench:
     earlier: Machine
     brake: float = 1.0
 
+    def joint(self, name: str) -> Joint:
+        """Return a joint of the machine under test.
+
+        Raises:
+            MachineError: it has none of this name.
+        """
+        if name not in self.arm.joints:
+            raise MachineError(f"has no joint {name!r}", where=self.arm.origin, right="test an arm that has one")
+        return self.arm.joints[name]
+
     @property
     def valve(self) -> SpoolValve:
-        """The arm's valve."""
-        assert isinstance(self.arm.valve, SpoolValve)
+        """The spool valve of the machine under test.
+
+        Raises:
+            MachineError: it has none.
+        """
+        if not isinstance(self.arm.valve, SpoolValve):
+            raise MachineError("has no spool valve", where=self.arm.origin, right='add a valve of kind "spool"')
         return self.arm.valve
 
     @cached_property
     def axis_one(self) -> Machine:
         """The small joint alone with the paper's 2 kg at 0.4 m, and the controller of the earlier actuator."""
+        self.joint("small")
         return changed(alone(self.arm, "small", 2.0), "joint.small.gains", self.earlier.joint["small"].gains)
 
     @cached_property
@@ -75,35 +91,15 @@ class Bench:
 
 
 def bench(arm: str | Machine = "paper-arm") -> Bench:
-    """The bench of an arm: a built-in name, a file or a machine.
-
-    Raises:
-        MachineError: it is no arm of a joint "large" and a joint "small", as the paper's experiments need it.
-    """
-    loaded = load(arm)
-    if loaded.arm.joints != ("large", "small"):
-        raise MachineError(
-            f"{list(loaded.arm.joints)}",
-            where=f"{loaded.origin}: arm.joints",
-            right='the experiments need "large", "small"',
-        )
-    if not isinstance(loaded.valve, SpoolValve):
-        raise MachineError(
-            "is no spool valve", where=f"{loaded.origin}: valve", right='the experiments need one of kind "spool"'
-        )
-    return Bench(loaded, load("earlier-actuator"))
+    """Return the bench of a machine under test: a built-in name, a file or a machine."""
+    return Bench(load(arm), load("earlier-actuator"))
 
 
 def maximum_torque(machine: Machine, joint: str) -> float:
-    """Greatest torque at supply pressure without losses, N m."""
+    """Return the greatest torque at supply pressure without losses, N m."""
     return parameters.torque_constant(machine.joint[joint]) * machine.supply.pressure_gauge
 
 
 def payload_for_inertia(machine: Machine, joint: str, inertia: float) -> float:
-    """Payload (kg) at the link's end that makes an inertia (kg m2)."""
+    """Return the payload (kg) at the link's end that makes an inertia (kg m2)."""
     return inertia / machine.joint[joint].link.length ** 2
-
-
-def deg(angle: float) -> float:
-    """An angle in degrees, rounded as it is reported."""
-    return round(degrees(angle), 4)

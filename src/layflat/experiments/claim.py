@@ -1,51 +1,116 @@
-"""A claim of the paper beside what was simulated."""
+"""Claims of the paper beside what is simulated, and the experiments whose runs they rest on."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
-Value = float | dict[str, float]
+from layflat.errors import InputError, OutputError
+from layflat.experiments.bench import Bench
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of a claim: what is simulated, its unit, and in words what the paper gives for it, where it does."""
+
+    name: str
+    value: float
+    unit: str = "1"
+    paper: str = ""
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim: where the paper makes it, what it says, what came out, and whether that agrees.
+    """One claim of the paper, as it was judged.
 
     Args:
         id: short name.
         where: section, table or figure of the paper.
-        paper: what the paper says, in our words.
-        simulated: one number, or several by name.
-        unit: of the number or numbers.
-        agrees: whether `criterion` holds.
-        criterion: when the two agree.
+        says: what the paper says, in our words.
+        criterion: when simulation and paper agree.
+        quantities: what is simulated; none where the claim was not judged.
+        agrees: whether the criterion holds; None where the claim was not judged.
+        reason: why it was not judged.
     """
 
     id: str
     where: str
-    paper: str
-    simulated: Value
-    unit: str
-    agrees: bool
+    says: str
     criterion: str
+    quantities: tuple[Quantity, ...] = ()
+    agrees: bool | None = None
+    reason: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """The outcome in a word or three."""
+        return {None: "not judged", True: "agrees", False: "does not agree"}[self.agrees]
 
     def record(self) -> dict[str, Any]:
-        """As it stands in claims.json; a value that is not finite becomes null."""
+        """Return the claim as it stands in claims.json; a value that is not finite becomes null."""
         return {
             "id": self.id,
             "where": self.where,
-            "paper": self.paper,
-            "simulated": _json(self.simulated),
-            "unit": self.unit,
-            "agrees": bool(self.agrees),
+            "paper": self.says,
+            "simulated": self._each([_json(one.value) for one in self.quantities]),
+            "unit": self._each([one.unit for one in self.quantities]),
+            "paper_value": self._each([one.paper or None for one in self.quantities]),
+            "agrees": self.agrees,
             "criterion": self.criterion,
+            **({"reason": self.reason} if self.reason else {}),
         }
 
+    def _each(self, values: list[Any]) -> Any:
+        """Return one value as it is, several by the names of their quantities."""
+        if len(values) <= 1:
+            return values[0] if values else None
+        return {one.name: value for one, value in zip(self.quantities, values, strict=True)}
 
-def _json(value: Value) -> Any:
-    if isinstance(value, dict):
-        return {name: _json(number) for name, number in value.items()}
-    number = float(value)
-    return round(number, 6) if isfinite(number) else None
+
+def _json(value: float) -> float | None:
+    return round(float(value), 6) if isfinite(value) else None
+
+
+Judged = tuple[list[Quantity], bool]
+"""What a claim's rule computes: its quantities, and whether its criterion holds."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A claim that has not been judged yet, and how to judge it by an experiment."""
+
+    claim: Claim
+    judge: Callable[[Any], Judged]
+
+    def judged(self, experiment: Experiment) -> Claim:
+        """Judge the claim; where the machine under test lacks what it takes, the claim says so."""
+        try:
+            quantities, agrees = self.judge(experiment)
+        except OutputError:
+            raise
+        except InputError as error:
+            return self.open(f"not applicable: {error.where}: {error.what}")
+        return replace(self.claim, quantities=tuple(quantities), agrees=bool(agrees))
+
+    def open(self, reason: str) -> Claim:
+        """Return the claim as one that is not judged, for a reason."""
+        return replace(self.claim, reason=reason)
+
+
+def claim(identifier: str, where: str, says: str, criterion: str) -> Callable[[Callable[[Any], Judged]], Rule]:
+    """Declare a method of an experiment to be the rule of a claim."""
+    return lambda judge: Rule(Claim(identifier, where, says, criterion), judge)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Base of the experiments: runs are made when they are first asked for, and claims are methods."""
+
+    bench: Bench
+
+    @classmethod
+    def rules(cls) -> list[Rule]:
+        """The claims that rest on this experiment."""
+        return [member for member in vars(cls).values() if isinstance(member, Rule)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import Any
 
@@ -11,8 +12,7 @@ from numpy.typing import NDArray
 
 from layflat.control.controller import start, step
 from layflat.control.gains import Measurement
-from layflat.experiments.bench import Bench
-from layflat.experiments.claim import Claim
+from layflat.experiments.claim import Experiment, Judged, Quantity, claim
 from layflat.experiments.kernels import sweep_spool
 from layflat.machine import Machine, parameters
 from layflat.machine.model import SpoolValve
@@ -24,6 +24,7 @@ SMALL_SIGNAL = 0.05
 """Commands up to this are small, share of full opening."""
 HIGH_FREQUENCY = 400.0
 """A dither too fast for the spool, Hz."""
+OPENING = "of full opening"
 
 
 @dataclass(frozen=True)
@@ -45,31 +46,14 @@ class ValveSweep:
         return float(np.max(np.gradient(self.up, self.command)[np.abs(self.command) <= SMALL_SIGNAL]))
 
 
-@dataclass(frozen=True)
-class Dither:
-    """Ripple amplitudes by joint with and without brake; valve sweeps; response of the averaged signal."""
-
-    angle_free: dict[str, float]
-    angle_braked: dict[str, float]
-    pressure_free: dict[str, float]
-    pressure_braked: dict[str, float]
-    without: ValveSweep
-    normal: ValveSweep
-    fast: ValveSweep
-    frequency: NDArray[np.float64]
-    response: NDArray[np.float64]
-    suppression: float
-    delay: float
-
-
 def amplitude_at(time: NDArray[np.float64], signal: NDArray[np.float64], frequency: float) -> float:
-    """Amplitude of one frequency in a signal, over a whole number of its periods."""
-    turns = np.exp(-2j * pi * frequency * time)
-    return float(2.0 * np.abs(np.mean((signal - signal.mean()) * turns)))
+    """Return the amplitude of one frequency in a signal, over a whole number of its periods."""
+    rotation = np.exp(-2j * pi * frequency * time)
+    return float(2.0 * np.abs(np.mean((signal - signal.mean()) * rotation)))
 
 
 def ripple(machine: Machine, brake: float, frequency: float) -> tuple[dict[str, float], dict[str, float]]:
-    """Amplitudes at a frequency (Hz) of angle (rad) and differential pressure (Pa), valve command centred."""
+    """Return amplitudes at a frequency (Hz) of angle (rad) and differential pressure (Pa), the valve centred."""
     run = rollout(machine, opening=0.0, brake=brake, duration=SETTLED + 1.0, records=10, noise=False)
     part = run.isel(time=slice(0, -1)).sel(time=slice(SETTLED - 1e-9, None))
     time = part["time"].to_numpy()
@@ -90,7 +74,7 @@ def sweep_valve(valve: SpoolValve, amplitude: float, frequency: float) -> ValveS
 
 
 def frequency_response(frequency: NDArray[np.float64], cycle: float) -> NDArray[np.complex128]:
-    """Response of the controller's average to a sampled sine, measured by feeding it one."""
+    """Return the response of the controller's average to a sampled sine, measured by feeding it one."""
     found = []
     for f in frequency:
         t = cycle * np.arange(4000)
@@ -100,97 +84,85 @@ def frequency_response(frequency: NDArray[np.float64], cycle: float) -> NDArray[
     return np.array(found)
 
 
-def perform(bench: Bench) -> Dither:
-    """Measure ripple with and without brake, sweep the valve, and probe the average."""
-    arm = bench.arm
-    dither = bench.valve.dither
-    angle_free, pressure_free = ripple(arm, 0.0, dither.frequency)
-    angle_braked, pressure_braked = ripple(arm, bench.brake, dither.frequency)
+def followed(gains: Any, cycle: float, signal: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the angle that a controller uses where its sensor gives `signal`."""
+    memory = start(Measurement(float(signal[0]), 0.0, cycle))
+    out = np.empty_like(signal)
+    for i, value in enumerate(signal):
+        memory, _, status = step(gains, memory, Measurement(float(value), 0.0, cycle), 0.0)
+        out[i] = status.angle
+    return out
+
+
+class Dither(Experiment):
+    """Ripple with and without brake; sweeps of the valve; response of the averaged signal."""
+
     frequency = np.linspace(0.5, 100.0, 400)
-    response = frequency_response(frequency, arm.cycle)
-    suppression, delay = _average(bench)
-    return Dither(
-        angle_free,
-        angle_braked,
-        pressure_free,
-        pressure_braked,
-        sweep_valve(bench.valve, 0.0, dither.frequency),
-        sweep_valve(bench.valve, dither.amplitude, dither.frequency),
-        sweep_valve(bench.valve, dither.amplitude, HIGH_FREQUENCY),
-        frequency,
-        np.abs(response),
-        suppression,
-        delay,
-    )
+    """At which the averaged signal is probed, Hz."""
 
+    @cached_property
+    def response(self) -> NDArray[np.float64]:
+        """Gain of the average at these frequencies."""
+        return np.abs(frequency_response(self.frequency, self.bench.arm.cycle))
 
-def _average(bench: Bench) -> tuple[float, float]:
-    """Suppression of the dither's frequency (dB) and delay (s) of the angle that the controller uses."""
-    gains, cycle = parameters.gains(bench.arm, "small"), bench.arm.cycle
+    @cached_property
+    def sweeps(self) -> dict[str, ValveSweep]:
+        """The valve without dither, with its own, and with one that is too fast."""
+        valve, own = self.bench.valve, self.bench.valve.dither
+        return {
+            "without": sweep_valve(valve, 0.0, own.frequency),
+            "normal": sweep_valve(valve, own.amplitude, own.frequency),
+            "fast": sweep_valve(valve, own.amplitude, HIGH_FREQUENCY),
+        }
 
-    def used(signal: NDArray[Any]) -> NDArray[np.float64]:
-        memory = start(Measurement(float(signal[0]), 0.0, cycle))
-        out = np.empty_like(signal)
-        for i, value in enumerate(signal):
-            memory, _, status = step(gains, memory, Measurement(float(value), 0.0, cycle), 0.0)
-            out[i] = status.angle
-        return out
-
-    t = cycle * np.arange(200)
-    swing = used(np.sin(2 * pi * bench.valve.dither.frequency * t + 0.3))[20:]
-    suppression = -20.0 * np.log10(max(float(np.abs(swing).max()), 1e-12))
-    ramp = used(t)
-    return float(suppression), float(np.mean((t - ramp)[20:]))
-
-
-def claims(found: Dither) -> list[Claim]:
-    """What the paper says of dither."""
-    return [_motion(found), _need(found), _averaging(found)]
-
-
-def _motion(found: Dither) -> Claim:
-    joints = list(found.angle_free)
-    smaller = min(found.angle_free[j] / max(found.angle_braked[j], 1e-15) for j in joints)
-    kept = min(100.0 * found.pressure_braked[j] / max(found.pressure_free[j], 1e-15) for j in joints)
-    return Claim(
+    @claim(
         "dither-motion",
         "3",
         "unbraked joints follow the 50 Hz dither; the brake stops that, but the pressure still ripples",
-        {
-            "ripple without brake (deg)": float(np.degrees(max(found.angle_free.values()))),
-            "times smaller with brake": min(smaller, 1e6),
-            "pressure ripple kept (%)": kept,
-        },
-        "as named",
-        min(found.angle_free.values()) > 0.0 and smaller >= 10.0 and kept >= 70.0,
         "angle ripple at least 10 times smaller, pressure ripple at least 70 % kept",
     )
+    def motion(self) -> Judged:
+        """Compare the ripple of angle and pressure with and without brake."""
+        arm, at = self.bench.arm, self.bench.valve.dither.frequency
+        (angle, pressure), (angle_braked, pressure_braked) = (ripple(arm, b, at) for b in (0.0, self.bench.brake))
+        smaller = min(angle[j] / max(angle_braked[j], 1e-15) for j in angle)
+        kept = min(100.0 * pressure_braked[j] / max(pressure[j], 1e-15) for j in pressure)
+        return [
+            Quantity("ripple without brake", float(np.degrees(max(angle.values()))), "deg", "visible"),
+            Quantity("times smaller with brake", min(smaller, 1e6), paper="stopped"),
+            Quantity("pressure ripple kept", kept, "%", "kept"),
+        ], min(angle.values()) > 0.0 and smaller >= 10.0 and kept >= 70.0
 
-
-def _need(found: Dither) -> Claim:
-    return Claim(
+    @claim(
         "dither-need",
         "3",
         "without dither friction gives the valve hysteresis; a faster dither makes it more of an on/off valve",
-        {
-            "hysteresis without": found.without.hysteresis,
-            "hysteresis at 50 Hz": found.normal.hysteresis,
-            "gain at 50 Hz": found.normal.gain,
-            "gain when too fast": found.fast.gain,
-        },
-        "share of full opening; opening per command",
-        found.without.hysteresis >= 5.0 * found.normal.hysteresis and found.fast.gain > 1.05 * found.normal.gain,
         "hysteresis at least 5 times smaller at 50 Hz; small-signal gain rises when dither no longer moves the spool",
     )
+    def need(self) -> Judged:
+        """Compare the valve's sweeps."""
+        without, normal, fast = (self.sweeps[name] for name in ("without", "normal", "fast"))
+        return [
+            Quantity("hysteresis without", without.hysteresis, OPENING, "some"),
+            Quantity("hysteresis at 50 Hz", normal.hysteresis, OPENING, "none"),
+            Quantity("gain at 50 Hz", normal.gain),
+            Quantity("gain when too fast", fast.gain, paper="greater"),
+        ], without.hysteresis >= 5.0 * normal.hysteresis and fast.gain > 1.05 * normal.gain
 
-
-def _averaging(found: Dither) -> Claim:
-    return Claim(
+    @claim(
         "averaging",
         "3",
         "sampling over the full 20 ms avoids aliasing and costs delay",
-        {"suppression (dB)": found.suppression, "delay (ms)": 1000.0 * found.delay},
-        "as named",
-        found.suppression >= 40.0 and 7.5 - 1e-6 <= 1000.0 * found.delay <= 10.0,
         "50 Hz suppressed by at least 40 dB; delay 7.5 to 10 ms",
     )
+    def averaging(self) -> Judged:
+        """Probe the angle that the controller uses with the dither's frequency and with a ramp."""
+        gains, cycle = parameters.gains(self.bench.arm, self.bench.arm.arm.joints[-1]), self.bench.arm.cycle
+        t = cycle * np.arange(200)
+        swing = followed(gains, cycle, np.sin(2 * pi * self.bench.valve.dither.frequency * t + 0.3))[20:]
+        suppression = float(-20.0 * np.log10(max(float(np.abs(swing).max()), 1e-12)))
+        delay = 1000.0 * float(np.mean((t - followed(gains, cycle, t))[20:]))
+        return [
+            Quantity("suppression", suppression, "dB", "avoids aliasing"),
+            Quantity("delay", delay, "ms", "costs delay"),
+        ], suppression >= 40.0 and 7.5 - 1e-6 <= delay <= 10.0

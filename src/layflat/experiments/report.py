@@ -16,19 +16,31 @@ from layflat.files import whole_file
 from layflat.machine.listing import Line
 from layflat.plot.page import page
 
+TINY, LARGE = 1e-4, 1e5
+"""Numbers below and above these are not written out."""
+
 
 def number(value: float) -> str:
-    """A number as people read it."""
+    """Return a number as people read it; a time that is not finite is one that never comes."""
     if not isfinite(value):
-        return "none"
-    return f"{value:.5g}"
+        return "never"
+    if abs(value) >= LARGE:
+        return f"{value:,.0f}"
+    return f"< {TINY:g}" if 0.0 < value < TINY else f"{value:.5g}"
 
 
-def lines(claim: Claim) -> list[str]:
-    """What was simulated, a line each."""
-    if isinstance(claim.simulated, dict):
-        return [f"{name}: {number(value)}" for name, value in claim.simulated.items()]
-    return [f"{claim.simulated:.7g}"]
+AGREES = {True: "yes", False: "NO", None: "-"}
+COLUMNS = ("claim", "quantity", "the paper", "simulated", "unit", "agrees")
+
+
+def table(claims: Sequence[Claim]) -> list[list[str]]:
+    """Return rows of a table with `COLUMNS`: a row for each quantity, or for the reason why a claim was not judged."""
+    rows = []
+    for one in claims:
+        told = [[q.name, q.paper, number(q.value), q.unit.removeprefix("1")] for q in one.quantities]
+        for i, cells in enumerate(told or [[one.reason, "", "", ""]]):
+            rows.append(["" if i else one.id, *cells, "" if i else AGREES[one.agrees]])
+    return rows
 
 
 def write_claims(found: Reproduction, path: Path) -> Path:
@@ -62,8 +74,9 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: 
         "report.html.j2",
         machine=found.bench.arm.title,
         version=layflat.__version__,
-        agreed=sum(claim.agrees for claim in found.claims),
-        claims=[{**vars(claim), "lines": lines(claim)} for claim in found.claims],
+        summary=found.summary,
+        claims=found.claims,
+        number=number,
         figures=list(figures(found)),
         assumed=assumed,
         answers=list(answers),

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from types import ModuleType
-from typing import Any
+from dataclasses import dataclass, field
 
-from layflat.experiments import axis_one, dither, drift, open_loop, statics, timing, two_axis
+from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
-
-Progress = Callable[[str], None]
-"""Called with the name of each experiment when it is done."""
+from layflat.experiments.dither import Dither
+from layflat.experiments.drift import Drift
+from layflat.experiments.open_loop import OpenLoop
+from layflat.experiments.statics import Statics
+from layflat.experiments.timing import Timing
+from layflat.experiments.two_axis import TwoAxis
 
 ORDER = (
     "table-1",
@@ -38,53 +39,65 @@ ORDER = (
 )
 """The claims in the order of the paper."""
 
-EXPERIMENTS: dict[str, ModuleType] = {
-    "statics and cam": statics,
-    "open-loop characteristics": open_loop,
-    "axis one": axis_one,
-    "two-axis arm": two_axis,
-    "dither and averaging": dither,
-    "long-term integral": drift,
-    "control cycle": timing,
-}
-"""Each module performs its experiment and judges the claims that rest on it."""
+STOPPED = "stopped before it was judged"
 
 
-@dataclass(frozen=True)
+@dataclass
 class Reproduction:
-    """What all experiments found, and the claims judged by it."""
+    """The experiments on one bench, and the claims judged by them, in the order of the paper."""
 
-    bench: Bench
-    statics: statics.Statics
-    open_loop: open_loop.OpenLoop
-    axis_one: axis_one.AxisOne
-    two_axis: two_axis.TwoAxis
-    dither: dither.Dither
-    drift: drift.Drift
-    timing: timing.Timing
-    claims: list[Claim]
+    statics: Statics
+    open_loop: OpenLoop
+    axis_one: AxisOne
+    two_axis: TwoAxis
+    dither: Dither
+    claims: list[Claim] = field(default_factory=list)
+
+    @property
+    def bench(self) -> Bench:
+        """What was tested."""
+        return self.statics.bench
+
+    @property
+    def judged(self) -> list[Claim]:
+        """The claims that could be judged."""
+        return [claim for claim in self.claims if claim.agrees is not None]
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it was interrupted before all claims were judged."""
+        return any(claim.reason == STOPPED for claim in self.claims)
 
     @property
     def agrees(self) -> bool:
-        """Whether every claim agrees."""
-        return all(claim.agrees for claim in self.claims)
+        """Whether every claim that could be judged agrees."""
+        return all(claim.agrees for claim in self.judged)
+
+    @property
+    def summary(self) -> str:
+        """How many claims agree, in a line."""
+        said = f"{sum(claim.agrees is True for claim in self.claims)} of {len(self.judged)} claims agree"
+        left = sum(claim.reason == STOPPED for claim in self.claims)
+        lacking = len(self.claims) - len(self.judged) - left
+        said += f"; {lacking} do not apply to this machine" if lacking else ""
+        return said + (f"; partial: stopped before {left} were judged" if left else "")
 
 
-def reproduce(bench: Bench, progress: Progress = lambda _: None) -> Reproduction:
-    """Perform every experiment and judge the paper's claims by what they found."""
-    found: dict[ModuleType, Any] = {}
-    for name, experiment in EXPERIMENTS.items():
-        found[experiment] = experiment.perform(bench)
-        progress(name)
-    judged = [claim for experiment, result in found.items() for claim in experiment.claims(result)]
-    return Reproduction(
-        bench,
-        found[statics],
-        found[open_loop],
-        found[axis_one],
-        found[two_axis],
-        found[dither],
-        found[drift],
-        found[timing],
-        sorted(judged, key=lambda claim: ORDER.index(claim.id)),
-    )
+def reproduce(bench: Bench, progress: Callable[[str], None] = lambda _: None) -> Reproduction:
+    """Perform every experiment and judge the paper's claims; an interruption (Ctrl-C) leaves the rest open.
+
+    Args:
+        bench: the machine under test and the paper's other machines.
+        progress: is told the short name of each claim that was judged.
+    """
+    found = Reproduction(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench))
+    drawn = (found.statics, found.open_loop, found.axis_one, found.two_axis, found.dither)
+    rules = [(rule, experiment) for experiment in (*drawn, Drift(bench), Timing(bench)) for rule in experiment.rules()]
+    rules.sort(key=lambda pair: ORDER.index(pair[0].claim.id))
+    try:
+        for rule, experiment in rules:
+            found.claims.append(rule.judged(experiment))
+            progress(rule.claim.id)
+    except KeyboardInterrupt:
+        found.claims += [rule.open(STOPPED) for rule, _ in rules[len(found.claims) :]]
+    return found

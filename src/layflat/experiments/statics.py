@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -12,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.design import JointDesign, Table1, design_joint, table1
-from layflat.experiments.bench import Bench, maximum_torque
-from layflat.experiments.claim import Claim
+from layflat.experiments.bench import alone, maximum_torque
+from layflat.experiments.claim import Experiment, Judged, Quantity, claim
 from layflat.machine import Machine, changed, parameters
-from layflat.sim import rollout
+from layflat.sim import Scenario, rollout
 from layflat.sim.sweep import Loop, sweep
 
 if TYPE_CHECKING:
@@ -29,30 +28,16 @@ STIFFNESS_PRESSURES = (2e5, 3e5, 4e5, 5e5)
 """Absolute pressures in both hoses at which closed-valve stiffness is measured, Pa."""
 
 
-@dataclass(frozen=True)
-class Statics:
-    """Table 1; loops at 4 bar; the large joint's design; and closed-valve stiffness (N m/rad) by pressure (Pa)."""
-
-    table: Table1
-    torque: dict[str, Loop]
-    uncompensated: Loop
-    design: JointDesign
-    exact_mean: float
-    mass: dict[str, float]
-    stiffness: dict[float, float]
-    squeeze: xarray.Dataset
-
-
 @cache
 def printed_table() -> dict[str, list[str]]:
-    """The printed cells of Table 1, as text, by column (misprints corrected)."""
+    """Return the printed cells of Table 1, as text, by column (misprints corrected)."""
     text = (files("layflat.experiments") / "table1.csv").read_text(encoding="utf-8")
     rows = list(csv.DictReader(text.splitlines()))
     return {name: [row[name] for row in rows] for name in rows[0]}
 
 
 def wrong_cells(table: Table1) -> list[str]:
-    """Cells of Table 1 that do not round to the printed digits, as "column, row"."""
+    """Return the cells of Table 1 that do not round to the printed digits, as "column, row"."""
     wrong = []
     computed = table.columns()
     for name, cells in printed_table().items():
@@ -63,116 +48,33 @@ def wrong_cells(table: Table1) -> list[str]:
     return wrong
 
 
-def perform(bench: Bench) -> Statics:
-    """Compute the table and the design, sweep both joints at supply pressure, squeeze the large one's closed hoses."""
-    at = bench.arm.supply.pressure_gauge
-    design = design_joint(bench.arm, "large")
-    roller = changed(bench.arm, "joint.large.output.kind", "roller")
-    runs = {p: squeeze(bench.arm, p) for p in STIFFNESS_PRESSURES}
-    return Statics(
-        table1(),
-        {name: sweep(bench.arm, name, at, brake=bench.brake) for name in ("large", "small")},
-        sweep(roller, "large", at, brake=bench.brake),
-        design,
-        parameters.travel_volume(bench.arm.joint["large"]) / parameters.full_travel(bench.arm.joint["large"]) * at,
-        {name: bench.arm.joint[name].body.mass for name in ("large", "small")},
-        {p: stiffness(run) for p, run in runs.items()},
-        runs[STIFFNESS_PRESSURES[-1]],
-    )
-
-
 def squeeze(arm: Machine, pressure: float) -> xarray.Dataset:
     """Push the large joint slowly to and fro with a fiftieth of its torque, its valve closed and tight."""
     tight = changed(changed(arm, "valve.leakage", 0.0), "valve.dither.amplitude", 0.0)
-    alone = changed(changed(tight, "arm.joints", ("large",)), "arm.payload", 0.5)
     push = 0.02 * maximum_torque(arm, "large")
 
     def load(t: float) -> float:
         return push * float(np.sin(2 * np.pi * t / 20.0))
 
-    return rollout(
-        alone, opening=0.0, load=load, brake=0.0, duration=40.0, pressures=(pressure, pressure), noise=False, step=5e-4
-    )
+    filled = (pressure, pressure)
+    closed = Scenario(opening=0.0, load=load, brake=0.0, duration=40.0, pressures=filled, noise=False)
+    return rollout(alone(tight, "large", 0.5), scenario=closed, step=5e-4)
 
 
 def stiffness(run: xarray.Dataset) -> float:
-    """Slope of the air's torque against angle over the last period, N m/rad."""
+    """Return the slope of the air's torque against angle over the last period, N m/rad."""
     last = run.sel(time=slice(20.0, None))
-    angle = last["angle"].to_numpy()[:, 0]
-    torque = _gas_torque(last)
-    return -float(np.polyfit(angle, torque, 1)[0])
+    K = parameters.torque_constant(Machine.model_validate_json(run.attrs["machine"]).joint["large"])
+    torque = K * (last["pressure_a"] - last["pressure_b"]).to_numpy()[:, 0]
+    return -float(np.polyfit(last["angle"].to_numpy()[:, 0], torque, 1)[0])
 
 
-def _gas_torque(run: xarray.Dataset) -> NDArray[np.float64]:
-    machine = Machine.model_validate_json(run.attrs["machine"])
-    K = parameters.torque_constant(machine.joint["large"])
-    return np.asarray(K * (run["pressure_a"] - run["pressure_b"]).to_numpy()[:, 0])
-
-
-def claims(found: Statics) -> list[Claim]:
-    """What the paper says of torque and mass."""
-    return [
-        _table(found),
-        _mean(found),
-        _torque(found, "large", "85 N m by design, 84 N m measured, at 4 bar", 5.0),
-        _torque(found, "small", "25 N m by design, 27 N m measured, at 4 bar", 8.0),
-        _torque_per_mass(found),
-        _constant(found),
-    ]
-
-
-def _table(found: Statics) -> Claim:
-    wrong = wrong_cells(found.table)
-    cells = sum(len(column) for column in printed_table().values())
-    return Claim(
-        "table-1",
-        "Table 1",
-        "11 rows of intermediate values, torque, work, move, force, cam radius and cam angle",
-        float(cells - len(wrong)),
-        f"of {cells} cells round to the printed digits",
-        not wrong,
-        "every cell, with the table's own constants",
-    )
-
-
-def _mean(found: Statics) -> Claim:
-    crude, exact = found.table.mean_torque, found.exact_mean
-    return Claim(
-        "mean-torque",
-        "Table 1",
-        "82.10202 N m at 4 bar after cam compensation",
-        {"as the table": crude, "exact": exact},
-        "N m",
-        round(crude, 5) == PRINTED_MEAN and abs(exact / PRINTED_MEAN - 1.0) <= 0.005,
-        "rounds to it with the table's constants; within 0.5 % by exact integration",
-    )
-
-
-def _torque(found: Statics, name: str, says: str, percent: float) -> Claim:
-    top = found.torque[name].maximum_torque
-    return Claim(
-        f"{name}-joint-torque",
-        "2.3, 4.1",
-        says,
-        top,
-        "N m",
-        abs(top / MEASURED[name] - 1.0) <= percent / 100.0,
-        f"within {percent:g} % of {MEASURED[name]:g} N m",
-    )
-
-
-def _torque_per_mass(found: Statics) -> Claim:
-    each = {name: found.torque[name].maximum_torque / found.mass[name] / 4.0 for name in found.mass}
-    mean = float(np.mean(list(each.values())))
-    return Claim(
-        "torque-per-mass",
-        "5",
-        "3.5 N m/kg per bar",
-        {**each, "mean": mean},
-        "N m/kg per bar",
-        abs(mean / 3.5 - 1.0) <= 0.1,
-        "mean of both joints within 10 %",
-    )
+def cam_torque(design: JointDesign) -> NDArray[np.float64]:
+    """Return a cam's torque over its stroke, N m: Eq. (1)'s force through the strap, times the profile's lever."""
+    cam = design.with_cam()
+    normals = np.stack([np.cos(cam.normal), np.sin(cam.normal)])
+    lever = np.max(cam.profile @ normals, axis=0)
+    return np.asarray(design.characteristic.force * design.pressure / cam.alignment * lever)
 
 
 def _slope(loop: Loop) -> float:
@@ -181,32 +83,104 @@ def _slope(loop: Loop) -> float:
     return float(np.max(np.abs(np.gradient(loop.lossless[:half], loop.angle[:half]))))
 
 
-def cam_torque(design: JointDesign) -> NDArray[np.float64]:
-    """Torque of a cam over its stroke, N m: Eq. (1)'s force through the strap, times the lever that the profile has."""
-    cam = design.with_cam()
-    normals = np.stack([np.cos(cam.normal), np.sin(cam.normal)])
-    lever = np.max(cam.profile @ normals, axis=0)
-    return np.asarray(design.characteristic.force * design.pressure / cam.alignment * lever)
+class Statics(Experiment):
+    """Table 1; hysteresis curves at supply pressure; the large joint's design; and closed-valve stiffness."""
 
+    @cached_property
+    def table(self) -> Table1:
+        """Table 1, computed."""
+        return table1()
 
-def _constant(found: Statics) -> Claim:
-    cam = cam_torque(found.design)
-    spread = 100.0 * float(np.ptp(cam) / np.mean(cam))
-    bare = found.uncompensated.lossless
-    geometric = 100.0 * _slope(found.torque["large"]) / _slope(found.uncompensated)
-    per_pressure = np.array([k / p for p, k in found.stiffness.items()])
-    follows = 100.0 * float(np.ptp(per_pressure) / np.mean(per_pressure))
-    return Claim(
+    @cached_property
+    def torque(self) -> dict[str, float]:
+        """Maximum torque by joint, N m."""
+        return {name: self.curve(name).maximum_torque for name in MEASURED if name in self.bench.arm.joints}
+
+    @cached_property
+    def design(self) -> JointDesign:
+        """The large joint, designed."""
+        self.bench.joint("large")
+        return design_joint(self.bench.arm, "large")
+
+    def curve(self, name: str, machine: Machine | None = None) -> Loop:
+        """Sweep a joint with its brake at supply pressure."""
+        self.bench.joint(name)
+        arm = self.bench.arm
+        return sweep(machine or arm, name, arm.supply.pressure_gauge, brake=self.bench.brake)
+
+    @claim(
+        "table-1",
+        "Table 1",
+        "11 rows of intermediate values, torque, work, move, force, cam radius and cam angle",
+        "every cell, with the table's own constants",
+    )
+    def table_1(self) -> Judged:
+        """Count the cells of the table that round to the printed digits."""
+        wrong = wrong_cells(self.table)
+        cells = sum(len(column) for column in printed_table().values())
+        return [Quantity("cells as printed", float(cells - len(wrong)), paper=f"{cells}")], not wrong
+
+    @claim(
+        "mean-torque",
+        "Table 1",
+        "82.10202 N m at 4 bar after cam compensation",
+        "rounds to it with the table's constants; within 0.5 % by exact integration",
+    )
+    def mean_torque(self) -> Judged:
+        """Compare the mean torque of the table, and of exact integration, with the printed one."""
+        joint = self.bench.joint("large")
+        travel = parameters.travel_volume(joint) / parameters.full_travel(joint)
+        crude, exact = self.table.mean_torque, travel * self.bench.arm.supply.pressure_gauge
+        return [
+            Quantity("as the table", crude, "N m", f"{PRINTED_MEAN}"),
+            Quantity("exact", exact, "N m", f"{PRINTED_MEAN}"),
+        ], round(crude, 5) == PRINTED_MEAN and abs(exact / PRINTED_MEAN - 1.0) <= 0.005
+
+    def _torque(self, name: str, percent: float) -> Judged:
+        top = self.curve(name).maximum_torque
+        measured = MEASURED[name]
+        return [Quantity("maximum torque", top, "N m", f"{measured:g}")], abs(top / measured - 1.0) <= percent / 100.0
+
+    @claim("large-joint-torque", "2.3, 4.1", "85 N m by design, 84 N m measured, at 4 bar", "within 5 % of 84 N m")
+    def large_joint_torque(self) -> Judged:
+        """Compare the large joint's torque."""
+        return self._torque("large", 5.0)
+
+    @claim("small-joint-torque", "2.3, 4.1", "25 N m by design, 27 N m measured, at 4 bar", "within 8 % of 27 N m")
+    def small_joint_torque(self) -> Judged:
+        """Compare the small joint's torque."""
+        return self._torque("small", 8.0)
+
+    @claim("torque-per-mass", "5", "3.5 N m/kg per bar", "mean of both joints within 10 %")
+    def torque_per_mass(self) -> Judged:
+        """Compare torque per mass."""
+        mass = {name: self.bench.joint(name).body.mass for name in MEASURED}
+        each = {name: self.torque[name] / mass[name] / 4.0 for name in mass}
+        mean = float(np.mean(list(each.values())))
+        unit = "N m/(kg bar)"
+        return [
+            *(Quantity(name, value, unit) for name, value in each.items()),
+            Quantity("mean", mean, unit, "3.5"),
+        ], abs(mean / 3.5 - 1.0) <= 0.1
+
+    @claim(
         "constant-torque",
         "2.2",
         "with the cam torque does not vary over the stroke; stiffness does not vary with position, only with pressure",
-        {
-            "torque varies with cam (%)": spread,
-            "left at the end without cam (%)": 100.0 * float(bare.min() / bare.max()),
-            "stiffness of geometry, of that without cam (%)": geometric,
-            "closed-valve stiffness per pressure varies (%)": follows,
-        },
-        "as named",
-        spread <= 1.0 and geometric < 2.0 and follows <= 10.0,
         "torque within 1 % over 120 deg; geometric stiffness below 2 %; stiffness follows pressure within 10 %",
     )
+    def constant_torque(self) -> Judged:
+        """Compare torque over the stroke, and stiffness over position and pressure."""
+        cam = cam_torque(self.design)
+        spread = 100.0 * float(np.ptp(cam) / np.mean(cam))
+        roller = self.curve("large", changed(self.bench.arm, "joint.large.output.kind", "roller"))
+        geometric = 100.0 * _slope(self.curve("large")) / _slope(roller)
+        found = [stiffness(squeeze(self.bench.arm, pressure)) / pressure for pressure in STIFFNESS_PRESSURES]
+        follows = 100.0 * float(np.ptp(found) / np.mean(found))
+        left = 100.0 * float(roller.lossless.min() / roller.lossless.max())
+        return [
+            Quantity("torque varies with cam", spread, "%", "0"),
+            Quantity("torque left at the end without cam", left, "%"),
+            Quantity("stiffness of geometry, of that without cam", geometric, "%", "0"),
+            Quantity("closed-valve stiffness per pressure varies", follows, "%", "0"),
+        ], spread <= 1.0 and geometric < 2.0 and follows <= 10.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +65,14 @@ def rollout(
         names = list(described.joints)
         raise DivergedError(float(run.time[-1]), names[diverged], run)
     return run
+
+
+def rollout_as_far(machine: str | Path | Machine, demand: Any = 0.0, **options: Any) -> xarray.Dataset:
+    """Simulate as `rollout` does, and return a run that diverged up to where it did."""
+    try:
+        return rollout(machine, demand, **options)
+    except DivergedError as error:
+        return cast("xarray.Dataset", error.run)
 
 
 @dataclass(frozen=True)
