@@ -214,7 +214,7 @@ def test_a_stopped_reproduction_keeps_what_was_judged(tmp_path: Path) -> None:
     words = [sys.executable, "-c", STOPPED]
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=300)
     assert done.returncode == 130, done.stderr
-    assert done.stderr.splitlines() == ["layflat: stopped; what was judged is kept, marked partial, in out"]
+    assert done.stderr.splitlines() == ["layflat: stopped after 6 of 20 claims; partial results are in out"]
     assert "6 of 6 claims agree; partial: stopped before 14 were judged" in done.stdout
     claims = json.loads((tmp_path / "out" / "claims.json").read_text(encoding="utf-8"))
     assert [claim["agrees"] for claim in claims] == [True] * 6 + [None] * 14

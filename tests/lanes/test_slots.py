@@ -60,7 +60,7 @@ def test_they_hold_lanes() -> None:
 
 def test_teaching_the_compiler_leaves_the_names_of_the_room_alone() -> None:
     import layflat.lanes
-    import layflat.lanes.compiled  # noqa: F401
+    import layflat.lanes.compiled
     from layflat.lanes import interpreted
 
     assert all(getattr(layflat.lanes, name) is getattr(interpreted, name) for name in layflat.lanes.__all__)

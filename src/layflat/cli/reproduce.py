@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from textwrap import fill
 from typing import Annotated
@@ -11,6 +9,8 @@ from typing import Annotated
 import typer
 
 from layflat.cli.app import WIDTH, Out, app, print_table
+from layflat.cli.bars import steps_bar
+from layflat.errors import StoppedError
 
 
 @app.command()
@@ -31,6 +31,7 @@ def reproduce(
     from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
     from layflat.experiments.questions import answers  # noqa: PLC0415
     from layflat.experiments.report import COLUMNS, table  # noqa: PLC0415
+    from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine.listing import listing  # noqa: PLC0415
 
@@ -38,7 +39,7 @@ def reproduce(
     check_folder(out)
     if questions:
         _ask(out / "questions")
-    with _progress() as advance:
+    with steps_bar("claims", len(ORDER)) as advance:
         found = reproduce(on, advance)
     write_claims(found, out / "claims.json")
     assumed = [line for line in listing(machine) if line.source in {"assumed", "calibrated", "identified", "given"}]
@@ -49,34 +50,14 @@ def reproduce(
     for one in answered:
         typer.echo(f"\n{one.title}\n{fill(one.finding, WIDTH)}")
     if found.stopped:
-        typer.echo(f"layflat: stopped; what was judged is kept, marked partial, in {out}", err=True)
-        return 130
+        raise StoppedError(f"{len(found.judged)} of {len(ORDER)} claims", out)
     return 0 if found.agrees else 1
 
 
 def _ask(out: Path) -> None:
     """Run the studies of the open questions, or what is left of them."""
-    from layflat.cli.study import runs_bar  # noqa: PLC0415
     from layflat.experiments.questions import QUESTIONS, ask  # noqa: PLC0415
 
     for number, name in enumerate(QUESTIONS, 1):
-        with runs_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
+        with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
             ask(name, out / name, advance)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A bar over the experiments."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
-
-    from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("compiling (the first time only)", total=len(ORDER))
-
-        def advance(name: str) -> None:
-            bar.update(task, advance=1, description=f"judged: {name}")
-
-        yield advance

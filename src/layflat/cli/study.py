@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
@@ -11,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import WIDTH, app, print_table
+from layflat.cli.bars import steps_bar
 
 if TYPE_CHECKING:
     from layflat.study import Study
@@ -48,7 +47,7 @@ def study(
     described = read(file)
     place = out or Path("build/study") / Path(file).stem
     try:
-        with runs_bar("runs") as advance:
+        with steps_bar("runs") as advance:
             table = run(described, place, scheduler=scheduler, progress=advance)
     except ChangedError as error:
         typer.echo(f"layflat: {error}", err=True)
@@ -86,20 +85,3 @@ def _print_summary(described: Study, out: Path) -> None:
     if found.settled is not None:
         typer.echo(f"{100 * found.settled:.1f} % settled in every move")
     typer.echo(f"{found.diverged} of {found.runs} runs diverged")
-
-
-@contextmanager
-def runs_bar(what: str) -> Iterator[Callable[[int, int], None]]:
-    """A bar over the runs of a study."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(f"{what} (compiles for some seconds the first time)", total=None)
-
-        def advance(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total, description=what if done else None)
-
-        yield advance

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from textwrap import fill
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from layflat.cli.app import WIDTH, MachineName, Out, app, print_table
-
-if TYPE_CHECKING:
-    from layflat.tune import Progress, Tuning
-    from layflat.tune.search import Found
+from layflat.cli.bars import steps_bar
 
 
 @app.command()
@@ -44,8 +39,8 @@ def tune(
     from layflat.tune.verdict import verdict  # noqa: PLC0415
 
     tuning = begin(machine, out, method=method, start=start, seed=seed, generations=generations)
-    with _progress(tuning) as advance:
-        tuning.seek(advance)
+    with steps_bar("generations", tuning.generations) as advance:
+        tuning.seek(lambda best, done, name: advance(done, now=f"{name or 'first gains'}: best cost {best.cost:.2f} s"))
     tuned = tuning.keep()
     done = f"{len(tuning.told) - 1} of {tuning.generations} generations in {tuning.seconds:.1f} s"
     typer.echo(f"layflat: stopped after {done}" if tuning.stopped else done, err=tuning.stopped)
@@ -59,20 +54,3 @@ def tune(
     typer.echo(f"wrote {write_page(tuning, tuned, before, after, out / 'tuning.html')}")
     if tuning.stopped:
         raise typer.Exit(130)
-
-
-@contextmanager
-def _progress(tuning: Tuning) -> Iterator[Progress]:
-    """A bar over the generations, with the best cost so far."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
-
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("compiling (for some seconds, the first time only)", total=tuning.generations)
-
-        def advance(best: Found, done: int, name: str) -> None:
-            bar.update(task, completed=done, description=f"{name or 'first gains'}: best cost {best.cost:.2f} s")
-
-        yield advance

@@ -83,12 +83,12 @@ class Reproduction:
         return said + (f"; partial: stopped before {left} were judged" if left else "")
 
 
-def reproduce(bench: Bench, progress: Callable[[str], None] = lambda _: None) -> Reproduction:
+def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: None) -> Reproduction:
     """Perform every experiment and judge the paper's claims; an interruption (Ctrl-C) leaves the rest open.
 
     Args:
         bench: the machine under test and the paper's other machines.
-        progress: is told the short name of each claim that was judged.
+        progress: is called with the number of claims that are judged, and with how many there are.
     """
     found = Reproduction(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench))
     drawn = (found.statics, found.open_loop, found.axis_one, found.two_axis, found.dither)
@@ -97,7 +97,7 @@ def reproduce(bench: Bench, progress: Callable[[str], None] = lambda _: None) ->
     try:
         for rule, experiment in rules:
             found.claims.append(rule.judged(experiment))
-            progress(rule.claim.id)
+            progress(len(found.claims), len(rules))
     except KeyboardInterrupt:
         found.claims += [rule.open(STOPPED) for rule, _ in rules[len(found.claims) :]]
     return found
