@@ -19,7 +19,7 @@ from mujoco import rollout as _batched
 from benchmarks import mujoco_arm
 from layflat.errors import InputError
 from layflat.machine import Machine, load
-from layflat.machine.change import value_at
+from layflat.description.change import value_at
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 

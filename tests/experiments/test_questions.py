@@ -7,6 +7,7 @@ import numpy as np
 import pandas
 import pytest
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.experiments import Reproduction, write_report
 from layflat.experiments.questions import (
@@ -21,7 +22,6 @@ from layflat.experiments.questions import (
     valves,
 )
 from layflat.experiments.questions.tables import grid, inertia_per_torque, limits
-from layflat.machine.change import value_at
 from layflat.machine.listing import listing
 from layflat.machine.loader import load
 from layflat.plot.style import to_svg

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from layflat.description.change import value_at
 from layflat.identify import Fit, Model, Output, Unknown
 from layflat.identify.benches.arm_blocks import BLOCKS, unknowns
 from layflat.identify.fit import Estimate
 from layflat.identify.identified_file import described_by, identified_path, write_identified
 from layflat.identify.model import Array
 from layflat.machine import Machine, load
-from layflat.machine.change import value_at
 from layflat.machine.loader import tables
 from layflat.machine.rigs import load_rig, rig_names
 

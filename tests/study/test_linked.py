@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from studies import SMALL, written
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
-from layflat.machine.change import value_at
 from layflat.study import read, run, table
 from layflat.study.sampling import samples
 from layflat.study.varied import applied

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from studies import SMALL, written
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.machine.change import value_at
 from layflat.machine.model import SpoolValve
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from layflat.errors import MachineError
+from layflat.errors import InputError
 
 SOURCES = ("paper", "derived", "assumed", "calibrated", "identified", "given")
 
@@ -24,11 +24,14 @@ class Provenance:
     note: str = ""
 
 
+Sources = dict[str, Provenance]
+
+
 def split(table: dict[str, Any], where: str, path: str = "") -> tuple[dict[str, Any], dict[str, Provenance]]:
     """Part a raw description into plain values and the provenance of each, keyed by its dotted path.
 
     Raises:
-        MachineError: a source that is none of `SOURCES`.
+        InputError: a source that is none of `SOURCES`.
     """
     plain: dict[str, Any] = {}
     sources: dict[str, Provenance] = {}
@@ -49,12 +52,12 @@ def split(table: dict[str, Any], where: str, path: str = "") -> tuple[dict[str, 
 def _provenance(entry: dict[str, Any], where: str, path: str) -> Provenance:
     unknown = sorted(set(entry) - {"value", "source", "note"})
     if unknown:
-        raise MachineError(
+        raise InputError(
             f"unknown key {unknown[0]!r} beside a value", where=f"{where}: {path}", right="use value, source and note"
         )
     source = entry.get("source", "given")
     if source not in SOURCES:
-        raise MachineError(
+        raise InputError(
             f"source {source!r} is unknown", where=f"{where}: {path}", right=f"use one of {', '.join(SOURCES)}"
         )
     return Provenance(source, str(entry.get("note", "")))

@@ -1,132 +1,55 @@
 """Quantities at the boundary: text with a unit outside, SI floats inside.
 
-Every quantity of a description is an annotated float, for instance `Length`. A bare number, a wrong dimension or an
-unknown unit is refused with an example of what is right.
+Every quantity of a description is an annotated float, for instance `Length`. A bare number, a wrong dimension, an
+unknown unit or a magnitude that makes no sense is refused with what would be right.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
-from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
-from pydantic_core import PydanticCustomError, core_schema
 
+from layflat.description.expression import QuantityError  # for those who catch it
+from layflat.description.quantity import Quantity
+from layflat.description.wrong import shown
 from layflat.errors import InputError
 
-if TYPE_CHECKING:
-    import pint
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A kind of quantity: what it is called, its SI unit, and an example for those who got it wrong."""
-
-    name: str
-    unit: str
-    example: str
-
-    @property
-    def article(self) -> str:
-        """The name with its article."""
-        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
-
-    def parse(self, value: object) -> float:
-        """SI float of a text such as "160 mm"; a float is taken as it is only where it comes from our own code.
-
-        Raises:
-            ValueError: in one clause, what is wrong with the value.
-        """
-        if isinstance(value, bool) or not isinstance(value, (str, int, float)):
-            raise ValueError(f"is not {self.article}")
-        if not isinstance(value, str):
-            raise ValueError("is a bare number")
-        try:
-            quantity: Any = _registry().Quantity(value)
-        except Exception:  # pint raises errors of many libraries for a text that it can't read
-            raise ValueError(f"is not a number with a unit of {self.name}") from None
-        if quantity.units == _registry().dimensionless:
-            raise ValueError("is a bare number")
-        try:
-            number = float(quantity.to(self.unit).magnitude)
-        except Exception:
-            raise ValueError(f"is not {self.article}") from None
-        if not math.isfinite(number):
-            raise ValueError("is not finite")
-        return number
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Validate text into an SI float, then check whatever bounds stand beside."""
-
-        def validate(value: object) -> float:
-            try:
-                return self.parse(value)
-            except ValueError as error:
-                raise PydanticCustomError(
-                    "quantity", "{problem}; give {name} such as {example}",
-                    {"problem": str(error), "name": self.article, "example": f'"{self.example}"'},
-                ) from None  # fmt: skip
-
-        def written(value: float) -> str:
-            return f"{value!r} {self.unit}"
-
-        as_text = core_schema.plain_serializer_function_ser_schema(written, when_used="json")
-        return core_schema.no_info_before_validator_function(validate, handler(source), serialization=as_text)
-
-    def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
-        """Editors are told of a text with a unit."""
-        return {
-            "type": "string",
-            "title": self.name,
-            "examples": [self.example],
-            "pattern": r"^\s*[-+.\d].*[^\d\s.].*$",
-        }
-
-
-@cache
-def _registry() -> pint.UnitRegistry[float]:
-    import pint  # noqa: PLC0415  # it takes longer to import than most commands take to run
-
-    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=":auto:")
-
-
-LENGTH = Quantity("length", "m", "160 mm")
-ANGLE = Quantity("angle", "rad", "120 deg")
-SPEED = Quantity("speed", "m/s", "0.5 m/s")
-ANGULAR_SPEED = Quantity("angular speed", "rad/s", "60 deg/s")
-PRESSURE = Quantity("pressure", "Pa", "4 bar")
-TORQUE = Quantity("torque", "N*m", "25 N m")
-MASS = Quantity("mass", "kg", "1.5 kg")
-INERTIA = Quantity("moment of inertia", "kg*m^2", "0.02 kg m^2")
-TIME = Quantity("time", "s", "5 ms")
-FREQUENCY = Quantity("frequency", "Hz", "50 Hz")
-VOLUME = Quantity("volume", "m^3", "120 ml")
-AREA = Quantity("area", "m^2", "0.4 m^2")
-COMPLIANCE = Quantity("volume per pressure", "m^3/Pa", "2 ml/bar")
-CONDUCTANCE = Quantity("sonic conductance", "m^3/s/Pa", "1.2 dm^3/(s bar)")
-HEAT_CONDUCTANCE = Quantity("heat flow per temperature", "W/K", "1.2 W/K")
-HEAT_CAPACITY = Quantity("heat capacity", "J/K", "12 kJ/K")
-TEMPERATURE = Quantity("temperature", "K", "20 degC")
-STRESS = Quantity("stress", "Pa", "1.8 GPa")
-AREA_PER_LENGTH = Quantity("area per length", "m^2/m", "0.5 mm^2/mm")
-FORCE = Quantity("force", "N", "10 N")
-FORCE_PER_PRESSURE = Quantity("force per pressure", "N/Pa", "0.6 N/bar")
-SPRING_RATE = Quantity("force per length", "N/m", "0.2 N/mm")
-LINEAR_DAMPING = Quantity("force per speed", "N*s/m", "0.1 N s/mm")
-DENSITY = Quantity("density", "kg/m^3", "2700 kg/m^3")
-AREA_DENSITY = Quantity("mass per area", "kg/m^2", "0.9 kg/m^2")
-STIFFNESS = Quantity("stiffness", "N*m/rad", "40 N m/deg")
-DAMPING = Quantity("damping", "N*m*s/rad", "0.05 N m s/rad")
-VOLTAGE = Quantity("voltage", "V", "5 V")
-ERROR_GAIN = Quantity("gain of the error", "V/rad", "0.4 V/deg")
-PRESSURE_GAIN = Quantity("gain of the pressure", "V/Pa", "1.5 V/bar")
-INTEGRAL_GAIN = Quantity("gain of the integral", "V/rad/s", "2 V/(deg s)")
-FLOW = Quantity("volume per time", "m^3/s", "30 l/min")
-ACCELERATION = Quantity("acceleration", "m/s^2", "9.81 m/s^2")
+LENGTH = Quantity("length", "m", "160 mm", 1e-9, 100.0)
+ANGLE = Quantity("angle", "rad", "120 deg", 1e-9, 4 * math.pi)
+SPEED = Quantity("speed", "m/s", "0.5 m/s", 1e-6, 100.0)
+ANGULAR_SPEED = Quantity("angular speed", "rad/s", "60 deg/s", 1e-6, 1000.0)
+PRESSURE = Quantity("pressure", "Pa", "4 bar", 1e-3, 1e8)
+TORQUE = Quantity("torque", "N*m", "25 N m", 1e-9, 1e5)
+MASS = Quantity("mass", "kg", "1.5 kg", 1e-9, 1e4)
+INERTIA = Quantity("moment of inertia", "kg*m^2", "0.02 kg m^2", 1e-12, 1e5)
+TIME = Quantity("time", "s", "5 ms", 1e-9, 1e7)
+FREQUENCY = Quantity("frequency", "Hz", "50 Hz", 1e-6, 1e6)
+VOLUME = Quantity("volume", "m^3", "120 ml", 1e-12, 1000.0)
+AREA = Quantity("area", "m^2", "0.4 m^2", 1e-12, 1e4)
+COMPLIANCE = Quantity("volume per pressure", "m^3/Pa", "2 ml/bar", 1e-20, 0.01)
+CONDUCTANCE = Quantity("sonic conductance", "m^3/s/Pa", "1.2 dm^3/(s bar)", 1e-16, 0.01)
+HEAT_CONDUCTANCE = Quantity("heat flow per temperature", "W/K", "1.2 W/K", 1e-9, 1e6)
+HEAT_CAPACITY = Quantity("heat capacity", "J/K", "12 kJ/K", 1e-6, 1e9)
+TEMPERATURE = Quantity("temperature", "K", "20 degC", 1.0, 2e3)
+STRESS = Quantity("stress", "Pa", "1.8 GPa", 100.0, 1e13)
+AREA_PER_LENGTH = Quantity("area per length", "m^2/m", "0.5 mm^2/mm", 1e-12, 1000.0)
+FORCE = Quantity("force", "N", "10 N", 1e-9, 1e7)
+FORCE_PER_PRESSURE = Quantity("force per pressure", "N/Pa", "0.6 N/bar", 1e-15, 100.0)
+SPRING_RATE = Quantity("force per length", "N/m", "0.2 N/mm", 1e-9, 1e9)
+LINEAR_DAMPING = Quantity("force per speed", "N*s/m", "0.1 N s/mm", 1e-12, 1e7)
+DENSITY = Quantity("density", "kg/m^3", "2700 kg/m^3", 1e-3, 3e4)
+AREA_DENSITY = Quantity("mass per area", "kg/m^2", "0.9 kg/m^2", 1e-6, 1000.0)
+STIFFNESS = Quantity("stiffness", "N*m/rad", "40 N m/deg", 1e-9, 1e7)
+DAMPING = Quantity("damping", "N*m*s/rad", "0.05 N m s/rad", 1e-12, 1e6)
+VOLTAGE = Quantity("voltage", "V", "5 V", 1e-9, 1e4)
+ERROR_GAIN = Quantity("gain of the error", "V/rad", "0.4 V/deg", 1e-9, 1e7)
+PRESSURE_GAIN = Quantity("gain of the pressure", "V/Pa", "1.5 V/bar", 1e-15, 100.0)
+INTEGRAL_GAIN = Quantity("gain of the integral", "V/rad/s", "2 V/(deg s)", 1e-9, 1e8)
+FLOW = Quantity("volume per time", "m^3/s", "30 l/min", 1e-12, 100.0)
+ACCELERATION = Quantity("acceleration", "m/s^2", "9.81 m/s^2", 1e-9, 1e4)
 
 Length = Annotated[float, LENGTH, Gt(0)]
 LengthOrZero = Annotated[float, LENGTH, Ge(0)]
@@ -177,7 +100,7 @@ IntegralGain = Annotated[float, INTEGRAL_GAIN, Ge(0)]
 Acceleration = Annotated[float, ACCELERATION, Ge(0)]
 Flow = Annotated[float, FLOW, Ge(0)]
 Share = Annotated[float, Ge(0), Le(1)]
-Ratio = Annotated[float, Gt(0)]
+Ratio = Annotated[float, Ge(1e-6), Le(1e6)]
 
 
 def quantity(value: str | float, kind: Quantity, where: str) -> float:
@@ -186,18 +109,12 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
     Raises:
         InputError: naming `where` the value was given.
     """
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        if not math.isfinite(value):
-            raise InputError(
-                f"{value} is not finite", where=where, right=f'give {kind.article} such as "{kind.example}"'
-            )
-        return float(value)
     try:
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            return kind.within(float(value))
         return kind.parse(value)
-    except ValueError as error:
-        raise InputError(
-            f"{value!r} {error}", where=where, right=f'give {kind.article} such as "{kind.example}"'
-        ) from None
+    except QuantityError as error:
+        raise InputError(f"{shown(value)} {error.what}", where=where, right=error.right) from None
 
 
 def alike(example: object, value: float, unit: str) -> str | float:
@@ -208,5 +125,4 @@ def alike(example: object, value: float, unit: str) -> str | float:
     if unit == "1":
         return float(f"{value:.7g}")
     found = re.match(r"\s*[-+\d.]+(?:[eE][-+]?\d+)?\s*(.*\S)", example) if isinstance(example, str) else None
-    own = found[1] if found else unit
-    return f"{float(_registry().Quantity(value, unit).to(own).magnitude):.7g} {own}"
+    return Quantity("", unit, "").text(value, found[1] if found else unit)

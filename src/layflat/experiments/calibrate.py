@@ -62,10 +62,11 @@ def with_values(machine: Machine, knobs: Iterable[Knob], values: Iterable[float]
         for path in knob.paths:
             if path.startswith("joint.") and path.split(".")[1] not in machine.joint:
                 continue
-            machine = changed(machine, path, number)
             if path.endswith("weights.0"):
                 rest = 0.5 * (1.0 - number)
                 machine = changed(machine, path.removesuffix(".0"), (number, rest, rest))
+            else:
+                machine = changed(machine, path, number)
     return machine
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from layflat.description import units as u
-from layflat.description.provenance import Provenance
+from layflat.description.provenance import Provenance, Sources
+from layflat.description.tables import Plain
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.benches.hyddown import hyddown_tables, read_hyddown_rig
@@ -16,7 +17,7 @@ from layflat.identify.fit import Estimate, Fit
 from layflat.machine import Machine
 from layflat.machine.derived import at_path, derived_path, with_value, write_derived
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import Plain, Sources, tables
+from layflat.machine.loader import tables
 from layflat.machine.rigs import Rig, load_described, load_rig, rig_tables
 
 SUFFIX = "identified"

@@ -1,6 +1,6 @@
 """What machine this is: description files, validated objects, and the parameters of the laws."""
 
-from layflat.machine.change import changed
+from layflat.description.change import changed
 from layflat.machine.loader import build, load, names
 from layflat.machine.model import Machine
 from layflat.machine.parts import Joint

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from layflat.description.provenance import Provenance
 from layflat.errors import InputError
 from layflat.files import whole_file
+from layflat.machine.libraries import MACHINES
 from layflat.machine.listing import to_toml
 from layflat.machine.loader import load, names, tables
 from layflat.machine.model import Machine
@@ -27,7 +27,7 @@ def derived_path(given: str, folder: Path, suffix: str) -> Path:
         return path
     if Path(given).suffix != ".toml":
         raise InputError("can't be extended", where=given, right="give it a name that ends in .toml")
-    if path.resolve() in _ancestry(Path(given)):
+    if path.resolve() in [Path(layer.where).resolve() for layer in MACHINES.layers(given)]:
         raise InputError("would be overwritten, and extends it", where=str(path), right="give another folder")
     return path
 
@@ -82,11 +82,3 @@ def at_path(table: Any, keys: list[str]) -> Any:
     for key in keys:
         table = table[int(key)] if isinstance(table, list) else table.get(key) if isinstance(table, dict) else None
     return table
-
-
-def _ancestry(path: Path) -> list[Path]:
-    """A file that loads, and the files that it extends."""
-    found = [path.resolve()]
-    base = tomllib.loads(path.read_text(encoding="utf-8")).get("extends", "")
-    below = path.parent / base
-    return found + (_ancestry(below) if below.suffix == ".toml" else [])

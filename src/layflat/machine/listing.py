@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from layflat.description.provenance import SOURCES, Provenance
-from layflat.machine.loader import Plain, Sources, tables
+from layflat.description.provenance import SOURCES, Provenance, Sources
+from layflat.description.tables import Plain, leaves
+from layflat.machine.loader import tables
 from layflat.machine.model import Machine
 from layflat.machine.rigs.loader import is_rig, rig_tables
 
@@ -37,16 +37,6 @@ def listing(machine: str | Path) -> list[Line]:
         source = sources.get(path, Provenance())
         lines.append(Line(path, text, source.source, source.note))
     return lines
-
-
-def leaves(table: Plain, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted path and value of everything in nested tables."""
-    for key, value in table.items():
-        path = f"{prefix}.{key}" if prefix else key
-        if isinstance(value, dict):
-            yield from leaves(value, path)
-        else:
-            yield path, value
 
 
 def description_toml(machine: str | Path) -> str:

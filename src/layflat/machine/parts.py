@@ -9,15 +9,15 @@ from math import radians
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.wrong import INPUT, wrong
 
 
 def _at_most_half_round(wrap: float) -> float:
     if wrap > radians(180.0001):
-        raise PydanticCustomError("quantity", 'is over 180 deg; give an angle such as "120 deg"')
+        raise wrong("is over 180 deg", 'give an angle such as "120 deg"', INPUT)
     return wrap
 
 

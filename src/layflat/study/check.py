@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine.change import value_at
 from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.run import timing_of
@@ -128,7 +128,8 @@ def _check_effects(machine: Machine, scenarios: Sequence[Scenario], drawn: Sampl
     first = np.array([0])
     for path, values in drawn.items():
         ends = [
-            cases(machine, list(scenarios), {path: [end]}, None).runs(first) for end in (values.min(), values.max())
+            cases(machine, list(scenarios), {path: [end]}, None, together=False).runs(first)
+            for end in (values.min(), values.max())
         ]
         if values.min() < values.max() and all(map(np.array_equal, *ends)):
             raise InputError("has no effect on a run", where=f"{where}: vary.{path}", right="leave it out")

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, field_validator
-from pydantic_core import ErrorDetails, PydanticCustomError, core_schema
+from pydantic import Field, GetCoreSchemaHandler, ValidationError, field_validator
+from pydantic_core import core_schema
 
+from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.explain import explained
+from layflat.description.wrong import wrong
 from layflat.errors import InputError
+
+GREATEST = 1e6
+"""Of a number without unit."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +59,13 @@ class Signal:
 
 def _number(value: object, kind: u.Quantity | None) -> float:
     if kind is None:
-        if isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value):
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= GREATEST:
             return float(value)
-        problem, right = "is not a number", "a number such as 0.5"
-    else:
-        try:
-            return kind.parse(value)
-        except ValueError as error:
-            problem, right = str(error), f'{kind.article} such as "{kind.example}"'
-    message = "{value} {problem}; give {right}"
-    raise PydanticCustomError("signal", message, {"value": repr(value), "problem": problem, "right": right})
+        raise wrong("is not a number", "give a number such as 0.5", value)
+    try:
+        return kind.parse(value)
+    except u.QuantityError as error:
+        raise wrong(error.what, error.right, value) from None
 
 
 Angles = Annotated[Any, Signal(u.ANGLE)]
@@ -75,13 +76,7 @@ Pressure = Annotated[Any, Signal(u.PRESSURE, by_joint=False)]
 Mass = Annotated[Any, Signal(u.MASS, by_joint=False)]
 
 
-class Table(BaseModel):
-    """Base of the file's tables: frozen, and an unknown key is an error."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class ScenarioTable(Table):
+class ScenarioTable(Part):
     """What happens in a run: the keys of `layflat.sim.Scenario`, and a name for the table's column `scenario`."""
 
     name: str | None = None
@@ -99,7 +94,7 @@ class ScenarioTable(Table):
     seed: Annotated[int, Field(ge=0)] = 0
 
 
-class Range(Table):
+class Range(Part):
     """How one thing varies: evenly from low to high, among values, or normally about a mean.
 
     What is written depends on the path that varies, so the values are read later, by `varied.resolved`. The paths in
@@ -119,7 +114,7 @@ class Range(Table):
     group: str | None = None
 
 
-class VariantTable(Table):
+class VariantTable(Part):
     """A machine of several that a study compares: what differs from the study's own, as in a file that extends it.
 
     `times` has factors on numbers of the machine, laid out in the same way.
@@ -127,11 +122,11 @@ class VariantTable(Table):
 
     name: Annotated[str, Field(min_length=1)]
     machine: str | None = None
-    set: dict[str, Any] = {}
-    times: dict[str, Any] = {}
+    set: dict[str, Any] = Field(default_factory=dict)
+    times: dict[str, Any] = Field(default_factory=dict)
 
 
-class StudyFile(Table):
+class StudyFile(Part):
     """A study: a machine, what happens to it, and what varies from sample to sample."""
 
     name: str
@@ -146,7 +141,7 @@ class StudyFile(Table):
     band: u.PositiveAngle | None = None
     tip_band: u.Length | None = None
     scenario: Annotated[tuple[ScenarioTable, ...], Field(min_length=1)]
-    vary: dict[str, Range] = {}
+    vary: dict[str, Range] = Field(default_factory=dict)
     variant: tuple[VariantTable, ...] = ()
 
     @field_validator("scenario", mode="before")
@@ -155,35 +150,11 @@ class StudyFile(Table):
         return (value,) if isinstance(value, dict) else value
 
 
-def explained(error: ErrorDetails, where: str) -> InputError:
-    """One line for something that pydantic found wrong in a study file."""
-    value, message = error["input"], error["msg"].removeprefix("Value error, ")
-    steps = [str(step) for step in error["loc"]]
-    place = f"{where}: {'.'.join(steps)}" if steps else where
-    if error["type"] == "extra_forbidden":
-        if steps[0] == "vary" and isinstance(value, dict):
-            return InputError(
-                "unknown key", where=place, right='quote the whole path: [vary."joint.small.brake.torque"]'
-            )
-        return InputError("unknown key", where=place, right=_known_keys(steps))
-    if error["type"] == "missing":
-        whole = "a study has a name, machine, sampling and [scenario]"
-        right = whole if steps[0] != "variant" else "give each variant a name"
-        return InputError("is missing", where=place, right=right)
-    if error["type"] == "signal":
-        problem, _, right = message.partition("; ")
-        return InputError(problem, where=place, right=right)
-    if error["type"] == "quantity":
-        problem, _, right = message.partition("; ")
-        return InputError(f"{value!r} {problem}", where=place, right=right)
-    right = (message[0].lower() + message[1:]).replace("input ", "it ")
-    unit = " (in SI units)" if isinstance(value, str) and error["type"].startswith(("greater", "less")) else ""
-    return InputError(f"{value!r} is out of range", where=place, right=right + unit)
-
-
-def _known_keys(steps: list[str]) -> str:
-    """The keys that stand beside an unknown one, nearest first."""
-    tables: dict[str, type[Table]] = {"scenario": ScenarioTable, "vary": Range, "variant": VariantTable}
-    table = tables.get(steps[0], StudyFile) if len(steps) > 1 else StudyFile
-    near = get_close_matches(steps[-1], table.model_fields, n=1)
-    return f"did you mean {near[0]!r}?" if near else f"known keys are {', '.join(table.model_fields)}"
+def explained_study(error: ValidationError, where: str) -> InputError:
+    """Return one line for what is wrong in a study file."""
+    found = explained(error, where, StudyFile, complete="`layflat studies` lists")
+    first = error.errors(include_url=False)[0]
+    if first["type"] == "extra_forbidden" and first["loc"][0] == "vary" and isinstance(first["input"], dict):
+        right = 'quote the whole path: [vary."joint.small.brake.torque"]'
+        return InputError(found.what, where=found.where, right=right)
+    return found

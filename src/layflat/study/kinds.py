@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 from annotated_types import Ge
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from layflat.description import units as u
+from layflat.description.change import annotation_at, is_whole, paths, quantity_of
+from layflat.description.explain import explained_value
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine.change import paths
-from layflat.study.description import explained
 
 SHARED: dict[str, Any] = {"payload": u.Mass, "supply": u.Gauge}
 """Settings of a scenario that all joints share."""
@@ -38,7 +38,7 @@ class Kind:
     @property
     def quantity(self) -> u.Quantity | None:
         """None for a number without unit."""
-        return next((note for note in get_args(self.annotation)[1:] if isinstance(note, u.Quantity)), None)
+        return quantity_of(self.annotation)
 
     @property
     def unit(self) -> str:
@@ -48,7 +48,7 @@ class Kind:
     @property
     def whole(self) -> bool:
         """Whether only whole numbers make sense."""
-        return int in (self.annotation, *get_args(self.annotation)[:1])
+        return is_whole(self.annotation)
 
     def parse(self, value: object, where: str) -> float:
         """SI float of a value as it stands in the file.
@@ -60,7 +60,7 @@ class Kind:
         try:
             return float(adapter.validate_python(value))
         except ValidationError as error:
-            raise explained(error.errors()[0], where) from None
+            raise explained_value(error, where, self.quantity) from None
 
     def difference(self, value: object, where: str) -> float:
         """SI float of a difference of two such values, greater than zero.
@@ -96,7 +96,7 @@ def kind(machine: Machine, path: str, where: str) -> Kind:
     if path in settings:
         return Kind(settings[path])
     if path in known:
-        return Kind(_annotation(machine, path))
+        return Kind(annotation_at(machine, path))
     if path == ONE_FOR_ALL:
         raise InputError("is the same in all runs", where=where, right="make a study of its own for each cycle")
     near = get_close_matches(path, [*known, *settings], n=1, cutoff=0.5)
@@ -108,20 +108,3 @@ def _settings(machine: Machine) -> dict[str, Any]:
     ends = ("", *(f".{name}" for name in machine.joints))
     by_joint = {f"scenario.{key}{end}": annotation for key, annotation in BY_JOINT.items() for end in ends}
     return {f"scenario.{key}": annotation for key, annotation in SHARED.items()} | by_joint
-
-
-def _annotation(machine: Machine, path: str) -> Any:
-    """Of a number of the machine."""
-    part: Any = machine
-    annotation: Any = None
-    for key in path.split("."):
-        if isinstance(part, tuple):
-            annotation, part = get_args(annotation)[int(key)], part[int(key)]
-        elif isinstance(part, dict):
-            part = part[key]
-        else:
-            field = type(part).model_fields[key]
-            # Pydantic keeps the notes of a field apart from its type.
-            annotation = Annotated[(field.annotation, *field.metadata)] if field.metadata else field.annotation
-            part = getattr(part, key)
-    return annotation

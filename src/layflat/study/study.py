@@ -2,29 +2,28 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
-from functools import cache
-from importlib.resources import files
 from math import prod
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
+from layflat.description.library import Library
 from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.sim import STEP, Scenario
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import BAND
 from layflat.study.check import check
-from layflat.study.description import ScenarioTable, StudyFile, explained
+from layflat.study.description import ScenarioTable, StudyFile, explained_study
 from layflat.study.sampling import samples
 from layflat.study.variants import Variant, variants
 from layflat.study.varied import Varied, applied, groups, resolved
 
-BUILT_IN = files("layflat.study") / "builtin"
+BUILT_IN = Path(__file__).parent / "builtin"
+
+STUDIES = Library(BUILT_IN, "study", "`layflat studies` lists them", 'low = "1 kg"', InputError)
 
 MOST_HELD = 50_000_000
 """Numbers that the samples of a study may be: 400 MB, and as much again for each of some copies."""
@@ -115,33 +114,18 @@ class Study:
         return replace(self, file=self.file.model_copy(update={"runs": runs, "noise_seeds": 1}), varied=varied)
 
 
-@cache
 def names() -> tuple[str, ...]:
-    """Names of the built-in studies."""
-    return tuple(
-        sorted(entry.name.removesuffix(".toml") for entry in BUILT_IN.iterdir() if entry.name.endswith(".toml"))
-    )
+    """Return the names of the built-in studies."""
+    return STUDIES.names
 
 
 def text(study: str | Path) -> str:
-    """A study file as it is written, of a built-in name or a path.
+    """Return a study file as it is written, of a built-in name or a path.
 
     Raises:
         InputError: it can't be read.
     """
-    where, path = str(study), Path(study)
-    if where in names():
-        return (BUILT_IN / f"{where}.toml").read_text(encoding="utf-8")
-    if not path.suffix and not path.exists():
-        near = get_close_matches(where, names(), n=1)
-        hint = f"did you mean {near[0]!r}?" if near else "`layflat studies` lists them"
-        raise InputError("no such study", where=where, right=hint)
-    try:
-        return path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"can't be read ({error.strerror})", where=where, right="give a study's TOML file") from None
-    except UnicodeDecodeError:
-        raise InputError("is not a text file in UTF-8", where=where, right="give a study's TOML file") from None
+    return STUDIES.text(study)
 
 
 def read(path: str | Path) -> Study:
@@ -182,11 +166,9 @@ def check_samples(study: Study, where: str) -> None:
 
 def _file(path: str | Path, where: str) -> StudyFile:
     try:
-        return StudyFile.model_validate(tomllib.loads(text(path)))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"is not TOML: {error}", where=where, right='values look like low = "1 kg"') from None
+        return StudyFile.model_validate(STUDIES.raw(path))
     except ValidationError as error:
-        raise explained(error.errors()[0], where) from None
+        raise explained_study(error, where) from None
 
 
 def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from layflat.description.change import changed_all, paths, value_at
 from layflat.description.provenance import split
+from layflat.description.tables import laid_over, leaves
 from layflat.errors import InputError
-from layflat.machine import Machine, changed, load
-from layflat.machine.change import paths, value_at
-from layflat.machine.listing import leaves
-from layflat.machine.loader import build, laid_over, tables
+from layflat.machine import Machine, load
+from layflat.machine.loader import build, tables
 from layflat.study.description import StudyFile, VariantTable
 
 
@@ -56,13 +56,14 @@ def _varied(table: VariantTable, usual: str, folder: Path, where: str) -> Machin
     plain, sources = tables(place)
     over, own = split(table.set, f"{where}.set")
     machine = build(laid_over(plain, over), sources | own, f"{where}.set" if over else place)
-    known = set(paths(machine))
+    known, times = set(paths(machine)), dict[str, float]()
     for path, factor in leaves(table.times):
         key = f"{where}.times.{path}"
         if isinstance(factor, bool) or not isinstance(factor, (int, float)) or factor < 0:
             raise InputError(f"{factor!r} is no factor", where=key, right="give a number such as 2.0")
         if path not in known:
-            changed(machine, path, 0.0)
+            value_at(machine, path)
             raise InputError("is no number", where=key, right="name a single number of the machine")
-        machine = changed(machine, path, value_at(machine, path) * factor)
+        times[path] = value_at(machine, path) * factor
+    machine = changed_all(machine, times, f"{where}.times")
     return build(machine.model_dump(mode="json"), sources | own, f"{where}.times") if table.times else machine

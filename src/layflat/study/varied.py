@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine.change import value_at
 from layflat.study.description import Range
 from layflat.study.kinds import FACTOR, Kind, kind
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description.change import value_at
 from layflat.machine import Machine
-from layflat.machine.change import value_at
 from layflat.sim import Scenario
 
 Array = NDArray[np.float64]

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description.change import changed, value_at
 from layflat.errors import MachineError
 from layflat.machine import Machine
-from layflat.machine.change import changed, value_at
 from layflat.machine.parts import JointGains
 
 Array = NDArray[np.float64]

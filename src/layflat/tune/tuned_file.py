@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from layflat.description.change import value_at
 from layflat.description.provenance import Provenance
 from layflat.machine import Machine
-from layflat.machine.change import value_at
 from layflat.machine.derived import write_derived
 from layflat.tune.knobs import INTEGRAL_LIMIT, Knob
 

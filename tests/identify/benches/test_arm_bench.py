@@ -7,13 +7,13 @@ import pytest
 import xarray
 from numpy.typing import NDArray
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.arm import ArmModel
 from layflat.identify.benches.arm_blocks import BLOCKS, unknowns
 from layflat.identify.fit.scaled import Scaled
 from layflat.machine import Machine, changed, load
-from layflat.machine.change import value_at
 from layflat.machine.parameters import arm
 from layflat.physics.arm import OneLink
 from layflat.sim import rollout

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import xarray
 
+from layflat.description.change import value_at
 from layflat.lanes import width
 from layflat.machine import Machine, changed, load
-from layflat.machine.change import value_at
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import BLOCK

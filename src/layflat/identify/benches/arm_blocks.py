@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine
-from layflat.machine.change import value_at
 from layflat.machine.model import SwitchingValves
 from layflat.physics.delay import LONGEST
 

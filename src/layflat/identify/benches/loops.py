@@ -8,17 +8,17 @@ at two pressures or more tell what of the losses does not grow with pressure, an
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat.description.change import changed_all, value_at
 from layflat.errors import InputError
 from layflat.identify.benches import loop_logs
 from layflat.identify.benches.loop_logs import Logs, elements, of_range, rounded, shares_of
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Joint, Machine, changed, parameters
-from layflat.machine.change import value_at
 from layflat.sim.loops import TurnedLog, turned_torques
 
 if TYPE_CHECKING:
@@ -109,16 +109,17 @@ class LoopModel(Model):
 
     def _with(self, columns: Array | list[float]) -> Machine:
         """The machine with a number, or an array of all candidates, for each unknown."""
-        machine, split = self.machine, []
+        found: dict[str, Any] = {}
+        split = []
         for unknown, column in zip(self.unknowns, columns, strict=True):
             if ".split." in unknown.path:
                 split.append(column)
             elif not unknown.nuisance:
-                machine = changed(machine, unknown.path, column)
+                found[unknown.path] = column
         if split:
             weights = tuple(np.moveaxis(shares_of(np.stack(split, axis=-1)), -1, 0))
-            machine = changed(machine, f"{self._at}.losses.weights", weights)
-        return machine
+            found[f"{self._at}.losses.weights"] = weights
+        return changed_all(self.machine, found, together=False)  # a search goes where no machine could
 
     def _unknowns(self) -> list[Unknown]:
         described: Joint = self.machine.joint[self.joint]

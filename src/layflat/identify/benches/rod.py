@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from layflat.description.change import changed_all, value_at
 from layflat.errors import InputError
 from layflat.identify.benches import loop_logs
 from layflat.identify.benches.loop_logs import Logs, elements, of_range, rounded, shares_of
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
-from layflat.machine.change import changed, value_at
 from layflat.machine.rigs.friction import FrictionRig
 from layflat.physics.rod import Rod
 from layflat.sim.loops import RodLog, pushed_forces
@@ -113,11 +113,8 @@ class RodModel(Model):
 
     def described(self, values: Array) -> FrictionRig:
         """The rig with values of the unknowns (SI) in their places."""
-        rig = self.rig
-        for path, place in self._place.items():
-            if ".split." not in path:
-                rig = _changed(rig, path, float(values[place]))
-        return _changed(rig, "friction.weights", rounded(self._weights(values[None])[0]))
+        found = {path: float(values[place]) for path, place in self._place.items() if ".split." not in path}
+        return changed_all(self.rig, found | {"friction.weights": rounded(self._weights(values[None])[0])})
 
     def written(self, values: Array) -> dict[str, float]:
         """What was found, by its path in the description: weights in place of how they are split."""
@@ -195,10 +192,6 @@ class RodModel(Model):
         return [
             of_range(PATHS[6], "N*s/m", self.rig.friction.viscous, 0.0, most, "speeds that differ at each pressure")
         ]
-
-
-def _changed(rig: FrictionRig, path: str, value: Any) -> FrictionRig:
-    return cast(FrictionRig, changed(cast(Any, rig), path, value))
 
 
 def _given(rig: FrictionRig, log: xarray.Dataset, out: Output) -> RodLog:

@@ -117,7 +117,7 @@ def _rises(values: Array) -> bool:
 
 def _is_unit_of(unit: str, kind: u.Quantity) -> bool:
     try:
-        kind.parse(f"1 {unit}")
+        kind.convert(f"1 {unit}")
     except ValueError:
         return False
     return bool(unit)

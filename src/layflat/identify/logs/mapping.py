@@ -23,25 +23,25 @@ unit may have a number, so that an angle in per cent of 60 degrees is `unit = "0
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping as Table
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import Field, ValidationError, field_validator, model_validator
 
+from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.explain import explained
+from layflat.description.places import Steps
+from layflat.description.tables import parsed
+from layflat.description.text import read_text
+from layflat.description.wrong import wrong
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion, nearest
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-class TimeColumn(_Part):
+class TimeColumn(Part):
     """The clock: a column, and its unit."""
 
     column: str | None = None
@@ -51,18 +51,18 @@ class TimeColumn(_Part):
     @classmethod
     def _is_time(cls, unit: str) -> str:
         try:
-            u.TIME.parse(f"1 {unit}")
+            u.TIME.convert(f"1 {unit}")
         except ValueError:
-            raise _wrong(f"{unit!r} is no unit of a time", 'give one such as "s" or "ms"') from None
+            raise wrong(f"{unit!r} is no unit of a time", 'give one such as "s" or "ms"') from None
         return unit
 
     @property
     def seconds(self) -> float:
         """The unit in s."""
-        return u.TIME.parse(f"1 {self.unit}")
+        return u.TIME.convert(f"1 {self.unit}")
 
 
-class MappedColumn(_Part):
+class MappedColumn(Part):
     """What one signal of a log is made from."""
 
     columns: tuple[str, ...] = Field(alias="from", min_length=1)
@@ -84,22 +84,22 @@ class MappedColumn(_Part):
     def _makes_sense(self) -> MappedColumn:
         signal = SIGNALS.get(self.signal)
         if signal is None:
-            raise _wrong(f"{self.signal!r} is no signal", nearest(self.signal, list(SIGNALS)))
+            raise wrong(f"{self.signal!r} is no signal", nearest(self.signal, list(SIGNALS)))
         try:
             conversion(self.unit, signal)
         except ValueError as error:
-            raise _wrong(*str(error).split("; ")) from None
+            raise wrong(*str(error).split("; ")) from None
         if self.gauge is not None and not signal.absolute:
-            raise _wrong(f"gauge is said of {self.signal}, which is no absolute pressure", "leave gauge out")
+            raise wrong(f"gauge is said of {self.signal}, which is no absolute pressure", "leave gauge out")
         if self.gauge is None and signal.absolute:
-            raise _wrong(
+            raise wrong(
                 f"{self.signal} does not say what it counts from",
                 "say gauge = true (from ambient pressure) or gauge = false (absolute)",
             )
         if self.joint is not None and not signal.by_joint:
-            raise _wrong(f"{self.signal} belongs to no joint", "leave joint out")
+            raise wrong(f"{self.signal} belongs to no joint", "leave joint out")
         if len(set(self.columns)) < len(self.columns):
-            raise _wrong(f"from has {self.columns[0]!r} twice", "name each column once")
+            raise wrong(f"from has {self.columns[0]!r} twice", "name each column once")
         return self
 
     @property
@@ -108,16 +108,12 @@ class MappedColumn(_Part):
         return channel_name(self.signal, self.joint)
 
 
-class Mapping(_Part):
+class Mapping(Part):
     """What the columns of a log are."""
 
     ambient: u.PositivePressure = AMBIENT
     time: TimeColumn | None = None
     column: tuple[MappedColumn, ...] = Field(min_length=1)
-
-
-def _wrong(what: str, right: str) -> PydanticCustomError:
-    return PydanticCustomError("mapping", "{what}; {right}", {"what": what, "right": right})
 
 
 def read_mapping(path: str | Path) -> Mapping:
@@ -127,15 +123,8 @@ def read_mapping(path: str | Path) -> Mapping:
         InputError: in one line, which file, entry and value is wrong and what would be right.
     """
     where = str(path)
-    try:
-        plain = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        right = "give a mapping file; `layflat log map` writes one to start from"
-        raise InputError(f"can't be read ({error.strerror})", where=where, right=right) from None
-    except UnicodeDecodeError:
-        raise InputError("is not a text file in UTF-8", where=where, right="give a TOML file") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"is not TOML: {error}", where=where, right='values look like unit = "kPa"') from None
+    right = "give a mapping file; `layflat log map` writes one to start from"
+    plain = parsed(read_text(Path(path), where, right), where, 'unit = "kPa"')
     return mapping_of(plain, where)
 
 
@@ -148,7 +137,7 @@ def mapping_of(plain: Table[str, Any], where: str = "mapping") -> Mapping:
     try:
         mapping = Mapping.model_validate(plain)
     except ValidationError as error:
-        raise _explained(error.errors()[0], where) from None
+        raise explained(error, where, Mapping, complete="`layflat log map` writes", written=_written) from None
     _check_together(mapping, where)
     return mapping
 
@@ -172,28 +161,14 @@ def _check_together(mapping: Mapping, where: str) -> None:
                 )
 
 
-def _explained(error: ErrorDetails, where: str) -> InputError:
-    """One line for the first thing that pydantic found wrong."""
-    value, message = error["input"], error["msg"].removeprefix("Value error, ")
-    steps = list(error["loc"])
+def _written(steps: Steps, value: object) -> str:
+    """A place as people count: "column 2.unit", with the column's name in the log where it is known."""
+    named = [str(step) for step in steps]
     if len(steps) > 1 and steps[0] == "column" and isinstance(steps[1], int):
-        steps = [f"column {steps[1] + 1}", *steps[2:]]
+        named = [f"column {steps[1] + 1}", *named[2:]]
     if isinstance(value, dict) and isinstance(value.get("from"), str):
-        steps.append(value["from"])
-    place = ": ".join([where, ".".join(str(step) for step in steps)]) if steps else where
-    if error["type"] in {"mapping", "quantity"}:
-        problem, _, right = message.partition("; ")
-        return InputError(problem if error["type"] == "mapping" else f"{value!r} {problem}", where=place, right=right)
-    if error["type"] == "extra_forbidden":
-        tables: dict[str, type[BaseModel]] = {"time": TimeColumn, "column": MappedColumn}
-        table = tables.get(str(error["loc"][0]), Mapping) if len(error["loc"]) > 1 else Mapping
-        known = [field.alias or name for name, field in table.model_fields.items()]
-        return InputError("unknown key", where=place, right=nearest(str(steps[-1]), known))
-    if error["type"] == "missing":
-        right = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
-        return InputError("is missing", where=place, right=right)
-    right = message[0].lower() + message[1:]
-    return InputError(f"{value!r} is out of range", where=place, right=right.replace("input ", "it "))
+        named.append(value["from"])
+    return ".".join(named)
 
 
 def mapping_text(mapping: Mapping, notes: Table[str, str] | None = None, head: str = "") -> str:

@@ -154,7 +154,7 @@ class _Clocks:
 
 
 def _stated_seconds(unit: str) -> float:
-    return u.TIME.parse(f"1 {unit or 's'}")
+    return u.TIME.convert(f"1 {unit or 's'}")
 
 
 def _dataset(table: Table, series: list[Series], grid: Grid) -> xarray.Dataset:

@@ -78,10 +78,10 @@ def conversion(unit: str, signal: Signal) -> tuple[float, float]:
         return _SHARES[text], 0.0
     try:
         if text[:1].isdigit() or text[:1] == ".":
-            factor, shift = signal.kind.parse(text), 0.0
+            factor, shift = signal.kind.convert(text), 0.0
         else:
-            shift = signal.kind.parse(f"0 {text}")
-            factor = signal.kind.parse(f"1 {text}") - shift
+            shift = signal.kind.convert(f"0 {text}")
+            factor = signal.kind.convert(f"1 {text}") - shift
     except ValueError:
         article, unit_of_it = signal.kind.article, signal.kind.example.partition(" ")[2]
         raise ValueError(f'{unit!r} is no unit of {article}; give one such as "{unit_of_it}"') from None

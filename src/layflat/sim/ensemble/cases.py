@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
-from layflat.machine import Machine, changed, parameters
-from layflat.machine.change import paths
+from layflat.machine import Machine, parameters
 from layflat.physics.joint import FILLED
 from layflat.physics.noise import sensor_noise
 from layflat.physics.plant import tip
@@ -202,8 +202,15 @@ class Cases:
         )
 
 
-def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayLike], runs: int | None) -> Cases:
-    """An ensemble from what varies in it.
+def cases(
+    machine: Machine,
+    scenarios: list[Scenario],
+    vary: Mapping[str, ArrayLike],
+    runs: int | None,
+    *,
+    together: bool = True,
+) -> Cases:
+    """An ensemble from what varies in it, also checked `together` unless that is done elsewhere.
 
     Raises:
         InputError: something that varies is unknown, or has another number of runs than the rest.
@@ -216,7 +223,7 @@ def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayL
     lasting = {scenario.cycles(machine.cycle) for scenario in scenarios}
     if len(lasting) != 1:
         raise InputError("are not equally long", where="scenario", right="give all the same duration")
-    varied = machine
+    own: dict[str, Array] = {}
     known = set(paths(machine))
     for key, values in arrays.items():
         if key in _settings(machine):
@@ -224,9 +231,10 @@ def cases(machine: Machine, scenarios: list[Scenario], vary: Mapping[str, ArrayL
         if key == "controller.cycle":
             raise InputError("is the same in all runs", where=f"vary: {key}", right="run an ensemble for each cycle")
         if key not in known:
-            changed(machine, key, 0.0)
+            value_at(machine, key)
             raise InputError("is no single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
-        varied = changed(varied, key, values)
+        own[key] = values
+    varied = changed_all(machine, own, together=together)
     which = arrays.get("scenario", np.zeros(1))
     if not np.isin(which, np.arange(len(scenarios))).all():
         raise InputError(f"{which.max():g} is no scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}")

@@ -7,9 +7,9 @@ ARM = load("paper-arm")
 
 
 def test_one_value_is_replaced_and_the_rest_stays() -> None:
-    other = changed(ARM, "joint.small.losses.weights.0", 0.5)
-    assert other.joint["small"].losses.weights[0] == 0.5
-    assert changed(other, "joint.small.losses.weights.0", ARM.joint["small"].losses.weights[0]) == ARM
+    other = changed(ARM, "joint.small.losses.deflections.0", 0.5)
+    assert other.joint["small"].losses.deflections[0] == 0.5
+    assert changed(other, "joint.small.losses.deflections.0", ARM.joint["small"].losses.deflections[0]) == ARM
 
 
 @pytest.mark.parametrize("path", ["joint.wrist.brake.torque", "joint.small.brake.torqe", "arm.joints.7", "nothing"])

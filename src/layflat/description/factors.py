@@ -1,0 +1,146 @@
+"""Conversion of usual units, without the seconds that Pint takes to load, and exactly as Pint converts.
+
+A unit is a product of names with exponents, such as {"N": 1, "m": 1}. A name is either a base unit or has a scale and
+a product that it stands for, as in Pint's definitions: the factor of a conversion is then the same product of the
+same floats in the same order. Names that are not listed here are looked up in Pint.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pint
+
+Product = dict[str, int]
+
+BASE = ("m", "g", "s", "A", "K", "rad")
+
+DERIVED: dict[str, tuple[float, Product]] = {
+    "π": (pi, {}),
+    "deg": (1 / 180, {"π": 1, "rad": 1}),
+    "turn": (2.0, {"π": 1, "rad": 1}),
+    "rpm": (1.0, {"turn": 1, "min": -1}),
+    "min": (60.0, {"s": 1}),
+    "h": (60.0, {"min": 1}),
+    "Hz": (1.0, {"s": -1}),
+    "N": (1.0, {"kg": 1, "m": 1, "s": -2}),
+    "Pa": (1.0, {"N": 1, "m": -2}),
+    "hPa": (100.0, {"Pa": 1}),
+    "bar": (1e5, {"Pa": 1}),
+    "J": (1.0, {"N": 1, "m": 1}),
+    "W": (1.0, {"J": 1, "s": -1}),
+    "C": (1.0, {"A": 1, "s": 1}),
+    "V": (1.0, {"J": 1, "C": -1}),
+    "l": (1.0, {"dm": 3}),
+    "%": (0.01, {}),
+}
+
+PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 0.1, "k": 1e3, "M": 1e6, "G": 1e9}
+
+PREFIXED = ("m", "g", "s", "A", "K", "rad", "Hz", "N", "Pa", "bar", "J", "W", "V", "l")
+
+CELSIUS = "degC"
+"""The one unit with a zero of its own; it stands alone."""
+
+ZERO_CELSIUS = 273.15
+
+SAME = {"L": "l", "°C": CELSIUS, "°": "deg", "liter": "l", "rev": "turn"}
+"""Other spellings."""
+
+
+class UnknownUnitError(ValueError):
+    """No unit has this name; the argument is the name."""
+
+
+def canonical(name: str) -> str:
+    """Return the name under which a unit is known, by whatever usual spelling.
+
+    Raises:
+        UnknownUnitError: neither here nor in Pint is a unit of this name.
+    """
+    plain = name.replace("µ", "u").replace("μ", "u")
+    plain = SAME.get(plain, plain)
+    if plain == CELSIUS or definition(plain) is not None or plain in BASE:
+        return plain
+    if len(plain) == 2 and plain[1] == "L":
+        return canonical(f"{plain[0]}l")
+    return _named_by_pint(name)
+
+
+def definition(name: str) -> tuple[float, Product] | None:
+    """Return scale and product of a canonical name, None of a base unit and of one that is Pint's alone."""
+    if name in DERIVED:
+        return DERIVED[name]
+    if name not in BASE and name[:1] in PREFIXES and name[1:] in PREFIXED:
+        return PREFIXES[name[0]], {name[1:]: 1}
+    return None
+
+
+def is_own(product: Product) -> bool:
+    """Tell whether every name of a product is listed here."""
+    return all(name in BASE or definition(name) is not None for name in product)
+
+
+def roots(product: Product) -> Product:
+    """Return a product in base units, without what cancels; two units measure the same if these are equal."""
+    found: Product = {}
+    for name, exponent in product.items():
+        known = definition(name)
+        below = {name: 1} if known is None else roots(known[1])
+        for base, times in below.items():
+            found[base] = found.get(base, 0) + exponent * times
+    return {name: exponent for name, exponent in found.items() if exponent != 0 and name != "π"}
+
+
+def factor(source: Product, target: Product) -> float:
+    """Return the factor that converts numbers from one unit into another that measures the same.
+
+    The scales of all names, met from the outside in, are cancelled against each other, and what is left of those above
+    the line and then of those below it is multiplied in the order in which they were met.
+    """
+    both = dict(source)
+    for name, exponent in target.items():
+        both[name] = both.get(name, 0) - exponent
+    above: dict[float, int] = {}
+    below: dict[float, int] = {}
+
+    def meet(product: Product, power: int) -> None:
+        for name, exponent in product.items():
+            known, total = definition(name), power * exponent
+            if known is None:
+                continue
+            side = below if total < 0 else above
+            side[known[0]] = side.get(known[0], 0) + abs(total)
+            meet(known[1], total)
+
+    meet({name: exponent for name, exponent in both.items() if exponent != 0}, 1)
+    result: float = 1
+    for scale, count in above.items():
+        if count > below.get(scale, 0):
+            result *= scale ** (count - below.get(scale, 0))
+    for scale, count in below.items():
+        if count > above.get(scale, 0):
+            result *= scale ** -(count - above.get(scale, 0))
+    return result
+
+
+@cache
+def registry() -> pint.UnitRegistry[float]:
+    """Return Pint's units, which take longer to load than most commands to run."""
+    import pint  # noqa: PLC0415
+
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+def _named_by_pint(name: str) -> str:
+    if not name.isidentifier():
+        raise UnknownUnitError(name)
+    import pint  # noqa: PLC0415
+
+    try:
+        return str(registry().get_name(name))
+    except (pint.errors.PintError, AttributeError, ValueError):
+        raise UnknownUnitError(name) from None

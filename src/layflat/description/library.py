@@ -1,0 +1,166 @@
+"""Descriptions of one sort: those that are built in, by name, and those in files; what extends what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from pathlib import Path
+from typing import Any
+
+from layflat.description.hints import nearest
+from layflat.description.provenance import Sources, split
+from layflat.description.tables import Plain, laid_over, parsed
+from layflat.description.text import read_text
+from layflat.errors import InputError
+
+LONGEST_CHAIN = 20
+"""Files that extend each other."""
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What one file says: its plain values, their sources, and what it leaves out of the layers below."""
+
+    where: str
+    plain: Plain
+    sources: Sources
+    omits: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Library:
+    """Where descriptions of one sort are found.
+
+    Args:
+        folder: of those that are built in.
+        noun: what one of them is called.
+        shown_by: where the names of those that are built in are shown.
+        example: what a value looks like in such a file.
+        error: class of what is raised.
+    """
+
+    folder: Path
+    noun: str
+    shown_by: str
+    example: str
+    error: type[InputError]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the built-in descriptions."""
+        return tuple(sorted(path.stem for path in self.folder.glob("*.toml")))
+
+    def text(self, where: str | Path) -> str:
+        """Return a description as it is written, of a built-in name or a file.
+
+        Raises:
+            InputError: of the library's class: it can't be read.
+        """
+        place, path = str(where), Path(where)
+        if place in self.names:
+            return (self.folder / f"{place}.toml").read_text(encoding="utf-8")
+        if not path.suffix and "\0" not in place and not path.exists():
+            near = nearest(path.name, self.names)
+            raise self.error(
+                f"no such {self.noun}", where=place, right=f"did you mean {near!r}?" if near else self.shown_by
+            )
+        right = f"give a TOML file, or a built-in name: {self.shown_by}"
+        return read_text(path, place, right, self.error)
+
+    def raw(self, where: str | Path) -> Plain:
+        """Return the tables of one description, without what it extends.
+
+        Raises:
+            InputError: of the library's class: it can't be read or is not TOML.
+        """
+        with self.own_errors():
+            return parsed(self.text(where), str(where), self.example)
+
+    def layers(self, where: str | Path) -> list[Layer]:
+        """Return what a description and those that it extends say, the lowest first.
+
+        Raises:
+            InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle.
+        """
+        found: list[Layer] = []
+        place, seen = str(where), list[str]()
+        while True:
+            key = place if place in self.names else str(Path(place).resolve())
+            if key in seen or len(seen) > LONGEST_CHAIN:
+                chain = " -> ".join([*(layer.where for layer in found), place])
+                raise self.error(f"extends itself through {chain}", where=str(where), right="break the circle")
+            seen.append(key)
+            layer, base = self._layer(place, found[-1].where if found else "")
+            found.append(layer)
+            if base is None:
+                return found[::-1]
+            place = self.beside(place, base)
+
+    def tables(self, where: str | Path) -> tuple[Plain, Sources]:
+        """Return the plain values of a description as they are written, what it extends included, and their sources.
+
+        Raises:
+            InputError: of the library's class: as `layers`, or what it omits is not there.
+        """
+        with self.own_errors():
+            return reduce(_laid, self.layers(where), ({}, {}))
+
+    def beside(self, where: str, name: str) -> str:
+        """Return a name as seen from a description: built-in names as they are, files from its own folder."""
+        return name if name in self.names else str(Path(where).parent / name)
+
+    @contextmanager
+    def own_errors(self) -> Iterator[None]:
+        """Turn errors into those of the library's class."""
+        try:
+            yield
+        except InputError as error:
+            if isinstance(error, self.error):
+                raise
+            raise self.error(error.what, where=error.where, right=error.right) from None
+
+    def _layer(self, where: str, extended_by: str) -> tuple[Layer, str | None]:
+        """Read one description, and name the one that it extends."""
+        try:
+            raw = self.raw(where)
+        except InputError as error:
+            if not extended_by:
+                raise
+            raise self.error(
+                f"{error.where}: {error.what}", where=f"{extended_by}: extends", right=error.right
+            ) from None
+        base, omits = raw.pop("extends", None), raw.pop("omits", [])
+        if not isinstance(base, str | None) or base == "":
+            right = f'give one such as "{self.names[0]}"'
+            raise self.error(f"{base!r} is not a name", where=f"{where}: extends", right=right)
+        if not isinstance(omits, list) or not all(isinstance(path, str) for path in omits):
+            raise self.error(
+                f"{omits!r} is not a list of names", where=f"{where}: omits", right='give one such as ["x"]'
+            )
+        with self.own_errors():
+            plain, sources = split(raw, where)
+        return Layer(where, plain, sources, tuple(omits)), base
+
+
+def _laid(under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
+    plain, sources = under
+    for path in layer.omits:
+        plain, sources = _without(plain, path, layer.where), _sources_without(sources, path)
+    return laid_over(plain, layer.plain), sources | layer.sources
+
+
+def _without(plain: Plain, path: str, where: str) -> Plain:
+    """Return tables without a part, by its dotted path."""
+    head, _, rest = path.partition(".")
+    below: Any = plain.get(head)
+    if head not in plain or (rest and not isinstance(below, dict)):
+        raise InputError(f"{path!r} is not there to omit", where=f"{where}: omits", right='name a part such as "valve"')
+    if rest:
+        return plain | {head: _without(below, rest, where)}
+    return {key: value for key, value in plain.items() if key != head}
+
+
+def _sources_without(sources: Sources, path: str) -> Sources:
+    return {key: source for key, source in sources.items() if key != path and not key.startswith(f"{path}.")}

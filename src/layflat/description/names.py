@@ -1,0 +1,64 @@
+"""Names of things, which become names of files and keys of paths."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from layflat.description.wrong import shown, wrong
+from layflat.errors import InputError
+
+LONGEST = 100
+"""Characters; file systems take 255 bytes."""
+
+_FILE = re.compile(r"[^\W_][\w +()\[\].,=@-]*(?<![ .])")
+_KEY = re.compile(r"[^\W_][\w +()-]*(?<! )")
+_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
+
+_RIGHT = "begin with a letter or a digit, and use letters, digits, spaces and - _ + ( )"
+
+
+def problem(name: str, *, key: bool = False) -> str | None:
+    """Return what is wrong with a name that becomes a file's name or, as a `key`, part of a dotted path."""
+    if not name:
+        return "is empty"
+    if len(name) > LONGEST:
+        return f"has more than {LONGEST} characters"
+    if not name.isprintable() or not (_KEY if key else _FILE).fullmatch(name):
+        return "can't be a name"
+    return "is reserved by some systems" if _RESERVED.fullmatch(name) else None
+
+
+def file_name(name: str, where: str) -> str:
+    """Return a name that may become a file's name: in no other folder, on every system.
+
+    Raises:
+        InputError: naming `where` it was given.
+    """
+    found = problem(name)
+    if found is not None:
+        raise InputError(f"{shown(name)} {found}", where=where, right=_RIGHT)
+    return name
+
+
+def _checked_name(name: str) -> str:
+    found = problem(name)
+    if found is not None:
+        raise wrong(found, _RIGHT, name)
+    return name
+
+
+def _checked_key(name: str) -> str:
+    found = problem(name, key=True)
+    if found is not None:
+        raise wrong(found, _RIGHT, name)
+    return name
+
+
+Name = Annotated[str, AfterValidator(_checked_name)]
+"""Of something that results are written for, under this name."""
+
+Key = Annotated[str, AfterValidator(_checked_key)]
+"""Of one of several things in a table, such as a joint; it is part of dotted paths and of options."""

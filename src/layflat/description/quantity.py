@@ -1,0 +1,198 @@
+"""A kind of quantity: text with a unit outside, an SI float inside, and the range in which it makes sense."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from pydantic_core import core_schema
+
+from layflat.description.expression import QuantityError, split, suggestions, unit_of
+from layflat.description.factors import (
+    BASE,
+    CELSIUS,
+    ZERO_CELSIUS,
+    Product,
+    UnknownUnitError,
+    factor,
+    is_own,
+    registry,
+    roots,
+)
+from layflat.description.wrong import INPUT, wrong
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+
+SI = {"si": True}
+"""Context of a validation in which numbers are taken to be in SI units, since they come from code."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A kind of quantity.
+
+    Args:
+        name: what it is called.
+        unit: its SI unit.
+        example: for those who got it wrong.
+        least: magnitude (SI) below which a value other than zero makes no sense.
+        most: magnitude (SI) above which none does.
+    """
+
+    name: str
+    unit: str
+    example: str
+    least: float = field(default=0.0, compare=False)
+    most: float = field(default=math.inf, compare=False)
+
+    @property
+    def article(self) -> str:
+        """The name with its article."""
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
+
+    @property
+    def right(self) -> str:
+        """What to give, in words."""
+        return f'give {self.article} such as "{self.example}"'
+
+    @cached_property
+    def _target(self) -> Product:
+        return dict(unit_of(self.unit))
+
+    @cached_property
+    def _told_by_radian(self) -> bool:
+        """Whether nothing but a radian tells it from another kind: an angle from a share, a rotation from a rate."""
+        return _without_radian(roots(self._target)) in ({}, {"s": -1})
+
+    def parse(self, value: object) -> float:
+        """Return the SI float of a text such as "160 mm", within the range that makes sense.
+
+        Raises:
+            QuantityError: what is wrong with it, and what would be right.
+        """
+        return self.within(self.convert(value))
+
+    def convert(self, value: object) -> float:
+        """Return the SI float of a text, however large or small.
+
+        Raises:
+            QuantityError: what is wrong with it, and what would be right.
+        """
+        if isinstance(value, bool) or not isinstance(value, (str, int, float)):
+            raise QuantityError(f"is not {self.article}", self.right)
+        if not isinstance(value, str):
+            raise QuantityError("is a bare number", self.right)
+        try:
+            number, unit = split(value)
+            source = dict(unit_of(unit))
+        except UnknownUnitError:
+            raise QuantityError(f"is not a number with a unit of {self.name}", self._nearest(value, unit)) from None
+        except QuantityError as error:
+            raise QuantityError(error.what, error.right or self.right) from None
+        if not source:
+            raise QuantityError("is a bare number", self.right)
+        if not math.isfinite(number):
+            raise QuantityError("is not finite", self.right)
+        if not self._measures(source):
+            raise QuantityError(f"is not {self.article}", self._nearest(value, unit))
+        return self._converted(number, source)
+
+    def within(self, number: float) -> float:
+        """Return an SI float if it makes sense.
+
+        Raises:
+            QuantityError: its magnitude is too large or too small.
+        """
+        if not math.isfinite(number):
+            raise QuantityError("is not finite", self.right)
+        if number != 0.0 and not self.least <= abs(number) <= self.most:
+            right = f"give {self.article} between {self.least:g} and {self.most:g} {self.unit}"
+            raise QuantityError("is out of range", right)
+        return number
+
+    def text(self, value: float, unit: str) -> str:
+        """Return an SI float as text in another unit, with seven digits."""
+        source, target = self._target, dict(unit_of(unit))
+        if target == {CELSIUS: 1}:
+            number = value - ZERO_CELSIUS
+        elif source == target:
+            number = value
+        elif is_own(target):
+            number = value * factor(source, target)
+        else:
+            number = float(registry().Quantity(value, _pint(source)).to(_pint(target)).magnitude)
+        return f"{number:.7g} {unit}"
+
+    def _nearest(self, text: str, unit: str) -> str:
+        """What to say of a text with a unit that is none of this kind."""
+        for near in suggestions(text.strip().removesuffix(unit).strip(), unit):
+            with suppress(ValueError):
+                if self._measures(dict(unit_of(near.partition(" ")[2]))):
+                    return f'did you mean "{near}"?'
+        return self.right
+
+    def _measures(self, source: Product) -> bool:
+        """Tell whether a unit measures this kind."""
+        if source == {CELSIUS: 1}:
+            return self.unit == "K"
+        found, wanted = _roots(source), _roots(self._target)
+        return found == wanted if self._told_by_radian else _without_radian(found) == _without_radian(wanted)
+
+    def _converted(self, number: float, source: Product) -> float:
+        if source == {CELSIUS: 1}:
+            return number + ZERO_CELSIUS
+        if source == self._target:
+            return number
+        if is_own(source):
+            return number * factor(source, self._target)
+        return float(registry().Quantity(number, _pint(source)).to(_pint(self._target)).magnitude)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Validate text into an SI float, then check whatever bounds stand beside."""
+
+        def validate(value: object, info: ValidationInfo) -> float:
+            try:
+                if info.context == SI and isinstance(value, (int, float)) and not isinstance(value, bool):
+                    return self.within(float(value))
+                return self.parse(value)
+            except QuantityError as error:
+                raise wrong(error.what, error.right, INPUT) from None
+
+        def written(value: float) -> str:
+            return f"{value!r} {self.unit}"
+
+        as_text = core_schema.plain_serializer_function_ser_schema(written, when_used="json")
+        return core_schema.with_info_before_validator_function(
+            validate, handler(source), serialization=as_text, metadata={"quantity": self}
+        )
+
+    def __get_pydantic_json_schema__(self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler) -> Any:
+        """Describe it to editors as a text with a unit."""
+        return {
+            "type": "string",
+            "title": self.name,
+            "examples": [self.example],
+            "pattern": r"^\s*[-+.\d].*[^\d\s.].*$",
+        }
+
+
+def _roots(product: Product) -> Product:
+    """Return a product in base units, with the help of Pint for names that are its alone."""
+    if is_own(product):
+        return roots(product)
+    pint = registry()
+    names = {str(pint.get_name(name)): name for name in BASE}
+    return {names.get(name, name): int(n) for name, n in pint.get_root_units(_pint(product))[1]._units.items()}
+
+
+def _pint(product: Product) -> Any:
+    pint = registry()
+    return pint.Unit(pint.UnitsContainer({pint.get_name(name): exponent for name, exponent in product.items()}))
+
+
+def _without_radian(product: Product) -> Product:
+    return {name: exponent for name, exponent in product.items() if name != "rad"}
