@@ -61,7 +61,7 @@ def test_the_same_value_for_all_that_vary_along(tmp_path: Path) -> None:
         ('"joint.small.gains.close.error"', '"angle_sensor.bits"', "relative: is a whole number; give values"),
         ('"joint.small.gains.close.error"', '"joint.small.brake.torque"', "joint.small.brake.torque varies twice"),
         ("relative = true\nvalues = [0.5, 2.0]", 'values = ["1 V/deg"]', "gains.integral' is of another kind"),
-        ("values = [0.5, 2.0]", 'values = ["1 V/deg"]', "values.0: '1 V/deg' is out of range"),
+        ("values = [0.5, 2.0]", 'values = ["1 V/deg"]', "values.0: '1 V/deg' is not a number"),
         ("values = [0.5, 2.0]", "values = [-0.5]", "values.0: -0.5 is out of range"),
         ("relative = true", 'relative = true\ngroup = "gains"', "group: has no effect; use sampling = \"saltelli\""),
         ("relative = true", "relativ = true", "relativ: unknown key; did you mean 'relative'?"),

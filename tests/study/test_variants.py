@@ -78,7 +78,7 @@ def test_a_changed_variant_is_another_study(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "expected"),
     [
-        ('name = "as it is"', "", "variant.0.name: is missing; give each variant a name"),
+        ('name = "as it is"', "", "variant.0.name: is missing; a study has a name"),
         ('name = "as it is"', 'nam = "x"', "variant.0"),
         ("big valve", "as it is", "variant.name: two have the same name; give each its own"),
         ("conductance = 2.0", "conductanse = 2.0", "nearest is 'valve.conductance'"),

@@ -33,7 +33,7 @@ def explained(
         where: the file.
         model: class of the description.
         kind: class of what is returned.
-        complete: what shows a complete description, said where something is missing.
+        complete: what to say where something is missing: what a complete description has, or what shows one.
         written: how a place is named, from its steps and the value there; by dots where not given.
     """
     first, place = _first(error, model)
@@ -77,7 +77,7 @@ def _said(error: ErrorDetails, place: Place, complete: str) -> tuple[Steps, str,
     elif kind == "extra_forbidden":
         what, right = "unknown key", did_you_mean(steps[-1], place.known, "known keys are {}")
     elif kind == "missing":
-        what, right = "is missing", f"{complete} a complete description" if complete else "add it"
+        what, right = "is missing", complete or "add it"
     else:
         what, right = _plain(kind, value, context, place)
     return steps, what, right

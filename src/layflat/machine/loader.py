@@ -60,7 +60,9 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
     try:
         machine = Machine.model_validate(plain)
     except ValidationError as error:
-        raise explained(error, where, Machine, MachineError, "`layflat show paper-arm` shows") from None
+        raise explained(
+            error, where, Machine, MachineError, "`layflat show paper-arm` shows a complete description"
+        ) from None
     machine._provenance.update(sources)
     machine._origin = where
     return machine

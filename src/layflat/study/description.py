@@ -14,6 +14,8 @@ from layflat.description.explain import explained
 from layflat.description.wrong import wrong
 from layflat.errors import InputError
 
+COMPLETE = "a study has a name, a machine, sampling and [scenario], and each of its variants a name"
+
 GREATEST = 1e6
 """Of a number without unit."""
 
@@ -152,7 +154,7 @@ class StudyFile(Part):
 
 def explained_study(error: ValidationError, where: str) -> InputError:
     """Return one line for what is wrong in a study file."""
-    found = explained(error, where, StudyFile, complete="`layflat studies` lists")
+    found = explained(error, where, StudyFile, complete=COMPLETE)
     first = error.errors(include_url=False)[0]
     if first["type"] == "extra_forbidden" and first["loc"][0] == "vary" and isinstance(first["input"], dict):
         right = 'quote the whole path: [vary."joint.small.brake.torque"]'

@@ -91,4 +91,4 @@ def _validated(kind: type[BaseModel], plain: Plain, where: str) -> Any:
     try:
         return kind.model_validate(plain)
     except ValidationError as error:
-        raise explained(error, where, kind, CellError, "the built-in cell 'packing' is") from None
+        raise explained(error, where, kind, CellError, "`layflat cells packing` shows a complete description") from None

@@ -40,6 +40,8 @@ from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion, nearest
 
+COMPLETE = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
+
 
 class TimeColumn(Part):
     """The clock: a column, and its unit."""
@@ -137,7 +139,7 @@ def mapping_of(plain: Table[str, Any], where: str = "mapping") -> Mapping:
     try:
         mapping = Mapping.model_validate(plain)
     except ValidationError as error:
-        raise explained(error, where, Mapping, complete="`layflat log map` writes", written=_written) from None
+        raise explained(error, where, Mapping, complete=COMPLETE, written=_written) from None
     _check_together(mapping, where)
     return mapping
 

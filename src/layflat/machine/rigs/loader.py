@@ -93,4 +93,4 @@ def build_rig(tables: Plain, where: str) -> Any:
     try:
         return model.model_validate(tables)
     except ValidationError as error:
-        raise explained(error, where, model, MachineError, f"see {' or '.join(rig_names())} for") from None
+        raise explained(error, where, model, MachineError, f"see the built-in {' or '.join(rig_names())}") from None
