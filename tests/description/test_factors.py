@@ -19,7 +19,7 @@ from layflat.description import units as u
 from layflat.description.expression import unit_of
 from layflat.description.factors import DERIVED, PREFIXED, PREFIXES, definition, factor, is_own
 
-PINT = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)
+PINT: pint.UnitRegistry[float] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True, cache_folder=None)
 KINDS = [kind for kind in vars(u).values() if isinstance(kind, u.Quantity)]
 KINDS_OF = {kind.unit: kind for kind in KINDS}
 FLOATS = st.floats(-1e9, 1e9) | st.integers(-(10**6), 10**6)
@@ -109,7 +109,7 @@ def test_products_of_any_usual_units_are_converted_as_by_pint(
 @pytest.mark.parametrize("name", sorted(set(NAMES)))
 def test_every_name_of_the_table_is_pints(name: str) -> None:
     known = definition(name)
-    theirs = PINT._units[PINT.get_name(name)]
+    theirs: Any = PINT._units[PINT.get_name(name)]
     assert theirs.is_base == (known is None)
     if known is not None:
         assert known[0] == theirs.converter.scale

@@ -105,7 +105,8 @@ class Library:
             InputError: of the library's class: as `layers`, or what it omits is not there.
         """
         with self.own_errors():
-            return reduce(_laid, self.layers(where), ({}, {}))
+            nothing: tuple[Plain, Sources] = ({}, {})
+            return reduce(_laid, self.layers(where), nothing)
 
     def beside(self, where: str, name: str) -> str:
         """Return a name as seen from a description: built-in names as they are, files from its own folder."""

@@ -186,7 +186,8 @@ def _roots(product: Product) -> Product:
         return roots(product)
     pint = registry()
     names = {str(pint.get_name(name)): name for name in BASE}
-    return {names.get(name, name): int(n) for name, n in pint.get_root_units(_pint(product))[1]._units.items()}
+    found: dict[str, Any] = dict(pint.get_root_units(_pint(product))[1]._units)
+    return {names.get(name, name): exponent for name, exponent in found.items()}
 
 
 def _pint(product: Product) -> Any:

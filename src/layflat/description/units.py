@@ -12,10 +12,13 @@ from typing import Annotated
 
 from annotated_types import Ge, Gt, Le
 
-from layflat.description.expression import QuantityError  # for those who catch it
-from layflat.description.quantity import Quantity
+from layflat.description import expression
+from layflat.description import quantity as kinds
 from layflat.description.wrong import shown
 from layflat.errors import InputError
+
+Quantity = kinds.Quantity
+QuantityError = expression.QuantityError
 
 LENGTH = Quantity("length", "m", "160 mm", 1e-9, 100.0)
 ANGLE = Quantity("angle", "rad", "120 deg", 1e-9, 4 * math.pi)
