@@ -18,8 +18,9 @@ import pytest
 from layflat import cli
 from layflat.cli.rig_status import line_of
 from layflat.errors import LayflatError
+from layflat.machine import load
 from layflat.rig.device.failures import FAILURES
-from layflat.rig.record import Layout
+from layflat.rig.law import layout_of
 from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
@@ -297,7 +298,7 @@ def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_the_status_is_a_line() -> None:
-    layout = Layout.of(["large", "small"])
+    layout = layout_of(load("paper-arm"))
     row = np.zeros(layout.width)
     row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.VALVE_UNRESPONSIVE
     row[layout.of_joint(1).stop - 1] = Fault.VALVE_UNRESPONSIVE

@@ -9,8 +9,8 @@ from fake_rig import Array, Rig
 from layflat.machine import load
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.faults import TABLE, Fault, Reaction
+from layflat.rig.safety.state_machine import CENTRED
 from layflat.rig.safety.states import State, ValveMode
-from layflat.rig.safety.supervisor import CENTRED
 
 ARM = load("paper-arm")
 VENT = 10.0
@@ -193,23 +193,18 @@ def test_every_fault_has_a_row_and_severity_grows_with_its_number() -> None:
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), 10.001, -0.001])
-def test_a_bad_voltage_never_leaves(bad: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bad_voltage_never_leaves(bad: float) -> None:
     rig = moving()
-    update = rig.loop._update
-
-    def spoilt(*args: object) -> None:
-        update(*args)  # type: ignore[arg-type]
-        rig.loop._asked[1] = bad
-
-    monkeypatch.setattr(rig.loop, "_update", spoilt)
+    core = rig.supervisor.core
+    core.between = lambda: core.voltages_asked.__setitem__(1, bad)
     rig.cycles(1)
     assert rig.shows(Fault.BAD_COMMAND)
     assert rig.driver.commands[-1].voltages[1] == CENTRE
     assert rig.shows(ValveMode.HOLD)
-    monkeypatch.undo()
+    core.between = None
     rig.seconds(0.5)
     assert rig.shows(ValveMode.HOLD)
-    assert np.isfinite(rig.loop._memory).all()
+    assert np.isfinite(core.law.memory.array).all()
     assert all(0.0 <= v <= 10.0 for command in rig.driver.commands for v in command.voltages)
 
 

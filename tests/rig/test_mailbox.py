@@ -14,18 +14,19 @@ from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import Layout
 
-WIDTH = Layout.of(["a", "b"]).width
+LAYOUT = Layout.of(["a", "b"], {"phase": ("1", "phase")})
+WIDTH = LAYOUT.width
 
 
 @pytest.fixture
 def path() -> object:
-    made = Mailbox.create(2)
+    made = Mailbox.create(LAYOUT)
     yield made
     made.unlink()
 
 
 def hammer(path: Path) -> None:
-    box, k = Mailbox(path, 2), 0
+    box, k = Mailbox(path, LAYOUT), 0
     while True:
         k += 1
         box.ask(Setpoints([float(k), -float(k)], k, k, k))
@@ -33,7 +34,7 @@ def hammer(path: Path) -> None:
 
 
 def test_no_message_is_ever_torn_and_a_writer_may_die_at_any_time(path: Path) -> None:
-    box, context = Mailbox(path, 2), multiprocessing.get_context("spawn")
+    box, context = Mailbox(path, LAYOUT), multiprocessing.get_context("spawn")
     for _ in range(2):
         process = context.Process(target=hammer, args=(path,), daemon=True)
         process.start()
@@ -60,9 +61,9 @@ def test_no_message_is_ever_torn_and_a_writer_may_die_at_any_time(path: Path) ->
 
 @given(st.binary(min_size=1, max_size=64), st.integers(0, 200))
 def test_a_spoilt_message_is_not_taken(rubbish: bytes, at: int) -> None:
-    path = Mailbox.create(2)
+    path = Mailbox.create(LAYOUT)
     try:
-        box = Mailbox(path, 2)
+        box = Mailbox(path, LAYOUT)
         box.ask(Setpoints([0.25, 0.5], 3))
         end = HEAD.size + 48
         at = min(at, end - 1)
@@ -78,8 +79,8 @@ def test_a_spoilt_message_is_not_taken(rubbish: bytes, at: int) -> None:
 
 
 def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
-    box, clock = Mailbox(path, 2), VirtualClock()
-    host = RemoteHost(Mailbox(path, 2), clock, 2)
+    box, clock = Mailbox(path, LAYOUT), VirtualClock()
+    host = RemoteHost(Mailbox(path, LAYOUT), clock, 2)
     assert all(isnan(demand) for demand in host.request(0).demands)
     box.ask(Setpoints([nan, 1.0], starts=2, resets=1))
     first, second = host.request(SECOND), host.request(SECOND + SECOND // 20)

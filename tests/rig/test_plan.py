@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 
 from layflat.machine import load
+from layflat.rig.law import layout_of
 from layflat.rig.plan import EarlyEndError, PlanRunner
-from layflat.rig.record import Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import Snapshot
 
 ARM = load("paper-arm")
-LAYOUT = Layout.of(list(ARM.joints))
+LAYOUT = layout_of(ARM)
 
 
 def shot(state: State, fault: Fault = Fault.NONE) -> Snapshot:

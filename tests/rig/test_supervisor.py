@@ -9,14 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.machine import changed, load
-from layflat.rig.safety.demands import DemandGate
+from layflat.rig.safety.demands import LIMITED, Demand, Gate, followed, margin
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State, ValveMode
 from layflat.sim.run import rollout
 
 ARM = load("paper-arm")
 WORKING, SPEED = ARM.joint["small"].stops.working_stroke / 2, ARM.safety.demand_speed
-MECHANICAL = ARM.joint["small"].stops.mechanical_stroke / 2
+GATE = Gate(WORKING, ARM.joint["small"].stops.mechanical_stroke / 2, SPEED)
 
 
 def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
@@ -129,46 +129,44 @@ def test_a_demand_outside_is_refused(outside: float) -> None:
 
 @given(st.lists(st.floats(-1.2, 1.2) | st.just(nan), min_size=1, max_size=40), st.integers(1, 50))
 def test_the_gate_lets_through_only_what_joints_can_follow(asked: list[float], each: int) -> None:
-    gate, lead, speed = DemandGate(WORKING, MECHANICAL, SPEED), 0.5, SPEED
-    reference = before = 0.0
+    lead, before = 0.5, Demand(0.0, 0.0)
     for demand in asked:
         for _ in range(each):
-            given_ = gate.follow(demand, lead, 0.005)
-            assert abs(given_) <= WORKING + 1e-9
-            assert abs(given_ - before) <= lead + 1e-12
-            turned_back = (given_ - before) * (before - reference) < 0.0
-            begin = before if turned_back else reference
-            assert abs(given_ - begin) <= lead + 1e-12
-            assert abs(gate.reference - begin) <= speed * 0.005 + 1e-12
-            reference, before = gate.reference, given_
+            now, _ = followed(GATE, before, demand, lead, 0.005)
+            assert abs(now.demand) <= WORKING + 1e-9
+            assert abs(now.demand - before.demand) <= lead + 1e-12
+            turned_back = (now.demand - before.demand) * (before.demand - before.reference) < 0.0
+            begin = before.demand if turned_back else before.reference
+            assert abs(now.demand - begin) <= lead + 1e-12
+            assert abs(now.reference - begin) <= SPEED * 0.005 + 1e-12
+            before = now
 
 
 def test_a_demand_that_turns_back_on_its_way_leaps_no_further_than_one_from_rest() -> None:
-    gate = DemandGate(WORKING, MECHANICAL, SPEED)
+    now = Demand(0.0, 0.0)
     for _ in range(20):
-        gate.follow(radians(50.0), radians(20.0), 0.005)
-    there = gate.demand
-    assert gate.follow(radians(-50.0), radians(20.0), 0.005) == pytest.approx(there - radians(20.0))
+        now, _ = followed(GATE, now, radians(50.0), radians(20.0), 0.005)
+    back, _ = followed(GATE, now, radians(-50.0), radians(20.0), 0.005)
+    assert back.demand == pytest.approx(now.demand - radians(20.0))
 
 
 def test_a_step_of_the_paper_passes_as_it_is_and_a_greater_one_is_limited() -> None:
-    gate, lead = DemandGate(WORKING, MECHANICAL, SPEED), ARM.safety.demand_lead
-    assert gate.follow(radians(40.0), lead, 0.005) == radians(40.0)
-    gate.freeze(-radians(40.0))
-    assert gate.follow(radians(40.0), lead, 0.005) == pytest.approx(radians(5.0))
-    assert gate.limited
+    lead = ARM.safety.demand_lead
+    now, outcome = followed(GATE, Demand(0.0, 0.0), radians(40.0), lead, 0.005)
+    assert (now.demand, outcome) == (radians(40.0), 0)
+    now, outcome = followed(GATE, Demand(-radians(40.0), -radians(40.0)), radians(40.0), lead, 0.005)
+    assert (now.demand, outcome) == (pytest.approx(radians(5.0)), LIMITED)
     for _ in range(200):
-        gate.follow(radians(40.0), lead, 0.005)
-    assert gate.demand == radians(40.0)
+        now, outcome = followed(GATE, now, radians(40.0), lead, 0.005)
+    assert (now.demand, outcome) == (radians(40.0), 0)
 
 
 def test_near_the_stops_demands_jump_less_and_the_moves_of_the_paper_pass_as_they_are() -> None:
-    gate = DemandGate(WORKING, MECHANICAL, SPEED)
-    gate.freeze(-radians(20.0))
-    assert ARM.safety.demand_margin * gate.margin(radians(20.0)) >= radians(40.0)
-    gate.freeze(-radians(55.0))
-    assert gate.margin(radians(20.0)) == pytest.approx(radians(15.0))
-    assert gate.margin(nan) == pytest.approx(radians(15.0))
+    held = Demand(-radians(20.0), -radians(20.0))
+    assert ARM.safety.demand_margin * margin(GATE, held, radians(20.0)) >= radians(40.0)
+    held = Demand(-radians(55.0), -radians(55.0))
+    assert margin(GATE, held, radians(20.0)) == pytest.approx(radians(15.0))
+    assert margin(GATE, held, nan) == pytest.approx(radians(15.0))
 
 
 @pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "paper-large-joint", "earlier-actuator"])
@@ -212,10 +210,7 @@ def test_the_loop_gives_the_trace_of_a_run_bit_for_bit() -> None:
         rig.host.demands = demand[k].tolist()
         rig.cycles(1)
     rows = np.array(rig.host.rows)
-    for j in range(2):
-        columns = rows[:, rig.loop.layout.of_joint(j)].T
-        from layflat.rig.record import BY_JOINT
-
-        for name, column in zip(BY_JOINT, columns, strict=True):
-            if name != "joint_fault":
-                assert np.array_equal(column, run[name].to_numpy()[:500, j]), name
+    layout = rig.loop.layout
+    for name, at in layout.columns.items():
+        if name != "joint_fault":
+            assert np.array_equal(layout.joint_rows(rows)[:, :, at], run[name].to_numpy()[:500]), name

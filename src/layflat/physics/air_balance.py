@@ -1,28 +1,25 @@
-"""Does the air in a joint's hoses do what its valve was told? A watch that needs the sensors alone.
+"""Does the air in a joint's hoses do what its valve was told? An estimate that needs the sensors alone.
 
 | symbol | meaning | unit |
 |---|---|---|
-| p_a, p_b | absolute pressures in hoses A and B, as the watch believes | Pa |
+| p_a, p_b | absolute pressures in hoses A and B, estimated | Pa |
 | V | volume of a hose: dead volume, and K per travel | m3 |
 | K | torque per pressure, which is volume per travel | m3/rad |
 | s | travel of a hose: neutral travel and angle | rad |
 | u | opening asked of the valve, -1..1 | 1 |
 | C | sonic conductance of a fully open path (ISO 6358-1) | m3/(s Pa) |
-| L | rate at which the belief follows what is measured | 1/s |
-| d | surplus: what the air does beyond what was asked, as an opening of the valve | 1 |
+| L | rate at which the estimate follows what is measured | 1/s |
+| d | residual: what the air does beyond what was asked, as an opening of the valve | 1 |
 
-The air is taken as isothermal, V p' = p_0 C (...) - p K v, and the belief is led to the measured differential pressure
-(a Luenberger observer). How hard it has to be led is the surplus: near zero while spool and hoses are sound, the
-opening that was asked for, turned round, while a spool sticks in the middle or a hose is kinked, and the hole's size
-while a hose loses air.
+The air is taken as isothermal, V p' = p_0 C (...) - p K v, and the estimate is corrected towards the measured
+differential pressure (a Luenberger observer). How much it is corrected is the residual: near zero while spool and hoses
+are sound, the opening that was asked for, turned round, while a spool sticks in the middle or a hose is kinked, and the
+hole's size while a hose loses air.
 """
 
 from typing import NamedTuple
 
-import numpy as np
-
-from layflat.jit import kernel, law
-from layflat.lanes import write_row
+from layflat.jit import law
 from layflat.physics.air import GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.flow import effective_pressure
 from layflat.physics.ramp import mean_above_zero
@@ -50,18 +47,18 @@ class AirParts(NamedTuple):
     follow: float
     """L, 1/s."""
     smoothing: float
-    """Time over which the surplus is averaged, s."""
+    """Time over which the residual is averaged, s."""
     fastest: float
     """Faster than that no joint turns: an angle that jumps is the sensor's, rad/s."""
 
 
-class AirBelief(NamedTuple):
-    """Pressures in the hoses (Pa), the angle before (rad), and the averaged surplus."""
+class AirEstimate(NamedTuple):
+    """Pressures in the hoses (Pa), the angle before (rad), and the averaged residual."""
 
     pressure_a: float
     pressure_b: float
     angle: float
-    surplus: float
+    residual: float
 
 
 @law
@@ -83,18 +80,18 @@ def _inflow(parts, fills, vents, p, p_s, p_e):
 
 
 @law
-def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elapsed):
-    """Belief after a cycle of `elapsed` seconds in which the valve was asked for `opening`.
+def follow_air(parts, estimate, opening, angle, difference, supply, exhaust, elapsed):
+    """Estimate after a cycle of `elapsed` seconds in which the valve was asked for `opening`.
 
-    Args: `AirParts`, `AirBelief`, opening, angle now (rad), differential pressure now (Pa), absolute pressures of the
+    Args: `AirParts`, `AirEstimate`, opening, angle now (rad), differential pressure now (Pa), absolute pressures of the
     supply and of the exhaust (Pa), s.
     """
     K, h = parts.torque_constant, elapsed / SUBSTEPS
-    velocity = min(max((angle - belief.angle) / elapsed, -parts.fastest), parts.fastest)
+    velocity = min(max((angle - estimate.angle) / elapsed, -parts.fastest), parts.fastest)
     volume_a = max(parts.dead_volume + K * (parts.neutral + angle), 0.5 * parts.dead_volume)
     volume_b = max(parts.dead_volume + K * (parts.neutral - angle), 0.5 * parts.dead_volume)
     fills, vents = _conductance(parts, opening), _conductance(parts, -opening)
-    p_a, p_b, led = belief.pressure_a, belief.pressure_b, 0.0
+    p_a, p_b, led = estimate.pressure_a, estimate.pressure_b, 0.0
     for _ in range(SUBSTEPS):
         pull = 0.5 * parts.follow * (difference - (p_a - p_b))
         led += pull
@@ -103,24 +100,6 @@ def follow_air(parts, belief, opening, angle, difference, supply, exhaust, elaps
         p_a, p_b = max(p_a, 0.5 * exhaust), max(p_b, 0.5 * exhaust)
     full = REFERENCE_PRESSURE * parts.conductance * supply * 0.5 * (1.0 / volume_a + 1.0 / volume_b)
     share = elapsed / parts.smoothing
-    return AirBelief(
-        p_a, p_b, angle, belief.surplus + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - belief.surplus)
+    return AirEstimate(
+        p_a, p_b, angle, estimate.residual + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - estimate.residual)
     )
-
-
-@kernel
-def follow_hoses(parts, beliefs, voltages, neutrals, per_volt, angles, differences, supply, exhaust, elapsed):
-    """`follow_air` for all joints: rows of `AirParts` (joints, 12), and beliefs (1, joints, 4), which are changed.
-
-    A joint of which something is not a number keeps its belief. A valve opens `per_volt` by which the voltage differs
-    from the neutral one. Other arguments as of `follow_air`, arrays (joints,) where they differ from joint to joint.
-    """
-    for j in range(len(angles)):
-        if not (np.isfinite(angles[j]) and np.isfinite(differences[j]) and np.isfinite(supply)):
-            continue
-        p, b = parts[j], beliefs[0, j]
-        known = AirParts(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11])
-        belief = AirBelief(b[0], b[1], b[2], b[3])
-        opening = (voltages[j] - neutrals[j]) * per_volt
-        after = follow_air(known, belief, opening, angles[j], differences[j], supply, exhaust, elapsed)
-        write_row(beliefs, 0, j, after)

@@ -1,6 +1,6 @@
 """The real-time loop: read, judge, update, gate, write, record, publish; once a control cycle, at absolute deadlines.
 
-deadline -> driver.read -> supervisor.judge, steer -> controllers -> supervisor.gate -> driver.write -> row -> snapshot
+deadline -> driver.read -> supervisor (detectors, demands, control law, voltages) -> driver.write -> row -> snapshot
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.update import MEMORY, STATUS, flat, update, wake
-from layflat.machine import Machine, parameters
+from layflat.machine import Machine
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
-from layflat.rig.record import BY_JOINT, SHARED, Layout
+from layflat.rig.law import JointLaws
+from layflat.rig.record import RIG_SIGNALS, SHARED
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
@@ -93,19 +93,21 @@ class Loop:
     def __init__(
         self, machine: Machine, driver: Driver, clock: Clock, host: Host, recorder: Recorder | None = None
     ) -> None:
-        self.gains = np.array([flat(parameters.gains(machine, name)) for name in machine.joints])
-        assert machine.controller is not None  # its gains were there
-        cycle, n = machine.controller.cycle, len(machine.joints)
+        law = JointLaws(machine)
         self.driver, self.clock, self.host = driver, clock, host
         self.recorder: Recorder = recorder if recorder is not None else NoRecorder()
-        self.supervisor = Supervisor(machine, cycle)
-        self.deadlines = Deadlines(clock, cycle)
-        self.layout = Layout.of(list(machine.joints))
+        self.supervisor = Supervisor(machine, machine.cycle, law)
+        self.deadlines = Deadlines(clock, machine.cycle)
+        self.layout = law.layout
         self.row = np.zeros(self.layout.width)
-        self._joint_rows = self.row[len(SHARED) :].reshape(n, len(BY_JOINT))
-        self._memory, self._status = np.zeros((1, n, MEMORY)), np.zeros((1, n, STATUS))
-        self._voltages = np.full(n, machine.valve.centre_voltage if machine.valve is not None else 0.0)
-        self._asked = self._voltages.copy()
+        joints, at = self.layout.joint_rows(self.row), self.layout.columns
+        first = at["averaged_angle"]
+        self._written = tuple(
+            joints[:, at[name]] for name in ("demand", "voltage", "measured_angle", "measured_pressure")
+        )
+        self._estimates, self._report = joints[:, first : len(RIG_SIGNALS)], joints[:, len(RIG_SIGNALS) : -1]
+        self._faults = joints[:, at["joint_fault"]]
+        n = len(machine.joints)
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None
         self._lost = self._cycles = 0
@@ -115,7 +117,6 @@ class Loop:
     def begin(self, reading: Reading) -> None:
         """Start with air that is there already, as a simulated run does, with controllers woken by this reading."""
         self.supervisor.begin(reading, filled=True)
-        wake(self._memory, reading.angles, reading.pressures)
         self._cycles = 1
 
     def run(self) -> None:
@@ -136,72 +137,44 @@ class Loop:
         except LinkError:
             reading, lost = self._reading, True
         answered, seen = perf_counter_ns(), self.clock.now()
-        supervisor = self.supervisor
-        elapsed = self.deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / SECOND
+        supervisor, deadlines = self.supervisor, self.deadlines
+        elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / SECOND
         if lost:
             self._lost += 1
-            supervisor.lost()
         else:
             self._lost, self._seen_at = 0, seen
             if self._cycles == 0:
                 supervisor.begin(reading)
-            supervisor.judge(reading, self._status, self._memory, self._voltages, elapsed)
             self._cycles += 1
-        self._tell()
-        supervisor.steer(self.host.request(now), self._status[0, :, 0].tolist(), self.deadlines.elapsed)
-        if not lost:
-            self._update(reading, elapsed)
-        self._voltages = supervisor.gate(self._asked)
-        self.driver.write(Command(self._voltages.copy(), supervisor.air, supervisor.resets))
-        self._record(reading, now, self.deadlines.elapsed, (answered - begun) / SECOND)
+        self._look_around()
+        supervisor.cycle(None if lost else reading, self.host.request(now), elapsed, deadlines.elapsed)
+        self.driver.write(Command(supervisor.voltages.copy(), supervisor.air, supervisor.resets))
+        self._record(reading, now, deadlines.elapsed, (answered - begun) / SECOND)
         self._compute = (perf_counter_ns() - answered) / SECOND
-        self.deadlines.took(self._compute)
+        deadlines.took(self._compute)
 
-    def _tell(self) -> None:
+    def _look_around(self) -> None:
         """Let the supervisor know what is not the machine's fault."""
-        supervisor = self.supervisor
-        if self.deadlines.missed_now:
-            supervisor.tell(Fault.CYCLE_MISSED, is_so=True)
         if self._cycles % ALIVE_EVERY == 0:
             self._recording = self.recorder.alive()
-        supervisor.tell(Fault.RECORDER_DEAD, is_so=not self._recording)
-
-    def _update(self, reading: Reading, elapsed: float) -> None:
-        """Step the controllers."""
-        supervisor = self.supervisor
-        if supervisor.wake:
-            wake(self._memory, reading.angles, reading.pressures)
-            supervisor.wake = False
-        update(
-            self.gains,
-            self._memory,
-            reading.angles,
-            reading.pressures,
-            elapsed,
-            supervisor.demands,
-            self._asked,
-            self._status,
-        )
+        found = (Fault.CYCLE_MISSED,) if self.deadlines.missed_now else ()
+        self.supervisor.noted = found if self._recording else (*found, Fault.RECORDER_DEAD)
+        self.supervisor.barred = not self._recording
 
     def _record(self, reading: Reading, now: int, elapsed: float, link: float) -> None:
         """Fill the row, hand it on, and tell what has to be told."""
-        row, joints, supervisor, deadlines = self.row, self._joint_rows, self.supervisor, self.deadlines
-        ledger = supervisor.ledger
+        row, supervisor, deadlines = self.row, self.supervisor, self.deadlines
+        ledger, core = supervisor.ledger, supervisor.core
         begun = deadlines.begun
         since = now - begun if begun is not None else 0
         row[: len(SHARED)] = (
             since / SECOND, time_ns() / SECOND, elapsed, deadlines.lateness, self._compute, link, reading.supply,
             supervisor.air, reading.stopped, reading.device, supervisor.state, ledger.worst, self._lost,
         )  # fmt: skip
-        status, memory = self._status[0], self._memory[0]
-        joints[:, 0] = supervisor.demands
-        joints[:, 1] = self._voltages
-        joints[:, 2] = reading.angles
-        joints[:, 3] = reading.pressures
-        joints[:, 4:9] = status[:, :5]
-        joints[:, 9:11] = memory[:, 7:9]
-        joints[:, 11] = status[:, 5]
-        joints[:, 12] = [ledger.worst_of(j) for j in range(len(joints))] if ledger.worst else 0.0
+        demand, voltage, angle, pressure = self._written
+        demand[:], voltage[:], angle[:], pressure[:] = core.demands, core.voltages, reading.angles, reading.pressures
+        self._estimates[:], self._report[:] = core.estimates, core.law.report.array
+        self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))] if ledger.worst else 0.0
         self.recorder.push(row)
         self.host.publish(row)
         if ledger.events:

@@ -98,44 +98,41 @@ class Mailbox:
 
     Args:
         path: from `create`.
-        joints: how many.
+        layout: of the rows that are shown.
     """
 
-    def __init__(self, path: Path, joints: int) -> None:
-        self._layout = struct.Struct(f"<4q{joints}d")
-        self._joints = joints
-        self._width = Layout.of([""] * joints).width
+    def __init__(self, path: Path, layout: Layout) -> None:
+        self._format = _format(layout)
         with path.open("r+b") as file:
-            self._memory = mmap.mmap(file.fileno(), self.size(joints))
-        self.setpoints = Slot(self._memory, 0, self._layout.size)
-        self.snapshot = Slot(self._memory, Slot.room(self._layout.size), 8 * self._width)
+            self._memory = mmap.mmap(file.fileno(), self.size(layout))
+        self.setpoints = Slot(self._memory, 0, self._format.size)
+        self.snapshot = Slot(self._memory, Slot.room(self._format.size), 8 * layout.width)
 
     @classmethod
-    def size(cls, joints: int) -> int:
+    def size(cls, layout: Layout) -> int:
         """Bytes."""
-        width = Layout.of([""] * joints).width
-        return Slot.room(struct.calcsize(f"<4q{joints}d")) + Slot.room(8 * width)
+        return Slot.room(_format(layout).size) + Slot.room(8 * layout.width)
 
     @classmethod
-    def create(cls, joints: int) -> Path:
+    def create(cls, layout: Layout) -> Path:
         """A new file of shared memory, empty; whoever made it removes it."""
         folder = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
         handle, name = tempfile.mkstemp(prefix="layflat-rig-", dir=folder)
-        os.truncate(handle, cls.size(joints))
+        os.truncate(handle, cls.size(layout))
         os.close(handle)
         return Path(name)
 
     def ask(self, wanted: Setpoints) -> None:
         """The host's: replace the setpoints; doing so again shows that it lives."""
         edges = (wanted.starts, wanted.stops, wanted.resets, int(wanted.ended))
-        self.setpoints.write(self._layout.pack(*edges, *wanted.demands))
+        self.setpoints.write(self._format.pack(*edges, *wanted.demands))
 
     def asked(self) -> tuple[int, Setpoints] | None:
         """The loop's: number of the setpoints, and they; None where there is nothing whole."""
         found = self.setpoints.read()
         if found is None:
             return None
-        starts, stops, resets, ended, *demands = self._layout.unpack(found[1])
+        starts, stops, resets, ended, *demands = self._format.unpack(found[1])
         return found[0], Setpoints(demands, starts, stops, resets, bool(ended))
 
     def publish(self, row: Array) -> None:
@@ -151,6 +148,10 @@ class Mailbox:
         """Let go of the memory."""
         with contextlib.suppress(BufferError):
             self._memory.close()
+
+
+def _format(layout: Layout) -> struct.Struct:
+    return struct.Struct(f"<4q{len(layout.joints)}d")
 
 
 class RemoteHost:

@@ -19,6 +19,7 @@ from layflat.machine import Machine
 from layflat.rig.capabilities import check_capabilities
 from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock
 from layflat.rig.driver import Driver
+from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, NoRecorder, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
@@ -84,13 +85,13 @@ def run_loop(job: Job, pipe: Connection) -> None:
 
 
 def _loop(job: Job, pipe: Connection) -> tuple[str, ...]:
-    machine, n = job.machine, len(job.machine.joints)
-    clock, mailbox = _clock(job), Mailbox(job.mailbox, n)
+    machine = job.machine
+    clock, mailbox = _clock(job), Mailbox(job.mailbox, layout_of(machine))
     driver = job.driver()
     recorder: Keeper = job.recorder() if job.recorder is not None else NoRecorder()
     try:
         check_capabilities(machine, driver.configure())
-        loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, n), recorder)
+        loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, len(machine.joints)), recorder)
         refused = go_realtime() if job.realtime else []
         for line in refused:
             recorder.event(line)

@@ -5,9 +5,12 @@ Names are those of a simulated run, so that plots, metrics and identification ta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
 
 from layflat.machine.signals import SIGNALS
 
@@ -28,16 +31,17 @@ SHARED: dict[str, tuple[str, str]] = {
 }
 """Unit and meaning of what there is once."""
 
-_SIGNALS = (
-    "demand", "voltage", "measured_angle", "measured_pressure", "averaged_angle", "averaged_velocity",
-    "averaged_pressure", "ripple", "phase", "short_term", "long_term", "learning",
-)  # fmt: skip
+RIG_SIGNALS: dict[str, tuple[str, str]] = {
+    name: SIGNALS[name]
+    for name in (
+        "demand", "voltage", "measured_angle", "measured_pressure", "averaged_angle", "averaged_velocity",
+        "averaged_pressure", "ripple",
+    )
+}  # fmt: skip
+"""Unit and meaning of what there is of every joint, whatever law controls it; behind it stands what the law tells."""
 
-BY_JOINT: dict[str, tuple[str, str]] = {
-    **{name: SIGNALS[name] for name in _SIGNALS},
-    "joint_fault": ("1", "number of the joint's worst fault, 0 for none"),
-}
-"""Unit and meaning of what there is of every joint."""
+JOINT_FAULT = {"joint_fault": ("1", "number of the joint's worst fault, 0 for none")}
+"""What stands at the end."""
 
 
 @dataclass(frozen=True)
@@ -46,26 +50,42 @@ class Layout:
 
     Args:
         joints: names, from base to tip.
+        law: unit and meaning of each signal that the control law tells of a joint.
     """
 
     joints: tuple[str, ...]
+    law: tuple[tuple[str, tuple[str, str]], ...] = ()
 
     @classmethod
-    def of(cls, joints: Sequence[str]) -> Layout:
-        """Layout for joints of these names."""
-        return cls(tuple(joints))
+    def of(cls, joints: Sequence[str], law: Mapping[str, tuple[str, str]]) -> Layout:
+        """Layout for joints of these names and a law with these signals."""
+        return cls(tuple(joints), tuple((name, (unit, meaning)) for name, (unit, meaning) in law.items()))
+
+    @cached_property
+    def by_joint(self) -> dict[str, tuple[str, str]]:
+        """Unit and meaning of what there is of every joint."""
+        return {**RIG_SIGNALS, **dict(self.law), **JOINT_FAULT}
 
     @property
     def width(self) -> int:
         """Numbers in a row."""
-        return len(SHARED) + len(self.joints) * len(BY_JOINT)
+        return len(SHARED) + len(self.joints) * len(self.by_joint)
 
     @cached_property
     def shared(self) -> dict[str, int]:
         """Column of each shared number."""
         return {name: i for i, name in enumerate(SHARED)}
 
+    @cached_property
+    def columns(self) -> dict[str, int]:
+        """Where the numbers of a joint stand in its part of a row, by name."""
+        return {name: i for i, name in enumerate(self.by_joint)}
+
+    def joint_rows(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The joints' part of rows, (..., joints, numbers); a view of (..., width)."""
+        return rows[..., len(SHARED) :].reshape(*rows.shape[:-1], len(self.joints), len(self.by_joint))
+
     def of_joint(self, joint: int) -> slice:
-        """Columns of a joint, in the order of `BY_JOINT`."""
-        first = len(SHARED) + joint * len(BY_JOINT)
-        return slice(first, first + len(BY_JOINT))
+        """Columns of a joint, in the order of `by_joint`."""
+        first = len(SHARED) + joint * len(self.by_joint)
+        return slice(first, first + len(self.by_joint))

@@ -10,6 +10,7 @@ from types import TracebackType
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
+from layflat.rig.law import layout_of
 from layflat.rig.recorder.bag import Heading
 from layflat.rig.recorder.client import RecorderClientFactory
 from layflat.rig.recorder.process import part_of, start_recorder
@@ -39,7 +40,7 @@ class Recorded:
         self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path, *, realtime: bool = True
     ) -> None:
         self.machine, self.place = machine, place
-        self._ring = Ring.create(list(machine.joints))
+        self._ring = Ring.create(layout_of(machine))
         try:
             self.recorder = start_recorder(self._ring, place, Heading.of(machine, driver=address))
         except BaseException:

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
+from layflat.rig.law import layout_of
 from layflat.rig.mailbox import Mailbox, Setpoints
 from layflat.rig.process import Job, Keeper, LoopMessage, run_loop
-from layflat.rig.record import BY_JOINT, SHARED, Layout
+from layflat.rig.record import SHARED, Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.shielded import shielded
@@ -55,7 +56,7 @@ class Snapshot:
         """A shared number, or those of all joints."""
         if name in SHARED:
             return float(self.row[self._layout.shared[name]])
-        return self.row[len(SHARED) :].reshape(len(self._layout.joints), -1)[:, list(BY_JOINT).index(name)]
+        return self._layout.joint_rows(self.row)[:, self._layout.columns[name]]
 
     @property
     def state(self) -> State:
@@ -84,11 +85,10 @@ class Session:
         self, machine: Machine, driver: Callable[[], Driver], rig: str, recorder: Callable[[], Keeper] | None = None,
         *, realtime: bool = True, refresh: bool = True,
     ) -> None:  # fmt: skip
-        self._layout = Layout.of(list(machine.joints))
-        n = len(machine.joints)
-        self._path = Mailbox.create(n)
-        self._mailbox = Mailbox(self._path, n)
-        self._wanted = Setpoints([nan] * n)
+        self._layout = layout_of(machine)
+        self._path = Mailbox.create(self._layout)
+        self._mailbox = Mailbox(self._path, self._layout)
+        self._wanted = Setpoints([nan] * len(machine.joints))
         self._guard = threading.Lock()
         self.refresh()
         context = multiprocessing.get_context("spawn")

@@ -11,6 +11,7 @@ import numpy as np
 from layflat.machine import Machine
 from layflat.rig.clock import VirtualClock
 from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, Reading
+from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.recorder.client import RecorderClient
@@ -75,10 +76,11 @@ class WarmupLoop:
 
     def __init__(self, machine: Machine) -> None:
         n, clock = len(machine.joints), VirtualClock()
-        path = Mailbox.create(n)
-        self._mailbox, ours = Mailbox(path, n), Mailbox(path, n)
+        layout = layout_of(machine)
+        path = Mailbox.create(layout)
+        self._mailbox, ours = Mailbox(path, layout), Mailbox(path, layout)
         path.unlink()
-        self.ring = Ring.create(list(machine.joints), rows=READINGS)
+        self.ring = Ring.create(layout, rows=READINGS)
         self.ring.remove()
         self._wanted = Setpoints([0.0] * n)
         driver = Resting(machine)

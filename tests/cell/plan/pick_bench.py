@@ -12,7 +12,9 @@ from layflat.cell.plan.motion import LEAD, Path, move_arm, travel
 from layflat.cell.plan.pick import Command, Measured, Phase, Rules, State, Task
 from layflat.cell.plan.picks import begun, step
 from layflat.cell.plan.reach import Reach
-from layflat.control.update import MEMORY, STATUS, flat, update, wake
+from layflat.control.controller import start as woken
+from layflat.control.controller import step as controlled
+from layflat.control.gains import Measurement, Status
 from layflat.machine import Machine, parameters
 from layflat.sim.plant import SteppedPlant
 
@@ -48,10 +50,10 @@ class Bench:
         self.rules = Rules(tip=self.reach.tip, clear=(0.9, 0.5))
         n = len(machine.joints)
         self.plant = SteppedPlant(machine, start=start.tolist(), seed=seed, payload=1.2)
-        self.gains = np.array([flat(parameters.gains(machine, name)) for name in machine.joints])
-        self.memory, self.status = np.zeros((1, n, MEMORY)), np.zeros((1, n, STATUS))
+        self.gains = [parameters.gains(machine, name) for name in machine.joints]
+        self.memory = [woken(Measurement(*sensed, 1.0)) for sensed in zip(*self.plant.sense(), strict=True)]
+        self.status = [Status(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)] * n
         self.voltages, self.demands = np.zeros(n), start.copy()
-        wake(self.memory, *self.plant.sense())
         self.rows: list[Array] = []
         self.height, self.lift_speed, self.vacuum, self.cycles = 0.15, 0.0, 0.0, 0
         self.sealed, self.fruit_height = False, 0.0
@@ -76,8 +78,8 @@ class Bench:
 
     def measure(self) -> Measured:
         """As the controllers and switches tell."""
-        found = self.status[0]
-        angles, velocities = tuple(found[:, 0].tolist()), tuple(found[:, 1].tolist())
+        angles = tuple(float(status.angle) for status in self.status)
+        velocities = tuple(float(status.velocity) for status in self.status)
         return Measured(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height, self.lift_speed)
 
     def turn(self, command: Command | None) -> None:
@@ -87,7 +89,10 @@ class Bench:
         if self.rows:
             self.demands = self.rows.pop(0)
         angles, pressures = self.plant.sense()
-        update(self.gains, self.memory, angles, pressures, CYCLE, self.demands, self.voltages, self.status)
+        for j, gains in enumerate(self.gains):
+            measured = Measurement(angles[j], pressures[j], CYCLE)
+            found = controlled(gains, self.memory[j], measured, self.demands[j])
+            self.memory[j], self.voltages[j], self.status[j] = found
         self.plant.drive(self.voltages)
         self.cycles += 1
         self.plant.advance(CYCLE * self.cycles + 1e-9)

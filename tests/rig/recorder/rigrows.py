@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.record import BY_JOINT, SHARED, Layout
+from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.ring import Event, Ring
 
 JOINTS = ("large", "small")
-LAYOUT = Layout.of(JOINTS)
-HEADING = Heading(JOINTS, '{"name": "arm"}', "arm", {"driver": "simulated"})
+LAW = {"phase": ("1", "phase of the controller"), "short_term": ("V", "short-term integral F")}
+LAYOUT = Layout.of(JOINTS, LAW)
+HEADING = Heading(LAYOUT, '{"name": "arm"}', "arm", {"driver": "simulated"})
 CYCLE = 0.005
 BEGIN = 1_700_000_000_000_000_000
 
@@ -49,7 +50,7 @@ def rows(count: int, seed: int = 0) -> NDArray[np.float64]:
 def column(made: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     if name in SHARED:
         return made[:, LAYOUT.shared[name]]
-    at = [LAYOUT.of_joint(joint).start + list(BY_JOINT).index(name) for joint in range(len(JOINTS))]
+    at = [LAYOUT.of_joint(joint).start + LAYOUT.columns[name] for joint in range(len(JOINTS))]
     return made[:, at]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from rigrows import LAYOUT
 
 from layflat.rig.recorder.client import RecorderClientFactory
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
@@ -19,15 +20,15 @@ from layflat.rig.safety.faults import Fault
     ],
 )
 def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: Level) -> None:
-    ring = Ring.create(["large", "small"])
+    ring = Ring.create(LAYOUT)
     ring.beat(RecorderState.RECORDING)
-    hand = RecorderClientFactory(ring.path)()
+    client = RecorderClientFactory(ring.path)()
     row = np.zeros(ring.layout.width)
     row[0], row[ring.layout.shared["fault"]] = 2.5, fault
-    hand.push(row)
-    hand.event("what there is")
-    hand.event("ready -> moving")
+    client.push(row)
+    client.event("what there is")
+    client.event("ready -> moving")
     assert ring.take_events() == [Event(2.5, level, "what there is"), Event(2.5, change, "ready -> moving")]
-    hand.end()
+    client.end()
     assert ring.ended
     ring.remove()

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
-from rigrows import BEGIN
+from rigrows import BEGIN, LAW, LAYOUT
 
-from layflat.rig.record import BY_JOINT, SHARED, Layout
-from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, SCHEMAS, Fixed, Rows, encoded_event
+from layflat.rig.record import SHARED, Layout
+from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, Rows, encoded_event, schemas_of
 from layflat.rig.recorder.ring import Event, Level
 
 NAMES = st.lists(st.text("abcdefghijklmnopq_é", min_size=1, max_size=9), min_size=1, max_size=4, unique=True)
@@ -21,15 +21,16 @@ FACTORY = DecoderFactory()
 
 
 def decoded(kind: str, data: bytes) -> Any:
-    number = list(SCHEMAS).index(kind) + 1
-    decode = FACTORY.decoder_for("cdr", Schema(number, SCHEMAS[kind].encode(), "ros2msg", kind))
+    schemas = schemas_of(LAYOUT)
+    number = list(schemas).index(kind) + 1
+    decode = FACTORY.decoder_for("cdr", Schema(number, schemas[kind].encode(), "ros2msg", kind))
     assert decode is not None
     return decode(data)
 
 
 @given(NAMES, st.integers(0, 2**31))
 def test_the_general_decoder_reads_every_number(joints: list[str], seed: int) -> None:
-    layout = Layout.of(joints)
+    layout = Layout.of(joints, LAW)
     made = np.random.default_rng(seed).normal(size=(2, layout.width))
     stamps = BEGIN + np.array([0, 5_000_001])
     cycles, states = Rows(layout).encoded(stamps, made)
@@ -40,7 +41,7 @@ def test_the_general_decoder_reads_every_number(joints: list[str], seed: int) ->
             assert message.name == joints
         assert [getattr(read, name) for name in SHARED] == row[: len(SHARED)].tolist()
         by_joint = [row[layout.of_joint(i)] for i in range(len(joints))]
-        for i, name in enumerate(BY_JOINT):
+        for i, name in enumerate(layout.by_joint):
             assert list(getattr(read, name)) == [float(values[i]) for values in by_joint]
         assert list(shown.position) == list(read.measured_angle)
         assert list(shown.velocity) == list(read.averaged_velocity)
@@ -49,24 +50,25 @@ def test_the_general_decoder_reads_every_number(joints: list[str], seed: int) ->
 
 @given(NAMES, st.integers(1, 5))
 def test_what_was_encoded_is_decoded_bit_for_bit(joints: list[str], count: int) -> None:
-    layout = Layout.of(joints)
+    layout = Layout.of(joints, LAW)
     made = np.random.default_rng(count).normal(size=(count, layout.width))
     made[0, -1] = np.nan
-    columns = Fixed(SCHEMAS[CYCLE], joints).decoded(Rows(layout).encoded(np.full(count, BEGIN), made)[0])
-    assert list(columns) == [*SHARED, *BY_JOINT]
+    columns = Fixed(schemas_of(layout)[CYCLE], joints).decoded(Rows(layout).encoded(np.full(count, BEGIN), made)[0])
+    assert list(columns) == [*SHARED, *layout.by_joint]
     for i, name in enumerate(SHARED):
         assert np.array_equal(columns[name], made[:, i])
-    for i, name in enumerate(BY_JOINT):
+    for i, name in enumerate(layout.by_joint):
         expected = np.stack([made[:, layout.of_joint(k)][:, i] for k in range(len(joints))], axis=1)
         assert np.array_equal(columns[name], expected, equal_nan=True)
 
 
 def test_messages_of_other_joints_are_not_taken_for_ours() -> None:
-    cycles, _ = Rows(Layout.of(["large", "small"])).encoded(np.array([BEGIN]), np.ones((1, 39)))
+    definition = schemas_of(LAYOUT)[CYCLE]
+    cycles, _ = Rows(LAYOUT).encoded(np.array([BEGIN]), np.ones((1, LAYOUT.width)))
     with pytest.raises(ValueError, match="other joints"):
-        Fixed(SCHEMAS[CYCLE], ["small", "large"]).decoded(cycles)
+        Fixed(definition, ["small", "large"]).decoded(cycles)
     with pytest.raises(ValueError, match="reshape"):
-        Fixed(SCHEMAS[CYCLE], ["large"]).decoded(cycles)
+        Fixed(definition, ["large"]).decoded(cycles)
 
 
 @given(st.text(max_size=50).filter(lambda text: "\0" not in text), st.sampled_from(Level))

@@ -7,14 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from rigrows import BEGIN, CYCLE, HEADING, JOINTS, LAYOUT, column, log_of, rows
+from rigrows import BEGIN, CYCLE, HEADING, JOINTS, column, log_of, rows
 
 from layflat.errors import InputError, OutputError
 from layflat.identify.logs import check, read_log
 from layflat.machine import Machine, load
 from layflat.plot.runs import angles, arm_steps, run_figure
 from layflat.plot.style import to_png
-from layflat.rig.record import BY_JOINT, SHARED
+from layflat.rig.law import layout_of
+from layflat.rig.record import SHARED
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.export import export
 from layflat.rig.recorder.ring import Event, Level
@@ -34,17 +35,17 @@ def simulated() -> xarray.Dataset:
 def recorded(simulated: xarray.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The simulated run, as a rig would have recorded it, with an uneven clock and some cycles missing."""
     machine = load("paper-small-joint")
-    heading = Heading.of(machine, driver="simulated")
-    made = np.zeros((simulated.sizes["time"], len(SHARED) + len(BY_JOINT)))
+    heading, layout = Heading.of(machine, driver="simulated"), layout_of(machine)
+    made = np.zeros((simulated.sizes["time"], layout.width))
     late = np.random.default_rng(0).exponential(1e-4, len(made))
     for i, name in enumerate(SHARED):
         made[:, i] = simulated[name] if name == "supply" else 0.0
     made[:, 0] = simulated["time"] + late
     made[:, 1] = BEGIN * 1e-9 + made[:, 0]
-    for i, name in enumerate(BY_JOINT):
+    for i, name in enumerate(layout.by_joint):
         made[:, len(SHARED) + i] = simulated[name][:, 0] if name in simulated else 0.0
-    made[150:180, LAYOUT.shared["fault"]] = 4.0
-    made[150:165, LAYOUT.shared["mode"]] = State.FAULT
+    made[150:180, layout.shared["fault"]] = 4.0
+    made[150:165, layout.shared["mode"]] = State.FAULT
     path = tmp_path_factory.mktemp("rig") / "run.mcap"
     with path.open("wb") as file:
         bag = Bag(file, heading, BEGIN, chunked=True)
@@ -66,7 +67,7 @@ def test_names_units_and_attributes_are_those_of_a_simulated_run(recorded: Path,
     assert Machine.model_validate_json(run.attrs["machine"]) == load("paper-small-joint")
     assert json.loads(run.attrs["notes"]) == {"driver": "simulated"}
     kept = np.delete(np.arange(simulated.sizes["time"]), [200, 201])
-    for name in BY_JOINT:
+    for name in layout_of(load("paper-small-joint")).by_joint:
         if name in simulated:
             assert np.array_equal(run[name], simulated[name][kept]), name
     assert np.array_equal(run["angle"], run["measured_angle"])

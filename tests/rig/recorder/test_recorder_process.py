@@ -11,7 +11,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from rigrows import BEGIN, CYCLE, HEADING, JOINTS, column, rows, running_loop, wait_for
+from rigrows import BEGIN, CYCLE, HEADING, LAYOUT, column, rows, running_loop, wait_for
 
 from layflat.errors import OutputError
 from layflat.rig.clock import SECOND
@@ -25,7 +25,7 @@ from layflat.rig.recorder.run import read_recording
 
 @pytest.fixture
 def ring() -> Iterator[Ring]:
-    made = Ring.create(JOINTS)
+    made = Ring.create(LAYOUT)
     yield made
     made.remove()
     made.close()

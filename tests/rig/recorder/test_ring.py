@@ -10,22 +10,23 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rigrows import JOINTS, LAYOUT, rows
+from rigrows import LAYOUT, rows
 
 from layflat.errors import InputError
+from layflat.rig.record import Layout
 from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring, sweep
 
 
 @pytest.fixture
 def ring(tmp_path: Path):  # type: ignore[no-untyped-def]
-    made = Ring.create(JOINTS, tmp_path / "ring", rows=8, events=4)
+    made = Ring.create(LAYOUT, tmp_path / "ring", rows=8, events=4)
     yield made
     made.close()
 
 
 @given(st.lists(st.integers(0, 12), max_size=12))
 def test_rows_come_out_as_they_went_in_and_those_without_room_are_counted(pushes: list[int]) -> None:
-    ring = Ring.create(JOINTS, rows=8)
+    ring = Ring.create(LAYOUT, rows=8)
     made, taken, expected, k = rows(200), [], [], 0
     for count in pushes:
         for i in range(count):
@@ -95,8 +96,8 @@ def test_memory_outlives_those_who_join(ring: Ring) -> None:
 
 
 def test_what_nobody_uses_is_swept_away_and_what_is_used_stays() -> None:
-    used = Ring.create(JOINTS)
-    left = Ring.create(JOINTS)
+    used = Ring.create(LAYOUT)
+    left = Ring.create(LAYOUT)
     path = left.path
     left.close()
     sweep()
@@ -114,11 +115,11 @@ def test_only_a_ring_can_be_joined(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no ring of this version"):
         Ring.attach(tmp_path / "other")
     with pytest.raises(InputError, match="too long"):
-        Ring.create(["x" * 2000])
+        Ring.create(Layout.of(["x" * 9000], {}))
 
 
 def test_a_push_is_short() -> None:
-    ring, row = Ring.create(JOINTS), rows(1)[0]
+    ring, row = Ring.create(LAYOUT), rows(1)[0]
     best = 1.0
     for _ in range(20):
         since = time.perf_counter()

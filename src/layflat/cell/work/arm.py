@@ -11,15 +11,16 @@ from layflat.errors import RigStoppedError
 from layflat.machine import Machine
 from layflat.rig.clock import Clock
 from layflat.rig.driver import Driver
+from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, Recorder
-from layflat.rig.record import BY_JOINT, Layout
+from layflat.rig.record import RIG_SIGNALS
 from layflat.rig.safety.faults import TABLE
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
 
 Array = NDArray[np.float64]
 
-ANGLE, VELOCITY = (list(BY_JOINT).index(name) for name in ("averaged_angle", "averaged_velocity"))
+ANGLE, VELOCITY = (list(RIG_SIGNALS).index(name) for name in ("averaged_angle", "averaged_velocity"))
 
 
 class Arm:
@@ -46,7 +47,7 @@ class Arm:
         load: float, tip_speed: float, recorder: Recorder | None = None,
     ) -> None:  # fmt: skip
         self._machine, self._load, self._tip_speed = machine, load, tip_speed
-        self._layout = Layout.of(list(machine.joints))
+        self._layout = layout_of(machine)
         driver.configure()
         driver.activate()
         self.loop = Loop(machine, driver, clock, self, recorder)

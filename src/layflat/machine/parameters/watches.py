@@ -9,10 +9,10 @@ from layflat.physics.air_balance import AirParts
 from layflat.physics.flow import laminar_slope
 
 FOLLOW = 40.0
-"""Rate at which belief in the hoses' pressures follows what is measured: fast beside a move, 1/s."""
+"""Rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s."""
 
 SMOOTHING = 0.05
-"""Time over which the surplus of air is averaged: a few periods of the dither, s."""
+"""Time over which the residual of air is averaged: a few periods of the dither, s."""
 
 
 def air_parts(machine: Machine, name: str) -> AirParts:

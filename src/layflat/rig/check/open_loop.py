@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.update import MEMORY, STATUS
-from layflat.control.watch import MOTION
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters.drives import drive_parts
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
+from layflat.rig.safety.core import Core
+from layflat.rig.safety.cycle import JUDGE
 from layflat.rig.safety.debounce import CountDebounce
+from layflat.rig.safety.detectors.sample import MOTION
 from layflat.rig.safety.faults import TABLE, Fault
-from layflat.rig.safety.limits import limits
-from layflat.rig.safety.machine_watch import MachineWatch
+from layflat.rig.safety.limits import joint_limits
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class OpenLoopRig:
         self.machine, self.driver, self.clock = machine, driver, clock
         self.names = list(machine.joints)
         self.cycle = machine.cycle
-        self.limits = [limits(machine, name) for name in self.names]
+        self.limits = [joint_limits(machine, name, self.cycle) for name in self.names]
         valve, self.angle_part, self.pressure_part = drive_parts(machine)
         self.span = valve.volts_to_full
         self.centred = np.full(len(self.names), valve.centre_voltage)
@@ -47,9 +47,7 @@ class OpenLoopRig:
         """Time that each took, s."""
         self.lost = 0
         """Transactions without a good reply."""
-        self._watch = MachineWatch(machine, self.cycle, self.limits)
-        n = len(self.names)
-        self._status, self._memory = np.zeros((1, n, STATUS)), np.zeros((1, n, MEMORY))
+        self._core = Core(machine, self.cycle)
         self._gone = CountDebounce(TABLE[Fault.LINK_LOST].cycles)
         self._obeyed = False
 
@@ -97,9 +95,9 @@ class OpenLoopRig:
 
     def _judge(self, reading: Reading) -> None:
         self._gone(False)
-        fault = self._watch.look(
-            reading, self._status, self._memory, self.centred, reading.angles, 0.0, self.cycle, MOTION
-        )
+        self._core.take(reading)
+        self._core.perform(JUDGE, reading.supply, self.cycle, self.cycle, MOTION)
+        fault, faults = self._core.found
         self._obeyed = self._obeyed or reading.device is DeviceState.RUNNING
         if self._obeyed and reading.device is not DeviceState.RUNNING:
             fault = Fault.DEVICE_DUMPED if reading.device is DeviceState.DUMPED else Fault.DEVICE_CENTRED
@@ -107,6 +105,6 @@ class OpenLoopRig:
             fault = Fault.E_STOP
         if fault:
             raise UnsafeError(TABLE[fault].title)
-        for name, found in zip(self.names, self._watch.found, strict=True):
+        for name, found in zip(self.names, faults, strict=True):
             if found:
                 raise UnsafeError(f"joint {name!r}: {TABLE[found].title}")

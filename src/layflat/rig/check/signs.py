@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from layflat.rig.check.open_loop import OpenLoopRig, UnsafeError
 from layflat.rig.check.result import CheckResult
-from layflat.rig.safety.supervisor import RESET_HIGH, RESET_LOW
+from layflat.rig.safety.state_machine import RESET_HIGH, RESET_LOW
 
 Array = NDArray[np.float64]
 

@@ -82,7 +82,7 @@ def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -
     limits, middle = bench.limits[j], float(np.median(samples))
     end = 0.5 * bench.machine.joint[name].stops.mechanical_stroke
     right = ""
-    if not limits.angle_low < middle < limits.angle_high:
+    if not limits.rail.low < middle < limits.rail.high:
         right = "at its rail: it is open or shorted, look at its wires"
     elif abs(middle) > end:
         right = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
@@ -94,7 +94,7 @@ def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -
 def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -> CheckResult:
     middle = float(np.median(samples))
     right = ""
-    if not abs(middle) < bench.limits[j].pressure:
+    if not abs(middle) < bench.limits[j].over_pressure.pressure:
         right = "at its rail: look at its wires"
     elif abs(middle) > NO_PRESSURE:
         right = "let the air out of the hoses, or set its zero"

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import layflat
 from layflat.rig.clock import SECOND
 from layflat.rig.record import Layout
-from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, SCHEMAS, Rows, encoded_event
+from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Rows, encoded_event, schemas_of
 from layflat.rig.recorder.ring import Event
 
 if TYPE_CHECKING:
@@ -31,13 +31,13 @@ class Heading:
     """What a log says of itself.
 
     Attributes:
-        joints: names, from base to tip.
+        layout: of its rows.
         machine: description as JSON.
         machine_name: what it is called.
         notes: what else is to be kept, such as the driver's address.
     """
 
-    joints: tuple[str, ...]
+    layout: Layout
     machine: str
     machine_name: str
     notes: dict[str, str] = field(default_factory=dict)
@@ -45,7 +45,9 @@ class Heading:
     @classmethod
     def of(cls, machine: Machine, **notes: str) -> Heading:
         """Heading for a machine."""
-        return cls(tuple(machine.joints), machine.model_dump_json(), machine.name, notes)
+        from layflat.rig.law import layout_of  # noqa: PLC0415  # it loads the laws
+
+        return cls(layout_of(machine), machine.model_dump_json(), machine.name, notes)
 
 
 class Bag:
@@ -64,18 +66,19 @@ class Bag:
         from mcap.writer import Writer  # noqa: PLC0415
 
         self.begin = begin
-        self._rows = Rows(Layout.of(heading.joints))
+        self._rows = Rows(heading.layout)
+        schemas = schemas_of(heading.layout)
         self._writer = Writer(stream, CHUNK, use_chunking=chunked)
         self._writer.start("ros2", f"layflat {layflat.__version__}")
         self._cycle, self._state, self._events = (
             self._writer.register_channel(
-                topic, "cdr", self._writer.register_schema(kind, "ros2msg", SCHEMAS[kind].encode())
+                topic, "cdr", self._writer.register_schema(kind, "ros2msg", schemas[kind].encode())
             )
             for topic, kind in (("/cycle", CYCLE), ("/joint_states", JOINT_STATE), ("/events", LOG))
         )
         start = datetime.fromtimestamp(begin / SECOND, UTC).isoformat()
         about = {"layflat_version": layflat.__version__, "machine_name": heading.machine_name, "start": start}
-        told = {**about, "joints": json.dumps(heading.joints), "notes": json.dumps(heading.notes)}
+        told = {**about, "joints": json.dumps(heading.layout.joints), "notes": json.dumps(heading.notes)}
         self._writer.add_metadata(METADATA, told)
         self._writer.add_attachment(begin, begin, MACHINE, "application/json", heading.machine.encode())
 

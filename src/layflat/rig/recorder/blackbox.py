@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from layflat.errors import OutputError
 from layflat.files import whole_file
-from layflat.rig.record import Layout
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.file import synced
 from layflat.rig.recorder.ring import Event, Level
@@ -45,7 +44,7 @@ class BlackBox:
 
     def __init__(self, place: Path, heading: Heading) -> None:
         self._place, self._heading = place, heading
-        shared = Layout.of(heading.joints).shared
+        shared = heading.layout.shared
         self._time, self._fault = shared["time"], shared["fault"]
         self._rows: deque[Array] = deque()
         self._events: deque[Event] = deque()

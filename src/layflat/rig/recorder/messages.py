@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.rig.clock import SECOND
-from layflat.rig.record import BY_JOINT, SHARED, Layout
+from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.ring import Event
 
 Array = NDArray[np.float64]
@@ -39,13 +39,25 @@ def _fields(kind: str, fields: dict[str, tuple[str, str]]) -> str:
 
 _BY_NAME = "std_msgs/Header header\nstring[] name\n"
 
+
+def schemas_of(layout: Layout) -> dict[str, str]:
+    """Definitions by type, with what they build on."""
+    cycle = f"{_BY_NAME}{_fields('float64', SHARED)}{_fields('float64[]', layout.by_joint)}{_HEADER}"
+    return {CYCLE: cycle, **SCHEMAS}
+
+
 SCHEMAS = {
-    CYCLE: f"{_BY_NAME}{_fields('float64', SHARED)}{_fields('float64[]', BY_JOINT)}{_HEADER}",
     JOINT_STATE: f"{_BY_NAME}float64[] position\nfloat64[] velocity\nfloat64[] effort\n{_HEADER}",
     LOG: "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\n"
     f"string file\nstring function\nuint32 line\n{_TIME}",
 }
-"""Definitions by type, with what they build on."""
+"""Definitions of the types that are the same in all logs."""
+
+
+def meanings_in(definition: str) -> dict[str, tuple[str, str]]:
+    """Unit and meaning of each number of a type, as its definition tells them."""
+    found = re.findall(r"^float64(?:\[\])? (\w+)  # (.*?): (.*)$", definition.partition(_RULE)[0], re.MULTILINE)
+    return {name: (unit, meaning) for name, unit, meaning in found}
 
 
 class Fixed:
@@ -114,14 +126,14 @@ class Rows:
 
     def __init__(self, layout: Layout) -> None:
         self._layout = layout
-        self._cycle = Fixed(SCHEMAS[CYCLE], layout.joints)
+        self._cycle = Fixed(schemas_of(layout)[CYCLE], layout.joints)
         self._state = Fixed(SCHEMAS[JOINT_STATE], layout.joints, empty=("effort",))
 
     def encoded(self, stamps: NDArray[np.int64], rows: Array) -> tuple[list[bytes], list[bytes]]:
         """Cycles and joint states of rows, (rows, width)."""
-        by_joint = rows[:, len(SHARED) :].reshape(len(rows), len(self._layout.joints), len(BY_JOINT))
+        by_joint = self._layout.joint_rows(rows)
         columns = dict(zip(SHARED, rows.T, strict=False))
-        columns |= {name: by_joint[:, :, i] for i, name in enumerate(BY_JOINT)}
+        columns |= {name: by_joint[:, :, i] for name, i in self._layout.columns.items()}
         states = {"position": columns["measured_angle"], "velocity": columns["averaged_velocity"]}
         return self._cycle.encoded(stamps, columns), self._state.encoded(stamps, states)
 

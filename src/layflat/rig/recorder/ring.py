@@ -14,7 +14,6 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Sequence
 from enum import IntEnum
 from pathlib import Path
 from typing import NamedTuple
@@ -28,7 +27,7 @@ from layflat.rig.record import Layout
 
 Array = NDArray[np.float64]
 
-MAGIC = int.from_bytes(b"lfring01", "little")
+MAGIC = int.from_bytes(b"lfring02", "little")
 """Changes with what stands where in the memory."""
 
 STALE = SECOND
@@ -41,7 +40,7 @@ TEXT = 240
 """Bytes of an event's text; the rest is cut off."""
 
 _EVENT = np.dtype([("time", "<f8"), ("level", "<i8"), ("text", f"S{TEXT}")])
-_NAMES = 1024
+_NAMES = 7680
 _HEAD = 512 + _NAMES
 
 
@@ -102,25 +101,27 @@ class Ring:
         self._memory = mmap.mmap(handle, 0)
         self._head = memoryview(self._memory)[:512].cast("q")
         names = bytes(self._memory[512 : 512 + self._head[_Word.NAMES]])
-        self.layout = Layout.of(json.loads(names))
+        about = json.loads(names)
+        self.layout = Layout.of(about["joints"], about["law"])
         self._capacity, self._most_events = self._head[_Word.ROWS], self._head[_Word.EVENTS]
         shape = (self._capacity, self.layout.width)
         self._rows = np.ndarray(shape, np.float64, self._memory, _HEAD)
         self._events = np.ndarray((self._most_events,), _EVENT, self._memory, _HEAD + self._rows.nbytes)
 
     @classmethod
-    def create(cls, joints: Sequence[str], path: Path | None = None, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
+    def create(cls, layout: Layout, path: Path | None = None, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
         """Make the memory.
 
         Args:
-            joints: names, from base to tip.
+            layout: of the rows.
             path: of the file to map; one in memory (`/dev/shm`) with a new name where not given.
             rows: that fit.
             events: that fit.
         """
-        names = json.dumps(list(joints)).encode()
+        names = json.dumps({"joints": layout.joints, "law": dict(layout.law)}).encode()
         if len(names) > _NAMES:
-            raise InputError("the joints' names are too long", where="joints", right=f"{_NAMES} bytes have to do")
+            what = "names of joints and of the control law's signals are too long"
+            raise InputError(what, where="machine", right=f"{_NAMES} bytes have to do")
         if path is None:
             sweep()
             handle, name = tempfile.mkstemp(prefix=PREFIX, dir=_folder())
@@ -128,8 +129,7 @@ class Ring:
         else:
             handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
         fcntl.flock(handle, fcntl.LOCK_SH)
-        width = Layout.of(joints).width
-        os.truncate(handle, _HEAD + rows * width * 8 + events * _EVENT.itemsize)
+        os.truncate(handle, _HEAD + rows * layout.width * 8 + events * _EVENT.itemsize)
         with mmap.mmap(handle, 0) as memory:
             head = np.ndarray((64,), np.int64, memory)
             head[_Word.NAMES], head[_Word.ROWS], head[_Word.EVENTS] = len(names), rows, events

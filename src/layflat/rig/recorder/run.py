@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import DeviceState
-from layflat.rig.record import BY_JOINT, SHARED
 from layflat.rig.recorder.bag import MACHINE, METADATA
-from layflat.rig.recorder.messages import CYCLE, LOG, Fixed
+from layflat.rig.recorder.messages import CYCLE, LOG, Fixed, meanings_in
 from layflat.rig.recorder.ring import Event
 from layflat.rig.recorder.scan import check_magic
 from layflat.rig.safety.faults import Fault
@@ -49,6 +48,7 @@ class Recording:
     Attributes:
         joints: names, from base to tip.
         columns: of every cycle: (cycles,), or (cycles, joints).
+        meanings: unit and meaning of each column.
         events: in their order.
         begin: log time of the loop's time 0, ns since 1970.
         about: what the log says of itself.
@@ -57,6 +57,7 @@ class Recording:
 
     joints: tuple[str, ...]
     columns: dict[str, NDArray[np.float64]]
+    meanings: dict[str, tuple[str, str]]
     events: list[Event]
     begin: int
     about: dict[str, str]
@@ -110,11 +111,12 @@ def _recording(reader: McapReader, path: Path) -> Recording:
         raise InputError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
     joints = _joints_of(definition, cycles[0])
     columns = {RENAMED.get(name, name): values for name, values in Fixed(definition, joints).decoded(cycles).items()}
+    meanings = {RENAMED.get(name, name): meaning for name, meaning in meanings_in(definition).items()}
     begin = first - round(float(columns["time"][0]) * SECOND)
     told = [Event((stamp - begin) / SECOND, one.level, one.msg) for stamp, one in events]
     about = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
     machine = next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE), "")
-    return Recording(joints, columns, told, begin, about, machine)
+    return Recording(joints, columns, meanings, told, begin, about, machine)
 
 
 def _joints_of(definition: str, message: bytes) -> tuple[str, ...]:
@@ -152,14 +154,13 @@ def read_run(path: Path) -> xarray.Dataset:
     import xarray  # noqa: PLC0415  # takes long to import
 
     log = read_recording(path)
-    meanings = SHARED | BY_JOINT
     run = xarray.Dataset(coords={"time": ("time", log.columns["time"], {"units": "s"}), "joint": list(log.joints)})
     for name, (source, unit, meaning) in BEST_KNOWN.items():
         run[name] = (("time", "joint"), log.columns[source], {"units": unit, "long_name": meaning})
     for name, values in log.columns.items():
         if name == "time":
             continue
-        unit, meaning = meanings.get(name, ("1", name))
+        unit, meaning = log.meanings.get(name, ("1", name))
         run[name] = (("time", "joint")[: values.ndim], values, {"units": unit, "long_name": meaning, **_flags(name)})
     run["event_time"] = ("event", np.array([e.time for e in log.events]), {"units": "s", "long_name": "of an event"})
     run["event_level"] = ("event", np.array([e.level for e in log.events], dtype=np.int64), {"units": "1"})

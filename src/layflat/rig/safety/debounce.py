@@ -18,12 +18,12 @@ class CountDebounce:
 
 
 class TimeDebounce:
-    """True when a condition held for some time; two cycles are kept back, so that it is found within it."""
+    """True when a condition held for some time (s)."""
 
     __slots__ = ("enough", "time")
 
-    def __init__(self, within: float, cycle: float) -> None:
-        self.enough, self.time = max(within - 2.0 * cycle, cycle), 0.0
+    def __init__(self, enough: float) -> None:
+        self.enough, self.time = enough, 0.0
 
     def __call__(self, condition: bool, elapsed: float) -> bool:
         """Whether it has held long enough; `elapsed` (s) is the time since the sample before."""

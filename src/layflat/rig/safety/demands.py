@@ -1,59 +1,69 @@
 """What is let through of the demands: inside the working stroke, and no faster than joints can go."""
 
-from __future__ import annotations
-
 from math import isfinite
+from typing import NamedTuple
+
+from layflat.jit import law
+
+LIMITED, REFUSED = 1, 2
+"""What became of a demand that was not let through as it is."""
+
+TOLERANCE = 1e-9
+"""Beyond the working stroke that is rounding, rad."""
 
 
-class DemandGate:
-    """The gate of one joint.
+class Gate(NamedTuple):
+    """What demands of a joint are let through by."""
 
-    A demand may jump ahead of a reference by `lead`; the reference follows it at `speed`. Small
-    steps so pass as they are, and large ones become a step and a ramp.
+    working: float
+    """Half the working stroke, rad."""
+    mechanical: float
+    """Half the mechanical stroke, rad."""
+    speed: float
+    """Of the reference, rad/s."""
 
-    Args:
-        working: half the working stroke, rad.
-        mechanical: half the mechanical stroke, rad.
-        speed: of the reference, rad/s.
+
+class Demand(NamedTuple):
+    """A demand that was let through, and the reference that goes on towards it, rad."""
+
+    demand: float
+    reference: float
+
+
+@law
+def ahead(now):
+    """How far a demand is ahead of its reference, rad."""
+    return abs(now.demand - now.reference)
+
+
+@law
+def margin(gate, now, asked):
+    """What is left to the stops where a joint goes, or comes from, rad."""
+    there = abs(asked) if abs(asked) <= gate.working else abs(now.demand)
+    return gate.mechanical - max(there, abs(now.reference))
+
+
+@law
+def settled(gate, now, elapsed):
+    """Let the reference go on towards the demand for `elapsed` seconds."""
+    way, left = gate.speed * elapsed, now.demand - now.reference
+    reference = now.demand if abs(left) <= way else now.reference + (way if left > 0.0 else -way)
+    return Demand(now.demand, reference)
+
+
+@law
+def followed(gate, now, asked, lead, elapsed):
+    """The demand after a cycle in which this angle (rad) was asked for, and what became of it.
+
+    A demand may jump ahead of the reference by `lead`; the reference follows it. Small steps so pass as they are, and
+    large ones become a step and a ramp. One outside the stroke changes nothing.
     """
-
-    __slots__ = ("demand", "limited", "mechanical", "reference", "refused", "speed", "working")
-
-    def __init__(self, working: float, mechanical: float, speed: float) -> None:
-        self.working, self.mechanical, self.speed = working, mechanical, speed
-        self.freeze(0.0)
-
-    def margin(self, asked: float) -> float:
-        """What is left to the stops where the joint goes, or comes from, rad."""
-        there = abs(asked) if abs(asked) <= self.working else abs(self.demand)
-        return self.mechanical - max(there, abs(self.reference))
-
-    def freeze(self, angle: float) -> None:
-        """From now on ask for this angle (rad)."""
-        self.demand = self.reference = angle
-        self.limited = self.refused = False
-
-    @property
-    def ahead(self) -> float:
-        """How far the demand is ahead of the reference, rad."""
-        return abs(self.demand - self.reference)
-
-    def follow(self, asked: float, lead: float, elapsed: float) -> float:
-        """The demand after a cycle in which this angle (rad) was asked for; one outside the stroke changes nothing."""
-        self.refused = not (isfinite(asked) and abs(asked) <= self.working + 1e-9)
-        if self.refused:
-            asked = self.demand
-        if (asked - self.demand) * (self.demand - self.reference) < 0.0:
-            # It turns back while the joint is on its way: from the reference it would leap by twice the lead.
-            self.reference = self.demand
-        low, high = self.reference - lead, self.reference + lead
-        allowed = low if asked < low else high if asked > high else asked
-        self.limited = allowed != asked
-        self.demand = allowed
-        self.settle(elapsed)
-        return allowed
-
-    def settle(self, elapsed: float) -> None:
-        """Let the reference go on towards the demand."""
-        way, left = self.speed * elapsed, self.demand - self.reference
-        self.reference = self.demand if abs(left) <= way else self.reference + (way if left > 0.0 else -way)
+    refused = not (isfinite(asked) and abs(asked) <= gate.working + TOLERANCE)
+    wanted = now.demand if refused else asked
+    # One that turns back while the joint is on its way would leap by twice the lead from the reference.
+    turned_back = (wanted - now.demand) * (now.demand - now.reference) < 0.0
+    reference = now.demand if turned_back else now.reference
+    low, high = reference - lead, reference + lead
+    allowed = low if wanted < low else high if wanted > high else wanted
+    outcome = REFUSED if refused else (LIMITED if allowed != wanted else 0)
+    return settled(gate, Demand(allowed, reference), elapsed), outcome

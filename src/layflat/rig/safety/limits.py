@@ -1,19 +1,33 @@
-"""Limits of one joint as plain numbers, from a machine's description."""
+"""What a rig is watched by, as plain numbers, from a machine's description."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, isfinite
+from math import cos, inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.watch import Limits, Patience
 from layflat.machine import Machine, parameters
 from layflat.machine.model import SpoolValve
 from layflat.machine.parameters.drives import drive_parts
 from layflat.machine.parameters.drives import sensor as sensor_law
 from layflat.physics.arm import OneLink, two_link_mass
+from layflat.rig.safety.cycle import Rig, Settings
+from layflat.rig.safety.demands import Gate
+from layflat.rig.safety.detectors import (
+    angle_frozen,
+    doubt,
+    following,
+    joint,
+    outside,
+    over_pressure,
+    over_speed,
+    pressure_frozen,
+    rail,
+    supply,
+    valve_unresponsive,
+)  # fmt: skip
 from layflat.rig.safety.faults import TABLE, Fault
 
 LIVELY = 0.3
@@ -36,33 +50,99 @@ HELD = 0.6
 """The same by more than noise, which may go to and fro by a count, s."""
 
 
-def limits(machine: Machine, name: str) -> Limits:
-    """Limits of a joint.
+DIPS = 3
+"""Samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
+
+DOUBTFUL, SURE = 2.5, 7.5
+"""Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit."""
+
+
+def within(fault: Fault, cycle: float, spare: float = 2.0) -> float:
+    """How long a condition has to last, s: some cycles less than the table of faults gives to find it."""
+    return TABLE[fault].seconds - spare * cycle
+
+
+def rig_settings(machine: Machine, cycle: float) -> Rig:
+    """What holds of the machine as a whole; `cycle` of the loop, s.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+    valve, _, _ = drive_parts(machine)
+    safety, source, span = machine.safety, machine.supply, valve.volts_to_full
+    lost = TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle
+    return Rig(
+        cycle,
+        valve.centre_voltage,
+        1.0 / span,
+        source.ambient_pressure,
+        valve.centre_voltage - span,
+        valve.centre_voltage + span,
+        safety.demand_lead,
+        safety.demand_margin,
+        supply.Limits(
+            low=source.ambient_pressure + safety.supply_low * source.pressure_gauge,
+            high=source.ambient_pressure + safety.overpressure * source.pressure_gauge,
+            samples=TABLE[Fault.OVER_PRESSURE].cycles,
+            dips=DIPS,
+            patience=max(lost - 2.0 * cycle, cycle),
+        ),
+    )
+
+
+def joint_settings(machine: Machine, name: str, cycle: float) -> Settings:
+    """What holds of a joint; `cycle` of the loop, s.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+    stops, safety = machine.joint[name].stops, machine.safety
+    averaged = machine.controller.averaged if machine.controller is not None else True
+    return Settings(
+        joint_limits(machine, name, cycle),
+        parameters.air_parts(machine, name),
+        Gate(0.5 * stops.working_stroke, 0.5 * stops.mechanical_stroke, safety.demand_speed),
+        1.0 if averaged else 0.0,
+    )
+
+
+def joint_limits(machine: Machine, name: str, cycle: float) -> joint.Limits:
+    """Limits of the detectors of a joint; `cycle` of the loop, s.
 
     Raises:
         MachineError: the machine has no valve or sensors.
     """
     _, angle_part, pressure_part = drive_parts(machine)
-    joint, safety, gauge = machine.joint[name], machine.safety, machine.supply.pressure_gauge
+    part, safety, gauge = machine.joint[name], machine.safety, machine.supply.pressure_gauge
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
-    working, mechanical = joint.stops.working_stroke / 2, joint.stops.mechanical_stroke / 2
-    K = parameters.torque_constant(joint)
-    friction = 2.0 * joint.brake.torque / K + parameters.loss_share(joint) * gauge
+    working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
+    friction = 2.0 * part.brake.torque / parameters.torque_constant(part) + parameters.loss_share(part) * gauge
     seen = _dither_is_seen(machine)
-    return Limits(
-        angle.low + RAIL * angle.lsb,
-        angle.high - RAIL * angle.lsb,
-        angle.lsb,
-        working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
-        safety.speed - NOISE * angle.lsb / machine.cycle,
-        min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
-        friction,
-        safety.following_error,
-        safety.following_time,
-        safety.demand_speed,
-        safety.surplus if joint.acting == "double" else float("inf"),
-        machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
-        1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
+    sure = SURE * cycle
+    return joint.Limits(
+        rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb, TABLE[Fault.ANGLE_AT_RAIL].cycles),
+        over_pressure.Limits(
+            min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb), TABLE[Fault.OVER_PRESSURE].cycles
+        ),
+        over_speed.Limits(safety.speed - NOISE * angle.lsb / machine.cycle, TABLE[Fault.OVER_SPEED].cycles),
+        outside.Limits(
+            working + safety.overrun * (mechanical - working) - NOISE * angle.lsb, TABLE[Fault.OUTSIDE_STROKE].cycles
+        ),
+        doubt.Limits(
+            angle.lsb,
+            1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
+            safety.surplus if part.acting == "double" else inf,
+            DOUBTFUL * cycle,
+        ),
+        angle_frozen.Limits(angle.lsb, friction, sure, within(Fault.ANGLE_FROZEN, cycle), ASLEEP, HELD),
+        valve_unresponsive.Limits(
+            machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
+            within(Fault.VALVE_UNRESPONSIVE, cycle, 2.0 + RIPPLE_AFTER),
+        ),
+        pressure_frozen.Limits(within(Fault.PRESSURE_FROZEN, cycle), sure),
+        following.Limits(
+            safety.following_error, safety.following_time, safety.demand_speed, within(Fault.FOLLOWING_ERROR, cycle)
+        ),
     )
 
 
@@ -86,28 +166,6 @@ def coupling(machine: Machine) -> Callable[[NDArray[np.float64]], NDArray[np.flo
         return found
 
     return at
-
-
-def patience(cycle: float) -> Patience:
-    """How long conditions have to last: two cycles less than the table gives to find them."""
-
-    def within(fault: Fault, cycles: float = 2.0) -> float:
-        return TABLE[fault].seconds - cycles * cycle
-
-    return Patience(
-        rail=TABLE[Fault.ANGLE_AT_RAIL].cycles,
-        fast=TABLE[Fault.OVER_SPEED].cycles,
-        outside=TABLE[Fault.OUTSIDE_STROKE].cycles,
-        pressed=TABLE[Fault.OVER_PRESSURE].cycles,
-        frozen_pressure=within(Fault.PRESSURE_FROZEN),
-        frozen_angle=within(Fault.ANGLE_FROZEN),
-        following=within(Fault.FOLLOWING_ERROR),
-        quiet=within(Fault.VALVE_UNRESPONSIVE, 2.0 + RIPPLE_AFTER),
-        doubtful=2.5 * cycle,
-        sure=7.5 * cycle,
-        asleep=ASLEEP,
-        held=HELD,
-    )
 
 
 def _dither_is_seen(machine: Machine) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 
 from layflat.rig.device.failures import failure
 from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.safety.detectors.following import allowed
 from layflat.rig.safety.faults import Fault
 from layflat.rig.trials.rig import TrialRig
 
@@ -99,10 +100,10 @@ def _heard(rig: TrialRig, _: int) -> None:
 
 def _nonsense(value: float, label: str) -> FaultCase:
     def begin(rig: TrialRig, joint: int) -> None:
-        rig.loop.spoil, rig.loop.spoilt_joint = value, joint
+        rig.loop.inject(joint, value)
 
-    def end(rig: TrialRig, _: int) -> None:
-        rig.loop.spoil = None
+    def end(rig: TrialRig, joint: int) -> None:
+        rig.loop.inject(joint, None)
 
     return FaultCase(label, begin, end, (Fault.BAD_COMMAND,), Safe.HELD, cycles=1)
 
@@ -135,9 +136,8 @@ def _let_go(rig: TrialRig, joint: int) -> None:
 
 
 def _left_behind(rig: TrialRig, joint: int) -> bool:
-    limits, speed = rig.limits[joint], abs(rig.truth.velocities[joint])
-    allowed = limits.following + limits.following_time * speed + rig.lead
-    return bool(abs(rig.truth.angles[joint] - rig.reaches[joint]) > allowed)
+    most = allowed(rig.following[joint], rig.truth.velocities[joint], rig.lead)
+    return bool(abs(rig.truth.angles[joint] - rig.reaches[joint]) > most)
 
 
 GRIP = 1.0

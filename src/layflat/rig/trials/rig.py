@@ -20,7 +20,8 @@ from layflat.rig.device.process import DeviceProcess
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState, Driver
 from layflat.rig.loop import Loop, Recorder
-from layflat.rig.safety.limits import limits
+from layflat.rig.safety.detectors.following import reached
+from layflat.rig.safety.limits import joint_limits
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
@@ -127,13 +128,10 @@ class KillableRecorder:
 class FaultInjectingLoop(Loop):
     """A loop whose controllers can be made to ask for nonsense."""
 
-    spoil: float | None = None
-    spoilt_joint = 0
-
-    def _update(self, reading: object, elapsed: float) -> None:
-        super()._update(reading, elapsed)  # type: ignore[arg-type]
-        if self.spoil is not None:
-            self._asked[self.spoilt_joint] = self.spoil
+    def inject(self, joint: int, voltage: float | None) -> None:
+        """Let a joint's controller ask for a voltage from now on, V; None lets it be."""
+        core = self.supervisor.core
+        core.between = None if voltage is None else lambda: core.voltages_asked.__setitem__(joint, voltage)
 
 
 @dataclass
@@ -171,7 +169,7 @@ class TrialRig:
         driver.activate()
         assert machine.controller is not None  # the loop has taken its gains
         self.period = machine.controller.cycle
-        self.limits = [limits(machine, name) for name in machine.joints]
+        self.following = [joint_limits(machine, name, self.period).following for name in machine.joints]
         self.peaks = Peaks([0.0] * len(machine.joints))
         self._line = 0.0
         self.truth: Truth = device.call(truth)
@@ -186,7 +184,7 @@ class TrialRig:
     @property
     def lead(self) -> float:
         """How far any joint's demand is ahead of what it could reach, rad."""
-        return max(gate.ahead for gate in self.supervisor.gates)
+        return self.supervisor.core.lead
 
     def cycle(self) -> None:
         """One control cycle, and a look at what is so."""
@@ -199,11 +197,8 @@ class TrialRig:
         peaks = self.peaks
         peaks.angles = [max(a, abs(b)) for a, b in zip(peaks.angles, self.truth.angles, strict=True)]
         self._line = max(self._line, self.truth.supply)
-        way = self.machine.safety.demand_speed * self.period
         for j, (angle, demand) in enumerate(zip(self.truth.angles, self.supervisor.demands, strict=True)):
-            reach = self.reaches[j]
-            up = min(max(reach + way, angle), demand)
-            self.reaches[j] = up if demand >= reach else max(min(reach - way, angle), demand)
+            self.reaches[j] = reached(self.following[j], self.reaches[j], angle, demand, self.period)
         peaks.pressure = max(peaks.pressure, *self.truth.pressures)
         peaks.above_supply = max(peaks.above_supply, max(self.truth.pressures) - self._line)
 

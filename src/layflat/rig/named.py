@@ -1,0 +1,61 @@
+"""Numbers of named tuples in arrays that stay in place: rows for the compiler, columns by name for everything else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.lanes import leaves
+
+
+def leaf_names(like: Any, prefix: str = "") -> Iterator[str]:
+    """Names of a nested tuple's numbers in order, such as "gate.working"; items without a name count from 0."""
+    for name, item in zip(getattr(like, "_fields", range(len(like))), like, strict=True):
+        if isinstance(item, tuple):
+            yield from leaf_names(item, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}"
+
+
+def blank(kind: Any) -> Any:
+    """A named tuple of a kind, and all named tuples in it, of zeros."""
+    return kind(*(blank(item) if hasattr(item, "_fields") else 0.0 for item in kind.__annotations__.values()))
+
+
+def places(like: Any) -> Any:
+    """Where each item of a named tuple begins in a row of its numbers, as a tuple of the same kind."""
+    counts = [len(list(leaves(item))) if isinstance(item, tuple) else 1 for item in like]
+    return type(like)(*(sum(counts[:i]) for i in range(len(counts))))
+
+
+class NamedRows:
+    """Rows of numbers, each those of a named tuple.
+
+    Args:
+        rows: nested tuples of one kind.
+    """
+
+    def __init__(self, rows: list[Any]) -> None:
+        self.like = rows[0]
+        self.array: NDArray[np.float64] = np.array([list(leaves(row)) for row in rows], dtype=float)
+        self._columns = {name: i for i, name in enumerate(leaf_names(self.like))}
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """The numbers of one name, (rows,); a view."""
+        return self.array[:, self._columns[name]]
+
+    def block(self, part: str) -> NDArray[np.float64]:
+        """The numbers of a part, (rows, numbers); a view."""
+        at, size = getattr(places(self.like), part), len(list(leaves(getattr(self.like, part))))
+        return self.array[:, at : at + size]
+
+    def replace(self, part: str, value: Any, row: int | slice = slice(None)) -> None:
+        """Put the numbers of a tuple into a part, in one row or all."""
+        self.block(part)[row] = list(leaves(value))
+
+    def put(self, row: int, value: Any) -> None:
+        """Replace a row."""
+        self.array[row] = list(leaves(value))

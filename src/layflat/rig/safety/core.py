@@ -1,0 +1,147 @@
+"""The numbers of a rig's control cycle, and what performs it on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.machine import Machine
+from layflat.physics.air_balance import AirEstimate
+from layflat.physics.joint import FILLED
+from layflat.rig.driver import Reading
+from layflat.rig.law import JointLaws
+from layflat.rig.named import NamedRows
+from layflat.rig.safety import estimator
+from layflat.rig.safety.cycle import CALM, CONTROL, FOUND, GATE, INPUTS, JOINT_INPUTS, MEMORY, cycle_with, judge
+from layflat.rig.safety.demands import Demand
+from layflat.rig.safety.detectors import joint, supply
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.limits import coupling, joint_settings, rig_settings
+
+Array = NDArray[np.float64]
+
+ENOUGH = 0.4
+"""Of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones."""
+
+RIPPLE, LEAST_RIPPLE = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
+
+
+class Core:
+    """A rig's control cycle: its numbers by name, and its stages.
+
+    Args:
+        machine: with valve and sensors.
+        cycle: of the loop, s.
+        law: of control; the detectors alone work where there is none.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+
+    def __init__(self, machine: Machine, cycle: float, law: JointLaws | None = None) -> None:
+        names = list(machine.joints)
+        self.rig = NamedRows([rig_settings(machine, cycle)])
+        self.settings = NamedRows([joint_settings(machine, name, cycle) for name in names])
+        self.memory, self.inputs, self.law = NamedRows([MEMORY] * len(names)), NamedRows([INPUTS]), law
+        self._given = np.zeros((len(names), JOINT_INPUTS + len(names)))
+        self._coupling = coupling(machine) if len(names) > 1 else None
+        self._head = self.inputs.array[0]
+        arrays = (self.rig.array[0], self.settings.array, self._head, self._given, self.memory.array)
+        self._perform: Callable[..., int] = judge if law is None else cycle_with(law.settings.like, law.memory.like)
+        self._arrays = arrays if law is None else (*arrays, law.settings.array, law.memory.array, law.report.array)
+        self.angles, self.pressures, self.asked = self._given[:, 0], self._given[:, 1], self._given[:, 2]
+        """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
+        self.between: Callable[[], object] | None = None
+        """Is called, where there is one, between the control law and the gate of its voltages."""
+        self.voltages_asked = self.memory["asked"]
+        """What the control law asked for, V, (joints,)."""
+        self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]
+        """What was let through: rad and V, (joints,)."""
+        self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]
+        """Of the joints in this cycle, as numbers."""
+        self.estimates: Array = self.memory.block("estimate")
+        """Numbers of `estimator.Estimate`, (joints, 4)."""
+        self.voltages[:] = self.voltages_asked[:] = self.rig["centre"][0]
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what the detectors saw; what the hoses hold, and demands, are kept."""
+        self.memory.replace("detectors", joint.FRESH)
+        self.inputs.replace("lines", supply.FRESH)
+        self.inputs["even"][0] = CALM
+
+    def begin(self, reading: Reading, *, filled: bool) -> None:
+        """Take the hoses for empty, or for filled as they are when left to themselves."""
+        empty = self.rig["ambient"][0]
+        held = max(FILLED * reading.supply if filled else empty, empty)
+        for j, (angle, pressure) in enumerate(zip(reading.angles, reading.pressures, strict=True)):
+            half = 0.5 * pressure if isfinite(pressure) else 0.0
+            self.memory.replace("air", AirEstimate(held + half, held - half, angle, 0.0), j)
+
+    def wake(self, reading: Reading) -> None:
+        """Let control law and estimators begin at this reading."""
+        for j, (angle, pressure) in enumerate(zip(reading.angles.tolist(), reading.pressures.tolist(), strict=True)):
+            self.memory.replace("estimator", estimator.woken(angle, pressure), j)
+            if self.law is not None:
+                self.law.wake(j, angle, pressure)
+
+    def take(self, reading: Reading) -> None:
+        """Take in what was sampled."""
+        self.angles[:], self.pressures[:] = reading.angles, reading.pressures
+        if self._coupling is not None:
+            self._given[:, JOINT_INPUTS:] = self._coupling(reading.angles)
+
+    def perform(
+        self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,
+        wake: bool = False,
+    ) -> int:  # fmt: skip
+        """Perform stages of a cycle; what came of them (see cycle.py).
+
+        Args:
+            stages: flags of cycle.py.
+            supply_now: absolute pressure, Pa.
+            elapsed: since the last samples, s.
+            since: since the last cycle, s.
+            level: what there is to watch (see detectors/sample.py).
+            follow: whether demands are obeyed.
+            wake: whether control law and estimators begin anew.
+        """
+        self._head[:6] = supply_now, elapsed, since, level, follow, wake
+        if self.law is None:
+            return self._perform(*self._arrays)
+        if self.between is None:
+            return self._perform(*self._arrays, stages)
+        came = self._perform(*self._arrays, stages & ~GATE)
+        if stages & CONTROL and not came & FOUND:
+            self.between()
+        return came | self._perform(*self._arrays, GATE) if stages & GATE and not came & FOUND else came
+
+    def freeze(self, j: int, angle: float) -> None:
+        """From now on ask a joint for this angle, rad."""
+        self.memory.replace("demand", Demand(angle, angle), j)
+
+    def air_is_there(self, supply_now: float, ready: float) -> bool:
+        """Whether supply (absolute, Pa) and ripple are those of a machine that can move."""
+        if not supply_now >= ready:
+            return False
+        least, ripple = self.settings[LEAST_RIPPLE], self.memory[RIPPLE]
+        return not (least > 0.0).all() or bool(((least < ripple) & (ripple < inf)).all())
+
+    def hoses_are_filled(self, supply_now: float) -> bool:
+        """Whether every pair of hoses holds what it takes to move well; supply absolute, Pa."""
+        empty = self.rig["ambient"][0]
+        held = self.memory["air.pressure_a"] + self.memory["air.pressure_b"]
+        return bool((held >= 2.0 * (empty + ENOUGH * (supply_now - empty))).all())
+
+    @property
+    def found(self) -> tuple[Fault, list[Fault]]:
+        """Faults of the machine as a whole, and of each joint, as they were judged last."""
+        return Fault(int(self.inputs["fault"][0])), [Fault(int(fault)) for fault in self.faults.tolist()]
+
+    @property
+    def lead(self) -> float:
+        """How far any demand is ahead of its reference at most, rad."""
+        return float(np.abs(self.demands - self.memory["demand.reference"]).max())

@@ -1,0 +1,279 @@
+"""A rig's control cycle as compiled code: air balance, detectors, demands, control law and voltages in one call.
+
+Its numbers stay in arrays from call to call (see `rig/named.py`); which tuples they are, the compiler knows. Who calls
+says which stages are due, since Python decides between them wherever anything is found.
+"""
+
+from collections.abc import Callable
+from math import inf, isfinite
+from typing import Any, NamedTuple
+
+from layflat.control.controller import start, step
+from layflat.control.gains import Measurement
+from layflat.jit import kernel, law
+from layflat.lanes import read_numbers, write_numbers
+from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
+from layflat.rig.named import blank, places
+from layflat.rig.safety import demands, estimator
+from layflat.rig.safety.detectors import joint, sample, supply
+
+JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16
+"""Stages of a cycle."""
+
+FOUND, CHANGED, BAD = 1, 2, 4
+"""What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad."""
+
+TURNS = 0.05
+"""Speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s."""
+
+UNEVEN, CALM = 0.3, 0.1
+"""A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s."""
+
+
+class Rig(NamedTuple):
+    """What holds of the machine as a whole."""
+
+    cycle: float
+    """s."""
+    centre: float
+    """Voltage at which valves are closed, V."""
+    per_volt: float
+    """Opening of a valve, 1/V."""
+    ambient: float
+    """Pa."""
+    voltage_low: float
+    voltage_high: float
+    demand_lead: float
+    """By which demands may be ahead of their references, rad."""
+    demand_margin: float
+    """Of what is left to the stops, 1."""
+    supply: supply.Limits
+
+
+class Settings(NamedTuple):
+    """What holds of a joint."""
+
+    detectors: joint.Limits
+    air: AirParts
+    gate: demands.Gate
+    averaged: float
+    """1 where signals are averaged over a dither period, else 0."""
+
+
+class Memory(NamedTuple):
+    """What is remembered of a joint from cycle to cycle."""
+
+    detectors: joint.Memory
+    air: AirEstimate
+    estimator: estimator.Memory
+    estimate: estimator.Estimate
+    demand: demands.Demand
+    neutral: float
+    """Estimated shift of the valve's neutral voltage, V."""
+    asked: float
+    """Voltage that the control law asked for, V."""
+    voltage: float
+    """Voltage that was let through, V."""
+    fault: float
+    """Number of the worst fault of this cycle; 0: none."""
+    outcome: float
+    """What became of the demand in this cycle."""
+
+
+class Inputs(NamedTuple):
+    """What comes in with a cycle, and what is remembered of the machine as a whole."""
+
+    supply: float
+    """Absolute, Pa."""
+    elapsed: float
+    """Since the last samples, s."""
+    since: float
+    """Since the last cycle, s."""
+    level: float
+    """What there is to watch."""
+    follow: float
+    """1 where demands are obeyed."""
+    wake: float
+    """1 where controllers begin anew."""
+    even: float
+    """For how long cycles have been even, s."""
+    lines: supply.Memory
+    fault: float
+    """Number of the machine's fault of this cycle; 0: none."""
+
+
+class JointInputs(NamedTuple):
+    """What comes in for a joint; behind it in its row stand the shares of each joint's pressure that it feels."""
+
+    angle: float
+    pressure: float
+    asked: float
+
+
+JOINT_INPUTS = len(JointInputs._fields)
+
+
+class Report(NamedTuple):
+    """What the control law tells of a joint."""
+
+    phase: float
+    short_term: float
+    long_term: float
+    learning: float
+
+
+RIG, SETTINGS, MEMORY, INPUTS, JOINT = (blank(kind) for kind in (Rig, Settings, Memory, Inputs, JointInputs))
+IN_MEMORY, IN_INPUTS = places(MEMORY), places(INPUTS)
+
+
+@law
+def _air(rig, settings, memory, came, supply_pressure, elapsed):
+    """What is known of the air after this cycle; where something is not a number, what was before."""
+    if not (isfinite(came.angle) and isfinite(came.pressure) and isfinite(supply_pressure)):
+        return memory.air
+    opening = (memory.voltage - (memory.neutral + rig.centre)) * rig.per_volt
+    return follow_air(
+        settings.air, memory.air, opening, came.angle, came.pressure, supply_pressure, rig.ambient, elapsed
+    )
+
+
+@kernel
+def judge(rig_numbers, settings, inputs, given, memory):
+    """Let all detectors look at what was sampled; writes faults into `inputs` and `memory`, and returns FOUND or 0.
+
+    Args: numbers of a `Rig`, of `Settings` (a row a joint, as all that follows but `inputs`), `Inputs`, `JointInputs`
+    and `Memory`.
+    """
+    n, rig, now = len(settings), read_numbers(RIG, rig_numbers), read_numbers(INPUTS, inputs)
+    still, lead, worst = 0, 0.0, 0
+    for j in range(n):
+        before = read_numbers(MEMORY, memory[j])
+        _, ripple = sample.swung(before.detectors.trace, read_numbers(JOINT, given[j]).pressure)
+        still += 1 if ripple < read_numbers(SETTINGS, settings[j]).detectors.valve_unresponsive.ripple else 0
+        lead = max(lead, demands.ahead(before.demand))
+    # When a late cycle's voltage reached its valve, and when it was sampled, is not known well enough.
+    even = 0.0 if abs(now.elapsed - rig.cycle) > UNEVEN * rig.cycle else now.even + now.elapsed
+    trusted = now.supply >= rig.supply.low and even >= CALM
+    alone = 1.0 if trusted and (n == 1 or still < n) else 0.0
+    for j in range(n):
+        own, before = read_numbers(SETTINGS, settings[j]), read_numbers(MEMORY, memory[j])
+        came, others = read_numbers(JOINT, given[j]), 0.0
+        for i in range(n):
+            turning = read_numbers(MEMORY, memory[i]).estimate
+            felt = given[j, JOINT_INPUTS + i] * turning.averaged_pressure
+            others += felt if abs(turning.averaged_velocity) > TURNS else 0.0
+        air = _air(rig, own, before, came, now.supply, now.elapsed)
+        taken = sample.Sample(
+            came.angle, came.pressure, before.estimate.averaged_pressure, others, before.estimate.averaged_velocity,
+            air.residual, before.demand.demand, lead, now.elapsed, now.level, alone,
+        )  # fmt: skip
+        detectors, fault = joint.find(own.detectors, before.detectors, taken)
+        write_numbers(memory[j, IN_MEMORY.detectors :], detectors)
+        write_numbers(memory[j, IN_MEMORY.air :], air)
+        memory[j, IN_MEMORY.fault] = fault
+        worst = max(worst, fault)
+    lines, fault = supply.find(rig.supply, now.lines, now.supply, n > 1 and still == n, now.elapsed, now.level)
+    write_numbers(inputs[IN_INPUTS.lines :], lines)
+    inputs[IN_INPUTS.even], inputs[IN_INPUTS.fault] = even, fault
+    return FOUND if worst > 0 or fault > 0 else 0
+
+
+@kernel
+def let_through(rig_numbers, settings, inputs, given, memory):
+    """Let demands through their gates (arguments as of `judge`); returns CHANGED where one was, else 0."""
+    n, rig, now = len(settings), read_numbers(RIG, rig_numbers), read_numbers(INPUTS, inputs)
+    least, changed = inf, 0
+    for j in range(n):
+        asked = read_numbers(JOINT, given[j]).asked
+        least = min(
+            least,
+            demands.margin(read_numbers(SETTINGS, settings[j]).gate, read_numbers(MEMORY, memory[j]).demand, asked),
+        )
+    lead = min(rig.demand_lead, rig.demand_margin * max(least, 0.0))
+    for j in range(n):
+        gate, before = read_numbers(SETTINGS, settings[j]).gate, read_numbers(MEMORY, memory[j]).demand
+        outcome = 0
+        if now.follow > 0.0:
+            asked = read_numbers(JOINT, given[j]).asked
+            after, outcome = demands.followed(gate, before, asked, lead, now.since)
+        else:
+            after = demands.settled(gate, before, now.since)
+        write_numbers(memory[j, IN_MEMORY.demand :], after)
+        memory[j, IN_MEMORY.outcome] = outcome
+        changed = CHANGED if outcome > 0 else changed
+    return changed
+
+
+@kernel
+def estimate(settings, inputs, given, memory):
+    """Estimate angles, velocities and pressures from what was sampled; arguments as of `judge`."""
+    now = read_numbers(INPUTS, inputs)
+    for j in range(len(settings)):
+        came, before = read_numbers(JOINT, given[j]), read_numbers(MEMORY, memory[j]).estimator
+        if now.wake > 0.0:
+            before = estimator.woken(came.angle, came.pressure)
+        averaged = read_numbers(SETTINGS, settings[j]).averaged
+        after, found = estimator.estimated(before, came.angle, came.pressure, averaged, now.elapsed)
+        write_numbers(memory[j, IN_MEMORY.estimator :], after)
+        write_numbers(memory[j, IN_MEMORY.estimate :], found)
+
+
+@kernel
+def gate(rig_numbers, memory):
+    """Let voltages through that may be sent; returns BAD where one may not, and all valves are centred then."""
+    rig, bad = read_numbers(RIG, rig_numbers), 0
+    for j in range(len(memory)):
+        # Written so that what is not a number is refused.
+        good = rig.voltage_low <= memory[j, IN_MEMORY.asked] <= rig.voltage_high
+        memory[j, IN_MEMORY.voltage] = memory[j, IN_MEMORY.asked]
+        bad = bad if good else BAD
+    if bad:
+        # All of them: a joint that is held by its controller is shaken by one that is not, and shakes it.
+        for j in range(len(memory)):
+            memory[j, IN_MEMORY.voltage] = rig.centre
+    return bad
+
+
+Cycle = Callable[..., int]
+"""`cycle(rig, settings, inputs, given, memory, law_settings, law_memory, report, stages)`: what came of the stages."""
+
+_known: dict[str, Cycle] = {}
+
+
+def cycle_with(settings: Any, memory: Any) -> Cycle:
+    """The cycle with a control law whose settings and memory are such tuples."""
+    kind = repr((settings, memory))
+    if kind not in _known:
+        _known[kind] = _compiled(settings, memory)
+    return _known[kind]
+
+
+def _compiled(settings_like, memory_like):
+    @kernel
+    def cycle(rig, settings, inputs, given, memory, law_settings, law_memory, report, stages):
+        came = 0
+        if stages & JUDGE:
+            came = judge(rig, settings, inputs, given, memory)
+            if came > 0:
+                return came
+        if stages & DEMAND:
+            came |= let_through(rig, settings, inputs, given, memory)
+        if stages & ESTIMATE:
+            estimate(settings, inputs, given, memory)
+        if stages & CONTROL:
+            now = read_numbers(INPUTS, inputs)
+            for j in range(len(settings)):
+                sensed, before = read_numbers(JOINT, given[j]), read_numbers(memory_like, law_memory[j])
+                measured = Measurement(sensed.angle, sensed.pressure, now.elapsed)
+                if now.wake > 0.0:
+                    before = start(measured)
+                gains, demand = read_numbers(settings_like, law_settings[j]), memory[j, IN_MEMORY.demand]
+                after, voltage, status = step(gains, before, measured, demand)
+                write_numbers(law_memory[j], after)
+                write_numbers(report[j], Report(status.phase, after.short_term, after.long_term, status.drift_learnt))
+                memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltage, after.long_term
+        if stages & GATE:
+            came |= gate(rig, memory)
+        return came
+
+    return cycle

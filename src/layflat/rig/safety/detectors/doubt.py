@@ -1,0 +1,58 @@
+"""Whether a sensor may be frozen: until that is known, what is computed from it says nothing of the valve."""
+
+from typing import NamedTuple
+
+from layflat.jit import law
+from layflat.rig.safety.detectors.sample import AIR, lasted
+
+MOVING = 2.5
+"""Counts from one sample to the next that are motion, not noise."""
+
+
+class Limits(NamedTuple):
+    """What doubts arise from."""
+
+    lsb: float
+    """One count of the angle's converter, rad."""
+    lively: float
+    """1 if a sound pressure sensor changes all the time, else 0."""
+    residual: float
+    """Of air, as an opening of the valve; infinite where the air can't be watched: a joint of a single hose."""
+    doubtful: float
+    """Of the same sample, after which a sensor may be frozen, s."""
+
+
+class Memory(NamedTuple):
+    """For how long the pressure has been the same (s), and 1 where a sensor is suspect."""
+
+    same_pressure: float
+    suspect: float
+
+
+class Doubt(NamedTuple):
+    """What is not certain in a cycle."""
+
+    angle: bool
+    """The angle stands still although the joint moved."""
+    any: bool
+    """The angle or the pressure may be frozen."""
+    wrong: bool
+    """The air does what the valve was not asked for, or a sensor is wrong."""
+    suspect: bool
+    """A sensor may be frozen, and the air has been wrong since."""
+
+
+FRESH = Memory(0.0, 0.0)
+
+
+@law
+def doubt(limits, memory, before, now, sample):
+    """Memory and doubts after a sample, with the traces before and after it."""
+    airy = sample.level >= AIR
+    repeated = airy and limits.lively > 0.0 and sample.pressure == before.pressure_1
+    same_pressure = lasted(memory.same_pressure, repeated, sample.elapsed)
+    angle = now.same_angle > limits.doubtful and now.step > MOVING * limits.lsb
+    either = same_pressure > limits.doubtful or angle
+    wrong = airy and sample.alone > 0.0 and abs(sample.residual) > limits.residual
+    suspect = either and (wrong or memory.suspect > 0.0)
+    return Memory(same_pressure, 1.0 if suspect else 0.0), Doubt(angle, either, wrong, suspect)

@@ -1,0 +1,70 @@
+"""All detectors of a joint, one after the other; the worst fault that they find."""
+
+from typing import NamedTuple
+
+from layflat.jit import law
+from layflat.rig.safety.detectors import (
+    angle_frozen,
+    doubt,
+    following,
+    outside,
+    over_pressure,
+    over_speed,
+    pressure_frozen,
+    rail,
+    sample,
+    valve_unresponsive,
+)  # fmt: skip
+
+
+class Limits(NamedTuple):
+    """Limits of each detector."""
+
+    rail: rail.Limits
+    over_pressure: over_pressure.Limits
+    over_speed: over_speed.Limits
+    outside: outside.Limits
+    doubt: doubt.Limits
+    angle_frozen: angle_frozen.Limits
+    valve_unresponsive: valve_unresponsive.Limits
+    pressure_frozen: pressure_frozen.Limits
+    following: following.Limits
+
+
+class Memory(NamedTuple):
+    """Memory of each detector."""
+
+    trace: sample.Trace
+    rail: rail.Memory
+    over_pressure: over_pressure.Memory
+    over_speed: over_speed.Memory
+    outside: outside.Memory
+    doubt: doubt.Memory
+    angle_frozen: angle_frozen.Memory
+    valve_unresponsive: valve_unresponsive.Memory
+    following: following.Memory
+
+
+FRESH = Memory(
+    sample.FRESH, rail.FRESH, over_pressure.FRESH, over_speed.FRESH, outside.FRESH, doubt.FRESH, angle_frozen.FRESH,
+    valve_unresponsive.FRESH, following.FRESH,
+)  # fmt: skip
+"""Of detectors that begin."""
+
+
+@law
+def find(limits, memory, taken):
+    """Memory after a `Sample`, and the number of the worst fault; a greater one is worse."""
+    now = sample.followed(memory.trace, taken)
+    at_rail, a = rail.find(limits.rail, memory.rail, taken)
+    pressed, b = over_pressure.find(limits.over_pressure, memory.over_pressure, taken)
+    fast, c = over_speed.find(limits.over_speed, memory.over_speed, limits.rail, memory.trace, taken)
+    out, d = outside.find(limits.outside, memory.outside, limits.rail, taken)
+    doubted, doubts = doubt.doubt(limits.doubt, memory.doubt, memory.trace, now, taken)
+    stood, e = angle_frozen.find(limits.angle_frozen, memory.angle_frozen, doubts, memory.trace, now, taken)
+    blocked = angle_frozen.blocked(limits.angle_frozen, stood, now)
+    air, f = valve_unresponsive.find(limits.valve_unresponsive, memory.valve_unresponsive, doubts, blocked, now, taken)
+    g = pressure_frozen.find(limits.pressure_frozen, doubted.same_pressure, doubts.suspect)
+    left, h = following.find(limits.following, memory.following, taken)
+    after = Memory(now, at_rail, pressed, fast, out, doubted, stood, air, left)
+    return after, max(a, b, c, d, e, f, g, h)

@@ -1,0 +1,93 @@
+"""What detectors are given of a joint in every cycle, and the trace that its last samples leave."""
+
+from math import inf, nan, sqrt
+from typing import NamedTuple
+
+from layflat.jit import law
+
+SENSORS, MOTION, AIR = 0.0, 1.0, 2.0
+"""What there is to watch: sensors alone; motion too, while air comes; all, where air is there and valves obey."""
+
+
+class Sample(NamedTuple):
+    """A joint in one cycle."""
+
+    angle: float
+    """As sampled, rad."""
+    pressure: float
+    """Differential pressure as sampled, Pa."""
+    averaged_pressure: float
+    """The same over a dither period, Pa."""
+    others: float
+    """What joints that turn would hold off of it, Pa."""
+    velocity: float
+    """rad/s."""
+    residual: float
+    """Air that the valve was not asked for, as an opening of it (see `physics/air_balance.py`)."""
+    demand: float
+    """rad."""
+    lead: float
+    """The greatest lead of any demand, rad."""
+    elapsed: float
+    """Since the last sample, s."""
+    level: float
+    """What there is to watch."""
+    alone: float
+    """1 where the supply is beyond doubt, so that what is wrong is the joint's own."""
+
+
+class Trace(NamedTuple):
+    """What the last samples left."""
+
+    angle: float
+    """The last sample, rad."""
+    pressure_1: float
+    """The last samples, newest first, Pa."""
+    pressure_2: float
+    pressure_3: float
+    swing: float
+    ripple: float
+    """Amplitude of the pressure at a quarter of the loop's rate, whatever its slope; infinite at first, Pa."""
+    step: float
+    """By which the angle last changed, rad."""
+    same_angle: float
+    """For which the angle has not changed, s."""
+
+
+FRESH = Trace(nan, nan, nan, nan, nan, inf, 0.0, 0.0)
+
+
+@law
+def counted(before, condition):
+    """Samples for which a condition has held."""
+    return before + 1.0 if condition else 0.0
+
+
+@law
+def lasted(before, condition, elapsed):
+    """Time for which a condition has held, s."""
+    return before + elapsed if condition else 0.0
+
+
+@law
+def unchanged(trace, sample):
+    """Whether the angle is that of the last sample, where joints may move."""
+    return sample.level >= AIR and sample.angle == trace.angle
+
+
+@law
+def swung(trace, pressure):
+    """Swing and ripple: a slope cancels in a swing, and two swings are a quarter of a period apart."""
+    swing = (pressure - trace.pressure_2) - (trace.pressure_1 - trace.pressure_3)
+    size = swing * swing + trace.swing * trace.swing
+    return swing, sqrt(0.125 * size) if size >= 0.0 else inf
+
+
+@law
+def followed(trace, sample):
+    """The trace after a sample."""
+    swing, ripple = swung(trace, sample.pressure)
+    same = unchanged(trace, sample)
+    step = trace.step if same else abs(sample.angle - trace.angle)
+    same_angle = lasted(trace.same_angle, same, sample.elapsed)
+    return Trace(sample.angle, sample.pressure, trace.pressure_1, trace.pressure_2, swing, ripple, step, same_angle)

@@ -1,0 +1,172 @@
+"""The detectors of a joint, in the cycles of a signal; whole rigs are watched in test_faults.py."""
+
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from layflat.rig.safety.detectors import (
+    angle_frozen,
+    doubt,
+    following,
+    joint,
+    outside,
+    over_pressure,
+    over_speed,
+    pressure_frozen,
+    rail,
+    supply,
+    valve_unresponsive,
+)  # fmt: skip
+from layflat.rig.safety.detectors.sample import AIR, MOTION, SENSORS, Sample
+from layflat.rig.safety.faults import Fault
+
+CYCLE = 0.005
+SPEED = 14.0
+LIMITS = joint.Limits(
+    rail.Limits(-1.3, 1.3, 3),
+    over_pressure.Limits(5e5, 2),
+    over_speed.Limits(SPEED, 2),
+    outside.Limits(1.2, 2),
+    doubt.Limits(6e-4, 1.0, 0.25, 0.0125),
+    angle_frozen.Limits(6e-4, 1e5, 0.0375, 0.09, 0.29, 0.6),
+    valve_unresponsive.Limits(1000.0, 0.17),
+    pressure_frozen.Limits(0.09, 0.0375),
+    following.Limits(0.6, 0.1, 1.0, 0.09),
+)
+SWING = (2000.0, 0.0, -2000.0, 0.0)
+
+
+def follow(
+    samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
+    residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
+) -> tuple[joint.Memory, list[Fault]]:  # fmt: skip
+    """Memory after a signal, and the worst fault in each cycle."""
+    memory, found = joint.FRESH, []
+    for k in range(samples):
+        x = angle[k % len(angle)]
+        p = pressure[k % len(pressure)] if pressure else SWING[k % 4] + 0.3 * k
+        wanted = x if demand is None else demand
+        sample = Sample(x, p, averaged * k, others * k, 0.0, residual, wanted, 0.0, CYCLE, level, 1.0)
+        memory, fault = joint.find(LIMITS, memory, sample)
+        found.append(Fault(fault))
+    return memory, found
+
+
+def test_a_sound_joint_at_rest_has_no_fault() -> None:
+    memory, found = follow(400, [0.5])
+    assert not any(found)
+    assert memory.trace.ripple == pytest.approx(2000.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("slope", [0.0, 3000.0])
+def test_ripple_is_that_of_the_dither_whatever_the_slope(slope: float) -> None:
+    memory, _ = follow(20, [0.0], pressure=[SWING[k % 4] + slope * k for k in range(20)])
+    assert memory.trace.ripple == pytest.approx(2000.0)
+
+
+@pytest.mark.parametrize("bad", [-1.3, 1.3, nan, inf])
+def test_the_rail_counts_samples_with_or_without_air(bad: float) -> None:
+    for level in (SENSORS, AIR):
+        assert follow(3, [bad], level=level)[1][:2] == [0, 0]
+        assert follow(3, [bad], level=level)[1][2] is Fault.ANGLE_AT_RAIL
+
+
+def test_a_pressure_that_is_not_a_number_is_at_fault() -> None:
+    assert follow(2, [0.0], pressure=[nan], level=SENSORS)[1] == [0, Fault.OVER_PRESSURE]
+
+
+def test_speed_and_stroke_count_where_the_joint_may_move() -> None:
+    leap = [0.0, 0.08, 0.16, 0.24, 0.32]
+    assert follow(4, leap, level=MOTION)[1] == [0, 0, Fault.OVER_SPEED, Fault.OVER_SPEED]
+    assert not any(follow(4, leap, level=SENSORS)[1])
+    assert follow(2, [1.21, 1.2101], level=MOTION)[1] == [0, Fault.OUTSIDE_STROKE]
+    assert follow(2, [1.25, 1.31], level=MOTION)[1] == [0, Fault.OUTSIDE_STROKE], "it went on to the rail"
+
+
+@pytest.mark.parametrize("when", np.linspace(0.0, 0.9, 10))
+@pytest.mark.parametrize("rate", [200.0, 500.0])
+def test_a_joint_that_speeds_up_is_found_two_samples_after_it_is_too_fast(when: float, rate: float) -> None:
+    times = CYCLE * (np.arange(14.0) - 10.0 + when)
+    speeds = SPEED + rate * times
+    angles = np.where(speeds > 0.0, speeds**2, 0.0) / (2.0 * rate)
+    found = follow(len(angles), list(angles - angles.max()), level=MOTION)[1]
+    first, last = int(np.argmax(times > 0.0)), int(np.argmax([bits is Fault.OVER_SPEED for bits in found]))
+    assert first <= last <= first + 1
+
+
+def test_a_pressure_that_repeats_itself_is_found() -> None:
+    found = follow(40, [0.1, 0.1006], pressure=[500.0])[1]
+    assert (np.flatnonzero(found)[0] + 1) * CYCLE <= 0.1
+    assert found[int(np.flatnonzero(found)[0])] == Fault.PRESSURE_FROZEN
+
+
+def test_too_much_air_is_no_answer() -> None:
+    assert follow(5, [0.5, 0.5006], residual=0.26)[1][-1] is Fault.VALVE_UNRESPONSIVE
+    assert not any(follow(5, [0.5, 0.5006], residual=-0.24)[1])
+
+
+def test_a_joint_that_stands_still_at_once_has_a_frozen_sensor() -> None:
+    found = follow(30, [0.0, 0.004, 0.008, *[0.012] * 27])[1]
+    assert np.flatnonzero(found)[0] == 11
+    assert found[11] == Fault.ANGLE_FROZEN
+
+
+def test_a_joint_that_bears_more_than_friction_is_blocked_unless_others_hold_it() -> None:
+    """A rise by 10 kPa a sample: friction hides 100 kPa, and nearly twice that is borne."""
+    found = follow(40, [0.5], averaged=1e4)[1]
+    first = int(np.flatnonzero(found)[0])
+    assert found[first] == Fault.ANGLE_FROZEN
+    assert first * CYCLE == pytest.approx(0.1, abs=0.01)
+    assert not any(follow(40, [0.5], averaged=1e4, others=9e3)[1])
+    assert not any(follow(40, [0.5], averaged=1e3, others=9e3)[1]), "others that are held themselves shake nothing"
+
+
+def test_a_driven_joint_that_stays_where_it_is_but_for_noise_is_blocked() -> None:
+    noise = [0.0, 0.0007]
+    found = follow(200, noise, demand=0.2)[1]
+    first = int(np.flatnonzero(found)[0])
+    assert found[first] == Fault.ANGLE_FROZEN
+    assert first * CYCLE == pytest.approx(0.6, abs=0.02)
+    assert not any(follow(200, noise, demand=0.05)[1])
+
+
+def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:
+    ramp = [0.005 * k for k in range(200)]
+    assert not any(follow(200, ramp, demand=1.0)[1])
+    slow = [0.0, 0.002]
+    found = follow(400, slow, demand=1.0)[1]
+    first = int(np.flatnonzero(found)[0])
+    assert found[first] == Fault.FOLLOWING_ERROR
+    assert first * CYCLE == pytest.approx(0.6 + 0.09, abs=0.02)
+
+
+def test_a_ripple_that_is_gone_is_a_valve_that_does_not_respond() -> None:
+    found = follow(60, [0.5, 0.5006], pressure=[0.3 * k for k in range(60)])[1]
+    assert found[int(np.flatnonzero(found)[0])] is Fault.VALVE_UNRESPONSIVE
+    assert np.flatnonzero(found)[0] * CYCLE == pytest.approx(0.17 + 3 * CYCLE, abs=0.011)
+
+
+def judged(pressures: list[float], *, still: bool = False, level: float = AIR) -> list[Fault]:
+    limits, memory, found = supply.Limits(3e5, 6e5, 2, 3, 0.06), supply.FRESH, []
+    for pressure in pressures:
+        memory, fault = supply.find(limits, memory, pressure, still, CYCLE, level)
+        found.append(Fault(fault))
+    return found
+
+
+@pytest.mark.parametrize("pressure", [6e5, 7e5, nan, inf])
+def test_a_supply_that_is_too_high_is_found_in_two_samples_with_or_without_air(pressure: float) -> None:
+    for level in (SENSORS, AIR):
+        assert judged([pressure] * 2, level=level) == [Fault.NONE, Fault.OVER_PRESSURE]
+
+
+def test_a_supply_that_is_lost_is_found_while_there_should_be_air() -> None:
+    assert judged([2e5] * 3) == [Fault.NONE, Fault.NONE, Fault.SUPPLY_LOST]
+    assert judged([2e5, 2e5, 4e5, 2e5, 2e5]) == [Fault.NONE] * 5, "dips are none"
+    assert judged([2e5] * 9, level=MOTION) == [Fault.NONE] * 9
+
+
+def test_ripple_that_all_joints_lack_is_the_supply_s() -> None:
+    found = judged([4e5] * 20, still=True)
+    assert found.index(Fault.SUPPLY_LOST) * CYCLE == pytest.approx(0.06, abs=CYCLE)
