@@ -25,6 +25,7 @@ from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import Machine, changed, load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.law import layout_of
 from layflat.rig.mailbox import Mailbox
 from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
 from layflat.rig.recorded import Recorded
@@ -112,7 +113,7 @@ def trial(device: DeviceProcess, machine: Machine, victim: str, instant: float, 
     if not mine.poll(2.0 * PATIENCE):
         raise TimeoutError("the rig did not start")
     loop, recorder, mailbox = mine.recv()
-    shown = Mailbox(Path(mailbox), len(machine.joints))
+    shown = Mailbox(Path(mailbox), layout_of(machine))
     time.sleep(0.1 + instant)
     assert process.pid is not None
     row = shown.shown()

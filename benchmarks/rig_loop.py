@@ -13,6 +13,7 @@ import numpy as np
 
 from layflat.machine import load
 from layflat.rig.clock import PunctualClock
+from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, NoRecorder
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.realtime import go_realtime
@@ -27,7 +28,7 @@ PANEL_RATE = 30.0
 
 def panel(mailbox: str, over: Event) -> None:
     """What a panel does: it asks, looks on, and computes pictures."""
-    box, n = Mailbox(Path(mailbox), 2), 400
+    box, n = Mailbox(Path(mailbox), layout_of(load("paper-arm"))), 400
     while not over.is_set():
         begin = time.perf_counter()
         box.ask(Setpoints([0.0, 0.0]))
@@ -44,7 +45,8 @@ def work(mailbox: str, sender: Connection) -> None:
     clock, driver = PunctualClock(WarmupLoop(machine)), Resting(machine)
     driver.configure()
     driver.activate()
-    loop = Loop(machine, driver, clock, RemoteHost(Mailbox(Path(mailbox), 2), clock, 2), NoRecorder())
+    shared = Mailbox(Path(mailbox), layout_of(machine))
+    loop = Loop(machine, driver, clock, RemoteHost(shared, clock, 2), NoRecorder())
     refused = go_realtime()
     loop.begin(driver.read())
     for _ in range(100):
@@ -69,7 +71,7 @@ def work(mailbox: str, sender: Connection) -> None:
 def measure() -> dict[str, float]:
     """All figures by name."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    context, path = multiprocessing.get_context("spawn"), Mailbox.create(2)
+    context, path = multiprocessing.get_context("spawn"), Mailbox.create(layout_of(load("paper-arm")))
     over, (mine, its) = context.Event(), context.Pipe()
     busy = context.Process(target=panel, args=(str(path), over), daemon=True)
     loop = context.Process(target=work, args=(str(path), its), daemon=True)

@@ -51,7 +51,6 @@ def played(machine_name: str, plan: dict[int, Any], cycles: int, *, filled: bool
     from layflat.rig.clock import SECOND, VirtualClock  # noqa: PLC0415
     from layflat.rig.drivers.simulated import SimulatedDriver  # noqa: PLC0415
     from layflat.rig.loop import Loop  # noqa: PLC0415
-    from layflat.rig.record import BY_JOINT as OF_JOINT  # noqa: PLC0415
 
     machine = load(machine_name)
     clock, host = VirtualClock(3 * SECOND), PlannedHost(len(machine.joints))
@@ -67,9 +66,8 @@ def played(machine_name: str, plan: dict[int, Any], cycles: int, *, filled: bool
         loop.cycle()
     rows, layout = np.array(host.rows), loop.layout
     found = {ours: rows[:, layout.shared[name]] for ours, name in SHARED.items()}
-    by_joint = [rows[:, layout.of_joint(j)] for j in range(len(machine.joints))]
     for ours, name in BY_JOINT.items():
-        found[ours] = np.stack([part[:, list(OF_JOINT).index(name)] for part in by_joint], axis=1)
+        found[ours] = layout.joint_rows(rows)[:, :, layout.columns[name]]
     return found
 
 

@@ -54,7 +54,7 @@ def test_the_loop_began_at_the_time_of_day_of_its_time_zero() -> None:
 def test_a_machine_heads_its_log() -> None:
     machine = load("paper-arm")
     heading = Heading.of(machine, driver="modbus://here")
-    assert heading.joints == tuple(machine.joints)
+    assert heading.layout.joints == tuple(machine.joints)
     assert type(machine).model_validate_json(heading.machine) == machine
     assert heading.notes == {"driver": "modbus://here"}
 

@@ -123,7 +123,7 @@ class Supervisor(StateMachine):
         """Whether all that was so in the cycle before is still so, as far as it can be told before it is judged."""
         return (
             self.state is State.MOVING
-            and not (self.noted or request.edge or reading.stopped or self._reset_for)
+            and not (self.noted or self.ledger.latched or request.edge or reading.stopped or self._reset_for)
             and reading.device == DeviceState.RUNNING
             and request.age <= self._stale_after
         )
