@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from layflat.description.change import paths, value_at
 from layflat.errors import InputError
-from layflat.machine import changed, load, names
-from layflat.machine.change import paths, value_at
+from layflat.machine import Machine, changed, load, names
 
 ARM = load("paper-arm")
 
@@ -22,20 +24,37 @@ def test_every_path_leads_to_a_finite_number(name: str) -> None:
     assert all(np.isfinite(value_at(machine, path)) for path in found)
 
 
-@given(st.sampled_from(paths(ARM)), st.floats(allow_nan=False, allow_infinity=False))
-def test_one_number_is_changed_and_no_other(path: str, value: float) -> None:
-    other = changed(ARM, path, value)
-    assert value_at(other, path) == value
+def scaled(path: str, factor: float) -> Machine | None:
+    """The arm with one number a little larger or smaller; None where that number may not be so."""
+    with suppress(InputError):
+        return changed(ARM, path, factor * value_at(ARM, path))
+    return None
+
+
+@given(st.sampled_from(paths(ARM)), st.floats(0.97, 1.03))
+def test_one_number_is_changed_and_no_other(path: str, factor: float) -> None:
+    other = scaled(path, factor)
+    assume(other is not None)
+    assert other is not None
+    assert value_at(other, path) == factor * value_at(ARM, path)
     assert paths(other) == paths(ARM)
     assert [one for one in paths(ARM) if value_at(other, one) != value_at(ARM, one)] in ([path], [])
     assert changed(other, path, value_at(ARM, path)) == ARM
 
 
-@given(st.sampled_from(paths(ARM)), st.sampled_from(paths(ARM)), st.floats(0.5, 2.0), st.floats(0.5, 2.0))
-def test_the_order_of_changes_does_not_matter(first: str, second: str, a: float, b: float) -> None:
-    if first != second:
-        one = changed(changed(ARM, first, a), second, b)
-        assert one == changed(changed(ARM, second, b), first, a)
+@given(st.sampled_from(paths(ARM)), st.sampled_from(paths(ARM)))
+def test_the_order_of_changes_does_not_matter(first: str, second: str) -> None:
+    one, other = scaled(first, 1.01), scaled(second, 0.99)
+    assume(first != second and one is not None and other is not None)
+    assert one is not None
+    assert other is not None
+    assert changed(one, second, value_at(other, second)) == changed(other, first, value_at(one, first))
+
+
+def test_nearly_every_number_may_be_a_little_other_than_it_is() -> None:
+    refused = {path for path in paths(ARM) if scaled(path, 1.01) is None}
+    assert {"joint.small.losses.weights.0", "joint.small.strap.layers"} <= refused
+    assert len(refused) < 0.15 * len(paths(ARM))
 
 
 @given(st.sampled_from(paths(ARM)), st.data())
