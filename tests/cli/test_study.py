@@ -41,7 +41,11 @@ def test_a_study_its_summary_and_a_change(folder: Path) -> None:
     assert "brakes: 5 samples, 5 runs" in done.stdout
     assert re.search(r"settling\.small\.0 +│ s ", done.stdout)
     assert "0 of 5 runs diverged" in done.stdout
-    assert "wrote out/table.parquet" in done.stdout
+    assert "wrote out/table.parquet and .csv" in done.stdout
+    assert "wrote out/figure.svg and .png" in done.stdout
+    header, *rows = (folder / "out" / "table.csv").read_text(encoding="utf-8").splitlines()
+    assert "joint.small.brake.torque [N*m]" in header
+    assert len(rows) == 5
     assert max(map(len, done.stdout.splitlines())) <= 100
 
     again = layflat("study", "study.toml", "--out", "out", cwd=folder)
@@ -119,5 +123,7 @@ def test_a_stopped_study_says_how_to_go_on(folder: Path) -> None:
     words = [sys.executable, "-c", STOPPED]
     done = subprocess.run(words, capture_output=True, text=True, cwd=folder, check=False, timeout=300)
     assert done.returncode == 130
-    assert done.stderr.splitlines() == ["layflat: stopped; the same command goes on from here"]
+    assert done.stderr.splitlines() == ["layflat: stopped after 0 of 5 runs; partial results are in out"]
+    assert (folder / "out" / "partial.txt").read_text() == "partial: 0 of 5 runs; the same command goes on from here\n"
     assert layflat("study", "study.toml", "--out", "out", cwd=folder).returncode == 0
+    assert not (folder / "out" / "partial.txt").exists()

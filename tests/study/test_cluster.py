@@ -105,5 +105,5 @@ def test_no_cluster_at_the_address(tmp_path: Path, study: Study, monkeypatch: py
 
 def test_without_dask_it_says_how_to_get_it(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"dask is not installed; pip install 'layflat\[cluster\]'"):
+    with pytest.raises(InputError, match=r"distributed, not installed.*pip install 'layflat\[cluster\]'"):
         run(study, tmp_path / "out", scheduler="tcp://127.0.0.1:8786")

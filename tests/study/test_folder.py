@@ -57,7 +57,7 @@ def test_a_killed_study_goes_on_where_it_was(tmp_path: Path, study: Study, after
     assert told[0] == 8
     assert (out / "table.parquet").read_bytes() == undisturbed.read_bytes()
     assert before == {name: (out / "chunks" / name).stat().st_mtime_ns for name in before}
-    assert sorted(path.name for path in out.iterdir()) == ["chunks", "study.json", "table.parquet"]
+    assert sorted(path.name for path in out.iterdir()) == ["chunks", "study.json", "table.csv", "table.parquet"]
     assert [path.name for path in sorted((out / "chunks").iterdir())] == [f"0000{i}.parquet" for i in range(6)]
 
 
@@ -198,5 +198,5 @@ def test_two_do_not_write_in_one_folder(tmp_path: Path, study: Study) -> None:
 
 def test_without_pyarrow_it_says_how_to_get_it(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    with pytest.raises(InputError, match=r"pyarrow is not installed; pip install 'layflat\[study\]'"):
+    with pytest.raises(InputError, match=r"needs pyarrow, can't be imported.*pip install 'layflat\[study\]'"):
         run(study, tmp_path / "out")

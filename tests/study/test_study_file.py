@@ -158,3 +158,16 @@ def test_a_sample_of_nothing(tmp_path: Path) -> None:
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none.toml: can't be read \(No such file or directory\)"):
         read(tmp_path / "none.toml")
+
+
+def test_sampling_has_a_default(tmp_path: Path) -> None:
+    assert read(written(tmp_path, SMALL.replace('sampling = "grid"\n', ""))).file.sampling == "grid"
+    assert read(written(tmp_path, SOBOL.replace('sampling = "sobol"\n', ""))).file.sampling == "sobol"
+
+
+@pytest.mark.parametrize("seed", ["-1", "99999999999999999999"])
+@pytest.mark.parametrize("place", ["[scenario]", "metrics"])
+def test_seeds_out_of_range(tmp_path: Path, seed: str, place: str) -> None:
+    text = SMALL.replace(place, f"[scenario]\nseed = {seed}" if place == "[scenario]" else f"seed = {seed}\n{place}", 1)
+    with pytest.raises(InputError, match=rf"seed: {seed} is out of range"):
+        read(written(tmp_path, text))

@@ -10,6 +10,7 @@ import typer
 
 from layflat.cli.app import WIDTH, app, print_table
 from layflat.cli.bars import steps_bar
+from layflat.files import file_name
 
 if TYPE_CHECKING:
     from layflat.study import Study
@@ -34,18 +35,20 @@ def studies(
 def study(
     file: Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in study, or what to vary, in TOML")],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="DIR", help="folder for the results [build/study/NAME]")
+        Path | None,
+        typer.Option("--out", "-o", metavar="DIR", help="for the results; default: build/study/NAME"),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="of a Dask cluster that does the work")
     ] = None,
 ) -> None:
-    """Run a parameter study: a table of metrics, a row a run. A stopped study goes on where it was."""
+    """Run a parameter study: a table of metrics, a row a run, and a figure. A stopped study goes on where it was."""
     from layflat.study import names, read, run  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
+    from layflat.study.picture import write_picture  # noqa: PLC0415
 
     described = read(file)
-    place = out or Path("build/study") / Path(file).stem
+    place = out or Path("build/study") / file_name(described.name, f"{file}: name")
     try:
         with steps_bar("runs") as advance:
             table = run(described, place, scheduler=scheduler, progress=advance)
@@ -54,13 +57,12 @@ def study(
         for line in error.differences:
             typer.echo(f"  {line}", err=True)
         raise typer.Exit(2) from None
-    except KeyboardInterrupt:
-        typer.echo("layflat: stopped; the same command goes on from here", err=True)
-        raise typer.Exit(130) from None
     _print_summary(described, place)
-    typer.echo(f"wrote {table}")
+    typer.echo(f"wrote {table} and .csv")
     if file in names():
         _answer(file, place)
+    else:
+        typer.echo(f"wrote {write_picture(described, place)} and .png")
 
 
 def _answer(name: str, out: Path) -> None:

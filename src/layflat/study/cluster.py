@@ -9,6 +9,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError, LayflatError
+from layflat.extras import module
 from layflat.study.chunk import made_with, measured_there
 from layflat.study.study import Study
 
@@ -67,14 +68,11 @@ def _done(client: Any, study: Study, work: Work) -> Iterator[tuple[int, pyarrow.
 
 def _client(scheduler: str) -> Any:
     where = f"--scheduler {scheduler}"
-    try:
-        from distributed import Client  # noqa: PLC0415
-    except ImportError:
-        raise InputError("dask is not installed", where=where, right="pip install 'layflat[cluster]'") from None
+    client = module("cluster", "distributed", where=where).Client
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what fails is told in one line, by us
     try:
         asyncio.run(asyncio.wait_for(_identity(scheduler), PATIENCE))
-        return Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        return client(scheduler, timeout=PATIENCE, set_as_default=False)
     except Exception:  # of many libraries, depending on what else answers there
         right = "give the address that `dask scheduler` prints, such as tcp://10.0.0.1:8786"
         raise InputError("no Dask scheduler answers", where=where, right=right) from None

@@ -14,7 +14,7 @@ from layflat.description.explain import explained
 from layflat.description.wrong import wrong
 from layflat.errors import InputError
 
-COMPLETE = "a study has a name, a machine, sampling and [scenario], and each of its variants a name"
+COMPLETE = "a study has a name, a machine and [scenario], and each of its variants a name"
 
 GREATEST = 1e6
 """Of a number without unit."""
@@ -70,6 +70,9 @@ def _number(value: object, kind: u.Quantity | None) -> float:
         raise wrong(error.what, error.right, value) from None
 
 
+MOST_SEED = 10**15
+"""The seeds of an ensemble are floating-point numbers, which hold whole numbers up to 9e15."""
+
 Angles = Annotated[Any, Signal(u.ANGLE)]
 Numbers = Annotated[Any, Signal(None)]
 Torques = Annotated[Any, Signal(u.TORQUE)]
@@ -93,7 +96,7 @@ class ScenarioTable(Part):
     payload: Mass = None
     pressures: tuple[u.PositivePressure, u.PositivePressure] | None = None
     noise: bool = True
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED)] = 0
 
 
 class Range(Part):
@@ -128,6 +131,11 @@ class VariantTable(Part):
     times: dict[str, Any] = Field(default_factory=dict)
 
 
+def _sampling(given: dict[str, Any]) -> str:
+    """Return how samples are laid out where the file does not say: at random where it gives their number."""
+    return "grid" if given.get("runs") is None else "sobol"
+
+
 class StudyFile(Part):
     """A study: a machine, what happens to it, and what varies from sample to sample."""
 
@@ -135,8 +143,8 @@ class StudyFile(Part):
     title: str = ""
     machine: str
     runs: Annotated[int, Field(ge=1)] | None = None
-    sampling: Literal["grid", "sobol", "lhs", "saltelli"]
-    seed: Annotated[int, Field(ge=0)] = 0
+    sampling: Annotated[Literal["grid", "sobol", "lhs", "saltelli"], Field(default_factory=_sampling)]
+    seed: Annotated[int, Field(ge=0, le=MOST_SEED)] = 0
     noise_seeds: Annotated[int, Field(ge=1)] = 1
     metrics: tuple[str, ...] | None = None
     step: u.Time | None = None

@@ -1,4 +1,7 @@
-"""A study's folder: study.json says what it holds, chunks/ what is done so far, table.parquet all of it."""
+"""A study's folder: study.json says what it holds, chunks/ what is done so far, table.parquet and table.csv all of it.
+
+While a part is missing partial.txt says how much of it is there.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError, OutputError
+from layflat.extras import module
 from layflat.files import whole_file
 
 if TYPE_CHECKING:
@@ -19,13 +23,15 @@ if TYPE_CHECKING:
     import pyarrow
 
 ANSWER = ("figure.png", "figure.svg", "finding.txt")
-"""What a built-in study shows, beside its table."""
+"""What a study shows beside its table; a finding only those that are built in."""
 
-LEFT_OVER = re.compile(r"\.(study|table|figure|finding|\d{5,})-\w+\.(json|parquet|png|svg|txt)")
+OWN = {"study.json", "chunks", "table.parquet", "table.csv", "partial.txt", *ANSWER}
+
+LEFT_OVER = re.compile(r"\.(study|table|partial|figure|finding|\d{5,})-\w+\.(json|parquet|csv|png|svg|txt)")
 """Temporary files of a run that was killed."""
 
-BYTES_A_CELL, BYTES_A_COLUMN = 10, 400
-"""At most, of a number in a Parquet file; of what is said about a column in every chunk."""
+BYTES_A_CELL, BYTES_A_COLUMN, BYTES_A_NUMBER = 10, 400, 24
+"""At most, of a number in a Parquet file; of what is said about a column in every chunk; of a number as text."""
 
 
 class ChangedError(OutputError):
@@ -58,6 +64,11 @@ class Folder:
         """The whole table."""
         return self.place / "table.parquet"
 
+    @property
+    def partial(self) -> Path:
+        """What says that the study is not done yet."""
+        return self.place / "partial.txt"
+
     def chunk(self, number: int) -> Path:
         """The file of a chunk."""
         return self.place / "chunks" / f"{number:05d}.parquet"
@@ -82,20 +93,31 @@ class Folder:
         Raises:
             OutputError: it can't be written.
         """
-        from pyarrow import parquet  # noqa: PLC0415
-
-        with _told(self.place), whole_file(self.chunk(number)) as temporary:
+        parquet = _arrow("parquet")
+        with whole_file(self.chunk(number)) as temporary:
             parquet.write_table(table, temporary)
 
-    def join(self) -> Path:
-        """Write the table from all chunks, in their order."""
-        from pyarrow import parquet  # noqa: PLC0415
+    def mark(self, done: str) -> None:
+        """Say in the folder that its study is not done yet, and how much of it is."""
+        with whole_file(self.partial) as temporary:
+            temporary.write_text(f"partial: {done}; the same command goes on from here\n", encoding="utf-8")
 
-        with _told(self.place), whole_file(self.table) as temporary:
-            schema = parquet.read_schema(self.chunk(0))
-            with parquet.ParquetWriter(temporary, schema) as writer:
-                for number in range(self.chunks):
-                    writer.write_table(parquet.read_table(self.chunk(number), schema=schema))
+    def join(self) -> Path:
+        """Write the table from all chunks, in their order, as Parquet and, with units in its header, as CSV."""
+        parquet, csv = _arrow("parquet"), _arrow("csv")
+        schema = parquet.read_schema(self.chunk(0))
+        headed = [f"{field.name} [{field.metadata[b'unit'].decode()}]" for field in schema]
+        with (
+            whole_file(self.place / "table.csv") as text,
+            whole_file(self.table) as temporary,
+            parquet.ParquetWriter(temporary, schema) as writer,
+            csv.CSVWriter(text, schema.empty_table().rename_columns(headed).schema) as rows,
+        ):
+            for number in range(self.chunks):
+                part = parquet.read_table(self.chunk(number), schema=schema)
+                writer.write_table(part)
+                rows.write_table(part.rename_columns(headed))
+        self.partial.unlink(missing_ok=True)
         return self.table
 
 
@@ -119,7 +141,7 @@ def opened(folder: Folder, content: dict[str, Any]) -> Iterator[None]:
         for leftover in [*place.glob(".*"), *(place / "chunks").glob(".*")]:
             leftover.unlink()
         if not (place / "study.json").exists():
-            with _told(place), whole_file(place / "study.json") as temporary:
+            with whole_file(place / "study.json") as temporary:
                 temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
         yield
 
@@ -130,7 +152,7 @@ def refuse_foreign(place: Path) -> None:
     Raises:
         OutputError: it does.
     """
-    own = {"study.json", "chunks", "table.parquet", *ANSWER} if (place / "study.json").exists() else set()
+    own = OWN if (place / "study.json").exists() else set()
     foreign = [path.name for path in place.iterdir() if path.name not in own and not LEFT_OVER.fullmatch(path.name)]
     if "chunks" in own and (place / "chunks").is_dir():
         inside = [path.name for path in (place / "chunks").iterdir()]
@@ -182,7 +204,7 @@ def check_space(place: Path, rows: int, columns: int, chunks: int) -> None:
     Raises:
         OutputError: saying how much is needed and free.
     """
-    needed = 2 * columns * (BYTES_A_CELL * rows + BYTES_A_COLUMN * chunks)
+    needed = columns * ((2 * BYTES_A_CELL + BYTES_A_NUMBER) * rows + 2 * BYTES_A_COLUMN * chunks)
     free = shutil.disk_usage(next(path for path in (place, *place.absolute().parents) if path.exists())).free
     if needed > free:
         raise OutputError(
@@ -202,10 +224,7 @@ def table(out: str | Path) -> pandas.DataFrame:
     Raises:
         InputError: there is none in this folder.
     """
-    need_parquet()
-    from pyarrow import parquet  # noqa: PLC0415
-
-    path = Path(out) / "table.parquet"
+    parquet, path = _arrow("parquet"), Path(out) / "table.parquet"
     if not path.exists():
         raise InputError("holds no table of a study", where=str(out), right="`layflat study` writes one")
     whole = parquet.read_table(path)
@@ -214,36 +233,17 @@ def table(out: str | Path) -> pandas.DataFrame:
     return frame
 
 
-def need_parquet() -> None:
-    """Make sure that what writes tables is installed.
-
-    Raises:
-        InputError: saying how to install it.
-    """
-    try:
-        import pyarrow.parquet  # noqa: F401, PLC0415
-    except ImportError:
-        raise InputError("pyarrow is not installed", where="study", right="pip install 'layflat[study]'") from None
+def _arrow(part: str) -> Any:
+    """Import a part of the library that reads and writes tables."""
+    return module("study", f"pyarrow.{part}", where="study")
 
 
 def _rows(path: Path) -> int | None:
     """Of a chunk; None where it is not there or broken."""
-    from pyarrow import ArrowInvalid, parquet  # noqa: PLC0415
-
     try:
-        return int(parquet.read_metadata(path).num_rows)
-    except (OSError, ArrowInvalid):
+        return int(_arrow("parquet").read_metadata(path).num_rows)
+    except (OSError, ValueError):
         return None
-
-
-@contextmanager
-def _told(place: Path) -> Iterator[None]:
-    """A disk that is full gives one line."""
-    try:
-        yield
-    except OSError as error:
-        what = f"can't write here ({error.strerror or error})"
-        raise OutputError(what, where=str(place), right="make room; the same command then goes on") from None
 
 
 @contextmanager

@@ -8,9 +8,10 @@ from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from layflat.errors import InputError
+from layflat.errors import InputError, StoppedError
+from layflat.extras import require
 from layflat.study.chunk import made_with, measured
-from layflat.study.folder import Folder, check_space, need_parquet, opened
+from layflat.study.folder import Folder, check_space, opened
 from layflat.study.sampling import Array, rows, samples
 from layflat.study.study import Study
 
@@ -51,8 +52,9 @@ def run(
         ChangedError: the folder holds another study.
         OutputError: the folder can't be used, or the disk is too full.
         InputError: no cluster answers, or a part that is needed is not installed.
+        StoppedError: the user stopped it (Ctrl-C); the same call goes on.
     """
-    need_parquet()
+    require("study", "pyarrow", where="study")
     if chunk < 1:
         raise InputError(f"{chunk} is out of range", where="chunk", right="give 1 or more")
     folder = Folder(Path(out), ceil(study.rows / chunk))
@@ -74,9 +76,14 @@ def run(
         tell(0)
         if len(done) < folder.chunks:
             work = _work(study, chunk, set(range(folder.chunks)) - set(done))
-            with closing(_tables(study, work, scheduler, threads, tell)) as tables:
-                for number, table in tables:
-                    folder.keep(number, table)
+            try:
+                with closing(_tables(study, work, scheduler, threads, tell)) as tables:
+                    for number, table in tables:
+                        folder.keep(number, table)
+            except KeyboardInterrupt:
+                kept = f"{sum(folder.done().values())} of {study.rows} runs"
+                folder.mark(kept)
+                raise StoppedError(kept, folder.place) from None
         return folder.table if folder.table.exists() else folder.join()
 
 

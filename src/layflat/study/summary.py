@@ -13,8 +13,13 @@ from layflat.study.folder import table
 SHARES = (0.05, 0.5, 0.95)
 """Of the runs below a quantile."""
 
-SHOWN = {"rad": ("deg", 180.0 / pi), "m": ("mm", 1000.0)}
+SHOWN = {"rad": ("deg", 180.0 / pi), "m": ("mm", 1000.0), "Pa": ("bar", 1e-5)}
 """Units that people read more easily, and how many of them make an SI unit."""
+
+
+def in_shown(unit: str) -> tuple[str, float]:
+    """Return the unit in which an SI unit is shown, and how many of it make one."""
+    return SHOWN.get(unit, (unit, 1.0))
 
 
 @dataclass(frozen=True)
@@ -44,7 +49,7 @@ def summary(out: str | Path, metrics: tuple[str, ...]) -> Summary:
             continue
         values = frame[name].to_numpy()
         values = np.sort(values[~np.isnan(values)])
-        unit, factor = SHOWN.get(frame.attrs["units"][name], (frame.attrs["units"][name], 1.0))
+        unit, factor = in_shown(frame.attrs["units"][name])
         if len(values):
             # The nearest value, since there is no way between infinite ones.
             at = [values[round(share * (len(values) - 1))] for share in SHARES]
