@@ -17,9 +17,9 @@ import numpy as np
 from mujoco import rollout as _batched
 
 from benchmarks import mujoco_arm
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.machine import Machine, load
-from layflat.description.change import value_at
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 
