@@ -11,17 +11,9 @@ from math import pi
 
 from layflat.design.outline import Outline
 from layflat.machine import Joint
+from layflat.machine.mass import part_masses
 from layflat.machine.model import Supply
 from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY
-
-CLAMPED = 0.03
-"""Length of hose that the clamp takes from each end, m."""
-
-CYLINDER_LONGER = 1.2
-"""Length of the cylinder over the hose's width: room for the end plates."""
-
-STRAP_LONGER = 1.5
-"""Length of the strap over the full travel and the cylinder's radius: what is clamped at both ends."""
 
 
 @dataclass(frozen=True)
@@ -65,22 +57,8 @@ def joint_mass(joint: Joint, full_travel: float, cam: Outline | None) -> Mass:
         full_travel: of the strap point, m.
         cam: its outline, if it has one; it is made of the cylinder's material, as wide as the strap.
     """
-    hose, tube, cover, strap = joint.hose, joint.cylinder, joint.cover, joint.strap
-    hoses = 2 if joint.acting == "double" else 1
-    R = tube.diameter / 2
-    wrapped = R * hose.wrap
-    cam_area = cam.area if cam else pi * joint.output.radius**2
-    strap_length = STRAP_LONGER * (full_travel + R)
-    return Mass(
-        {
-            "cylinder": pi * (tube.diameter - tube.wall) * tube.wall * CYLINDER_LONGER * hose.width * tube.density,
-            "hose": hoses * 2 * hose.width * (wrapped + CLAMPED) * hose.areal_mass,
-            "cover": hoses * wrapped * hose.width * cover.thickness * cover.density,
-            "strap": hoses * strap.width * strap.thickness * strap.layers * strap_length * strap.density,
-            "cam" if cam else "roller": hoses * cam_area * strap.width * tube.density,
-        },
-        joint.body.mass,
-    )
+    area = cam.area if cam else pi * joint.output.radius**2
+    return Mass(part_masses(joint, full_travel, area), joint.body.mass)
 
 
 def air_per_stroke(joint: Joint, swept_volume: float, supply: Supply) -> Air:

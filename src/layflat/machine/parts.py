@@ -13,6 +13,7 @@ from pydantic import AfterValidator, Field, model_validator
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.wrong import INPUT, wrong
+from layflat.machine.mass import body_mass
 
 
 def _at_most_half_round(wrap: float) -> float:
@@ -75,7 +76,7 @@ class Strap(Part):
     width: u.Length
     thickness: u.Length
     fibre: u.LengthOrZero = Field(default=0.0, description="diameter of the fibres of a woven strap; 0 for a solid one")
-    layers: Annotated[int, Field(ge=1)] = 1
+    layers: Annotated[int, Field(ge=1, le=100)] = 1
     modulus: u.Stress
     yield_stress: u.Stress
     density: u.Density
@@ -95,7 +96,7 @@ class DeflectingRoller(Part):
     """Rollers that lead the strap from the hose to the output."""
 
     diameter: u.Length
-    count: Annotated[int, Field(ge=1)]
+    count: Annotated[int, Field(ge=1, le=100)]
     friction_share: u.Share = Field(description="loop height / torque that the pin of each roller adds")
     bending_share: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
 
@@ -149,15 +150,25 @@ class Link(Part):
 
     length: u.Length
     mass: u.Mass
-    centre: u.LengthOrZero = Field(description="distance of the link's centre of mass from the joint")
-    inertia: u.InertiaOrZero = Field(description="about the link's centre of mass")
+    centre: u.LengthOrZero = Field(
+        default=None, description="distance of the link's centre of mass from the joint; default: half its length"
+    )
+    inertia: u.InertiaOrZero = Field(
+        default=None, description="about the link's centre of mass; default: that of a uniform rod, m l^2 / 12"
+    )
     rotor_inertia: u.Inertia = Field(description="of cams, shaft and brake disk about the joint")
+
+    @model_validator(mode="after")
+    def _derive(self) -> Link:
+        derived = {"centre": self.length / 2, "inertia": self.mass * self.length**2 / 12}
+        self.__dict__.update({name: derived[name] for name in derived.keys() - self.model_fields_set})
+        return self
 
 
 class Body(Part):
     """The joint as a thing to carry."""
 
-    mass: u.Mass
+    mass: u.Mass = Field(default=None, description="of the whole joint; default: estimated from the sizes of its parts")
     height: u.Length
 
 
@@ -177,6 +188,14 @@ class Joint(Part):
     body: Body
     deflecting_roller: DeflectingRoller | None = None
     gains: JointGains | None = None
+
+    @model_validator(mode="after")
+    def _derive(self) -> Joint:
+        if "mass" not in self.body.model_fields_set:
+            body = self.body.model_copy()
+            body.__dict__["mass"] = body_mass(self)
+            self.__dict__["body"] = body
+        return self
 
     @model_validator(mode="after")
     def _fits(self) -> Joint:

@@ -1,0 +1,97 @@
+"""Values that follow from others, were given once, and do not fit any more since those others changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from layflat.description.library import Layer
+from layflat.description.tables import laid_over, leaves
+from layflat.machine.libraries import MACHINES
+from layflat.machine.loader import load
+from layflat.machine.mass import body_mass
+from layflat.machine.parts import Joint
+
+FOLLOWS = {
+    "link.centre": ("link.length",),
+    "link.inertia": ("link.length", "link.mass"),
+    "body.mass": ("hose.width", "cylinder.diameter", "cylinder.wall", "output.radius"),
+}
+"""What a value of a joint follows from."""
+
+UNITS = {"link.centre": "m", "link.inertia": "kg m^2", "body.mass": "kg"}
+
+DEVIATION = 0.05
+"""Share by which a value that a file calls derived or assumed may be off."""
+
+
+@dataclass(frozen=True)
+class Stale:
+    """A value that does not fit what it follows from.
+
+    Args:
+        path: where it stands.
+        what: why it does not fit.
+        right: what to do.
+    """
+
+    path: str
+    what: str
+    right: str
+
+
+def stale_values(machine: str | Path) -> list[Stale]:
+    """Return the values of a description that were given for other sizes than it has now.
+
+    A value is stale if a file changes what it follows from but not the value, which the file has from one that it
+    extends; or if its source says that it is derived or assumed, and it is not what follows.
+
+    Raises:
+        MachineError: the description is missing or broken.
+    """
+    layers, described = MACHINES.layers(machine), load(machine)
+    found = []
+    for name, joint in described.joints.items():
+        for key, sizes in FOLLOWS.items():
+            path = f"joint.{name}.{key}"
+            given, now = _value(joint, key), _derived(joint)[key]
+            changed = _changed_above(layers, path, [f"joint.{name}.{size}" for size in sizes])
+            source = described.provenance.get(path)
+            off = abs(given - now) > DEVIATION * abs(now)
+            unsure = source is not None and source.source in {"derived", "assumed"} and key != "body.mass"
+            if off and (changed or unsure):
+                why = f"{changed} has changed" if changed else f"{' and '.join(sizes)} say otherwise"
+                right = f"give it anew, or leave it out (omits) for {now:.3g} {UNITS[key]}"
+                found.append(Stale(path, f"{given:.4g} {UNITS[key]} is from before: {why}", right))
+    return found
+
+
+def _value(joint: Joint, key: str) -> float:
+    part, _, name = key.partition(".")
+    return float(getattr(getattr(joint, part), name))
+
+
+def _derived(joint: Joint) -> dict[str, float]:
+    """What the values would be where they are not given."""
+    link = joint.link
+    return {
+        "link.centre": link.length / 2,
+        "link.inertia": link.mass * link.length**2 / 12,
+        "body.mass": body_mass(joint),
+    }
+
+
+def _changed_above(layers: list[Layer], path: str, sizes: list[str]) -> str:
+    """The first of the sizes that a layer above the one that gives a value changes; empty where none does."""
+    plain: dict[str, object] = {}
+    changed = ""
+    for layer in layers:
+        before, own = dict(leaves(plain)), dict(leaves(layer.plain))
+        plain = laid_over(plain, layer.plain)
+        if path in own:
+            changed = ""
+            continue
+        for size in sizes:
+            if path in before and size in own and own[size] != before.get(size):
+                changed = changed or size
+    return changed
