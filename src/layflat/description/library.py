@@ -12,8 +12,10 @@ from typing import Any
 from layflat.description.hints import nearest
 from layflat.description.provenance import Sources, split
 from layflat.description.tables import Plain, laid_over, parsed
-from layflat.description.text import read_text
+from layflat.description.text import exists, read_text
 from layflat.errors import InputError
+
+LONGEST_NAME = 200
 
 LONGEST_CHAIN = 20
 """Files that extend each other."""
@@ -61,7 +63,7 @@ class Library:
         place, path = str(where), Path(where)
         if place in self.names:
             return (self.folder / f"{place}.toml").read_text(encoding="utf-8")
-        if not path.suffix and "\0" not in place and not path.exists():
+        if not path.suffix and len(place) < LONGEST_NAME and not exists(path):
             near = nearest(path.name, self.names)
             raise self.error(
                 f"no such {self.noun}", where=place, right=f"did you mean {near!r}?" if near else self.shown_by
@@ -87,12 +89,12 @@ class Library:
         found: list[Layer] = []
         place, seen = str(where), list[str]()
         while True:
+            layer, base = self._layer(place, found[-1].where if found else "")
             key = place if place in self.names else str(Path(place).resolve())
             if key in seen or len(seen) > LONGEST_CHAIN:
                 chain = " -> ".join([*(layer.where for layer in found), place])
                 raise self.error(f"extends itself through {chain}", where=str(where), right="break the circle")
             seen.append(key)
-            layer, base = self._layer(place, found[-1].where if found else "")
             found.append(layer)
             if base is None:
                 return found[::-1]

@@ -5,14 +5,22 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterator
+from math import inf
 from typing import Any
 
+from layflat.description.wrong import shown
 from layflat.errors import InputError
 
 Plain = dict[str, Any]
 
 DEEPEST = 20
 """Tables within tables; a machine has four."""
+
+
+GREATEST = 1e15
+"""Of a number without unit, infinity and what is no number aside, which are refused where they stand."""
+
+TOO_DEEP = "is nested too deeply", f"use at most {DEEPEST} levels"
 
 
 def parsed(text: str, where: str, example: str) -> Plain:
@@ -27,12 +35,12 @@ def parsed(text: str, where: str, example: str) -> Plain:
         what, right = _explained(str(error), text)
         raise InputError(what, where=where, right=right or f"values look like {example}") from None
     except RecursionError:
-        plain = {}
-        too_deep = True
-    else:
-        too_deep = _too_deep(plain)
-    if too_deep:
-        raise InputError("is nested too deeply", where=where, right=f"use at most {DEEPEST} levels")
+        raise InputError(TOO_DEEP[0], where=where, right=TOO_DEEP[1]) from None
+    if _too_deep(plain):
+        raise InputError(TOO_DEEP[0], where=where, right=TOO_DEEP[1])
+    for path, value in leaves(plain):
+        if isinstance(value, (int, float)) and GREATEST < abs(value) < inf:
+            raise InputError(f"{shown(value)} is out of range", where=f"{where}: {path}", right="give at most 1e15")
     return plain
 
 

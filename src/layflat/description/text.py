@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import stat
+from contextlib import suppress
 from pathlib import Path
 
 from layflat.errors import InputError
 
 MOST_BYTES = 4_000_000
 """Of a description: a hundred times as much as the longest one that is built in."""
+
+
+def exists(path: Path) -> bool:
+    """Tell whether there is something of a name, however odd the name."""
+    with suppress(OSError, ValueError):
+        return path.exists()
+    return False
 
 
 def check_regular(path: Path, where: str, right: str, kind: type[InputError] = InputError) -> int:

@@ -8,6 +8,7 @@ from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.names import Key, Name
 from layflat.description.provenance import Provenance
 from layflat.machine.interface import Interface
 from layflat.machine.parts import Joint
@@ -141,14 +142,20 @@ class Arm(Part):
     gravity: u.Acceleration = Field(description="in the arm's plane; zero for an arm that moves horizontally")
     gravity_direction: u.Angle = Field(description="from link 1 at mid-stroke")
 
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        if len(set(self.joints)) < len(self.joints):
+            raise ValueError(f"joints names {self.joints[0]!r} twice; name each joint once")
+        return self
+
 
 class Machine(Part):
     """A validated description. `provenance` gives the source of each value by its dotted path."""
 
-    name: str
+    name: Name
     title: str
     supply: Supply
-    joint: dict[str, Joint]
+    joint: dict[Key, Joint]
     arm: Arm
     valve: AnyValve | None = None
     angle_sensor: AngleSensor | None = None

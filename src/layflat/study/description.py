@@ -11,6 +11,7 @@ from pydantic_core import core_schema
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.explain import explained
+from layflat.description.names import Name
 from layflat.description.wrong import wrong
 from layflat.errors import InputError
 
@@ -139,7 +140,7 @@ def _sampling(given: dict[str, Any]) -> str:
 class StudyFile(Part):
     """A study: a machine, what happens to it, and what varies from sample to sample."""
 
-    name: str
+    name: Name
     title: str = ""
     machine: str
     runs: Annotated[int, Field(ge=1)] | None = None

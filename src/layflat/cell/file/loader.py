@@ -20,7 +20,7 @@ from layflat.machine.libraries import MACHINES
 BUILT_IN = Path(__file__).parent / "builtin"
 
 CELLS = Library(BUILT_IN, "cell", "`layflat cells` lists them", 'height = "60 mm"', CellError)
-LAYOUTS = Library(BUILT_IN / "layouts", "layout", "punnet-2x3 and tray-12", 'height = "60 mm"', CellError)
+LAYOUTS = Library(BUILT_IN / "layouts", "layout", "built in are punnet-2x3 and tray-12", 'height = "60 mm"', CellError)
 
 
 def names() -> tuple[str, ...]:

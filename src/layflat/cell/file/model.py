@@ -12,6 +12,7 @@ from layflat.cell.file.parts import Cup, Lift, Limits, Mount, Pack, Table, Tray
 from layflat.cell.file.produce import Produce, Spread
 from layflat.cell.file.seen import BaseMarkers, Board, Camera, Light, Network, Overview
 from layflat.description import Part
+from layflat.description.names import Name
 from layflat.description.provenance import Provenance
 from layflat.machine import Machine
 
@@ -19,7 +20,7 @@ from layflat.machine import Machine
 class Cell(Part):
     """A validated description. `provenance` gives the source of each value by its dotted path."""
 
-    name: str
+    name: Name
     title: str
     machine: Machine = Field(description="built-in name or file of the arm")
     mount: Mount

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.names import Name
 
 Spot = tuple[u.Coordinate, u.Coordinate]
 Point = tuple[u.Coordinate, u.Coordinate, u.Coordinate]
@@ -109,7 +110,7 @@ class Tray(Part):
 class Layout(Part):
     """A pack with places in rows and columns: the content of a layout file."""
 
-    name: str
+    name: Name
     title: str
     columns: Annotated[int, Field(ge=1, le=20)] = Field(description="places along x")
     rows: Annotated[int, Field(ge=1, le=20)] = Field(description="places along y")

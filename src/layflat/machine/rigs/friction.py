@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.names import Name
 
 
 class Piston(Part):
@@ -48,7 +49,7 @@ class FrictionRig(Part):
     """A friction rig: motion is imposed, force and chamber pressure are measured."""
 
     kind: Literal["friction rig"]
-    name: str
+    name: Name
     title: str
     ambient_pressure: u.PositivePressure = Field(description="absolute")
     piston: Piston

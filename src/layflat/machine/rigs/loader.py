@@ -11,6 +11,7 @@ from layflat.description.explain import explained
 from layflat.description.hints import nearest
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
+from layflat.description.text import exists
 from layflat.errors import MachineError
 from layflat.machine.libraries import BENCHES, MACHINES
 from layflat.machine.loader import load
@@ -50,7 +51,7 @@ def load_described(where: str | Path) -> Machine | Rig:
 def is_rig(where: str | Path) -> bool:
     """Tell whether a built-in name or a file is that of a bench that is no machine."""
     place, seen = str(where), set[str]()
-    while place not in seen and place not in MACHINES.names and Path(place).is_file():
+    while place not in seen and place not in MACHINES.names and exists(Path(place)):
         seen.add(place)
         raw = BENCHES.raw(place)
         if "kind" in raw or not isinstance(raw.get("extends"), str):

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.names import Name
 
 Array = NDArray[np.float64]
 
@@ -85,7 +86,7 @@ class RegulatedRig(Part):
     """A regulated joint; chamber A turns it forward, chamber B back."""
 
     kind: Literal["regulated joint"] = "regulated joint"
-    name: str
+    name: Name
     title: str
     valve: RegulatingValve
     chamber: AirChamber

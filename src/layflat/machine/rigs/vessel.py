@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
+from layflat.description.names import Name
 
 GasName = Literal["air", "nitrogen", "oxygen", "hydrogen", "helium", "argon", "methane", "carbon dioxide"]
 
@@ -69,7 +70,7 @@ class VesselRig(Part):
     """A vessel, what it is joined to, and how it starts: gas and wall at rest, of one temperature."""
 
     kind: Literal["vessel"] = "vessel"
-    name: str
+    name: Name
     title: str
     gas: Gas
     space: Space
