@@ -1,8 +1,12 @@
 """The command line as a person uses it: real processes, their exit status and what they print."""
 
 import json
+import os
+import resource
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -24,6 +28,90 @@ def refused(*words: str, cwd: Path | None = None) -> str:
     assert len(lines) == 1, done.stderr
     assert lines[0].startswith("layflat: ")
     return lines[0]
+
+
+def limited() -> None:
+    """Let no file grow beyond 64 KiB, as on a disk with little space left."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 16, 1 << 16))
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("simulate", "paper-small-joint", "--duration", "1 s"),
+        ("loop", "paper-small-joint"),
+        ("design", "paper-small-joint"),
+        ("size", "--torque", "12 N m", "--stroke", "110 deg", "--supply", "5 bar"),
+        ("tune", "paper-small-joint", "--generations", "1"),
+        ("reproduce",),
+    ],
+    ids=lambda words: words[0],
+)
+def test_a_full_disk(words: tuple[str, ...], tmp_path: Path) -> None:
+    """One line, exit status 2, and no file that is half written."""
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words, "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, preexec_fn=limited)
+    assert done.returncode == 2, done.stderr
+    assert "(File too large); free some space, or give another folder" in done.stderr.splitlines()[-1]
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_excite_on_a_full_disk(tmp_path: Path) -> None:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", "excite", "paper-small-joint"]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=300, preexec_fn=limited, cwd=tmp_path
+    )
+    assert done.returncode == 2, done.stderr
+    assert "(File too large)" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("words", [("show", "paper-arm", "--toml"), ("machines",), ("--help",), ("schema",)])
+def test_standard_output_on_a_full_disk(words: tuple[str, ...]) -> None:
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
+    with Path("/dev/full").open("w", encoding="utf-8") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, timeout=300)
+    assert done.returncode == 2
+    assert done.stderr == "layflat: standard output: No space left on device\n"
+
+
+def test_ctrl_c_in_a_long_run(tmp_path: Path) -> None:
+    """The compiled loop lets no signal through; the command ends at once all the same."""
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", "simulate", "paper-small-joint"]
+    command += ["--duration", "20000 s", "--out", str(tmp_path)]
+    started = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    time.sleep(8.0)
+    assert started.poll() is None
+    os.kill(started.pid, signal.SIGINT)
+    told = started.communicate(timeout=10)[1]
+    assert started.returncode == 130
+    assert told.splitlines() == ["layflat: stopped before there was anything to keep"]
+
+
+def test_the_version() -> None:
+    import layflat as package
+
+    assert layflat("--version").stdout == f"layflat {package.__version__}\n"
+
+
+def test_without_a_command_the_help_is_shown() -> None:
+    done = layflat("rig")
+    assert done.returncode == 2
+    assert done.stderr.startswith("Usage: layflat rig ")
+    assert "  serve " in done.stderr
+
+
+def test_a_command_imports_no_other() -> None:
+    code = (
+        "import sys; from layflat.cli import app\n"
+        "app(['schema', '--help'], standalone_mode=False)\n"
+        "print(sorted(name for name in sys.modules if name.startswith('layflat.')))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip().splitlines()[-1] == str(
+        ["layflat.cli", "layflat.cli.app", "layflat.cli.describe", "layflat.cli.lazy", "layflat.errors"]
+    )
 
 
 def test_help_names_every_command() -> None:
@@ -104,15 +192,34 @@ def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:
     [
         (("show", "papr-arm"), "papr-arm: no such machine; did you mean 'paper-arm'?"),
         (("show", "nowhere.toml"), "nowhere.toml: can't be read (No such file or directory)"),
-        (("simulate", "paper-arm", "--move", "40"), "demand: '40' is a bare number; give an angle such as"),
-        (("simulate", "paper-arm", "--move", "61 deg"), "demand: 61 deg is outside the working stroke"),
-        (("simulate", "paper-arm", "--move", "wrist=1 deg"), "--move: 'wrist' is no joint here"),
+        (("simulate", "paper-arm", "--move", "40"), "--move: '40' is a bare number; give an angle such as"),
+        (("simulate", "paper-arm", "--move", "61 deg"), "--move: 61 deg is outside the working stroke"),
+        (("simulate", "paper-arm", "--move", "wrist=1 deg"), "--move: unknown joint 'wrist'; joints are large, small"),
         (("simulate", "paper-arm", "--move", "1 deg, 2 deg, 3 deg"), "--move: '1 deg, 2 deg, 3 deg' has 3 values"),
         (("simulate", "paper-arm", "--move", "1 deg @ 2"), "--move: '2' is a bare number; give a time such as"),
-        (("simulate", "paper-arm", "--supply", "-2 bar"), "supply: -200000 is out of range"),
-        (("simulate", "paper-arm", "--duration", "1 m"), "duration: '1 m' is not a time"),
+        (("simulate", "paper-arm", "--supply", "-2 bar"), "--supply: -200000 is out of range"),
+        (("simulate", "paper-arm", "--duration", "1 m"), "--duration: '1 m' is not a time"),
+        (
+            ("simulate", "paper-arm", "--move", "1 deg @ 99 s"),
+            "--move: 99 s is after the end; the run ends at 3 s: give",
+        ),
+        (("simulate", "paper-arm", "--payload", "2 kg @ 3 s"), "--payload: 3 s is after the end; the run ends"),
+        (("simulate", "paper-arm", "--move", "1 deg", "--demand", "x.csv"), "--demand: cannot be combined with --move"),
+        (
+            ("simulate", "paper-arm", "--duration", "1 s", "--demand", "x.csv", "--opening", "0"),
+            "--demand: cannot be combined with --opening and --duration; give one or the other",
+        ),
+        (("simulate", "paper-arm", "--move", "1 deg", "--opening", "0"), "--opening: cannot be combined with --move"),
+        (("simulate", "paper-arm", "--opening", "2, 0"), "--opening: 2 is out of range; give a share from -1 to 1"),
+        (("simulate", "paper-arm", "--opening", "nan"), "--opening: "),
+        (("simulate", "paper-arm", "--seed", "-1"), "'--seed': -1 is not in the range"),
+        (("simulate", "paper-arm", "--seed", str(10**30)), "'--seed': 10"),
+        (("loop", "paper-arm", "--stroke", "1000 deg"), "--stroke: 1000 deg is out of range; give up to 140 deg"),
+        (("loop", "paper-arm", "--stroke", "-10 deg"), "--stroke: -10 deg is out of range"),
+        (("loop", "paper-arm", "--pressure", "1e4 bar"), "--pressure: "),
+        (("loop", "paper-arm", "--brake", "-1"), "--brake: -1 is out of range; give a share from 0 to 100"),
         (("simulate", "rig-polyester"), "rig-polyester: has no valve or sensors"),
-        (("loop", "paper-arm", "--pressure", "0 bar"), "--pressure: '0 bar' presses no hose"),
+        (("loop", "paper-arm", "--pressure", "0 bar"), "--pressure: 0 bar is out of range; pressure must be positive"),
         (("loop", "paper-arm", "--joint", "wrist"), "--joint: unknown joint 'wrist'; give large or small"),
         (("size", "--torque", "0 N m", "--stroke", "120 deg", "--supply", "4 bar"), "size: torque: 0 N m"),
         (("size", "--torque", "25", "--stroke", "120 deg", "--supply", "4 bar"), "size: torque: '25' is a bare number"),

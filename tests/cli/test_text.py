@@ -37,7 +37,11 @@ def test_bare_numbers_where_there_is_no_unit() -> None:
 
 @pytest.mark.parametrize(
     ("text", "expected"),
-    [("elbow=1 deg", "'elbow' is no joint"), ("1 deg @ -1 s", "before the start"), ("1, 2, 3", "has 3 values; give 2")],
+    [
+        ("elbow=1 deg", "unknown joint 'elbow'"),
+        ("1 deg @ -1 s", "before the start"),
+        ("1, 2, 3", "has 3 values; give 2"),
+    ],
 )
 def test_mistakes(text: str, expected: str) -> None:
     with pytest.raises(InputError, match=expected):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -55,6 +56,7 @@ def options(
 
 MachineName = Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in machine or description file")]
 Out = Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="folder for the results")]
+Seed = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="of the random numbers; the same seed gives the same")]
 
 WIDTH = 100
 """Columns that a table may take."""
@@ -91,3 +93,21 @@ def known_joint(machine: Machine, joint: str) -> str:
     if joint not in machine.joints:
         raise InputError(f"unknown joint {joint!r}", where="--joint", right=f"give {' or '.join(machine.joints)}")
     return joint
+
+
+@contextmanager
+def naming_options(options: Mapping[str, str]) -> Iterator[None]:
+    """Let an error name the option that the user gave, not the argument of a function that it became.
+
+    Args:
+        options: such as "--move", by the argument's name, such as "demand".
+
+    Raises:
+        InputError: as in the block.
+    """
+    try:
+        yield
+    except InputError as error:
+        if error.where not in options:
+            raise
+        raise InputError(error.what, where=options[error.where], right=error.right) from None

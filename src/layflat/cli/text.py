@@ -34,7 +34,7 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float
     body, at, when = text.partition("@")
     time = u.quantity(when.strip(), u.TIME, where) if at else 0.0
     if time < 0.0:
-        raise InputError(f"{when.strip()!r} lies before the start", where=where, right='give a time such as "@ 2 s"')
+        raise InputError(f"{when.strip()!r} is before the start", where=where, right='give a time such as "@ 2 s"')
     items = [item.strip() for item in body.split(",")]
     if any("=" in item for item in items):
         return time, dict(_named(item, names, where, bare) for item in items)
@@ -50,7 +50,7 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float
 def _named(item: str, names: Sequence[str], where: str, bare: bool) -> tuple[str, str | float]:
     name, _, value = (part.strip() for part in item.partition("="))
     if name not in names:
-        raise InputError(f"{name!r} is no joint here", where=where, right=f"joints are {', '.join(names)}")
+        raise InputError(f"unknown joint {name!r}", where=where, right=f"joints are {', '.join(names)}")
     return name, _value(value, where, bare)
 
 

@@ -27,6 +27,9 @@ Signal = Angles | Steps | Callable[[float], Angles] | NDArray[np.float64]
 Pair = tuple[Value, Value]
 """Of the hoses A and B."""
 
+LARGEST_SEED = 2**32 - 1
+"""Of all random numbers."""
+
 Times = NDArray[np.floating[Any]]
 
 
@@ -71,6 +74,15 @@ class Scenario:
     def closed_loop(self) -> bool:
         """Whether the controller drives the valves."""
         return self.opening is None and self.voltage is None
+
+    def __post_init__(self) -> None:
+        """Refuse a seed that the generator can't take.
+
+        Raises:
+            InputError: it is negative or too large.
+        """
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise InputError(f"{self.seed} is out of range", where="seed", right=f"give 0 to {LARGEST_SEED}")
 
     def cycles(self, cycle: float) -> int:
         """Number of control cycles."""
@@ -135,6 +147,7 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     if scenario.opening is not None and scenario.voltage is not None:
         raise InputError("stands beside a voltage", where="opening", right="give one or the other")
     opening, voltage = expand(scenario.opening, None, "opening"), expand(scenario.voltage, u.VOLTAGE, "voltage")
+    _check(np.abs(opening) <= 1.0, opening, "opening", "a share from -1 to 1")
     load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
     return Shapes(demand, opening, voltage, brake, load, drift, supply, payload)
 
@@ -235,7 +248,7 @@ def _row(
     if isinstance(values, Mapping):
         unknown = sorted(set(values) - set(names))
         if unknown:
-            raise InputError(f"{unknown[0]!r} is no joint here", where=where, right=f"joints are {', '.join(names)}")
+            raise InputError(f"unknown joint {unknown[0]!r}", where=where, right=f"joints are {', '.join(names)}")
         each = [values.get(name, usual or 0.0) for name in names]
     elif isinstance(values, Sequence) and not isinstance(values, str):
         each = list(values)

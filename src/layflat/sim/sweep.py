@@ -6,12 +6,20 @@ The joint is turned slowly while its torque is read, so mass and air flow do not
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import degrees
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.sim.slow import sweep_joint
+
+HIGHEST = 100e5
+"""No layflat hose bears more, Pa."""
+
+MOST_BRAKE = 100.0
+"""Times the brake's own torque."""
 
 
 @dataclass(frozen=True)
@@ -56,14 +64,26 @@ def sweep(
         joint: name of the joint.
         pressure: gauge pressure in hose A, Pa.
         centre: middle of the sweep, rad from mid-stroke.
-        stroke: from end to end, rad; the working stroke where not given.
+        stroke: from end to end, rad; default: the working stroke.
         brake: share of the brake's torque.
         points: instants each way.
+
+    Raises:
+        InputError: the pressure is not positive or bursts any hose, the stroke exceeds the mechanical one, or the
+            brake's share is negative.
     """
     described = machine.joint[joint]
     hose_a = parameters.hose(described)
     hose_b = hose_a if described.acting == "double" else parameters.NO_HOSE
     reach = described.stops.working_stroke if stroke is None else stroke
+    if not 0.0 < pressure <= HIGHEST:
+        right = f'pressure must be positive and at most {HIGHEST / 1e5:g} bar, such as "3 bar"'
+        raise InputError(f"{pressure / 1e5:g} bar is out of range", where="pressure", right=right)
+    if not 0.0 < abs(centre) + reach / 2 <= described.stops.mechanical_stroke / 2 * (1.0 + 1e-9) or reach <= 0.0:
+        most = f"up to {degrees(described.stops.mechanical_stroke):.6g} deg, the mechanical stroke of joint {joint!r}"
+        raise InputError(f"{degrees(reach):.6g} deg is out of range", where="stroke", right=f"give {most}")
+    if not 0.0 <= brake <= MOST_BRAKE:
+        raise InputError(f"{brake:g} is out of range", where="brake", right=f"give a share from 0 to {MOST_BRAKE:g}")
     way = centre + reach * (np.linspace(0.0, 1.0, points) - 0.5)
     lap = np.concatenate([way, way[::-1]])
     angle = np.concatenate([lap, lap])
