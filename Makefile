@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help reproduce questions test test-nojit lint bench calibrate clean
+.PHONY: help install wheel reproduce questions test test-nojit lint bench calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -14,6 +14,11 @@ $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 	@touch $@
+
+install: $(READY)  ## set up .venv; `. .venv/bin/activate` then puts layflat on the path
+
+wheel: $(READY)  ## build the wheel: dist/
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir dist .
 
 reproduce: $(READY)  ## reproduce the paper: build/reproduce/report.html and claims.json
 	$(BIN)/layflat reproduce --out build/reproduce

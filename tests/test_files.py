@@ -87,7 +87,8 @@ def test_a_full_disk_is_told_and_leaves_the_old_file(tmp_path: Path) -> None:
     assert target.read_text(encoding="utf-8") == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
     with pytest.raises(OutputError, match="free some space"):
-        check_folder(tmp_path / "out")
+        check_folder(tmp_path / "out" / "deep")
+    assert [path.name for path in tmp_path.iterdir()] == ["file.txt"]
 
 
 @pytest.mark.usefixtures("nearly_full")

@@ -122,10 +122,12 @@ def check_folder(folder: Path) -> Path:
         OutputError: they can't.
     """
     missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
-    with whole_file(folder / ".layflat") as trial:
-        trial.write_bytes(TRIAL)
-    (folder / ".layflat").unlink(missing_ok=True)
-    for parent in missing:
-        with suppress(OSError):  # somebody else writes here by now
-            parent.rmdir()
+    try:
+        with whole_file(folder / ".layflat") as trial:
+            trial.write_bytes(TRIAL)
+        (folder / ".layflat").unlink(missing_ok=True)
+    finally:
+        for parent in missing:
+            with suppress(OSError):  # it was never made, or somebody else writes here by now
+                parent.rmdir()
     return folder

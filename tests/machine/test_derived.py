@@ -35,27 +35,31 @@ def test_what_is_written_is_loaded_and_all_else_stays(tmp_path: Path) -> None:
     assert load(path) == found
 
 
-def test_a_file_is_extended_from_another_folder(tmp_path: Path) -> None:
-    mine = tmp_path / "mine.toml"
+def test_a_derived_file_may_be_moved(tmp_path: Path) -> None:
+    mine = tmp_path / "my-file.toml"
     mine.write_text(f'extends = "{SMALL}"\nname = "mine"\n[arm]\npayload = "1 kg"\n', encoding="utf-8")
     path = derived_path(str(mine), tmp_path / "out" / "deep", "tuned")
+    assert path.name == "mine-tuned.toml"
     found = write_derived(str(mine), "t", {"arm.elbow": "80 deg"}, {"arm.elbow": SOURCE}, path)
     assert found.arm.payload == 1.0
-    assert 'extends = "../../mine.toml"' in path.read_text(encoding="utf-8")
+    moved = path.rename(tmp_path / "moved.toml")
+    mine.unlink()
+    assert load(moved) == found
+    assert load(moved).provenance == found.provenance
+    assert found.provenance["valve.overlap"] == load(SMALL).provenance["valve.overlap"]
 
 
-def test_what_is_extended_is_not_overwritten(tmp_path: Path) -> None:
-    first = tmp_path / "a-tuned.toml"
-    first.write_text(f'extends = "{SMALL}"\n', encoding="utf-8")
-    second = tmp_path / "a.toml"
-    second.write_text('extends = "a-tuned.toml"\n', encoding="utf-8")
-    with pytest.raises(InputError, match=r"a-tuned.toml: would be overwritten, and extends it; give another folder"):
-        derived_path(str(second), tmp_path, "tuned")
-    assert derived_path(str(second), tmp_path / "out", "tuned").parent.name == "out"
-    with pytest.raises(InputError, match=r"can't be extended; give it a name that ends in .toml"):
-        derived_path(str(tmp_path / "a.txt"), tmp_path, "tuned")
+def test_the_base_is_not_overwritten(tmp_path: Path) -> None:
+    mine = tmp_path / "a-tuned.toml"
+    mine.write_text(f'extends = "{SMALL}"\nname = "a"\n', encoding="utf-8")
+    above = tmp_path / "above.toml"
+    above.write_text('extends = "a-tuned.toml"\n', encoding="utf-8")
+    for given in (mine, above):
+        with pytest.raises(InputError, match=r"a-tuned.toml: would be overwritten by what is derived from it"):
+            derived_path(str(given), tmp_path, "tuned")
+    assert derived_path(str(mine), tmp_path / "out", "tuned").parent.name == "out"
     with pytest.raises(OutputError):
-        write_derived(SMALL, "t", {}, {}, first / "b.toml")
+        write_derived(SMALL, "t", {}, {}, mine / "b.toml")
 
 
 def test_items_of_lists() -> None:

@@ -162,7 +162,7 @@ def test_a_rig_has_nothing_to_tune(tmp_path: Path) -> None:
 def test_a_file_that_would_overwrite_what_it_extends_is_refused(tmp_path: Path) -> None:
     (tmp_path / "mine-tuned.toml").write_text('extends = "paper-arm"\n', encoding="utf-8")
     mine = tmp_path / "mine.toml"
-    mine.write_text('extends = "mine-tuned.toml"\n', encoding="utf-8")
+    mine.write_text('extends = "mine-tuned.toml"\nname = "mine"\n', encoding="utf-8")
     with pytest.raises(InputError, match="would be overwritten"):
         begin(str(mine), tmp_path)
     begin(str(mine), tmp_path / "elsewhere")

@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import NoReturn
 
 import typer
+from typer.main import get_command
 
 from layflat.cli.app import app
 from layflat.errors import LayflatError, StoppedError
@@ -25,8 +26,12 @@ def main() -> None:
     `StoppedError`, whose line says where they are.
     """
     try:
-        status = app(prog_name="layflat", standalone_mode=False)
+        command = get_command(app)
+        with command.make_context("layflat", sys.argv[1:]) as context:
+            status = command.invoke(context)
         sys.stdout.flush()
+    except typer.Exit as end:
+        status = end.exit_code
     except StoppedError as error:
         _fail(str(error), STOPPED)
     except (typer.Abort, KeyboardInterrupt):

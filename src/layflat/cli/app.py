@@ -44,14 +44,20 @@ app = LazyTyper(
 )
 
 
-@app.callback()
-def options(
-    version: Annotated[bool, typer.Option("--version", is_eager=True, help="Print the version and exit.")] = False,
-) -> None:
-    """Take the options that stand before any command."""
-    if version:
+def show_version(asked: bool) -> None:
+    """Print the version and end, where it is asked for."""
+    if asked:
         typer.echo(f"layflat {__version__}")
         raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=show_version, help="Print the version and exit.")
+    ] = False,
+) -> None:
+    """Take the options that stand before any command."""
 
 
 MachineName = Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in machine or description file")]

@@ -1,10 +1,15 @@
-"""A bar on a terminal that shows how far some work is."""
+"""Signs of life on a terminal while some work goes on; nothing is drawn where stderr is no terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Thread
+from time import perf_counter
 from typing import Any
+
+LOOKS = 0.1
+"""Between two looks whether some work is done, s; Ctrl-C is heard so soon."""
 
 COMPILES = "(compiles for some seconds the first time)"
 """What is shown before the first step of anything that is simulated."""
@@ -33,3 +38,40 @@ def steps_bar(what: str, total: int | None = None) -> Iterator[Any]:
             bar.update(task, completed=done, total=total, description=now or (what if done else None))
 
         yield advance
+
+
+@contextmanager
+def busy(what: str) -> Iterator[Callable[[str], None]]:
+    """Show what is going on; call what it gives to show something else."""
+    from rich.console import Console  # noqa: PLC0415
+
+    with Console(stderr=True).status(what) as shown:
+        yield shown.update
+
+
+def in_background(work: Callable[[], Any], what: str) -> Any:
+    """Do some work in a thread, show for how long, and return what it gives or raise what it raises.
+
+    Compiled code lets no Ctrl-C through; here it ends the waiting at once, and the thread ends with the process.
+
+    Raises:
+        KeyboardInterrupt: the user stopped it.
+    """
+    results: list[Any] = []
+    failures: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            results.append(work())
+        except BaseException as error:  # handed over to the thread that waits
+            failures.append(error)
+
+    thread, begun = Thread(target=run, daemon=True), perf_counter()
+    thread.start()
+    with busy(f"{what} {COMPILES}") as show:
+        while thread.is_alive():
+            thread.join(LOOKS)
+            show(f"{what}, {perf_counter() - begun:.0f} s {COMPILES}")
+    if failures:
+        raise failures[0]
+    return results[0]

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from layflat.cli.app import print_table
+from layflat.cli.bars import busy
 from layflat.cli.lazy import LazyTyper
 from layflat.errors import InputError
 
@@ -113,12 +112,3 @@ def _channels(data: xarray.Dataset) -> list[list[str]]:
         column, samples = str(channel.told.get("column", "")), str(channel.told.get("samples", ""))
         rows.append([channel.signal.name, channel.joint or "", column, unit, *ends, samples, share])
     return rows
-
-
-@contextmanager
-def busy(what: str) -> Iterator[None]:
-    """A sign of life on stderr, on a terminal."""
-    from rich.console import Console  # noqa: PLC0415
-
-    with Console(stderr=True).status(what):
-        yield

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import Out, app, print_table
+from layflat.cli.bars import steps_bar
 from layflat.cli.rig import FAULT, INTERRUPTED
-from layflat.cli.study import runs_bar
 from layflat.errors import InputError, LayflatError, NoDrawingError, StoppedError
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | Non
         if given is not None:
             gl.check()
             return load_calibration(given)
-        with runs_bar("calibrating the camera, per cent") as advance:
+        with steps_bar("calibrating the camera, per cent") as advance:
             found = calibrated(cell, lambda share: advance(round(100 * share), 100))
     except NoDrawingError as error:
         typer.echo(f"layflat: {error}", err=True)
@@ -143,7 +143,7 @@ def _status(error: LayflatError) -> int:
 
 @contextmanager
 def _picks_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    with runs_bar(what) as advance:
+    with steps_bar(what) as advance:
         yield lambda done: advance(done, total)
 
 

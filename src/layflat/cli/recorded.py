@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import print_table
-from layflat.cli.log import busy, logs
+from layflat.cli.bars import busy
+from layflat.cli.log import logs
 
 if TYPE_CHECKING:
     import xarray

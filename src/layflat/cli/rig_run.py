@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName, Out, print_table
-from layflat.cli.log import busy
+from layflat.cli.bars import busy
 from layflat.cli.moves import print_missed, print_moves
 from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
 from layflat.errors import InputError

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName
-from layflat.cli.log import busy
+from layflat.cli.bars import busy
 from layflat.cli.rig import rigs, stopping
 from layflat.errors import InputError, LayflatError
 

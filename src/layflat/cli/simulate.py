@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName, Out, Seed, app, naming_options
+from layflat.cli.bars import in_background
 from layflat.cli.moves import print_missed, print_moves
-from layflat.cli.work import in_background
 from layflat.errors import DivergedError, InputError
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ are the ones that are accepted.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from importlib.metadata import version
@@ -67,9 +68,18 @@ def cached(function: Callable[..., Any], folder: Path | None) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
     try:
-        return numba.njit(cache=folder is not None, **STRICT)(function)
+        dispatcher: Any = numba.njit(cache=folder is not None, **STRICT)(function)
     finally:
         config.CACHE_DIR = before
+    save = dispatcher._cache.save_overload
+
+    def save_where_possible(*args: Any) -> None:
+        """On a full disk the machine code is of use all the same."""
+        with suppress(OSError):
+            save(*args)
+
+    dispatcher._cache.save_overload = save_where_possible
+    return dispatcher
 
 
 def dispatcher_type(dispatcher: Any) -> Any:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -17,28 +17,27 @@ from layflat.machine.model import Machine
 
 
 def derived_path(given: str, folder: Path, suffix: str) -> Path:
-    """Where a description derived from a built-in machine or a file is put, such as NAME-tuned.toml.
+    """Return where a description derived from a built-in machine or a file is put: NAME-tuned.toml, after its name.
 
     Raises:
-        InputError: the file can't be extended from there.
+        InputError: it would overwrite a file that it is derived from.
     """
-    path = folder / f"{Path(given).stem}-{suffix}.toml"
+    path = folder / f"{tables(given)[0].get('name', Path(given).stem)}-{suffix}.toml"
     if given in names():
         return path
-    if Path(given).suffix != ".toml":
-        raise InputError("can't be extended", where=given, right="give it a name that ends in .toml")
     if path.resolve() in [Path(layer.where).resolve() for layer in MACHINES.layers(given)]:
-        raise InputError("would be overwritten, and extends it", where=str(path), right="give another folder")
+        right = "give another folder"
+        raise InputError("would be overwritten by what is derived from it", where=str(path), right=right)
     return path
 
 
 def write_derived(
     given: str, title: str, values: Mapping[str, Any], sources: Mapping[str, Provenance], path: Path
 ) -> Machine:
-    """Write what differs, and load what was written.
+    """Write a description that stands on its own wherever it is moved to, and load what was written.
 
     Args:
-        given: built-in name or file of the base.
+        given: built-in name or file of the base; what a file extends is included.
         title: of the description.
         values: as they stand in a file, by dotted path; items of a list by their number ("....deflections.0").
         sources: of these values; of a list, that of its last item is kept.
@@ -47,13 +46,12 @@ def write_derived(
     Raises:
         OutputError: it can't be written there.
     """
-    base, _ = tables(given)
-    plain: dict[str, Any] = {
-        "extends": given if given in names() else os.path.relpath(Path(given).resolve(), path.parent.resolve()),
-        "name": path.stem,
-        "title": title,
-    }
-    noted = {with_value(plain, base, key, value): sources[key] for key, value in values.items()}
+    base, known = tables(given)
+    plain: dict[str, Any] = {"extends": given} if given in names() else deepcopy(base)
+    plain |= {"name": path.stem, "title": title}
+    noted = {} if given in names() else dict(known)
+    for key, value in values.items():
+        noted[with_value(plain, base, key, value)] = sources[key]
     with whole_file(path) as temporary:
         temporary.write_text(to_toml(plain, noted), encoding="utf-8")
     return load(path)

@@ -1,0 +1,117 @@
+"""Pages say what is true: their commands can be typed as they stand, their links lead somewhere."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer.main
+
+from layflat.cli import app
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+TUTORIALS = [page for page in PAGES if page.parent.name == "tutorials"]
+
+CHEAP = {"machines", "show", "check", "schema", "design", "size", "loop", "simulate", "studies", "cells", "arm-model"}
+"""Commands that are run where a tutorial has them; the others are parsed only."""
+
+PUNCTUATION = {"<", ">", "&", "2>", ">>"}
+
+
+def blocks(page: Path, kind: str) -> list[str]:
+    return re.findall(rf"^```{kind}\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+
+
+def commands(page: Path) -> Iterator[str]:
+    """Lines of a page's shell blocks that call layflat."""
+    for block in blocks(page, "sh"):
+        for line in block.replace("\\\n", " ").splitlines():
+            if line.strip().startswith("layflat "):
+                yield line.strip()
+
+
+def words_of(line: str) -> list[str]:
+    """A command's words, without comment and redirections."""
+    words = shlex.split(line, comments=True)
+    ends = [i for i, word in enumerate(words) if word in PUNCTUATION]
+    return words[: ends[0]] if ends else words
+
+
+def parsed(words: list[str]) -> Any:
+    """The context of a command, which raises where a word or an option is unknown."""
+    command: Any = typer.main.get_command(app)
+    context = command.make_context("layflat", words[1:])
+    while hasattr(command, "list_commands") and (rest := [*context._protected_args, *context.args]):
+        name, command, rest = command.resolve_command(context, rest)
+        context = command.make_context(name, rest, parent=context)
+    return context
+
+
+ALL = [pytest.param(line, id=f"{page.stem}: {line[:60]}") for page in PAGES for line in commands(page)]
+
+
+def test_there_are_commands() -> None:
+    assert len(ALL) > 25
+
+
+@pytest.mark.parametrize("line", ALL)
+def test_commands_can_be_typed(line: str) -> None:
+    with suppress(typer.Exit):  # --version ends early
+        parsed(words_of(line))
+
+
+def test_an_unknown_option_would_be_found() -> None:
+    with pytest.raises(typer.TyperException, match="No such option"):
+        parsed(["layflat", "rig", "run", "paper-arm", "--no-such-option"])
+
+
+def test_commands_in_tables_are_there() -> None:
+    known = typer.main.get_command(app)
+    for page in PAGES:
+        for name in re.findall(r"`layflat ([a-z-]+)", page.read_text(encoding="utf-8")):
+            assert name in known.commands, f"{page.name}: layflat {name}"  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_a_tutorial_works_as_typed(page: Path, tmp_path: Path) -> None:
+    """In a fresh folder, with the files that it tells to write; without what takes long, and what builds on that."""
+    script = tmp_path / "bin" / "layflat"
+    script.parent.mkdir()
+    script.write_text(f"#!{sys.executable}\nfrom layflat.cli import main\nmain()\n", encoding="utf-8")
+    script.chmod(0o755)
+    text = page.read_text(encoding="utf-8")
+    names = re.findall(r"`([\w-]+\.toml)`[^`]*:\n\n```toml", text)
+    for name, block in zip(names, blocks(page, "toml"), strict=True):
+        (tmp_path / name).write_text(block, encoding="utf-8")
+    environment = os.environ | {"PATH": f"{script.parent}:{os.environ['PATH']}", "MPLBACKEND": "agg"}
+    left_out: list[str] = []
+    for line in commands(page):
+        words = words_of(line)
+        if words[1] not in CHEAP or any("tuned" in word for word in words):
+            left_out.append(words[1])
+            continue
+        done = subprocess.run(
+            ["/bin/sh", "-c", line], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"{line}\n{done.stderr}"
+    assert set(left_out) <= {"tune", "pack", "simulate"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    for link in re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8")):
+        if not link.startswith(("http", "mailto")):
+            assert (page.parent / link).exists(), link
+
+
+def test_the_index_names_every_page() -> None:
+    index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
+    missing = [page.name for page in PAGES if page.parts[-2] in {"docs", "tutorials"} and page.name not in index]
+    assert missing == ["index.md"]
