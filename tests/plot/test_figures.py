@@ -9,7 +9,7 @@ import pytest
 
 from layflat.errors import OutputError
 from layflat.machine import load
-from layflat.plot.loops import loops
+from layflat.plot.hysteresis import hysteresis_curves
 from layflat.plot.runs import angles, arm_steps, run_figure
 from layflat.plot.style import LINES, figure, save, to_png, to_svg
 from layflat.sim import rollout
@@ -22,14 +22,14 @@ def run():  # type: ignore[no-untyped-def]
 
 
 def test_every_axis_of_a_run_has_its_unit(run) -> None:  # type: ignore[no-untyped-def]
-    for made in (run_figure(run), angles({"a": run}, "small", band=0.005), arm_steps(run)):
+    for made in (run_figure(run), angles({"a": run}, "small", band=0.005), arm_steps(run, band=0.005)):
         labels = [text for axes in made.axes for text in (axes.get_ylabel(),)]
         assert all(label.endswith(")") for label in labels)
         assert any("(s)" in axes.get_xlabel() for axes in made.axes)
 
 
 def test_a_loop_is_drawn_closed_with_units() -> None:
-    made = loops({"new": sweep(load("paper-arm"), "small", 4e5)})
+    made = hysteresis_curves({"new": sweep(load("paper-arm"), "small", 4e5)})
     (axes,) = made.axes
     assert "(deg)" in axes.get_xlabel()
     assert "(N m)" in axes.get_ylabel()
@@ -52,7 +52,7 @@ def test_lines_differ_in_dash_and_in_lightness() -> None:
 
 def test_pyplot_is_not_imported() -> None:
     code = (
-        "import sys; from layflat.plot import curves, loops, runs, style\n"
+        "import sys; from layflat.plot import curves, hysteresis, runs, style\n"
         "print('matplotlib' in sys.modules)\n"
         "with style.figure() as (made, _): style.to_svg(made)\n"
         "print('matplotlib.pyplot' in sys.modules)"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from layflat.plot.fits import FEW, SHADE, Compared, measured_and_simulated
-from layflat.plot.style import to_svg
+from layflat.plot.fits import FEW, Compared, measured_and_simulated
+from layflat.plot.style import SHADE, to_svg
 
 
 def signal(name: str = "angle", samples: int = 400, fitted: float = 2.0 / 3.0, unit: str = "deg") -> Compared:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from looks import covered, cut_off, line_of
 
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
@@ -34,3 +35,40 @@ def test_every_axis_has_its_unit_and_the_same_data_give_the_same_bytes() -> None
         return [to_svg(figure) for figure in made]
 
     assert drawn() == drawn()
+
+
+def test_a_limit_is_named_and_shares_rise() -> None:
+    made = settled_shares(SETTLING, 1.5, 1.7)
+    (axes,) = made.axes
+    assert [text.get_text() for text in axes.texts] == ["1.5 s"]
+    for label, times in SETTLING.items():
+        x, y = line_of(axes, label)
+        assert (np.diff(y) >= 0).all()
+        for time in (0.25, 0.5):
+            share = y[np.searchsorted(x, time, side="right") - 1] if (x <= time).any() else 0.0
+            assert share == pytest.approx(100 * (times <= time).mean())
+    assert covered(made) == []
+    assert cut_off(made) == []
+
+
+PARTS = ["large joint, far", "large joint, near", "large joint, close", "small joint, far", "small joint, integral"]
+
+
+@pytest.mark.parametrize("begun", [(0, 20, 40, 60, 80), (0, 5, 90, 95, 100)])
+def test_parts_of_a_search_are_named_where_they_began_and_within_the_figure(begun: tuple[int, ...]) -> None:
+    made = cost_history(list(np.linspace(3.0, 1.0, 101)), dict(zip(PARTS, begun, strict=True)))
+    (axes,) = made.axes
+    assert [text.get_text() for text in axes.texts] == PARTS
+    centres = [
+        axes.transData.inverted().transform(text.get_window_extent().get_points()).mean(axis=0)[0]
+        for text in axes.texts
+    ]
+    assert centres == pytest.approx(begun, abs=1.0)
+    assert covered(made) == []
+    assert cut_off(made) == []
+
+
+def test_a_search_in_one_part_needs_no_names() -> None:
+    (axes,) = cost_history([3.0, 2.0], {"all gains": 0}).axes
+    assert not axes.texts
+    assert len(axes.lines) == 1

@@ -26,7 +26,7 @@ def loop(
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.plot.loops import loops  # noqa: PLC0415
+    from layflat.plot.hysteresis import hysteresis_curves  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
     from layflat.sim.sweep import sweep  # noqa: PLC0415
 
@@ -42,4 +42,4 @@ def loop(
         [name, f"{s.maximum_torque:.1f}", f"{s.height:.2f}", f"{100 * s.hysteresis:.1f}"] for name, s in swept.items()
     ]
     print_table(columns, rows, f"{described.name} at {pressure}")
-    typer.echo(f"wrote {save(loops(swept), out / f'{described.name}-loop.png')}")
+    typer.echo(f"wrote {save(hysteresis_curves(swept), out / f'{described.name}-loop.png')}")

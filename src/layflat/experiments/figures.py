@@ -10,7 +10,7 @@ from layflat.experiments.open_loop import RIG_PRESSURE
 from layflat.experiments.reproduction import Reproduction
 from layflat.plot.cam import cam_procedure
 from layflat.plot.curves import average_response, settling_over_inertia, valve_sweeps
-from layflat.plot.loops import loops
+from layflat.plot.hysteresis import hysteresis_curves
 from layflat.plot.page import Drawn
 from layflat.plot.runs import angles, arm_steps
 from layflat.plot.style import to_svg
@@ -31,7 +31,7 @@ def figures(found: Reproduction) -> Iterator[Drawn]:
 def _rigs(**labels: str) -> Callable[[Reproduction], Figure]:
     def draw(found: Reproduction) -> Figure:
         named = {label.replace("_", " "): name for label, name in labels.items()}
-        return loops({label: found.open_loop.rigs[name][RIG_PRESSURE] for label, name in named.items()})
+        return hysteresis_curves({label: found.open_loop.rigs[name][RIG_PRESSURE] for label, name in named.items()})
 
     return draw
 
@@ -78,19 +78,19 @@ FIGURES: dict[str, tuple[str, str, tuple[str, ...], Callable[[Reproduction], Fig
         "Fig. 10. Axis one without brake, 4 bar.",
         "With cam, shell and steel strap the torque stays nearly constant and the curve is thin.",
         ("open-loop-hysteresis",),
-        lambda found: loops({"new joint": found.open_loop.unbraked}),
+        lambda found: hysteresis_curves({"new joint": found.open_loop.unbraked}),
     ),
     "fig-11": (
         "Fig. 11. The earlier actuator, 4 bar.",
         "Torque falls along the stroke; the curve is high but rounded: after each reversal torque changes gradually.",
         ("open-loop-hysteresis",),
-        lambda found: loops({"earlier actuator": found.open_loop.earlier}),
+        lambda found: hysteresis_curves({"earlier actuator": found.open_loop.earlier}),
     ),
     "fig-12": (
         "Fig. 12. Axis one with its brake, 4 bar.",
         "As much hysteresis as the earlier actuator's, but with upright sides: small motions meet the full force.",
         ("open-loop-hysteresis",),
-        lambda found: loops({"with brake": found.open_loop.braked, "without": found.open_loop.unbraked}),
+        lambda found: hysteresis_curves({"with brake": found.open_loop.braked, "without": found.open_loop.unbraked}),
     ),
     "fig-13": (
         "Fig. 13. Axis one: a 40 deg step with 2 kg at 0.4 m.",
@@ -123,7 +123,7 @@ FIGURES: dict[str, tuple[str, str, tuple[str, ...], Callable[[Reproduction], Fig
         "Fig. 14. The two-axis arm with 1.5 kg: a 40 deg step of each axis in turn.",
         "The large joint's step pushes the small one off its place; the reverse hardly shows. Both return to demand.",
         ("two-axis-settling",),
-        lambda found: arm_steps(found.two_axis.steps),
+        lambda found: arm_steps(found.two_axis.steps, band=BAND),
     ),
     "fig-valve": (
         "What dither is for.",

@@ -25,7 +25,7 @@ def draw_bars(
     kinds: Sequence[int] | None = None,
     form: str = "{:.2g}",
 ) -> None:
-    """Bars to the right, the first on top, each with its value.
+    """Draw bars to the right, the first on top, each with its value.
 
     Args:
         axes: to draw on.

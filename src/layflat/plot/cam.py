@@ -37,13 +37,10 @@ class CamLike(Protocol):
 
 
 def cam_procedure(cam: CamLike) -> Figure:
-    """Strap lines in the cam's frame at evenly spaced cam angles, and the profile that they envelop."""
-    profile = 1000.0 * cam.profile
-    back = np.stack([np.cos(-cam.angle), np.sin(-cam.angle)], axis=-1)
-    away = 1000.0 * (cam.strap_point - np.array(cam.axis))
-    seen = np.stack(
-        [away[:, 0] * back[:, 0] - away[:, 1] * back[:, 1], away[:, 0] * back[:, 1] + away[:, 1] * back[:, 0]], axis=-1
-    )
+    """Draw strap lines in the cam's frame at evenly spaced cam angles, and the profile that they envelop."""
+    profile, away = 1e3 * cam.profile, 1e3 * (cam.strap_point - np.array(cam.axis))
+    c, s = np.cos(cam.angle), np.sin(cam.angle)
+    seen = np.stack([away[:, 0] * c + away[:, 1] * s, away[:, 1] * c - away[:, 0] * s], axis=-1)
     with figure(width=5.6, height=5.6, head=True) as (made, (axes,)):
         for i in np.searchsorted(cam.angle, np.linspace(cam.angle[0], cam.angle[-1], SHOWN)):
             ends = np.array([seen[i], profile[i], profile[i] + 0.25 * (profile[i] - seen[i])])
@@ -51,7 +48,7 @@ def cam_procedure(cam: CamLike) -> Figure:
         axes.plot(seen[:, 0], seen[:, 1], label="where the strap leaves the shell", **LINES[1])
         axes.plot(profile[:, 0], profile[:, 1], label="cam profile", **{**LINES[0], "linewidth": 2.5})
         axes.plot(0.0, 0.0, "+", color="black", ms=10)
-        axes.annotate("output axis", (0, 0), xytext=(6, -10), textcoords="offset points")
+        axes.annotate("output axis", (0, 0), xytext=(0, -8), textcoords="offset points", ha="center", va="top")
         axes.set_aspect("equal")
         axes.set_xlabel("Along the cam (mm)")
         axes.set_ylabel("Across the cam (mm)")

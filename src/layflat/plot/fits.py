@@ -1,4 +1,4 @@
-"""What was measured and what is simulated, over a log: fitted on a white ground, judged on a grey one."""
+"""What was measured and what is simulated, over a log: fitted on a white ground, validated on a grey one."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.plot.style import LINES, QUIET, figure
+from layflat.plot.style import LINES, QUIET, SHADE, figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,6 @@ class Compared(NamedTuple):
     fitted: NDArray[np.bool_]
 
 
-SHADE = "#eeeeee"
 MEASURED = {**QUIET, "linewidth": 2.2, "color": "#b5b5b5"}
 
 FEW = 200
@@ -36,7 +35,7 @@ FEW = 200
 
 
 def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
-    """A row a signal: on the left both, on the right the error, simulated less measured."""
+    """Draw a row per signal: on the left both, on the right the error, simulated less measured."""
     from matplotlib.patches import Patch  # noqa: PLC0415  # matplotlib takes long to import
 
     rows = len(signals)
@@ -74,8 +73,8 @@ def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
 
 
 def _shade(axes: Sequence[Axes], signal: Compared) -> None:
-    """A grey ground where nothing was fitted."""
-    judged = np.flatnonzero(~signal.fitted)
-    if len(judged):
+    """Lay a grey ground where nothing was fitted."""
+    left = np.flatnonzero(~signal.fitted)
+    if len(left):
         for one in axes:
-            one.axvspan(signal.time[judged[0]], signal.time[judged[-1]], color=SHADE, lw=0, zorder=0)
+            one.axvspan(signal.time[left[0]], signal.time[left[-1]], color=SHADE, lw=0, zorder=0)

@@ -1,4 +1,4 @@
-"""A regulated joint through logs: what was asked, what was measured, and what is predicted from the one alone."""
+"""A regulated joint through logs: set-points, what was measured, and what is predicted from the set-points alone."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Shown(NamedTuple):
 
 
 def free_runs(logs: Mapping[str, Shown], ambient_pressure: float) -> Figure:
-    """Set-points, pressures (above ambient; from `START` on) and angle of each log: a column a log, by its title."""
+    """Draw set-points, pressures (gauge; from `START` on) and angle of each log: a column a log, by its title."""
     count = len(logs)
     with figure(3, count, width=4.4 * count + 1.0, height=6.6, share_x=True, head=True) as (made, all_axes):
         for column, (title, log) in enumerate(logs.items()):

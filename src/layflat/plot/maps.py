@@ -15,12 +15,12 @@ Array = NDArray[np.float64]
 COLOURS = "cividis_r"
 """Light is little, dark is much: also in black and white."""
 
-NOTHING = "#ffffff"
+NOTHING = {"facecolor": "#ffffff", "edgecolor": "#bbbbbb", "hatch": "///"}
 """Where there is no number."""
 
 
 def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float, high: float) -> None:
-    """Colours for z (y, x) over points x and y, with a scale above; hatched where z is not a number or infinite.
+    """Draw colours for z (y, x) over points x and y, with a scale above; hatched where z is not a number or infinite.
 
     Args:
         axes: to draw on.
@@ -31,7 +31,7 @@ def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float
         low: what the scale begins with.
         high: what it ends with; more is drawn alike.
     """
-    axes.set_facecolor(NOTHING)
+    axes.patch.set(**NOTHING)
     shown = np.ma.masked_invalid(z)
     mesh = axes.pcolormesh(x, y, shown, cmap=COLOURS, vmin=low, vmax=high, shading="nearest", rasterized=True)
     axes.grid(visible=False)
@@ -44,7 +44,7 @@ def draw_map(axes: Axes, x: Array, y: Array, z: Array, label: str, *, low: float
 
 
 def edges(points: Array, *, log: bool = False) -> tuple[float, float]:
-    """Where the fields of the first and the last point end."""
+    """Return where the fields of the first and the last point end."""
     own = np.log(points) if log else points
     ends = own[0] - 0.5 * (own[1] - own[0]), own[-1] + 0.5 * (own[-1] - own[-2])
     low, high = np.exp(ends) if log else ends

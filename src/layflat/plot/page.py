@@ -17,7 +17,7 @@ class Drawn:
     svg: str
 
     def __html__(self) -> str:
-        """The figure as a template puts it in: what is drawn is not escaped, and what is said is."""
+        """Return the figure as a template puts it in: its drawing as it is, its words escaped."""
         from markupsafe import escape  # noqa: PLC0415
 
         caption = f"<figcaption><b>{escape(self.title)}</b> {escape(self.caption)}</figcaption>"
@@ -25,7 +25,7 @@ class Drawn:
 
 
 def page(package: str, template: str, **values: Any) -> str:
-    """A template of a package, which extends `page.html.j2` of this one, as HTML."""
+    """Render a template of a package, which extends `page.html.j2` of this one, as HTML."""
     import jinja2  # noqa: PLC0415
 
     def source(name: str) -> str:

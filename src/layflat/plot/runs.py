@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from layflat.plot.style import LINES, QUIET, figure
+from layflat.plot.style import LINES, QUIET, SHADE, figure
 
 if TYPE_CHECKING:
     import xarray
@@ -18,18 +18,40 @@ WARN = 30
 """Level of an event from which on it is marked, as in rcl_interfaces/msg/Log."""
 
 
+def draw_response(axes: tuple[Axes, Axes], run: xarray.Dataset, label: str, order: int, *, since: float = 0.0) -> None:
+    """Draw the angle of one joint's run on the first axes, its error on the second; time counts from `since` (s)."""
+    time, demand, angle = run["time"].to_numpy() - since, np.degrees(run["demand"]), np.degrees(run["angle"])
+    axes[0].plot(time, angle, label=label, **LINES[order])
+    axes[1].plot(time, angle - demand, label=label, **LINES[order])
+
+
+def draw_demand(axes: Axes, run: xarray.Dataset, *, since: float = 0.0, named: bool = True) -> None:
+    """Draw the demand of one joint's run; time counts from `since` (s)."""
+    time = run["time"].to_numpy() - since
+    axes.plot(time, np.degrees(run["demand"]), label="demand" if named else None, **QUIET)
+
+
+def frame_error(axes: Axes, band: float, shown: float) -> None:
+    """Frame an error, `shown` (deg) to both sides, over the band (rad) within which it counts as settled."""
+    wide = np.degrees(band)
+    axes.axhspan(-wide, wide, color=SHADE, lw=0, label=f"±{wide:.3g} deg")
+    axes.set_ylim(-shown, shown)
+    axes.set_ylabel("Error (deg)")
+    axes.set_xlabel("Time (s)")
+
+
 def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0, band: float | None = None) -> Figure:
-    """The angle of one joint in several runs, with the demand and, if given, a band (rad) around it."""
+    """Draw the angle of one joint in several runs, with the demand and, if given, a band (rad) around it."""
     with figure() as (made, (axes,)):
         for order, (label, run) in enumerate(runs.items()):
             part = run.sel(joint=joint)
             time = part["time"].to_numpy() - since
             if order == 0:
-                demand = np.degrees(part["demand"].to_numpy())
-                axes.plot(time, demand, label="demand", **QUIET)
+                draw_demand(axes, part, since=since)
                 if band is not None:
-                    wide = np.degrees(band)
-                    axes.fill_between(time, demand - wide, demand + wide, color="#eeeeee", lw=0)
+                    demand, wide = np.degrees(part["demand"].to_numpy()), np.degrees(band)
+                    ends = demand - wide, demand + wide
+                    axes.fill_between(time, *ends, color=SHADE, lw=0, label=f"demand ±{wide:.3g} deg")
             axes.plot(time, np.degrees(part["angle"]), label=label, **LINES[order % len(LINES)])
         axes.set_xlabel("Time (s)")
         axes.set_ylabel("Angle (deg)")
@@ -38,7 +60,7 @@ def angles(runs: Mapping[str, xarray.Dataset], joint: str, *, since: float = 0.0
 
 
 def run_figure(run: xarray.Dataset) -> Figure:
-    """A whole run: for each joint its angle with demand, its pressures, and its control voltage.
+    """Draw a whole run: for each joint its angle with demand, its pressures, and its control voltage.
 
     Of a recorded run the pressure is the differential one, as sampled; its faults are shaded, and
     its warnings and errors marked, and listed below by their number among its events.
@@ -51,7 +73,7 @@ def run_figure(run: xarray.Dataset) -> Figure:
         for column, joint in enumerate(joints):
             part = run.sel(joint=joint)
             angle, pressure, voltage = (all_axes[row * len(joints) + column] for row in range(3))
-            angle.plot(time, np.degrees(part["demand"]), label="demand", **QUIET)
+            draw_demand(angle, part)
             angle.plot(time, np.degrees(part["angle"]), label="angle", **LINES[0])
             angle.set_title(f"{joint} joint")
             angle.set_ylabel("Angle (deg)")
@@ -61,7 +83,7 @@ def run_figure(run: xarray.Dataset) -> Figure:
             voltage.set_xlabel("Time (s)")
             for axes in (angle, pressure, voltage):
                 _mark_faults(axes, run, marked)
-            _number(voltage, marked)
+            _number(voltage, marked, float(time[-1] - time[0]))
             for axes in (angle, pressure):
                 axes.legend(loc="best")
         for line, (number, text, at) in enumerate(reversed(marked)):
@@ -71,7 +93,7 @@ def run_figure(run: xarray.Dataset) -> Figure:
 
 
 def _pressures(axes: Axes, part: xarray.Dataset) -> None:
-    """Pressures of a joint: of both hoses, or what a rig knows of them."""
+    """Draw the pressures of a joint: of both hoses, or what a rig knows of them."""
     time = part["time"].to_numpy()
     if "pressure_a" in part:
         axes.plot(time, part["pressure_a"] / 1e5, label="hose A", **LINES[0])
@@ -88,9 +110,12 @@ MOST_MARKS = 12
 NOTE = 0.17
 """Height of a line about an event, inches."""
 
+CLOSE = 0.09
+"""Share of a run's duration: labels of events that are closer than this would overlap."""
+
 
 def _marked(run: xarray.Dataset) -> list[tuple[int, str, float]]:
-    """Number in the list of events, text and time of the events that are marked: warnings and errors."""
+    """Return number in the list of events, text and time of the events that are marked: warnings and errors."""
     if "event_time" not in run:
         return []
     told = zip(run["event_level"].values, run["event_text"].values, run["event_time"].values, strict=True)
@@ -110,29 +135,34 @@ def _mark_faults(axes: Axes, run: xarray.Dataset, marked: Sequence[tuple[int, st
         axes.axvline(at, color="#555555", lw=0.8, ls=(0, (2, 2)))
 
 
-def _number(axes: Axes, marked: Sequence[tuple[int, str, float]]) -> None:
-    """Write the events' numbers at the top."""
+def _number(axes: Axes, marked: Sequence[tuple[int, str, float]], span: float) -> None:
+    """Write the events' numbers at the top; those that lie too close together share one label."""
+    groups: list[list[tuple[int, str, float]]] = []
+    for event in sorted(marked, key=lambda event: event[2]):
+        if groups and event[2] - groups[-1][-1][2] < CLOSE * span:
+            groups[-1].append(event)
+        else:
+            groups.append([event])
     style: dict[str, Any] = {"fontsize": 8, "ha": "center", "bbox": {"pad": 1.5, "facecolor": "white", "lw": 0}}
-    for number, _, at in marked:
+    for group in groups:
+        numbers, times = sorted(number for number, _, _ in group), [at for _, _, at in group]
+        text = f"{numbers[0]}–{numbers[-1]}" if len(group) > 1 else str(numbers[0])
         place: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "textcoords": "offset points"}
-        axes.annotate(str(number), (at, 1.0), (0.0, -8.0), **place, **style)
+        axes.annotate(text, ((times[0] + times[-1]) / 2, 1.0), (0.0, -8.0), **place, **style)
 
 
-def arm_steps(run: xarray.Dataset) -> Figure:
-    """Angles of all joints in one frame, with their demands, and their errors, enlarged, below."""
-    joints = [str(name) for name in run["joint"].to_numpy()]
-    time = run["time"].to_numpy()
-    with figure(2, 1, height=4.8, share_x=True, head=True) as (made, (angle, close)):
-        for order, joint in enumerate(joints):
+def arm_steps(run: xarray.Dataset, *, band: float) -> Figure:
+    """Draw the angles of all joints in one frame, with their demands, and their errors, enlarged, below.
+
+    `band` (rad) is that within which a joint has settled.
+    """
+    with figure(2, 1, height=4.8, share_x=True, head=True) as (made, (angle, error)):
+        for order, joint in enumerate(run["joint"].to_numpy()):
             part = run.sel(joint=joint)
-            angle.plot(time, np.degrees(part["demand"]), label="demand" if order == 0 else None, **QUIET)
-            angle.plot(time, np.degrees(part["angle"]), label=f"{joint} joint", **LINES[order])
-            error = np.degrees(part["angle"] - part["demand"])
-            close.plot(time, error, label=f"{joint} joint", **LINES[order])
+            draw_demand(angle, part, named=order == 0)
+            draw_response((angle, error), part, f"{joint} joint", order)
         angle.set_ylabel("Angle (deg)")
         angle.legend(ncols=3, loc="lower right", bbox_to_anchor=(1.0, 1.0))
-        close.set_ylim(-2.0, 2.0)
-        close.axhspan(-0.3, 0.3, color="#eeeeee", lw=0)
-        close.set_ylabel("Error (deg)")
-        close.set_xlabel("Time (s)")
+        frame_error(error, band, 2.0)
+        error.legend(handles=error.patches, loc="lower right")
     return made

@@ -24,7 +24,10 @@ LINES: tuple[dict[str, Any], ...] = (
 """Line styles in order of use: dark to light, and of different dashes."""
 
 QUIET: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
-"""For demands, bands and other things that only help to read."""
+"""For demands, limits and other things that only help to read."""
+
+SHADE = "#eeeeee"
+"""For bands, and the ground behind what counts otherwise."""
 
 RC: Any = {
     "font.size": 9.5,
@@ -41,7 +44,7 @@ RC: Any = {
 }
 
 
-LEFT, RIGHT, BOTTOM, TOP = 0.66, 0.14, 0.52, 0.12
+LEFT, RIGHT, BOTTOM, TOP = 0.72, 0.14, 0.52, 0.12
 """Margins of a figure, inches."""
 HEAD = 0.30
 """Added at the top where a title or legend stands above the axes."""
@@ -63,7 +66,7 @@ def figure(
     beside: float = 0.0,
     between: float = BETWEEN[0],
 ) -> Iterator[tuple[Figure, list[Axes]]]:
-    """A figure in the house style, with its axes in reading order. Sizes in inches.
+    """Give a figure in the house style, with its axes in reading order; sizes in inches.
 
     Where asked there is more room `above` the axes, for a scale of colours, `below` them, for notes, and on the left
     `beside` them and `between` them, for names.
@@ -89,8 +92,19 @@ def figure(
         yield made, list(axes.ravel())
 
 
+def mark(axes: Axes, at: float, text: str, *, upright: bool = False) -> None:
+    """Draw a quiet line across the axes at a value, and write beside it what it stands for."""
+    if upright:
+        axes.axvline(at, **QUIET)
+        place: dict[str, Any] = {"xy": (at, 0.02), "xycoords": axes.get_xaxis_transform(), "xytext": (4, 0)}
+    else:
+        axes.axhline(at, **QUIET)
+        place = {"xy": (0.0, at), "xycoords": axes.get_yaxis_transform(), "xytext": (4, 2)}
+    axes.annotate(text, **place, textcoords="offset points", va="bottom", fontsize=8, color="#555555")
+
+
 def to_svg(made: Figure) -> str:
-    """A figure as SVG text, the same for the same data."""
+    """Return a figure as SVG text, the same for the same data."""
     import matplotlib as mpl  # noqa: PLC0415
 
     out = StringIO()
@@ -101,7 +115,7 @@ def to_svg(made: Figure) -> str:
 
 
 def to_png(made: Figure, dpi: int = 150) -> bytes:
-    """A figure as PNG."""
+    """Return a figure as PNG."""
     out = BytesIO()
     made.savefig(out, format="png", dpi=dpi)
     return out.getvalue()

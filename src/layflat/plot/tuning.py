@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.plot.style import LINES, QUIET, figure
+from layflat.plot.runs import draw_demand, draw_response, frame_error
+from layflat.plot.style import LINES, QUIET, figure, mark
 
 if TYPE_CHECKING:
     import xarray
@@ -16,34 +17,31 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+LETTER = 0.06
+"""Width of a letter in the names of a search's parts, inches."""
+
 
 def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) -> Figure:
-    """For each joint its angle with the demand in several runs, and its error, enlarged, below; `band` in rad."""
+    """Draw for each joint its angle with the demand in several runs, and its error, enlarged, below; `band` in rad."""
     joints = [str(name) for name in next(iter(runs.values()))["joint"].to_numpy()]
-    wide = np.degrees(band)
     with figure(2, len(joints), width=4.2 * len(joints) + 1.0, height=4.8, share_x=True, head=True) as (made, all_axes):
         for column, joint in enumerate(joints):
-            angle, close = all_axes[column], all_axes[column + len(joints)]
+            angle, error = all_axes[column], all_axes[column + len(joints)]
             for order, (label, run) in enumerate(runs.items()):
                 part = run.sel(joint=joint)
-                time, demand = part["time"].to_numpy() - since, np.degrees(part["demand"].to_numpy())
                 if order == 0:
-                    angle.plot(time, demand, label="demand", **QUIET)
-                found = np.degrees(part["angle"].to_numpy())
-                angle.plot(time, found, label=label, **LINES[order])
-                close.plot(time, found - demand, label=label, **LINES[order])
+                    draw_demand(angle, part, since=since)
+                draw_response((angle, error), part, label, order, since=since)
             angle.set_title(f"{joint} joint", loc="left")
             angle.set_ylabel("Angle (deg)")
-            close.axhspan(-wide, wide, color="#eeeeee", lw=0)
-            close.set_ylim(-5.0 * wide, 5.0 * wide)
-            close.set_ylabel("Error (deg)")
-            close.set_xlabel("Time (s)")
+            frame_error(error, band, 5.0 * np.degrees(band))
         all_axes[0].legend(loc="best")
+        all_axes[len(joints)].legend(handles=all_axes[len(joints)].patches, loc="lower right")
     return made
 
 
 def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -> Figure:
-    """Share of moves that have settled over time (s); what has not by the window's end never does."""
+    """Draw the share of moves that have settled over time (s); what has not by the window's end never does."""
     with figure() as (made, (axes,)):
         for order, (label, times) in enumerate(settling.items()):
             ordered = np.sort(times.ravel())
@@ -56,8 +54,7 @@ def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -
                 label=label,
                 **LINES[order],
             )
-        axes.axvline(limit, **QUIET)
-        axes.annotate(f"{limit:g} s", (limit, 3.0), xytext=(4, 0), textcoords="offset points")
+        mark(axes, limit, f"{limit:g} s", upright=True)
         axes.set_xlim(0.0, window)
         axes.set_ylim(0.0, 102.0)
         axes.set_xlabel("Time since the move began (s)")
@@ -67,18 +64,21 @@ def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -
 
 
 def cost_history(costs: Sequence[float], parts: Mapping[str, int]) -> Figure:
-    """Best cost (s) after each generation; `parts` are its parts, with the generation after which each began."""
-    with figure(head=len(parts) > 1) as (made, (axes,)):
+    """Draw the best cost (s) after each generation.
+
+    Args:
+        costs: the first belongs to the gains that the search began with.
+        parts: parts of the search, with the generation after which each began.
+    """
+    names = LETTER * max(map(len, parts)) if len(parts) > 1 else 0.0
+    with figure(height=3.6 + names, above=names) as (made, (axes,)):
         axes.step(np.arange(len(costs)), costs, where="post", **LINES[0])
-        for number, begun in enumerate(parts.values()):
-            if number > 0:
-                axes.axvline(begun, **QUIET)
-        if len(parts) > 1:
-            for name, begun in parts.items():
-                axes.annotate(
-                    name, (begun, 1.0), xycoords=("data", "axes fraction"), xytext=(2, 2),
-                    textcoords="offset points", va="bottom", fontsize=7.5, color="#555555",
-                )  # fmt: skip
+        for name, begun in parts.items() if names else ():
+            axes.axvline(begun, **QUIET)
+            axes.annotate(
+                name, (begun, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
+                ha="center", va="bottom", rotation=90, fontsize=7.5, color="#555555",
+            )  # fmt: skip
         axes.set_ylim(bottom=0.0)
         axes.set_xlabel("Generation (number)")
         axes.set_ylabel("Best cost so far (s)")

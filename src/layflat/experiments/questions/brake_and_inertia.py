@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 TITLE = "How much brake, for how much inertia?"
 CAPTION = (
-    "Time to settle after a 40 deg step (white: not in 4 s) over total hysteresis, which the brake sets, and inertia. "
-    "Below the solid line every inertia from the paper's comparison on (dotted) settles within 1.5 s, below the dashed "
-    "line within 4 s, in the median with the neighbouring fields. The vertical line is the paper's brake."
+    "Time to settle after a 40 deg step (hatched: not in 4 s) over total hysteresis, which the brake sets, and "
+    "inertia. Below the solid line every inertia from the paper's comparison on (dotted) settles within 1.5 s, below "
+    "the dashed line within 4 s, in the median with the neighbouring fields. The vertical line is the paper's brake."
 )
 
 ENOUGH = 0.8

@@ -9,7 +9,7 @@ import numpy as np
 
 from layflat.experiments.axis_one import GOOD_TIME
 from layflat.experiments.questions.tables import Array
-from layflat.plot.style import LINES, QUIET
+from layflat.plot.style import LINES, mark
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
 
@@ -68,7 +68,7 @@ def figure(_: Study, frame: pandas.DataFrame) -> Figure:
         settled = np.isfinite(found["settling"])
         settling.plot(p[settled], found["settling"][settled], **LINES[0], marker="o", ms=3)
         settling.plot(p[~settled], np.full(int((~settled).sum()), 4.0), "x", color=LINES[0]["color"])
-        settling.axhline(GOOD_TIME, **QUIET)
+        mark(settling, GOOD_TIME, f"goal, {GOOD_TIME:g} s")
         settling.set_ylabel("Time to settle (s)")
         air.plot(p, found["air at rest"], label="at rest, per minute", **LINES[0])
         air.plot(p, found["leakage"], label="the same without dither", **LINES[1])

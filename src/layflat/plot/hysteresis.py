@@ -1,4 +1,4 @@
-"""Torque-angle loops."""
+"""Hysteresis curves: torque against angle, there and back."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class LoopLike(Protocol):
-    """Angles (rad) and torques (N m) of a closed loop, forward and back."""
+class CurveLike(Protocol):
+    """Angles (rad) and torques (N m) of a closed curve, forward and back."""
 
     @property
     def angle(self) -> NDArray[np.float64]:
@@ -27,10 +27,10 @@ class LoopLike(Protocol):
         """In N m."""
 
 
-def draw_loop(axes: Axes, loop: LoopLike, label: str, order: int) -> None:
-    """Draw one loop with arrows that show its sense."""
+def draw_hysteresis(axes: Axes, curve: CurveLike, label: str, order: int) -> None:
+    """Draw one curve with arrows that show its sense."""
     line = LINES[order % len(LINES)]
-    angle, torque = np.degrees(loop.angle), loop.torque
+    angle, torque = np.degrees(curve.angle), curve.torque
     closed = np.append(angle, angle[0]), np.append(torque, torque[0])
     axes.plot(*closed, label=label, **line)
     half = len(angle) // 2
@@ -43,13 +43,13 @@ def draw_loop(axes: Axes, loop: LoopLike, label: str, order: int) -> None:
         )
 
 
-def loops(drawn: Mapping[str, LoopLike], *, against: str = "Output angle from mid-stroke (deg)") -> Figure:
-    """Loops side by side in one frame, torque against angle."""
+def hysteresis_curves(drawn: Mapping[str, CurveLike], *, against: str = "Output angle from mid-stroke (deg)") -> Figure:
+    """Draw curves in one frame, torque against angle."""
     with figure() as (made, (axes,)):
-        for order, (label, loop) in enumerate(drawn.items()):
-            draw_loop(axes, loop, label, order)
+        for order, (label, curve) in enumerate(drawn.items()):
+            draw_hysteresis(axes, curve, label, order)
         axes.set_xlabel(against)
         axes.set_ylabel("Torque (N m)")
-        axes.set_ylim(0, 1.12 * max(float(loop.torque.max()) for loop in drawn.values()))
+        axes.set_ylim(0, 1.12 * max(float(curve.torque.max()) for curve in drawn.values()))
         axes.legend()
     return made
