@@ -5,9 +5,9 @@ from __future__ import annotations
 from benchmarks.timing import ROUNDS, median_seconds
 from layflat.bridge import MujocoPlant
 from layflat.cell import load
-from layflat.cell.camera import Camera
-from layflat.cell.eyes import calibrate_scene, detector_of
+from layflat.cell.perception import calibrate_scene, detector_of
 from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import SimulatedCamera
 from layflat.errors import NoDrawingError
 
 STEPS = 1000
@@ -31,7 +31,7 @@ def measure(rounds: int = ROUNDS) -> dict[str, float]:
     step, alone = median_seconds(with_joints, 5) / STEPS, median_seconds(lambda: scene.step(STEPS), 5) / STEPS
     found = {"cell_us_per_step": 1e6 * step, "cell_joints_ratio": step / alone}
     try:
-        camera = Camera(scene)
+        camera = SimulatedCamera(scene)
     except NoDrawingError:
         return found
     with camera:

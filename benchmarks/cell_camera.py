@@ -20,11 +20,10 @@ from rich.progress import track
 from rich.table import Table
 
 from layflat.cell import Cell, load
-from layflat.cell.camera import Camera
 from layflat.cell.extras import mujoco, opencv
-from layflat.cell.eyes import calibrate_scene, detector_of, fruit_of, place_of
-from layflat.cell.file.checks import places
+from layflat.cell.perception import calibrate_scene, detector_of, fruit_of
 from layflat.cell.scene import FruitTruth, Scene
+from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import SURE, Calibration, Detection, draw
 
 NEAR = 0.5
@@ -92,7 +91,7 @@ class Tally:
         self.ungraded += bool(graded.doubt) and fruit.grade is not None
         if not graded.doubt and graded.grade != fruit.grade:
             self.grade.append(f"{told}: {graded.grade}, is {fruit.grade}")
-        place = place_of(cell, *one.position[:2])
+        place = cell.place_at(*one.position[:2])
         if place != fruit.place:
             self.place.append(f"{told}: {place}, is {fruit.place}")
 
@@ -127,15 +126,15 @@ def cluttered(cell: Cell, times: int) -> Cell:
 def pack_all(scene: Scene, rng: np.random.Generator) -> None:
     """Lay the tray's fruit into random places of packs that hold it, and let it rest there."""
     data, model, cell = scene.data, scene.model, scene.cell
-    free = [(name, *spot) for name, pack in cell.pack.items() for spot in places(pack).tolist()]
+    free = [(name, *spot) for name, pack in cell.container.items() for spot in pack.places.tolist()]
     rng.shuffle(free)
     for fruit in scene.fruits:
-        at = next((spot for spot in free if cell.pack[spot[0]].layout.opening >= fruit.diameter), None)
+        at = next((spot for spot in free if cell.container[spot[0]].layout.opening >= fruit.diameter), None)
         if at is None:
             continue
         free.remove(at)
         start = int(model.joint(fruit.name).qposadr[0])
-        height = cell.pack[at[0]].layout.wall + fruit.under + 1e-3
+        height = cell.container[at[0]].layout.wall + fruit.under + 1e-3
         data.qpos[start : start + 7] = [*at[1:], height, 1.0, 0.0, 0.0, 0.0]
     mujoco().mj_forward(model, data)
     scene.step(400)
@@ -159,7 +158,7 @@ def main() -> None:
         where = "packs" if seed % 3 == 2 else "tray"
         if where == "packs":
             pack_all(scene, np.random.default_rng(seed))
-        with Camera(scene) as camera:
+        with SimulatedCamera(scene) as camera:
             if calibration is None:
                 calibration = calibrate_scene(scene, camera)
                 detector.find(camera.picture(), calibration)

@@ -25,13 +25,13 @@ def test_a_cell_is_read_without_the_heavy_packages() -> None:
 def test_a_scene_goes_on_without_what_draws_and_a_picture_says_what_to_install() -> None:
     code = """
 from layflat.cell import load
-from layflat.cell.camera import Camera
+from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene import Scene
 from layflat.errors import NoDrawingError
 scene = Scene(load("packing"), 0)
 scene.step(5)
 try:
-    Camera(scene)
+    SimulatedCamera(scene)
 except NoDrawingError as error:
     print(error)
 """

@@ -57,10 +57,12 @@ def test_a_run_leaves_results_a_film_and_a_sheet(few: str, tmp_path: Path) -> No
     out = tmp_path / "out"
     done = CliRunner().invoke(app, ["pack", "--cell", few, "--picks", "1", "--out", str(out), "--film", "gif"])
     assert done.exception is None, done.output
-    assert "1 of 1 picks in the right place and grade (100.0%)" in done.output
+    written = {line.removeprefix("wrote ") for line in done.output.splitlines() if line.startswith("wrote ")}
+    assert written == {str(path) for path in out.iterdir()}
+    assert "1 of 1 pick correct: in the chosen place, of its kind and grade (100.0%)" in done.output
     assert max(len(line) for line in done.output.splitlines() if "wrote" not in line) <= 110
     assert {path.name for path in out.iterdir()} == {"calibration.toml", "film.gif", "results.json", "sheet.png"}
-    assert json.loads((out / "results.json").read_text(encoding="utf-8"))["summary"]["right"] == 1
+    assert json.loads((out / "results.json").read_text(encoding="utf-8"))["summary"]["correct"] == 1
 
     # The same camera again, moved by 5 mm.
     moved = tmp_path / "moved.toml"
@@ -79,6 +81,41 @@ def test_a_study_has_a_row_for_each_seed(few: str, tmp_path: Path) -> None:
     assert [run["seed"] for run in runs] == [0, 1]
 
 
+STOPPED = """\
+import os, signal, sys, threading
+from layflat.cell.work import study
+
+def stop_after_the_first(*asked):
+    runs = study_repeated(*asked)
+    yield next(runs)
+    threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+    yield from runs
+
+study_repeated, study.repeated = study.repeated, stop_after_the_first
+if __name__ == "__main__":
+    from layflat.cli import main
+    main()
+"""
+
+
+def test_a_study_that_is_stopped_keeps_its_runs_and_marks_them_partial(few: str, tmp_path: Path) -> None:
+    script, out = tmp_path / "stopped.py", tmp_path / "out"
+    script.write_text(STOPPED, encoding="utf-8")
+    asked = ["pack", "--cell", few, "--study", "--seeds", "40", "--picks", "2", "--out", str(out)]
+    done = subprocess.run(
+        [sys.executable, str(script), *asked], env=os.environ | {"MUJOCO_GL": "nothing"},
+        capture_output=True, text=True, timeout=180, check=False,
+    )  # fmt: skip
+    assert done.returncode == 130, done.stderr
+    results = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    assert results["partial"] is True
+    assert 1 <= len(results["runs"]) < 40
+    last = [line for line in done.stderr.splitlines() if "the study ended" in line]
+    expected = f"layflat: the study ended after {len(results['runs'])} of 40 seeds: stopped; {out / 'results.json'}"
+    assert last == [f"{expected} holds these and is marked as partial"]
+    assert "Traceback" not in done.stderr
+
+
 def test_without_opengl_it_goes_on_without_pictures(few: str, tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from layflat.cli import main; main()", "pack", "--cell", few, "--picks", "1"]
     done = subprocess.run(
@@ -88,7 +125,7 @@ def test_without_opengl_it_goes_on_without_pictures(few: str, tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
     assert "apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)" in done.stderr
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"results.json"}
-    assert "1 of 1 picks" in done.stdout
+    assert "1 of 1 pick correct" in done.stdout
 
 
 def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path: Path) -> None:
@@ -104,8 +141,10 @@ def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (["--film", "avi"], "--film: 'avi' is no kind of film; give mp4, gif, none"),
+        (["--film", "avi"], "--film: unknown kind of film 'avi'; give mp4, gif, none"),
         (["--cell", "paking"], "paking: no such cell; did you mean 'packing'?"),
+        (["--study", "--film", "gif"], "--film: cannot be combined with --study"),
+        (["--seeds", "4"], "--seeds: is the number of a study's seeds; add --study"),
         (["--calibration", "nowhere.toml"], "nowhere.toml: can't be read"),
     ],
 )

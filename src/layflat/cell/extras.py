@@ -59,3 +59,20 @@ def _package(name: str, where: str) -> Any:
         return import_module(name)
     except ImportError:
         raise InputError("is not installed", where=where, right="install it: pip install 'layflat[cell]'") from None
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Let OpenCV work on one thread: sums of several come in any order, and their last digits with it."""
+    cv2 = opencv()
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)
+
+
+def points(found: Any, width: int = 2) -> Any:
+    """Return points of OpenCV, (N, 1, width) before version 5 and (N, width) since, as (N, width)."""
+    return found.reshape(-1, width)

@@ -20,5 +20,5 @@ def cells(
         typer.echo(text(name), nl=False)
         return
     described = [load(one) for one in names()]
-    rows = [[cell.name, cell.machine.name, ", ".join(cell.pack), cell.title] for cell in described]
-    print_table(["cell", "machine", "packs", "what it packs"], rows)
+    rows = [[cell.name, cell.machine.name, ", ".join(cell.container), cell.title] for cell in described]
+    print_table(["cell", "machine", "containers", "title"], rows)

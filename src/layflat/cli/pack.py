@@ -24,50 +24,68 @@ if TYPE_CHECKING:
     from layflat.cell.work.delivery import Delivery
     from layflat.cell.work.run import Run
 
-PICKS, STUDY_PICKS = 12, 25
+PICKS, STUDY_PICKS, SEEDS = 12, 25, 20
 FILMS = ("mp4", "gif", "none")
+MOST = 10_000
 
 CellName = Annotated[str, typer.Option("--cell", metavar="NAME|FILE", help="built-in cell or description file")]
+Picks = Annotated[
+    int | None,
+    typer.Option(min=1, max=MOST, help=f"[default: {PICKS}; with --study {STUDY_PICKS} for each seed]"),
+]
+Seed = Annotated[
+    int, typer.Option(min=0, max=2**63 - 1, help="of produce, light and noise; with --study the first of the seeds")
+]
+CalibrationFile = Annotated[
+    Path | None, typer.Option("--calibration", metavar="FILE", help="of the camera [default: calibrate it first]")
+]
 
 
 @app.command()
 def pack(
     cell: CellName = "packing",
-    picks: Annotated[
-        int | None, typer.Option(min=1, help=f"{PICKS} where not given; of a study {STUDY_PICKS} with each seed")
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="of produce, light and noise; the first one of a study")] = 0,
+    picks: Picks = None,
+    seed: Seed = 0,
     out: Out = Path("build/pack"),
-    calibration: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="of the camera; calibrated anew where not given")
-    ] = None,
-    film: Annotated[str, typer.Option(help="mp4, gif or none")] = "mp4",
+    calibration: CalibrationFile = None,
+    film: Annotated[str | None, typer.Option(help="mp4, gif or none [default: mp4]")] = None,
     study: Annotated[bool, typer.Option("--study", help="repeat with many seeds, on all cores, without films")] = False,
-    seeds: Annotated[int, typer.Option(min=1, help="of a study")] = 20,
+    seeds: Annotated[
+        int | None, typer.Option(min=1, max=MOST, help=f"number of seeds with --study [default: {SEEDS}]")
+    ] = None,
 ) -> None:
-    """Pack produce in a physical scene, of which the cell sees only what its camera does.
+    """Pack produce in a physical scene, of which the cell sees only its camera's images.
 
-    Leaves results.json, a film, and a contact sheet of what was seen of each pick. Without OpenGL there are no
-    pictures: the scene tells where fruit lies, and all else goes on.
+    Writes results.json, calibration.toml, a film, and a contact sheet with an image of each pick. Without OpenGL there
+    are no images: the scene's truth stands in for the camera.
     """
     from layflat.cell import load  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 
-    if film not in FILMS:
-        raise InputError(f"{film!r} is no kind of film", where="--film", right=f"give {', '.join(FILMS)}")
+    _check_options(film, seeds, study=study)
     described = load(cell)
     check_folder(out)
     known = _calibration(described, calibration, out)
     if study:
-        runs = _study(described, known, range(seed, seed + seeds), picks or STUDY_PICKS)
+        _study(described, known, range(seed, seed + (seeds or SEEDS)), picks or STUDY_PICKS, out)
     else:
-        runs = [_run(described, known, seed, picks or PICKS, out, film)]
-    _report(described, runs, out)
+        run, written = _run(described, known, seed, picks or PICKS, out, film or "mp4")
+        _report(described, [run], out, written)
+        _end(run.error)
+
+
+def _check_options(film: str | None, seeds: int | None, *, study: bool) -> None:
+    if film is not None and film not in FILMS:
+        raise InputError(f"unknown kind of film {film!r}", where="--film", right=f"give {', '.join(FILMS)}")
+    if study and film not in {None, "none"}:
+        raise InputError("cannot be combined with --study", where="--film", right="leave one of them out")
+    if not study and seeds is not None:
+        raise InputError("is the number of a study's seeds", where="--seeds", right="add --study, or give --seed")
 
 
 def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | None:
-    """Of the cell's camera, from a file or made anew; None where no picture can be drawn, which is told."""
-    from layflat.cell import gl  # noqa: PLC0415
+    """Return that of the cell's camera, from a file or made anew; say so and return None without OpenGL."""
+    from layflat.cell.scene import gl  # noqa: PLC0415
     from layflat.cell.vision import load_calibration  # noqa: PLC0415
     from layflat.cell.work.run import calibrated  # noqa: PLC0415
 
@@ -79,66 +97,81 @@ def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | Non
             found = calibrated(cell, lambda share: advance(round(100 * share), 100))
     except NoDrawingError as error:
         typer.echo(f"layflat: {error}", err=True)
-        typer.echo("layflat: goes on without pictures; the scene tells where fruit lies", err=True)
+        typer.echo("layflat: continuing without images; the scene's truth stands in for the camera", err=True)
         return None
-    found.save(out / "calibration.toml")
+    typer.echo(f"wrote {found.save(out / 'calibration.toml')}")
     return found
 
 
-def _run(cell: Cell, calibration: Calibration | None, seed: int, picks: int, out: Path, film: str) -> Run:
-    """One run, with a film and a contact sheet where pictures can be drawn."""
-    from layflat.cell.work.onlookers import Several, Tally  # noqa: PLC0415
+def _run(
+    cell: Cell, calibration: Calibration | None, seed: int, picks: int, out: Path, film: str
+) -> tuple[Run, list[Path]]:
+    """Return one run, and the film and contact sheet that it wrote where images can be rendered."""
+    from layflat.cell.work.film_and_sheet import film_and_sheet  # noqa: PLC0415
+    from layflat.cell.work.observer import Observers, PickCounter  # noqa: PLC0415
     from layflat.cell.work.run import packed  # noqa: PLC0415
-    from layflat.cell.work.show import shown  # noqa: PLC0415
 
     with _picks_bar(f"picks in {cell.name!r}", picks) as advance:
         if calibration is None:
-            return packed(cell, seed, picks, calibration, Tally(advance))
-        path = None if film == "none" else out / f"film.{film}"
-        with shown(path, out / "sheet.png", f"{cell.name}, seed {seed}", calibration) as show:
-            return packed(cell, seed, picks, calibration, Several(Tally(advance), show))
+            return packed(cell, seed, picks, calibration, PickCounter(advance)), []
+        path, sheet = None if film == "none" else out / f"film.{film}", out / "sheet.png"
+        with film_and_sheet(path, sheet, f"{cell.name}, seed {seed}", calibration) as observer:
+            run = packed(cell, seed, picks, calibration, Observers(PickCounter(advance), observer))
+        return run, [sheet] if path is None else [path, sheet]
 
 
-def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int) -> list[Run]:
-    """A run with each seed; Ctrl-C ends the study, and what is done is kept."""
+def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int, out: Path) -> None:
+    """Report a run with each seed; what was done before an error or Ctrl-C is kept and marked as partial."""
     from layflat.cell.work.study import repeated  # noqa: PLC0415
 
     runs: list[Run] = []
+    error: LayflatError | None = None
     with _picks_bar(f"picks with {len(seeds)} seeds", len(seeds) * picks) as advance:
         try:
             for run in repeated(cell, seeds, picks, calibration, advance):
                 runs.append(run)  # noqa: PERF402  # one by one: those before a Ctrl-C are kept
-        except (KeyboardInterrupt, LayflatError) as error:
-            if not runs:
-                raise
-            typer.echo(f"layflat: the study ended early: {error or 'stopped'}", err=True)
-    return sorted(runs, key=lambda run: run.seed)
+        except KeyboardInterrupt:
+            error = StoppedError("stopped")
+        except LayflatError as raised:
+            error = raised
+    runs.sort(key=lambda run: run.seed)
+    if error is not None:
+        kept = f"{out / 'results.json'} holds these and is marked as partial" if runs else "no results were written"
+        typer.echo(f"layflat: the study ended after {len(runs)} of {len(seeds)} seeds: {error}; {kept}", err=True)
+    if runs:
+        _report(cell, runs, out, [], partial=error is not None)
+    _end(error or next((run.error for run in runs if run.error is not None), None), told=error is not None)
 
 
-def _report(cell: Cell, runs: list[Run], out: Path) -> None:
-    """Write results.json, print what came of it; a run that ended early is told last."""
+def _report(cell: Cell, runs: list[Run], out: Path, written: list[Path], *, partial: bool = False) -> None:
+    """Write results.json, print what came of it and what was written, and which runs ended early."""
     from layflat.cell.work.results import as_dict, save  # noqa: PLC0415
 
-    path = save(as_dict(cell, runs), out / "results.json")
+    errors = [run.error for run in runs if run.error is not None]
+    path = save(as_dict(cell, runs, partial=partial or bool(errors)), out / "results.json")
     deliveries = [delivery for run in runs for delivery in run.deliveries]
     if len(runs) == 1:
         _print_picks(deliveries)
     else:
         _print_runs(runs)
     _print_summary(cell, deliveries)
-    typer.echo(f"wrote {path}")
-    errors = [run.error for run in runs if run.error is not None]
-    for error in errors:
-        typer.echo(f"layflat: {error}", err=True)
+    for one in (path, *written):
+        typer.echo(f"wrote {one}")
     if errors:
-        raise typer.Exit(_status(errors[0]))
+        typer.echo(f"layflat: {path} is marked as partial", err=True)
+    for error in errors[1:]:
+        typer.echo(f"layflat: {error}", err=True)
 
 
-def _status(error: LayflatError) -> int:
-    """A user's mistake, a Ctrl-C, or a rig that stopped."""
+def _end(error: LayflatError | None, *, told: bool = False) -> None:
+    """Leave with the status of an error, if there is one: a user's mistake, a Ctrl-C, or a rig that stopped."""
+    if error is None:
+        return
+    if not told:
+        typer.echo(f"layflat: {error}", err=True)
     if isinstance(error, InputError):
-        return 2
-    return INTERRUPTED if isinstance(error, StoppedError) else FAULT
+        raise typer.Exit(2)
+    raise typer.Exit(INTERRUPTED if isinstance(error, StoppedError) else FAULT)
 
 
 @contextmanager
@@ -148,18 +181,18 @@ def _picks_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
 
 
 def _print_picks(deliveries: list[Delivery]) -> None:
-    """A row a pick, and what went wrong."""
+    """Print a row a pick, and what went wrong."""
     rows, troubles = [], []
     for number, delivery in enumerate(deliveries, start=1):
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
-            fruit, spot, name = pick.choice.fruit, pick.choice.spot, f"{number}.{pick.number}"
+            fruit, place, name = pick.choice.fruit, pick.choice.place, f"{number}.{pick.number}"
             rows.append(
                 [
                     name,
                     f"{fruit.kind}, {fruit.grade}",
                     f"{1e3 * fruit.diameter:.0f}",
-                    f"{spot.pack} {spot.place.name}",
-                    verdict.told(pick),
+                    f"{place.container} {place.name}",
+                    verdict.word(pick),
                     _known(1e3 * verdict.release_error, 1),
                     _known(verdict.peak_acceleration, 0),
                     f"{pick.end - pick.begin:.2f}",
@@ -169,12 +202,12 @@ def _print_picks(deliveries: list[Delivery]) -> None:
             if pick.trouble:
                 troubles.append(f"pick {name}, {pick.outcome.name.lower()}, {pick.tries} tries: {pick.trouble}")
     if rows:
-        print_table(["pick", "fruit", "mm", "place", "result", "off (mm)", "peak (m/s2)", "s", "air (Nl)"], rows)
+        print_table(["pick", "fruit", "mm", "place", "result", "error (mm)", "peak (m/s2)", "s", "air (Nl)"], rows)
     for trouble in troubles:
         typer.echo(trouble)
-    left = Counter(one.reason for delivery in deliveries for one in delivery.left)
-    for reason, count in left.items():
-        typer.echo(f"left {count}: {reason}")
+    reasons = Counter(one.reason for delivery in deliveries for one in delivery.not_picked)
+    for reason, count in reasons.items():
+        typer.echo(f"{count} not picked: {reason}")
 
 
 def _known(value: float, digits: int) -> str:
@@ -182,7 +215,7 @@ def _known(value: float, digits: int) -> str:
 
 
 def _print_runs(runs: list[Run]) -> None:
-    """A row a seed."""
+    """Print a row a seed."""
     from layflat.cell.work.results import summary  # noqa: PLC0415
 
     rows = []
@@ -191,34 +224,44 @@ def _print_runs(runs: list[Run]) -> None:
         rows.append(
             [
                 f"{run.seed}",
-                f"{found.right} of {found.picks}",
-                f"{found.picks_a_minute:.1f}",
-                f"{found.release_error_mm:.1f}",
-                f"{found.peak_acceleration:.0f}",
+                f"{found.correct} of {found.picks}",
+                _known(found.picks_a_minute, 1),
+                _known(found.release_error_mm, 1),
+                _known(found.peak_acceleration, 0),
                 f"{found.collisions}",
-                f"{found.air:.1f}",
-                f"{found.vision_error_mm:.2f}",
+                _known(found.air, 1),
+                _known(found.vision_error_mm, 2),
             ]
         )
-    columns = ["seed", "right", "a minute", "off, 95 % (mm)", "peak (m/s2)", "hits", "air (Nl)", "vision, 95 % (mm)"]
-    print_table(columns, rows)
+    errors = ["error, 95 % (mm)", "peak (m/s2)", "hits", "air (Nl)", "vision, 95 % (mm)"]
+    print_table(["seed", "correct", "a minute", *errors], rows)
 
 
 def _print_summary(cell: Cell, deliveries: list[Delivery]) -> None:
-    from layflat.cell.work.results import summary  # noqa: PLC0415
+    from layflat.cell.work.results import counted, summary  # noqa: PLC0415
 
     found, limits = summary(deliveries), cell.limits
     if not found.picks:
         return
     lines = [
-        f"{found.right} of {found.picks} picks in the right place and grade ({found.right / found.picks:.1%}), "
-        f"{found.picks_a_minute:.1f} a minute, {found.air:.1f} normal litres of air each",
-        f"at release off by {found.release_error_mm:.1f} mm (95 %), {found.release_error_worst_mm:.1f} mm at most; "
-        f"{found.collisions} collisions; {found.overlooked} left that could have been packed",
-        f"fruit: {found.peak_acceleration:.0f} m/s2 at most (limit {limits.acceleration:.0f}), "
-        f"pressed by {found.press:.0f} N at most (limit {limits.press:.0f})",
-        f"seen: off by {found.vision_error_mm:.2f} mm and {found.diameter_error:.1%} of the diameter (95 %), "
-        f"{found.false_finds} false finds",
+        f"{found.correct} of {counted(found.picks, 'pick')} correct: in the chosen place, of its kind and grade "
+        f"({found.correct / found.picks:.1%})",
+        f"{found.picks_a_minute:.1f} picks a minute, {found.air:.1f} normal litres of air each",
     ]
+    if isfinite(found.release_error_mm):
+        lines.append(
+            f"placement error: {found.release_error_mm:.1f} mm (95 %), {found.release_error_worst_mm:.1f} mm at most"
+        )
+    lines.append(f"{counted(found.collisions, 'collision')}; {found.overlooked} overlooked that could have been packed")
+    if isfinite(found.peak_acceleration):
+        lines.append(
+            f"fruit: {found.peak_acceleration:.0f} m/s2 at most (limit {limits.acceleration:.0f}), "
+            f"pressed by {found.press:.0f} N at most (limit {limits.press:.0f})"
+        )
+    if isfinite(found.vision_error_mm):
+        lines.append(
+            f"vision: position off by {found.vision_error_mm:.2f} mm, diameter by {found.diameter_error:.1%} (95 %); "
+            + counted(found.false_detections, "false detection")
+        )
     for line in lines:
         typer.echo(line)

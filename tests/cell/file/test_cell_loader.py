@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from math import radians
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from layflat.errors import CellError, MachineError
 
 MARKERS = {
     "thickness": "1 mm",
-    "marker": {"one": {"number": 7, "centre": ["708 mm", "72 mm"], "side": "40 mm", "turn": "0 deg"}},
+    "marker": {"one": {"number": 7, "centre": ["708 mm", "72 mm"], "side": "40 mm", "rotation": "0 deg"}},
 }
 
 
@@ -34,7 +35,7 @@ def broken(path: str, value: Any) -> str:
 def test_built_in_cells_and_layouts_are_sound_and_sourced(packing: Cell) -> None:
     assert names() == ("packing",)
     assert set(layout_names()) == {"punnet-2x3", "tray-12"}
-    assert {pack.layout.name for pack in packing.pack.values()} == set(layout_names())
+    assert {pack.layout.name for pack in packing.container.values()} == set(layout_names())
     unsourced = [path for path, found in packing.provenance.items() if path not in {"name", "title"} and not found.note]
     assert unsourced == []
 
@@ -51,12 +52,12 @@ def test_units_are_si_behind_the_file(packing: Cell) -> None:
         ("lift/stroke", 0.2, "mine.toml: lift.stroke: 0.2 is a bare number"),
         ("lift/strok", "1 mm", "did you mean 'stroke'?"),
         ("table/size", ["1 m", "0.5 m"], "does not stand on the table"),
-        ("tray/infeed/centre", ["300 mm", "250 mm"], "tray.infeed and pack.apples overlap"),
+        ("tray/infeed/centre", ["300 mm", "250 mm"], "tray.infeed and container.apples overlap"),
         ("tray/infeed/centre", ["670 mm", "300 mm"], "tray.infeed is out of the arm's reach by "),
-        ("pack/tomatoes/centre", ["0 mm", "800 mm"], "pack.tomatoes is out of the arm's reach by "),
-        ("pack/apples/layout", "punnet-2x3", "pack.apples is too small: a place of 'punnet-2x3' takes 70 mm"),
-        ("pack/apples/kind", "pear", "pack.apples.kind is the unknown kind 'pear'"),
-        ("pack/apples/grade", "third", "pack.apples.grade 'third' is none of apple"),
+        ("container/tomatoes/centre", ["0 mm", "800 mm"], "container.tomatoes is out of the arm's reach by "),
+        ("container/apples/layout", "punnet-2x3", "container.apples is too small: a place of 'punnet-2x3' takes 70 mm"),
+        ("container/apples/kind", "pear", "container.apples.kind is the unknown kind 'pear'"),
+        ("container/apples/grade", "third", "container.apples.grade 'third' is none of apple"),
         ("tray/infeed/produce", ["apple", "pear"], "tray.infeed.produce names the unknown kind 'pear'"),
         ("lift/stroke", "140 mm", "lift.stroke is too short"),
         ("mount/home", {"large": "0 deg"}, "mount.home"),
@@ -66,9 +67,19 @@ def test_units_are_si_behind_the_file(packing: Cell) -> None:
         ("base_markers/marker/left-near/number", 41, "left-near.number 41 is that of 'right-far' too"),
         ("base_markers/marker", {}, "base_markers.marker"),
         ("base_markers", MARKERS | {"dictionary": "DICT_4X4_50"}, "number 7 is one of the board's (0 to 23)"),
-        ("pack/tomatoes/kind", "plum", "pack.tomatoes.kind 'plum' is not known to vision"),
+        ("container/tomatoes/kind", "plum", "container.tomatoes.kind 'plum' is not known to vision"),
         ("clutter/leaves/shape", "blob", "clutter.leaves.shape"),
         ("cup/tilt", "22 mm", "is not an angle"),
+        ("cup/diameter", "25 m", "mine.toml: cup.diameter: '25 m' is out of range; "),
+        ("cup/diameter", "45 mm", "cup.diameter 45 mm is wider than the smallest fruit, 36 mm; give less"),
+        ("cup/friction", 1e6, "cup.friction"),
+        ("lift/mass", "1e9 kg", "lift.mass"),
+        ("tray/infeed/size", ["1e200 m", "1 m"], "tray.infeed.size"),
+        ("camera/focal_length", "8 km", "camera.focal_length"),
+        ("camera/blur", 1e9, "camera.blur"),
+        ("camera/looks_at", ["3000 mm", "370 mm", "0 mm"], "camera does not see tray.infeed: its centre is outside"),
+        ("camera/looks_at", ["300 mm", "370 mm", "3000 mm"], "camera looks up, not at the table"),
+        ("camera/position", ["300 mm", "370 mm", "100 mm"], "camera.position is not above the lift, 180 mm; raise it"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(path: str, value: Any, said: str) -> None:
@@ -95,8 +106,8 @@ def test_files_extend_and_name_others_beside_them(tmp_path: Path) -> None:
     cell = load(mine)
     assert cell.lift.speed == pytest.approx(0.3)
     assert cell.lift.acceleration == load("packing").lift.acceleration
-    assert cell.pack["tomatoes"].layout.title == "Six"
-    assert cell.pack["mushrooms"].layout.name == "punnet-2x3"
+    assert cell.container["tomatoes"].layout.title == "Six"
+    assert cell.container["mushrooms"].layout.name == "punnet-2x3"
     assert cell.origin == str(mine)
 
 
@@ -125,3 +136,37 @@ def test_broken_files_are_told(tmp_path: Path, text: str, said: str) -> None:
 def test_a_cell_that_is_not_there_is_told() -> None:
     with pytest.raises(CellError, match="did you mean 'packing'"):
         load("packin")
+
+
+FORMER = """\
+extends = "packing"
+omits = ["pack.apples", "pack.mushrooms"]
+
+[pack.tomatoes]
+turn = "5 deg"
+
+[tray.infeed]
+turn = "-4 deg"
+
+[camera]
+turn = "3 deg"
+"""
+
+
+def test_keys_of_earlier_versions_still_load(tmp_path: Path) -> None:
+    path = tmp_path / "former.toml"
+    path.write_text(FORMER, encoding="utf-8")
+    cell = load(path)
+    assert set(cell.container) == {"tomatoes"}
+    found = (cell.container["tomatoes"].rotation, cell.tray["infeed"].rotation, cell.camera.rotation)
+    assert found == pytest.approx([radians(5), radians(-4), radians(3)])
+    present = FORMER.replace("pack.", "container.").replace("turn", "rotation")
+    path.write_text(present, encoding="utf-8")
+    assert load(path) == cell
+
+
+def test_former_and_present_names_of_one_table_do_not_mix(tmp_path: Path) -> None:
+    path = tmp_path / "both.toml"
+    path.write_text(FORMER + "[container.tomatoes]\ngrade = 'second'\n", encoding="utf-8")
+    with pytest.raises(CellError, match=r"both\.toml: pack: unknown key"):
+        load(path)

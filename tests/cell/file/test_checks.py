@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.file.checks import overlap, rectangle
+from layflat.cell.geometry import overlap, rectangle
 
 spots = st.tuples(st.floats(-1, 1), st.floats(-1, 1))
 sizes = st.tuples(st.floats(0.05, 0.6), st.floats(0.05, 0.6))

@@ -1,4 +1,4 @@
-"""The simulated arm with its controllers under the course of picks; a lift and a cup by their limits alone."""
+"""The simulated arm with its controllers under the state machine of picks; a lift and a cup by their limits alone."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.plan.limits import Limits
+from layflat.cell.plan.limits import MotionLimits
 from layflat.cell.plan.motion import LEAD, Path, move_arm, travel
-from layflat.cell.plan.pick import Command, Measured, Phase, Rules, State, Task
-from layflat.cell.plan.picks import begun, step
-from layflat.cell.plan.reach import Reach
+from layflat.cell.plan.pick import Command, Phase, Readings, Rules, State, Task
+from layflat.cell.plan.pick_machine import begun, step
+from layflat.cell.reach import Reach
 from layflat.control.controller import start as woken
 from layflat.control.controller import step as controlled
 from layflat.control.gains import Measurement, Status
@@ -21,7 +21,7 @@ from layflat.sim.plant import SteppedPlant
 Array = NDArray[np.float64]
 
 CYCLE = 0.005
-LIFT = Limits((0.8,), (8.0,), (400.0,))
+LIFT = MotionLimits((0.8,), (8.0,), (400.0,))
 VACUUM, TIME_CONSTANT = 50e3, 0.04
 """In the cup on a fruit (Pa), and with which it comes and goes (s)."""
 
@@ -76,11 +76,11 @@ class Bench:
             self.turn(command)
         return Picked(state, CYCLE * (self.cycles - since), error, began)
 
-    def measure(self) -> Measured:
+    def measure(self) -> Readings:
         """As the controllers and switches tell."""
         angles = tuple(float(status.angle) for status in self.status)
         velocities = tuple(float(status.velocity) for status in self.status)
-        return Measured(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height, self.lift_speed)
+        return Readings(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height, self.lift_speed)
 
     def turn(self, command: Command | None) -> None:
         """One control cycle."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import hypot
 
-from layflat.cell.plan.pick import Command, Measured, Phase, Rules, Sighting, State, Task
-from layflat.cell.plan.picks import begun, step
-from layflat.cell.plan.reach import Reach
+from layflat.cell.plan.pick import Command, Readings, Phase, Relocation, Rules, State, Task
+from layflat.cell.plan.pick_machine import begun, step
+from layflat.cell.reach import Reach
 from layflat.machine import load
 
 CYCLE = 0.005
@@ -29,7 +29,7 @@ class Plant:
 
     Args:
         fruit: where fruit lies, with how sound a vacuum it gives (Pa).
-        sightings: answers to pictures, in order.
+        relocations: answers to pictures, in order.
         drops_at: phase in which what is held falls off.
         lift_speed: with something on the cup, m/s.
         leaves: whether the vacuum goes when suction is off.
@@ -37,7 +37,7 @@ class Plant:
     """
 
     fruit: dict[tuple[float, ...], float] = field(default_factory=lambda: {TASK.over_fruit: 50e3})
-    sightings: list[Sighting] = field(default_factory=list)
+    relocations: list[Relocation] = field(default_factory=list)
     drops_at: Phase | None = None
     lift_speed: float = 0.5
     leaves: bool = True
@@ -51,9 +51,9 @@ class Plant:
     held: float = 0.0
     laid: list[tuple[float, ...]] = field(default_factory=list)
 
-    def measure(self, *, picture: bool) -> Measured:
-        sighting = self.sightings.pop(0) if picture and self.sightings else None
-        return Measured(self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, sighting)
+    def measure(self, *, image: bool) -> Readings:
+        found = self.relocations.pop(0) if image and self.relocations else None
+        return Readings(self.time, self.angles, self.velocities, self.vacuum, self.height, self.lift_moves, found)
 
     def turn(self, command: Command, state: State) -> None:
         self.time += CYCLE
@@ -84,13 +84,13 @@ class Plant:
 
 def run(plant: Plant, task: Task = TASK) -> tuple[State, list[tuple[State, Command]]]:
     """A whole pick, and all that was asked for on its way."""
-    measured = plant.measure(picture=False)
+    measured = plant.measure(image=False)
     state, trace = begun(task, measured), []
     while state.phase is not Phase.DONE:
         state, command = step(RULES, state, measured)
         trace.append((state, command))
         plant.turn(command, state)
-        measured = plant.measure(picture=command.picture)
+        measured = plant.measure(image=command.image)
         assert plant.time < RULES.longest + 1.0
     return state, trace
 

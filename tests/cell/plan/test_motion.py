@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.plan.limits import Limits, Shares, arm_limits
+from layflat.cell.plan.limits import MotionLimits, Shares, arm_limits
 from layflat.cell.plan.motion import LEAD, Path, move_arm, tip_peaks, travel
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, changed, load, parameters
@@ -42,7 +42,7 @@ def test_a_demand_that_leads_stays_between_start_and_end(start: np.ndarray, end:
 
 
 def test_a_lead_is_the_time_by_which_the_demand_is_ahead() -> None:
-    path = travel(np.zeros(1), np.ones(1), Limits((0.5,), (50.0,), (1e4,)))
+    path = travel(np.zeros(1), np.ones(1), MotionLimits((0.5,), (50.0,), (1e4,)))
     middle = round(path.duration / 2 / CYCLE)
     assert path.demand(CYCLE, lead=0.1)[middle] == pytest.approx(path.demand(CYCLE)[middle] + 0.05)
 
@@ -72,19 +72,19 @@ def test_a_move_to_where_the_arm_is_takes_no_time() -> None:
 
 def test_a_lift_takes_the_time_of_its_limits() -> None:
     """Without jerk to speak of: up to speed, along, and down again."""
-    path = travel(np.array([0.15]), np.array([0.05]), Limits((0.5,), (5.0,), (1e6,)))
+    path = travel(np.array([0.15]), np.array([0.05]), MotionLimits((0.5,), (5.0,), (1e6,)))
     assert path.duration == pytest.approx(0.1 / 0.5 + 0.5 / 5.0, abs=1e-3)
 
 
 def test_a_position_that_is_no_number_is_refused() -> None:
     with pytest.raises(InputError, match="not finite"):
-        travel(np.array([np.nan]), np.zeros(1), Limits((1.0,), (1.0,), (1.0,)))
+        travel(np.array([np.nan]), np.zeros(1), MotionLimits((1.0,), (1.0,), (1.0,)))
 
 
 def test_without_ruckig_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ruckig", None)
     with pytest.raises(InputError, match=r"pip install 'layflat\[cell\]'"):
-        travel(np.zeros(1), np.ones(1), Limits((1.0,), (1.0,), (1.0,)))
+        travel(np.zeros(1), np.ones(1), MotionLimits((1.0,), (1.0,), (1.0,)))
 
 
 WAIT = 0.5

@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from places import places
 
+from layflat.cell.plan.containers import Acceptance, Packing
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.plan.order import Cup, cup_room, lift_room, next_pick
-from layflat.cell.plan.packs import Packing, Takes, grid
-from layflat.cell.plan.reach import Angles, Reach
+from layflat.cell.plan.order import CupClearance, cup_room, lift_room, next_pick
+from layflat.cell.reach import Angles, Reach
 from layflat.machine import load
 
 REACH = Reach(load("paper-arm"))
-PACKING = Packing((grid("tray", (0.35, 0.3, 0.0), (0.07, 0.07), (1, 3), Takes(frozenset({"tomato", "apple"}))),))
-CUP = Cup(radius=0.012)
+PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3), Acceptance(frozenset({"tomato", "apple"}))))
+CUP = CupClearance(radius=0.012)
 HOME = (0.0, 0.0)
 
 
@@ -26,7 +27,7 @@ def travel_time(start: Angles, end: Angles) -> float:
 
 
 def reason(fruits: list[Fruit], of: Fruit) -> str:
-    left = next_pick(fruits, PACKING, REACH, HOME, CUP, travel_time).left
+    left = next_pick(fruits, PACKING, REACH, HOME, CUP, travel_time).not_picked
     return next((one.reason for one in left if one.fruit is of), "")
 
 
@@ -36,16 +37,16 @@ def test_sure_fruit_comes_first_then_the_shortest_way() -> None:
     order = next_pick([unsure, far, near], PACKING, REACH, HOME, CUP, travel_time)
     assert order.choice is not None
     assert order.choice.fruit is min((far, near), key=_way)
-    assert order.left == ()
+    assert order.not_picked == ()
     assert REACH.tip(order.choice.over_fruit.angles) == pytest.approx((order.choice.fruit.x, order.choice.fruit.y))
-    place = order.choice.spot.place
-    assert REACH.tip(order.choice.over_spot.angles) == pytest.approx((place.x, place.y))
+    place = order.choice.place
+    assert REACH.tip(order.choice.over_place.angles) == pytest.approx((place.x, place.y))
     assert order.choice.travel == pytest.approx(_way(order.choice.fruit))
 
 
 def _way(fruit: Fruit) -> float:
     over = REACH.postures(fruit.x, fruit.y)[0].angles
-    place = PACKING.packs[0].places[0]
+    place = PACKING.places[0]
     return travel_time(HOME, over) + travel_time(over, REACH.postures(place.x, place.y)[0].angles)
 
 
@@ -55,45 +56,45 @@ def test_what_can_not_be_picked_is_left_with_a_reason() -> None:
     order = next_pick([away, unsure, pear, tiny, good], PACKING, REACH, HOME, CUP, travel_time)
     assert order.choice is not None
     assert order.choice.fruit is good
-    told = {one.fruit: one.reason for one in order.left}
+    told = {one.fruit: one.reason for one in order.not_picked}
     assert told[away] == f"is out of reach by {1e3 * REACH.missing(1.0, 0.0):.0f} mm"
     assert told[unsure] == "is not sure enough: 0.30 is below 0.50"
     assert told[pear] == "no place takes kind 'pear'"
     assert told[tiny] == "is too small for the cup: 20 mm"
     again = next_pick([good], PACKING, REACH, HOME, CUP, travel_time, given_up=frozenset({good}))
     assert again.choice is None
-    assert again.left[0].reason == "was tried too often"
+    assert again.not_picked[0].reason == "was tried too often"
     assert next_pick([], PACKING, REACH, HOME, CUP, travel_time).choice is None
 
 
-def test_a_place_out_of_reach_and_full_packs_are_told() -> None:
+def test_a_place_out_of_reach_and_full_containers_are_told() -> None:
     one = seen(0.5, 0.4)
-    beyond = Packing((grid("far", (1.2, 0.0, 0.0), (0.1, 0.1), (1, 1), Takes()),))
-    (left,) = next_pick([one], beyond, REACH, HOME, CUP, travel_time).left
+    beyond = Packing(places("far", (1.2, 0.0, 0.0), 0.1, (1, 1), Acceptance()))
+    (left,) = next_pick([one], beyond, REACH, HOME, CUP, travel_time).not_picked
     assert left.reason.startswith("its place 1-1 of far is out of reach by ")
     full = PACKING
-    while (spot := full.best(one)) is not None:
-        full = full.filled(spot, one)
-    (left,) = next_pick([one], full, REACH, HOME, CUP, travel_time).left
+    while (place := full.best(one)) is not None:
+        full = full.filled(place, one)
+    (left,) = next_pick([one], full, REACH, HOME, CUP, travel_time).not_picked
     assert left.reason == "every place that takes it is full, in tray"
 
 
 def test_touching_fruit_of_one_size_can_be_picked() -> None:
-    assert next_pick([seen(0.5, 0.4), seen(0.56, 0.4)], PACKING, REACH, HOME, CUP, travel_time).left == ()
+    assert next_pick([seen(0.5, 0.4), seen(0.56, 0.4)], PACKING, REACH, HOME, CUP, travel_time).not_picked == ()
 
 
 def test_a_small_fruit_beside_a_large_one_waits_until_it_is_gone() -> None:
     small, large = seen(0.5, 0.4, 0.03), seen(0.5 + 2 * sqrt(0.015 * 0.04), 0.4, 0.08)
     assert "too close to tomato" in reason([small, large], small)
     assert reason([small, large], large) == ""
-    assert next_pick([small], PACKING, REACH, HOME, CUP, travel_time).left == ()
+    assert next_pick([small], PACKING, REACH, HOME, CUP, travel_time).not_picked == ()
 
 
 def test_fruit_under_another_would_drag_it() -> None:
     """A cup that is small beside its fruit finds room, but the fruit does not."""
-    slim = Cup(radius=0.004)
+    slim = CupClearance(radius=0.004)
     low, high = seen(0.5, 0.4, 0.05), seen(0.555, 0.4, 0.066)
-    left = next_pick([low, high], PACKING, REACH, HOME, slim, travel_time).left
+    left = next_pick([low, high], PACKING, REACH, HOME, slim, travel_time).not_picked
     assert [one.reason for one in left] == ["would drag tomato at (0.555, 0.400) m, which is over it by 3 mm"]
 
 

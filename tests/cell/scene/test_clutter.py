@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.file.checks import footprints, overlap, rectangle
+from layflat.cell.geometry import overlap, rectangle
 from layflat.cell.scene import Scene
 
 
@@ -36,7 +36,7 @@ def test_clutter_lies_in_trays_and_on_the_table_clear_of_all_else(packing: Cell,
         in_tray, on_table = in_tray + inside, on_table + (not inside)
         if not inside:
             speck = rectangle((float(spot[0]), float(spot[1])), 0.0, (1e-3, 1e-3))
-            assert not any(overlap(speck, outline) for outline in footprints(packing).values())
+            assert not any(overlap(speck, outline) for outline in packing.outlines.values())
         assert spot[2] < (tray.wall if inside else 0.0) + 5e-3
     assert in_tray >= 2
     assert on_table >= 2

@@ -5,7 +5,6 @@ import pytest
 from tests.cell.scene.arms import Hand, mujoco, top
 
 from layflat.cell import Cell
-from layflat.cell.file.checks import places
 from layflat.cell.scene import Scene
 from layflat.errors import CellError
 
@@ -101,8 +100,8 @@ def test_a_fruit_is_picked_carried_and_laid_into_a_pack(packing: Cell, kind: str
     assert held.held
     assert scene._grip._pull == pytest.approx(9.81 * fruit.mass, rel=1e-3)
     assert held.position[2] > fruit.position[2] + 0.05
-    name, pack = next((name, pack) for name, pack in packing.pack.items() if pack.kind == kind)
-    x, y = map(float, places(pack)[2])
+    name, pack = next((name, pack) for name, pack in packing.container.items() if pack.kind == kind)
+    x, y = map(float, pack.places[2])
     hand.go(x, y)
     rise = pack.layout.wall - packing.tray["infeed"].wall + 5e-3
     scene.lift.demand = packing.lift.clearance - top(fruit) - rise

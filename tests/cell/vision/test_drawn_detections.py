@@ -12,8 +12,6 @@ SEEN = Detection(
     kind="tomato",
     position=(0.3, 0.1, 0.03),
     diameter=0.06,
-    grade="red",
-    hue=5.0,
     colour=(190.0, 40.0, 30.0),
     confidence=0.95,
     outline=np.column_stack([150.0 + 60.0 * np.cos(TURN), 120.0 + 60.0 * np.sin(TURN)]),
@@ -42,4 +40,11 @@ def test_unsure_ones_are_dashed() -> None:
 
 def test_what_is_unknown_is_drawn_too() -> None:
     ground = np.full((240, 300, 3), 128, np.uint8)
-    assert (draw(ground, [replace(SEEN, kind=None, grade=None)]) != draw(ground, [SEEN])).any()
+    assert (draw(ground, [replace(SEEN, kind=None)]) != draw(ground, [SEEN])).any()
+
+
+@pytest.mark.parametrize("level", [40, 245])
+def test_text_is_bright_on_dark_ground_and_dark_on_bright_ground(level: int) -> None:
+    ground = np.full((240, 300, 3), level, np.uint8)
+    text = draw(ground, [SEEN])[100:140, 110:190].astype(int)
+    assert np.count_nonzero(np.abs(text - level) > 150) > 100  # strokes of letters, inside their rims

@@ -6,9 +6,9 @@ import pytest
 from red_network import COLUMNS, ROWS, network
 
 from layflat.cell import load
-from layflat.cell.eyes import detector_of
+from layflat.cell.perception import detector_of
 from layflat.cell.vision import OnnxDetector
-from layflat.cell.work.onlookers import Nobody
+from layflat.cell.work.observer import Observer
 from layflat.cell.work.results import summary
 from layflat.cell.work.run import calibrated, packed
 from layflat.errors import CellError, InputError
@@ -42,8 +42,8 @@ def test_a_cell_packs_by_what_its_network_finds(tmp_path: Path) -> None:
     path.write_text(CELL.format(rows=ROWS, columns=COLUMNS), encoding="utf-8")
     cell = load(path)
     assert isinstance(detector_of(cell), OnnxDetector)
-    found = packed(cell, 1, 1, calibrated(cell), Nobody())
-    assert summary(found.deliveries).right == 1
+    found = packed(cell, 1, 1, calibrated(cell), Observer())
+    assert summary(found.deliveries).correct == 1
 
 
 def test_a_network_that_is_not_there_is_told(tmp_path: Path) -> None:

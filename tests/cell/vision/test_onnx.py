@@ -21,7 +21,6 @@ def test_geometry_measures_what_a_network_finds(tmp_path: Path, picture: Picture
     detector = OnnxDetector(network(tmp_path / "red.onnx"), KINDS, TABLE, size=(ROWS, COLUMNS))
     (found,) = detector.find(picture, true_calibration())
     assert found.kind == "tomato"
-    assert found.grade == "red"
     assert found.position == pytest.approx((0.3, 0.1, 0.03), abs=5e-4)
     assert found.diameter == pytest.approx(0.06, rel=0.01)
     assert found.confidence == pytest.approx(0.9, abs=0.05)
@@ -31,7 +30,6 @@ def test_a_number_over_the_kinds_is_of_no_known_kind(tmp_path: Path, picture: Pi
     detector = OnnxDetector(network(tmp_path / "red.onnx", last=(0.9, 7.0)), KINDS, TABLE, size=(ROWS, COLUMNS))
     (found,) = detector.find(picture, true_calibration())
     assert found.kind is None
-    assert found.grade is None
 
 
 def test_a_file_that_is_no_network_is_told(tmp_path: Path) -> None:
@@ -48,5 +46,5 @@ def test_a_network_of_other_shapes_is_told(tmp_path: Path, picture: Picture) -> 
     with pytest.raises(InputError, match=r"gives \(1, 1, 5\); needs boxes"):
         without_kind.find(picture, true_calibration())
     smaller = OnnxDetector(network(tmp_path / "six.onnx"), KINDS, TABLE, size=(320, 320))
-    with pytest.raises(InputError, match=r"fails on its input \(1, 3, 320, 320\); tell the size"):
+    with pytest.raises(InputError, match=r"fails on its input \(1, 3, 320, 320\); give the size"):
         smaller.find(picture, true_calibration())

@@ -25,7 +25,7 @@ def test_it_goes_where_it_is_told_and_stays_there() -> None:
     for target in ((0.4, -0.3), (-0.2, 0.5)):
         arm.go(target)
         for _ in range(round(2.0 / arm.cycle)):
-            arm.turn()
+            arm.advance()
             arm.go(target)  # again and again, as a pick does
         assert arm.angles == pytest.approx(target, abs=np.radians(0.3))
         assert device.plant.angles.tolist() == pytest.approx(target, abs=np.radians(0.3))
@@ -37,7 +37,7 @@ def test_another_target_on_the_way_is_followed_from_where_the_demand_is() -> Non
     arm.go((0.5, 0.0))
     demands = []
     for k in range(300):
-        arm.turn()
+        arm.advance()
         if k == 20:
             arm.go((-0.3, 0.2))
         demands.append(arm.loop.supervisor.demands.copy())
@@ -48,10 +48,10 @@ def test_another_target_on_the_way_is_followed_from_where_the_demand_is() -> Non
 
 def test_a_rig_that_stops_is_told_with_its_fault() -> None:
     arm, device = arm_of()
-    arm.turn()
+    arm.advance()
     device.stopped = True
     with pytest.raises(RigStoppedError, match="the rig stopped: e-stop"):
-        arm.turn()
+        arm.advance()
 
 
 def test_joints_that_shake_each_other_in_a_move_are_not_blocked() -> None:
@@ -61,5 +61,5 @@ def test_joints_that_shake_each_other_in_a_move_are_not_blocked() -> None:
     for target in random.uniform(-0.8, 0.8, (25, 2)).tolist():
         arm.go(tuple(target))
         for _ in range(round(1.2 / arm.cycle)):
-            arm.turn()
+            arm.advance()
     assert arm.loop.clock.now() > 29 * SECOND

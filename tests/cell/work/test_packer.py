@@ -1,4 +1,4 @@
-"""What a cell does in its scene, told by the scene where fruit lies: pictures are tested with eyes and run."""
+"""What a cell does in its scene, whose truth stands in for the camera: images are tested with perception and run."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from changed_cells import cell_with
 from numpy.typing import NDArray
 
 from layflat.cell import Cell
+from layflat.cell.perception import Observation, ScenePerception
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
-from layflat.cell.work.eyes import SceneEyes, Sight
-from layflat.cell.work.judge import Judge, Verdict
+from layflat.cell.work.evaluation import Evaluator, Verdict
+from layflat.cell.work.observer import Observer, Observers
 from layflat.cell.work.packer import Packer, Pick
 from layflat.cell.work.station import Station
 from layflat.errors import PictureError, RigStoppedError
@@ -24,49 +25,53 @@ FEW = {"tray/infeed/count": {"least": 3, "most": 3}, "tray/infeed/touching": 0.0
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "53 mm"}
 
 
-class Looking:
-    """Eyes whose finds are changed before they are told."""
+class Changing:
+    """Perception whose finds are changed before they are told."""
 
     def __init__(self, scene: Scene) -> None:
-        self._eyes = SceneEyes(scene)
-        self.position: NDArray[np.float64] = self._eyes.position
-        self.looks = 0
+        self._perception = ScenePerception(scene)
+        self.position: NDArray[np.float64] = self._perception.position
+        self.images = 0
 
-    def look(self, time: float) -> Sight:
-        self.looks += 1
-        sight = self._eyes.look(time)
-        return replace(sight, fruits=tuple(self.told(list(sight.fruits))))
+    def observe(self, time: float) -> Observation:
+        self.images += 1
+        observation = self._perception.observe(time)
+        return replace(observation, fruits=tuple(self.changed(list(observation.fruits))))
 
-    def told(self, fruits: list[Fruit]) -> list[Fruit]:
+    def changed(self, fruits: list[Fruit]) -> list[Fruit]:
         return fruits
 
 
 class Work:
-    """A cell at work, with its judge."""
+    """A cell at work, with its evaluator."""
 
-    def __init__(self, cell: Cell, seed: int = 1, eyes: type[Looking] = Looking) -> None:
+    def __init__(self, cell: Cell, seed: int = 1, perception: type[Changing] = Changing) -> None:
         self.scene = Scene(cell, seed)
-        self.station, self.eyes, self.judge = Station(self.scene, seed), eyes(self.scene), Judge(self.scene)
-        self.packer = Packer(cell, self.station, self.eyes, (self.judge,))
+        self.station, self.perception, self.evaluator = (
+            Station(self.scene, seed),
+            perception(self.scene),
+            Evaluator(self.scene),
+        )
+        self.packer = Packer(cell, self.station, self.perception, self.evaluator)
         self.picks: list[Pick] = []
 
     def run(self, most: int = 99) -> list[Verdict]:
         for pick in self.packer.work(most):
             self.picks.append(pick)
-            self.judge.ended()
-        return self.judge.verdicts(self.picks)
+            self.evaluator.picked(pick)
+        return self.evaluator.verdicts(self.picks)
 
 
 def test_a_tray_is_packed() -> None:
     work = Work(cell_with(FEW | RED))
     verdicts = work.run()
     assert [pick.outcome for pick in work.picks] == [Outcome.PLACED] * 3
-    assert all(verdict.right for verdict in verdicts)
+    assert all(verdict.correct for verdict in verdicts)
     assert max(verdict.release_error for verdict in verdicts) < 3e-3
     assert max(verdict.peak_acceleration for verdict in verdicts) < work.scene.cell.limits.acceleration
-    assert work.judge.collisions == ()
-    assert work.packer.left == ()
-    assert work.judge.vision.false == 0
+    assert work.evaluator.collisions == ()
+    assert work.packer.not_picked == ()
+    assert work.evaluator.vision.false == 0
     assert all(1.5 < pick.end - pick.begin < 4.5 for pick in work.picks)
     assert all(3.0 < pick.air < 15.0 for pick in work.picks)
 
@@ -77,57 +82,57 @@ def test_what_slips_off_is_lost_and_the_others_are_packed() -> None:
     verdicts = work.run(2)
     lost = [pick for pick in work.picks if pick.outcome is Outcome.LOST]
     assert lost
-    assert all("vacuum went" in pick.trouble for pick in lost)
-    assert not any(verdict.right for verdict, pick in zip(verdicts, work.picks, strict=True) if pick in lost)
+    assert all("vacuum was lost" in pick.trouble for pick in lost)
+    assert not any(verdict.correct for verdict, pick in zip(verdicts, work.picks, strict=True) if pick in lost)
     assert work.packer.packing.contents == {}
     assert not any(fruit.held for fruit in work.scene.truth().fruits.values())
-    assert verdicts[0].told(work.picks[0]) == "lost"
+    assert verdicts[0].word(work.picks[0]) == "lost"
 
 
-class Haunted(Looking):
+class Haunted(Changing):
     """Sees a fruit at first where there is none."""
 
     GHOST = Fruit(0.38, 0.40, 0.06, "tomato", "first")
 
-    def told(self, fruits: list[Fruit]) -> list[Fruit]:
-        return [self.GHOST] if self.looks == 1 else fruits
+    def changed(self, fruits: list[Fruit]) -> list[Fruit]:
+        return [self.GHOST] if self.images == 1 else fruits
 
 
 def test_where_a_new_picture_shows_nothing_the_pick_is_over() -> None:
-    work = Work(cell_with(FEW | RED), eyes=Haunted)
+    work = Work(cell_with(FEW | RED), perception=Haunted)
     work.run(2)
     assert [pick.outcome for pick in work.picks] == [Outcome.GONE, Outcome.PLACED]
     assert work.picks[0].tries == 1
-    assert work.picks[0].trouble == "nothing was sucked"
+    assert work.picks[0].trouble == "no vacuum built up"
 
 
-class Stubborn(Looking):
+class Stubborn(Changing):
     """Goes on seeing it."""
 
-    def told(self, fruits: list[Fruit]) -> list[Fruit]:  # noqa: ARG002  (as all eyes)
+    def changed(self, fruits: list[Fruit]) -> list[Fruit]:  # noqa: ARG002  (as all perceptions)
         return [Haunted.GHOST]
 
 
 def test_what_is_missed_three_times_is_given_up() -> None:
-    work = Work(cell_with(FEW | RED), eyes=Stubborn)
+    work = Work(cell_with(FEW | RED), perception=Stubborn)
     verdicts = work.run()
     assert [(pick.outcome, pick.tries) for pick in work.picks] == [(Outcome.MISSED, 3)]
-    assert [(verdict.fruit, verdict.right) for verdict in verdicts] == [("", False)]
-    assert [left.reason for left in work.packer.left] == ["was tried too often"]
+    assert [(verdict.fruit, verdict.correct) for verdict in verdicts] == [("", False)]
+    assert [one.reason for one in work.packer.not_picked] == ["was tried too often"]
 
 
-class Between(Looking):
+class Between(Changing):
     """Takes two that touch for one between them."""
 
-    def told(self, fruits: list[Fruit]) -> list[Fruit]:
+    def changed(self, fruits: list[Fruit]) -> list[Fruit]:
         first, second, *_ = sorted(fruits, key=lambda fruit: fruit.x)
         middle = Fruit((first.x + second.x) / 2, (first.y + second.y) / 2, 0.045, "mushroom", "first")
-        return [middle] if self.looks == 1 else []
+        return [middle] if self.images == 1 else []
 
 
 def test_two_fruits_in_one_cup_are_let_go_where_they_were() -> None:
     touching = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/touching": 1.0}
-    work = Work(cell_with(touching | {"tray/infeed/produce": ["mushroom"]}), eyes=Between)
+    work = Work(cell_with(touching | {"tray/infeed/produce": ["mushroom"]}), perception=Between)
     before = {name: fruit.position for name, fruit in work.scene.truth().fruits.items()}
     work.run()
     assert [pick.outcome for pick in work.picks] == [Outcome.GONE]
@@ -136,52 +141,52 @@ def test_two_fruits_in_one_cup_are_let_go_where_they_were() -> None:
         assert np.linalg.norm(fruit.position - before[name]) < 0.03
 
 
-def test_a_full_pack_takes_no_more() -> None:
+def test_a_full_container_takes_no_more() -> None:
     six = FEW | RED | {"tray/infeed/count": {"least": 8, "most": 8}}
-    cell = cell_with(six, without=("pack/apples", "pack/mushrooms"))
+    cell = cell_with(six, without=("container/apples", "container/mushrooms"))
     work = Work(cell)
     verdicts = work.run()
-    assert sum(verdict.right for verdict in verdicts) == 6
-    assert work.packer.packing.full == ("tomatoes",)
-    assert [left.reason for left in work.packer.left] == ["every place that takes it is full, in tomatoes"] * 2
+    assert sum(verdict.correct for verdict in verdicts) == 6
+    assert work.packer.packing.free == []
+    assert [one.reason for one in work.packer.not_picked] == ["every place that takes it is full, in tomatoes"] * 2
 
 
 def test_an_empty_tray_is_left_alone() -> None:
     work = Work(cell_with({"tray/infeed/count": {"least": 0, "most": 0}}))
     assert work.run() == []
-    assert work.packer.left == ()
+    assert work.packer.not_picked == ()
 
 
-class Doubtful(Looking):
+class Doubtful(Changing):
     """Knows one kind only, and can't reach one place."""
 
-    def told(self, fruits: list[Fruit]) -> list[Fruit]:
-        stranger = replace(fruits[0], kind="unknown", grade="", doubt="is of no kind that is known here")
+    def changed(self, fruits: list[Fruit]) -> list[Fruit]:
+        unknown = replace(fruits[0], kind="unknown", grade="", doubt="is of no kind that is known here")
         unsure = replace(fruits[1], confidence=0.4)
-        return [stranger, unsure, replace(fruits[2], kind="apple", grade="third")]
+        return [unknown, unsure, replace(fruits[2], kind="apple", grade="third")]
 
 
 def test_what_can_t_be_picked_is_left_with_its_reason() -> None:
-    work = Work(cell_with(FEW | RED), eyes=Doubtful)
+    work = Work(cell_with(FEW | RED), perception=Doubtful)
     assert work.run() == []
-    assert sorted(left.reason for left in work.packer.left) == [
+    assert sorted(one.reason for one in work.packer.not_picked) == [
         "is not sure enough: 0.40 is below 0.70",
         "is of no kind that is known here",
         "no place takes apple of grade 'third'",
     ]
 
 
-class Blinking(Looking):
+class Blinking(Changing):
     """Gives no picture that can be used, from the second on, for a while or for good."""
 
     until = 3
 
-    def look(self, time: float) -> Sight:
-        self.looks += 1
-        if 1 < self.looks <= self.until:
-            raise PictureError("is black", where="picture", right="check the lamp")
-        self.looks -= 1
-        return super().look(time)
+    def observe(self, time: float) -> Observation:
+        self.images += 1
+        if 1 < self.images <= self.until:
+            raise PictureError("is black", where="picture", right="check the light")
+        self.images -= 1
+        return super().observe(time)
 
 
 class Blind(Blinking):
@@ -189,36 +194,34 @@ class Blind(Blinking):
 
 
 def test_a_picture_that_can_t_be_used_is_taken_again() -> None:
-    work = Work(cell_with(FEW | RED), eyes=Blinking)
+    work = Work(cell_with(FEW | RED), perception=Blinking)
     work.run()
     assert [pick.outcome for pick in work.picks] == [Outcome.PLACED] * 3
 
 
 def test_a_camera_that_fails_ends_the_work_but_not_the_pick() -> None:
-    work = Work(cell_with(FEW | RED), eyes=Blind)
+    work = Work(cell_with(FEW | RED), perception=Blind)
     with pytest.raises(PictureError):
         work.run()
     assert work.picks
     assert all(pick.outcome is Outcome.PLACED for pick in work.picks)
 
 
-class Gripping:
+class Gripping(Observer):
     """Holds the base as soon as the second fruit is carried."""
 
     def __init__(self, work: Work) -> None:
         self.work, self.carried = work, 0
 
-    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all witnesses)
+    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
         self.carried += after.phase is Phase.CARRY
         if self.carried == 2:
             self.work.station._plant.grip(0, 500.0)
 
-    def looked(self, sight: Sight) -> None: ...
-
 
 def test_an_arm_that_is_held_stops_the_rig_with_the_fruit_in_its_cup() -> None:
     work = Work(cell_with(FEW | RED))
-    work.packer._witnesses = (work.judge, Gripping(work))
+    work.packer._observer = Observers(work.evaluator, Gripping(work))
     with pytest.raises(RigStoppedError, match="the rig stopped: "):
         work.run()
     assert [pick.outcome for pick in work.picks] == [Outcome.PLACED]
@@ -230,12 +233,12 @@ def test_an_arm_that_holds_something_is_not_sent_home() -> None:
     steps: list[Phase] = []
 
     class Stopping(Gripping):
-        def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all witnesses)
+        def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
             steps.append(after.phase)
             if after.phase is Phase.CARRY:
                 work.packer._rules = replace(work.packer._rules, settle_time=0.05)
 
-    work.packer._witnesses = (work.judge, Stopping(work))
+    work.packer._observer = Observers(work.evaluator, Stopping(work))
     work.run()
     assert [pick.outcome for pick in work.picks] == [Outcome.STUCK]
     work.packer.finish()

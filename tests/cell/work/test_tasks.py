@@ -8,12 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.cell import Cell
+from layflat.cell.plan.containers import Place, packing_of
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice
-from layflat.cell.plan.packs import Place
 from layflat.cell.plan.pick import Task
-from layflat.cell.plan.reach import Reach
-from layflat.cell.work.packs import packing_of
+from layflat.cell.reach import Reach
 from layflat.cell.work.tasks import Heights, centred, rules_of
 from layflat.machine import load
 
@@ -21,10 +20,10 @@ ANGLES = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
 
 
 def choice(cell: Cell, fruit: Fruit) -> Choice:
-    reach, spot = Reach(cell.machine), packing_of(cell).best(fruit)
-    assert spot is not None
-    over_fruit, over_spot = reach.postures(fruit.x, fruit.y)[0], reach.postures(spot.place.x, spot.place.y)[0]
-    return Choice(fruit, over_fruit, spot, over_spot, 0.5)
+    reach, place = Reach(cell.machine), packing_of(cell).best(fruit)
+    assert place is not None
+    over_fruit, over_place = reach.postures(fruit.x, fruit.y)[0], reach.postures(place.x, place.y)[0]
+    return Choice(fruit, over_fruit, place, over_place, 0.5)
 
 
 TOMATO = Fruit(0.48, 0.27, 0.060, "tomato", "first")
@@ -46,7 +45,7 @@ def test_a_fruit_is_let_go_just_over_the_floor_of_its_place(packing: Cell) -> No
     task = Heights(packing).task(choice(packing, TOMATO))
     hangs = 0.0555  # from the cup down, as the cup tells when it sits on the fruit
     seated = task.seated(packing.tray["infeed"].wall + hangs)
-    floor = packing.pack["tomatoes"].layout.wall
+    floor = packing.container["tomatoes"].layout.wall
     assert seated.place_height - hangs - floor == pytest.approx(2e-3)
 
 
@@ -60,13 +59,15 @@ def test_vacuums_tell_an_open_cup_from_a_closed_one(packing: Cell) -> None:
 
 
 def test_places_are_those_of_the_scene(packing: Cell) -> None:
-    packs = {pack.name: pack for pack in packing_of(packing).packs}
-    assert set(packs) == set(packing.pack)
-    assert [place.name for place in packs["tomatoes"].places] == ["1-1", "1-2", "1-3", "2-1", "2-2", "2-3"]
-    apples = packs["apples"].places[0]
-    assert apples.takes.takes(Fruit(0, 0, 0.07, "apple", "first"))
-    assert not apples.takes.takes(Fruit(0, 0, 0.07, "apple", "yellow"))
-    assert not apples.takes.takes(Fruit(0, 0, 0.07, "tomato", "first"))
+    places = packing_of(packing).places
+    assert {place.container for place in places} == set(packing.container)
+    tomatoes = [place for place in places if place.container == "tomatoes"]
+    assert [place.name for place in tomatoes] == ["1-1", "1-2", "1-3", "2-1", "2-2", "2-3"]
+    assert [(place.x, place.y) for place in tomatoes] == list(map(tuple, packing.container["tomatoes"].places))
+    apples = next(place for place in places if place.container == "apples").accepts
+    assert apples.takes(Fruit(0, 0, 0.07, "apple", "first"))
+    assert not apples.takes(Fruit(0, 0, 0.07, "apple", "yellow"))
+    assert not apples.takes(Fruit(0, 0, 0.07, "tomato", "first"))
 
 
 @given(ANGLES, ANGLES, st.tuples(st.floats(-0.004, 0.004), st.floats(-0.004, 0.004)))
@@ -82,7 +83,7 @@ def test_however_the_cup_sits_on_it_the_fruits_middle_comes_to_its_place(
         x, y = reach.tip(angles)
         return x + c * beside[0] - s * beside[1], y + s * beside[0] + c * beside[1]
 
-    place, (x, y) = Place("1-1", *reach.tip(over)), held(at)
+    place, (x, y) = Place("punnet", "1-1", *reach.tip(over)), held(at)
     task = Task(at, over, 0.06, 0.05, 0.06, 0.1, 0.15)
     found = centred(task, Fruit(x, y, 0.06, "tomato", "first"), place, at, reach)
     assert held(found.over_place) == pytest.approx((place.x, place.y), abs=1e-4)

@@ -7,6 +7,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from layflat.cell.file.checks import check
+from layflat.cell.file.former import rename_keys
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Layout
 from layflat.description.explain import explained
@@ -19,7 +21,23 @@ from layflat.machine.libraries import MACHINES
 
 BUILT_IN = Path(__file__).parent / "builtin"
 
-CELLS = Library(BUILT_IN, "cell", "`layflat cells` lists them", 'height = "60 mm"', CellError)
+
+
+class CellLibrary(Library):
+    """Cells, whose files may have the keys of earlier versions."""
+
+    def raw(self, where: str | Path) -> Plain:
+        """Return the tables of one description with present keys.
+
+        Raises:
+            CellError: it can't be read or is not TOML.
+        """
+        plain = super().raw(where)
+        rename_keys(plain)
+        return plain
+
+
+CELLS = CellLibrary(BUILT_IN, "cell", "`layflat cells` lists them", 'height = "60 mm"', CellError)
 LAYOUTS = Library(BUILT_IN / "layouts", "layout", "built in are punnet-2x3 and tray-12", 'height = "60 mm"', CellError)
 
 
@@ -29,7 +47,7 @@ def names() -> tuple[str, ...]:
 
 
 def layout_names() -> tuple[str, ...]:
-    """Return the names of the built-in layouts of packs."""
+    """Return the names of the built-in layouts of containers."""
     return LAYOUTS.names
 
 
@@ -52,11 +70,15 @@ def build(plain: Plain, sources: Sources, where: str) -> Cell:
     plain = dict(plain)
     if isinstance(plain.get("machine"), str):
         plain["machine"] = load_machine(MACHINES.beside(where, plain["machine"]))
-    if isinstance(plain.get("pack"), dict):
-        plain["pack"] = {name: _with_layout(pack, where) for name, pack in plain["pack"].items()}
+    if isinstance(plain.get("container"), dict):
+        plain["container"] = {name: _with_layout(one, where) for name, one in plain["container"].items()}
     if isinstance(plain.get("network"), dict) and "file" in plain["network"]:
         plain["network"] = plain["network"] | {"file": str(Path(where).parent / str(plain["network"]["file"]))}
     cell: Cell = _validated(Cell, plain, where)
+    try:
+        check(cell)
+    except ValueError as error:
+        raise CellError(str(error), where=where) from None
     cell._provenance.update(sources)
     cell._origin = where
     return cell
@@ -80,11 +102,11 @@ def text(cell: str) -> str:
     return CELLS.text(cell)
 
 
-def _with_layout(pack: Any, where: str) -> Any:
-    if not isinstance(pack, dict) or not isinstance(pack.get("layout"), str):
-        return pack
-    place = LAYOUTS.beside(where, pack["layout"])
-    return pack | {"layout": _validated(Layout, LAYOUTS.tables(place)[0], place)}
+def _with_layout(container: Any, where: str) -> Any:
+    if not isinstance(container, dict) or not isinstance(container.get("layout"), str):
+        return container
+    place = LAYOUTS.beside(where, container["layout"])
+    return container | {"layout": _validated(Layout, LAYOUTS.tables(place)[0], place)}
 
 
 def _validated(kind: type[BaseModel], plain: Plain, where: str) -> Any:

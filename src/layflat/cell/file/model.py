@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Self
+from math import pi
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PrivateAttr
 
-from layflat.cell.file.checks import check
-from layflat.cell.file.clutter import Clutter
-from layflat.cell.file.parts import Cup, Lift, Limits, Mount, Pack, Table, Tray
-from layflat.cell.file.produce import Produce, Spread
-from layflat.cell.file.seen import BaseMarkers, Board, Camera, Light, Network, Overview
+from layflat.cell.file.imaging import BaseMarkers, Board, Camera, Light, Network, Overview
+from layflat.cell.file.parts import Container, Cup, HandlingLimits, Lift, Mount, Table, Tray
+from layflat.cell.file.produce import Clutter, Produce, Spread
+from layflat.cell.geometry import Array, rectangle
 from layflat.description import Part
 from layflat.description.names import Name
 from layflat.description.provenance import Provenance
@@ -18,7 +17,7 @@ from layflat.machine import Machine
 
 
 class Cell(Part):
-    """A validated description. `provenance` gives the source of each value by its dotted path."""
+    """A validated description; `file.build` makes it and checks that it can be."""
 
     name: Name
     title: str
@@ -35,17 +34,12 @@ class Cell(Part):
     light: dict[str, Light]
     produce: dict[str, Produce]
     tray: dict[str, Tray]
-    pack: dict[str, Pack]
-    network: Network | None = Field(default=None, description="finds produce; colours do where not given")
+    container: dict[str, Container]
+    network: Network | None = Field(default=None, description="detects produce; default: colours do")
     clutter: dict[str, Clutter] = Field(default_factory=dict)
-    limits: Limits
+    limits: HandlingLimits
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
     _origin: str = PrivateAttr(default="")
-
-    @model_validator(mode="after")
-    def _can_be(self) -> Self:
-        check(self)
-        return self
 
     @property
     def provenance(self) -> dict[str, Provenance]:
@@ -56,3 +50,52 @@ class Cell(Part):
     def origin(self) -> str:
         """The file or built-in name that it was loaded from: for messages."""
         return self._origin or self.name
+
+    @property
+    def incoming(self) -> dict[str, Produce]:
+        """Produce that comes in any tray, by kind."""
+        return {kind: self.produce[kind] for tray in self.tray.values() for kind in tray.produce}
+
+    @property
+    def outlines(self) -> dict[str, Array]:
+        """Corners of all that stands on the table, by its key in the file, (4, 2) m."""
+        found = {f"tray.{name}": tray.outline for name, tray in self.tray.items()}
+        found |= {f"container.{name}": container.outline for name, container in self.container.items()}
+        found |= {f"base_markers.marker.{name}": marker.outline for name, marker in self.base_markers.marker.items()}
+        column = 2 * self.column_radius
+        return found | {"the arm's column": rectangle((0.0, 0.0), 0.0, (column, column))}
+
+    @property
+    def column_radius(self) -> float:
+        """Radius of the column under the first joint, m: that of its hose's cylinder."""
+        return next(iter(self.machine.joints.values())).cylinder.diameter / 2
+
+    @property
+    def tallest_fruit(self) -> float:
+        """Height of the tallest fruit that comes in any tray, m."""
+        return max(kind.diameter.most * kind.flattening.most for kind in self.incoming.values())
+
+    @property
+    def heaviest_fruit(self) -> float:
+        """Mass of the heaviest fruit that comes in any tray, taken for an ellipsoid, kg."""
+        kinds = self.incoming.values()
+        return max(pi / 6 * kind.diameter.most**3 * kind.flattening.most * kind.density.most for kind in kinds)
+
+    @property
+    def obstacle_height(self) -> float:
+        """Height over the table of all that the cup has to pass over: fruit in trays, and walls, m."""
+        walls = [tray.height + tray.wall for tray in self.tray.values()]
+        walls += [one.layout.height + one.layout.wall for one in self.container.values()]
+        return max(self.tallest_fruit + max(tray.wall for tray in self.tray.values()), *walls)
+
+    def tray_at(self, x: float, y: float) -> Tray | None:
+        """Return the tray that a point (m) is over, None where it is over none."""
+        return next((tray for tray in self.tray.values() if tray.holds(x, y)), None)
+
+    def place_at(self, x: float, y: float) -> tuple[str, int] | None:
+        """Return the container's name and the place's number that a point (m) is over, None where it is over none."""
+        for name, container in self.container.items():
+            number = container.place_at(x, y)
+            if number is not None:
+                return name, number
+        return None

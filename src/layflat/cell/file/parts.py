@@ -1,39 +1,50 @@
-"""The parts of a packing cell as a person describes them: arm, lift, cup, table, trays, packs, limits.
+"""The parts of a packing cell as a person describes them: arm, lift, cup, table, trays, containers, limits.
 
 All numbers are SI floats once validated. Places are in the cell's frame: z up, the origin on the table under the arm's
-first axis, x along link 1 at mid-stroke.
+first axis, x along link 1 at mid-stroke. Rotations are counter-clockwise seen from above.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from layflat.cell.geometry import Array, placed, rectangle
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.names import Name
 
-Spot = tuple[u.Coordinate, u.Coordinate]
-Point = tuple[u.Coordinate, u.Coordinate, u.Coordinate]
-Size = tuple[u.Length, u.Length]
+Extent = Annotated[u.Length, Field(ge=1e-4, le=5.0)]
+"""A length of something in the cell, m."""
+Coordinate = Annotated[u.Coordinate, Field(ge=-10.0, le=10.0)]
+PlanePoint = tuple[Coordinate, Coordinate]
+Point = tuple[Coordinate, Coordinate, Coordinate]
+Size = tuple[Extent, Extent]
 Colour = tuple[u.Share, u.Share, u.Share]
 """Red, green and blue, 0 to 1."""
+Duration = Annotated[u.Time, Field(ge=1e-4, le=60.0)]
+Mass = Annotated[u.Mass, Field(gt=0, le=100.0)]
+Force = Annotated[u.Force, Field(gt=0, le=1e4)]
+Speed = Annotated[u.LinearSpeed, Field(ge=1e-3, le=20.0)]
+Acceleration = Annotated[u.Acceleration, Field(gt=0, le=1e4)]
 
 Count = Annotated[int, Field(ge=0, le=200)]
+Columns = Annotated[int, Field(ge=1, le=20)]
 
 
 class Mount(Part):
     """How the arm stands over the table."""
 
-    height: u.Length = Field(description="of the links' middle above the table")
-    home: dict[str, u.Angle] = Field(description="angle of each joint when the arm is out of the camera's way")
+    height: Extent = Field(description="of the links' middle above the table")
+    home: dict[str, u.Angle] = Field(description="angle of each joint when the arm is out of the camera's view")
 
 
 class Table(Part):
     """A level table."""
 
-    centre: Spot
+    centre: PlanePoint
     size: Size
     colour: Colour
 
@@ -41,14 +52,16 @@ class Table(Part):
 class Lift(Part):
     """A vertical pneumatic cylinder at the tip, moved between its ends by a proportional valve."""
 
-    stroke: u.Length
-    clearance: u.Length = Field(description="of the cup's lip above the table while the lift is up")
-    speed: u.LinearSpeed = Field(description="greatest, which its valve sets")
-    acceleration: Annotated[u.Acceleration, Field(gt=0)] = Field(description="greatest; its cushions keep it too")
-    force: Annotated[u.Force, Field(gt=0)] = Field(description="greatest, weight of its moving parts aside")
-    mass: Annotated[u.Mass, Field(gt=0)] = Field(description="of what moves up and down, with the cup")
-    body: u.Mass = Field(description="mass of what stays up at the arm's tip: cylinder, guide, valves, ejector")
-    pressure: u.PositivePressure = Field(description="gauge, at which it has its force")
+    stroke: Extent
+    clearance: Extent = Field(description="of the cup's lip above the table while the lift is up")
+    speed: Speed = Field(description="greatest, which its valve sets")
+    acceleration: Acceleration = Field(description="greatest; its cushions keep it too")
+    force: Force = Field(description="greatest, weight of its moving parts aside")
+    mass: Mass = Field(description="of what moves up and down, with the cup")
+    body: Annotated[u.Mass, Field(le=100.0)] = Field(
+        description="mass of what stays up at the arm's tip: cylinder, guide, valves, ejector"
+    )
+    pressure: Annotated[u.PositivePressure, Field(le=2e6)] = Field(description="gauge, at which it has its force")
 
     @model_validator(mode="after")
     def _moves(self) -> Self:
@@ -62,15 +75,19 @@ class Lift(Part):
 class Cup(Part):
     """A suction cup with its ejector."""
 
-    diameter: u.Length = Field(description="of the lip")
-    effective_diameter: u.Length = Field(description="of the area on which the vacuum acts")
+    diameter: Annotated[u.Length, Field(ge=1e-3, le=0.2)] = Field(description="of the lip")
+    effective_diameter: Annotated[u.Length, Field(ge=1e-3, le=0.2)] = Field(
+        description="of the area on which the vacuum acts"
+    )
     vacuum: Annotated[u.PositivePressure, Field(lt=101325)] = Field(description="below ambient, in a cup that is tight")
-    build_up: u.Time = Field(description="time constant with which the ejector makes the vacuum")
-    leak: u.Time = Field(description="time constant with which a cup on a fruit loses it")
-    open_leak: u.Time = Field(description="the same of a cup on nothing")
-    release: u.Time = Field(description="the same when the ejector is switched off and its valve lets air in")
+    build_up: Duration = Field(description="time constant with which the ejector makes the vacuum")
+    leak: Duration = Field(description="time constant with which a cup on a fruit loses it")
+    open_leak: Duration = Field(description="the same of a cup on nothing")
+    release: Duration = Field(description="the same when the ejector is switched off and its valve lets air in")
     tilt: u.PositiveAngle = Field(description="greatest angle between the cup's axis and the skin under it")
-    friction: u.Ratio = Field(description="of lip on skin: sideways force per force of the vacuum")
+    friction: Annotated[u.Ratio, Field(le=10.0)] = Field(
+        description="of lip on skin: sideways force per force of the vacuum"
+    )
     air: u.Flow = Field(description="what the ejector takes while on, normal volume")
 
     @model_validator(mode="after")
@@ -96,28 +113,44 @@ class Range(Part):
 class Tray(Part):
     """An open box in which produce comes."""
 
-    centre: Spot
-    turn: u.Angle = Field(description="of its x axis from the cell's")
+    centre: PlanePoint
+    rotation: u.Angle = Field(description="of its x axis from the cell's")
     size: Size = Field(description="inside")
-    height: u.Length = Field(description="of its walls above its floor")
-    wall: u.Length = Field(description="thickness of walls and floor")
+    height: Extent = Field(description="of its walls above its floor")
+    wall: Extent = Field(description="thickness of walls and floor")
     colour: Colour
     produce: Annotated[tuple[str, ...], Field(min_length=1)] = Field(description="kinds that come in it, equally often")
     count: Range = Field(description="of fruit in it")
     touching: u.Share = Field(description="share of the fruit that is laid against another")
 
+    @property
+    def outline(self) -> Array:
+        """Corners of what it covers of the table, (4, 2) m."""
+        return rectangle(self.centre, self.rotation, (self.size[0] + 2 * self.wall, self.size[1] + 2 * self.wall))
+
+    def placed(self, points: Array) -> Array:
+        """Return points (n, 2), given from its centre along its axes, in the cell's frame, m."""
+        return placed(self.centre, self.rotation, points)
+
+    def holds(self, x: float, y: float) -> bool:
+        """Return whether a point (m) is over its floor."""
+        along, across = placed((0.0, 0.0), -self.rotation, [[x - self.centre[0], y - self.centre[1]]])[0]
+        return bool(abs(along) < self.size[0] / 2 and abs(across) < self.size[1] / 2)
+
 
 class Layout(Part):
-    """A pack with places in rows and columns: the content of a layout file."""
+    """A container with places in rows and columns: the content of a layout file."""
 
     name: Name
     title: str
-    columns: Annotated[int, Field(ge=1, le=20)] = Field(description="places along x")
-    rows: Annotated[int, Field(ge=1, le=20)] = Field(description="places along y")
+    columns: Columns = Field(description="places along x")
+    rows: Columns = Field(description="places along y")
     pitch: Size = Field(description="from place to place along x and y")
-    wall: u.Length = Field(description="thickness of walls, dividers and floor")
-    height: u.Length = Field(description="of its outer walls above its floor")
-    divider: u.LengthOrZero = Field(description="height of what stands between the places, 0 for none")
+    wall: Extent = Field(description="thickness of walls, dividers and floor")
+    height: Extent = Field(description="of its outer walls above its floor")
+    divider: Annotated[u.LengthOrZero, Field(le=5.0)] = Field(
+        description="height of what stands between the places, 0 for none"
+    )
     colour: Colour
 
     @property
@@ -132,25 +165,41 @@ class Layout(Part):
 
     @property
     def places(self) -> list[tuple[float, float]]:
-        """Centres of the places from the pack's centre, m, row by row."""
+        """Centres of the places from the container's centre, m, row by row."""
         x = [(i - (self.columns - 1) / 2) * self.pitch[0] for i in range(self.columns)]
         y = [(i - (self.rows - 1) / 2) * self.pitch[1] for i in range(self.rows)]
         return [(along, across) for across in y for along in x]
 
 
-class Pack(Part):
-    """A presentation pack on the table."""
+class Container(Part):
+    """A punnet or tray on the table into which produce is packed."""
 
     layout: Layout = Field(description="built-in name or file")
-    centre: Spot
-    turn: u.Angle = Field(description="of its x axis from the cell's")
+    centre: PlanePoint
+    rotation: u.Angle = Field(description="of its x axis from the cell's")
     kind: str = Field(description="of the produce that belongs into it")
     grade: str = Field(description="of that produce")
 
+    @property
+    def outline(self) -> Array:
+        """Corners of what it covers of the table, (4, 2) m."""
+        return rectangle(self.centre, self.rotation, self.layout.size)
 
-class Limits(Part):
+    @property
+    def places(self) -> Array:
+        """Centres of its places in the cell's frame, (n, 2) m, row by row."""
+        return placed(self.centre, self.rotation, self.layout.places)
+
+    def place_at(self, x: float, y: float) -> int | None:
+        """Return the number of the place that a point (m) is over, None where it is over none."""
+        away = placed((0.0, 0.0), -self.rotation, np.array([x, y]) - self.places)
+        over = (2.0 * np.abs(away) < self.layout.pitch).all(axis=1)
+        return int(np.argmax(over)) if over.any() else None
+
+
+class HandlingLimits(Part):
     """What the work must keep to."""
 
-    acceleration: Annotated[u.Acceleration, Field(gt=0)] = Field(description="greatest of a fruit, against bruises")
-    speed: u.LinearSpeed = Field(description="greatest of the tip")
-    press: u.Force = Field(description="greatest of the cup on a fruit")
+    acceleration: Acceleration = Field(description="greatest of a fruit, against bruises")
+    speed: Speed = Field(description="greatest of the tip")
+    press: Force = Field(description="greatest of the cup on a fruit")

@@ -1,4 +1,4 @@
-"""Kinds of produce: how their size, shape, mass and colour are spread, and what grades they are packed by."""
+"""Kinds of produce: how their size, shape, mass and colour are spread, and their grades; and clutter among them."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from layflat.cell.file.parts import Colour
+from layflat.cell.file.parts import Colour, Extent, Range
 from layflat.description import Part
 from layflat.description import units as u
+
+Diameter = Annotated[u.Length, Field(ge=1e-3, le=0.5)]
+Density = Annotated[u.Density, Field(ge=10.0, le=2e4)]
 
 
 class Spread(Part):
@@ -27,7 +30,7 @@ class Spread(Part):
         return self
 
     def draw(self, rng: np.random.Generator) -> float:
-        """One value."""
+        """Draw one value."""
         while True:
             value = rng.normal(self.mean, self.spread)
             if self.least <= value <= self.most:
@@ -37,19 +40,19 @@ class Spread(Part):
 class LengthSpread(Spread):
     """A spread of lengths."""
 
-    mean: u.Length
-    spread: u.LengthOrZero
-    least: u.Length
-    most: u.Length
+    mean: Diameter
+    spread: Annotated[u.LengthOrZero, Field(le=0.5)]
+    least: Diameter
+    most: Diameter
 
 
 class DensitySpread(Spread):
     """A spread of densities."""
 
-    mean: u.Density
+    mean: Density
     spread: Annotated[float, u.DENSITY, Field(ge=0)]
-    least: u.Density
-    most: u.Density
+    least: Density
+    most: Density
 
 
 class Skin(Part):
@@ -61,10 +64,10 @@ class Skin(Part):
 
 
 class Grade(Part):
-    """What is packed together."""
+    """What is packed together: limits of the diameter, and colours."""
 
-    least: u.Length = Field(description="diameter")
-    most: u.Length = Field(description="diameter")
+    least: Diameter
+    most: Diameter
     colours: Annotated[tuple[str, ...], Field(min_length=1)]
 
 
@@ -77,11 +80,11 @@ class Produce(Part):
     flattening: Spread = Field(description="height per diameter, a mushroom's stem included")
     density: DensitySpread = Field(description="mass per volume")
     tilt: u.PositiveAngle = Field(description="greatest angle of its axis from upright as it is laid")
-    friction: u.Ratio
-    rolling: u.Length = Field(description="resistance to rolling: arm of the contact force; soft skin has much")
+    friction: Annotated[u.Ratio, Field(le=10.0)]
+    rolling: Annotated[u.Length, Field(le=0.1)] = Field(description="resistance: arm of the contact force")
     colour: dict[str, Skin]
     grade: dict[str, Grade] = Field(description="the first that fits counts; what fits none is not packed")
-    known: bool = Field(default=True, description="whether vision is told of it; what it is not told of is a stranger")
+    known: bool = Field(default=True, description="whether vision is told of it; otherwise it is an unknown object")
 
     @model_validator(mode="after")
     def _known(self) -> Self:
@@ -94,8 +97,19 @@ class Produce(Part):
         return self
 
     def grade_of(self, diameter: float, colour: str) -> str | None:
-        """The first grade that takes a fruit, None if none does."""
+        """Return the first grade that takes a fruit, None if none does."""
         for name, grade in self.grade.items():
             if grade.least <= diameter < grade.most and colour in grade.colours:
                 return name
         return None
+
+
+class Clutter(Part):
+    """Thin things that lie about in trays and on the table and are no produce."""
+
+    shape: Literal["leaf", "sheet", "stick"]
+    length: Extent
+    width: Extent
+    colour: Colour
+    spread: Annotated[u.Share, Field(le=0.3)] = Field(description="standard deviation of size and brightness, a share")
+    count: Range = Field(description="in all trays and on the table together")

@@ -1,4 +1,4 @@
-"""What a camera told of one fruit."""
+"""One fruit as a camera detected it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Fruit:
-    """One fruit that was seen, taken as a sphere that lies on the table.
+    """One detected fruit, taken as a sphere that lies on the table.
 
     Args:
         x: of its centre, m, in the frame of the arm's base.

@@ -42,16 +42,16 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Limits:
+class MotionLimits:
     """Greatest speed (rad/s or m/s), acceleration and jerk of each axis."""
 
     speed: tuple[float, ...]
     acceleration: tuple[float, ...]
     jerk: tuple[float, ...]
 
-    def slower(self, factor: float) -> Limits:
-        """Limits with which every motion goes the same way in `factor` times its time."""
-        return Limits(
+    def slower(self, factor: float) -> MotionLimits:
+        """Return limits with which every motion goes the same way in `factor` times its time."""
+        return MotionLimits(
             tuple(v / factor for v in self.speed),
             tuple(a / factor**2 for a in self.acceleration),
             tuple(j / factor**3 for j in self.jerk),
@@ -77,14 +77,14 @@ class Shares:
 
 def arm_limits(
     machine: Machine, start: Array, end: Array, *, payload: float | None = None, shares: Shares | None = None
-) -> Limits:
-    """Limits of a move of the arm's joints, at the worst posture on its way.
+) -> MotionLimits:
+    """Return the limits of a move of the arm's joints, at the worst posture on its way.
 
     Args:
         machine: with valves.
         start: rad, (joints,).
         end: rad, (joints,).
-        payload: at the tip, kg; the machine's where not given.
+        payload: at the tip, kg; default: the machine's.
         shares: of what is possible.
 
     Raises:
@@ -104,7 +104,7 @@ def arm_limits(
             right="a smaller payload, a wider hose or more pressure",
         )
     rate = np.array([one[2] for one in able])
-    return Limits(
+    return MotionLimits(
         tuple((used.speed * speed).tolist()),
         tuple((used.torque * _together(inertia, torque)).tolist()),
         tuple((used.jerk * _together(inertia, rate)).tolist()),
@@ -112,7 +112,7 @@ def arm_limits(
 
 
 def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
-    """Speed (rad/s), torque less the brake's (N m) and its rate (N m/s) of a joint with its valve fully open."""
+    """Return speed (rad/s), torque less the brake's (N m) and its rate (N m/s) of a joint with its valve fully open."""
     valve, _, _ = parameters.drive_parts(machine)
     joint = machine.joint[name]
     K = parameters.torque_constant(joint)
@@ -127,13 +127,13 @@ def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
 
 
 def _together(inertia: Array, ability: Array) -> Array:
-    """Accelerations (joints,) that the joints are able to have at once, whatever their signs."""
+    """Return accelerations (joints,) that the joints are able to have at once, whatever their signs."""
     alone = ability / inertia.diagonal()
     return alone * float(np.min(ability / (np.abs(inertia) @ alone)))
 
 
 def _worst(machine: Machine, start: Array, end: Array, payload: float) -> tuple[Array, Array]:
-    """Greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way."""
+    """Return the greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way."""
     arm = parameters.arm(machine)
     if isinstance(arm, OneLink):
         angles = np.linspace(start[0], end[0], _POSTURES)

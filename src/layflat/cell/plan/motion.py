@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from layflat.cell.plan.limits import Limits, Shares, arm_limits
+from layflat.cell.plan.limits import MotionLimits, Shares, arm_limits
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.sim.kinematics import tip_position
@@ -32,17 +32,17 @@ class Path:
 
     start: Array
     end: Array
-    limits: Limits
+    limits: MotionLimits
     duration: float
     """s"""
     _trajectory: Any
 
     def at(self, times: ArrayLike) -> Array:
-        """Positions (times, axes) at times from the beginning on (s); at rest before and after."""
+        """Return positions (times, axes) at times from the beginning on (s); at rest before and after."""
         return self._states(times, 0)
 
     def velocities(self, times: ArrayLike) -> Array:
-        """Velocities, likewise."""
+        """Return velocities, likewise."""
         return self._states(times, 1)
 
     def _states(self, times: ArrayLike, which: int) -> Array:
@@ -50,7 +50,7 @@ class Path:
         return np.array([self._trajectory.at_time(time)[which] for time in inside.tolist()])
 
     def demand(self, cycle: float, *, lead: float = 0.0) -> Array:
-        """One row a control cycle, (cycles, axes), from the start to the end.
+        """Return one row a control cycle, (cycles, axes), from the start to the end.
 
         Args:
             cycle: s.
@@ -62,8 +62,8 @@ class Path:
         return np.clip(ahead, np.minimum(self.start, self.end), np.maximum(self.start, self.end))
 
 
-def travel(start: Array, end: Array, limits: Limits) -> Path:
-    """The quickest way from rest to rest, of any number of axes.
+def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
+    """Plan the quickest way from rest to rest, of any number of axes.
 
     Args:
         start: positions, (axes,), rad or m.
@@ -95,13 +95,13 @@ def move_arm(
     payload: float | None = None, shares: Shares | None = None,
     tip_acceleration: float = inf, tip_speed: float = inf,
 ) -> Path:  # fmt: skip
-    """A move of an arm's joints within a share of what it can do.
+    """Plan a move of an arm's joints within a share of what it can do.
 
     Args:
         machine: the machine.
         start: angles, rad, (joints,).
         end: likewise.
-        payload: at the tip, kg; the machine's where not given.
+        payload: at the tip, kg; default: the machine's.
         shares: of what valves and hoses can do.
         tip_acceleration: that the planned motion of the tip may not exceed, m/s2: soft fruit bruises.
         tip_speed: likewise, m/s.
@@ -120,7 +120,7 @@ def move_arm(
 
 
 def tip_peaks(machine: Machine, path: Path) -> tuple[float, float]:
-    """Greatest speed (m/s) and acceleration (m/s2) of the tip along a planned motion of the arm."""
+    """Return the greatest speed (m/s) and acceleration (m/s2) of the tip along a planned motion of the arm."""
     if path.duration == 0.0:
         return 0.0, 0.0
     tips, step = tip_position(machine, path.at(np.linspace(0.0, path.duration, POINTS + 1))), path.duration / POINTS

@@ -1,4 +1,4 @@
-"""Which fruit next, where to, and why the others are left.
+"""Which fruit next, where to, and why the others are not picked.
 
 A fruit is taken for a sphere on the table. The cup comes from above and rests on it, and lifts it straight up:
 
@@ -19,26 +19,26 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
 
+from layflat.cell.plan.containers import Packing, Place
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.plan.packs import Packing, Spot
-from layflat.cell.plan.reach import Angles, Posture, Reach
+from layflat.cell.reach import Angles, Posture, Reach
 
 TravelTime = Callable[[Angles, Angles], float]
 """From one posture to another, s."""
 
 
 @dataclass(frozen=True)
-class Cup:
-    """A suction cup, and what keeps it clear of fruit that it is not meant for.
+class CupClearance:
+    """What keeps the cup clear of fruit that it is not meant for.
 
     Args:
-        radius: m.
-        clearance: to every other fruit, m: as far as camera and arm may be off.
-        overlap: by which fruit that touches may seem to overlap, m: diameters are seen with errors.
+        radius: of the cup, m.
+        gap: to every other fruit, m: as far as camera and arm may be off.
+        overlap: by which fruit that touches may seem to overlap, m: diameters are measured with errors.
     """
 
     radius: float
-    clearance: float = 3e-3
+    gap: float = 3e-3
     overlap: float = 2e-3
 
 
@@ -48,14 +48,14 @@ class Choice:
 
     fruit: Fruit
     over_fruit: Posture
-    spot: Spot
-    over_spot: Posture
+    place: Place
+    over_place: Posture
     travel: float
     """Time that the arm moves, to the fruit and on to the place, s."""
 
 
 @dataclass(frozen=True)
-class Left:
+class NotPicked:
     """A fruit that is not picked now, and why, as one clause."""
 
     fruit: Fruit
@@ -63,30 +63,30 @@ class Left:
 
 
 @dataclass(frozen=True)
-class Order:
-    """What to do next: a choice, unless nothing can be picked, and what is left."""
+class Selection:
+    """What to pick next, None where nothing can be picked, and why the others are not picked."""
 
     choice: Choice | None
-    left: tuple[Left, ...]
+    not_picked: tuple[NotPicked, ...]
 
 
 def next_pick(
-    fruits: Sequence[Fruit], packing: Packing, reach: Reach, here: Angles, cup: Cup, travel_time: TravelTime,
+    fruits: Sequence[Fruit], packing: Packing, reach: Reach, here: Angles, cup: CupClearance, travel_time: TravelTime,
     *, least_confidence: float = 0.5, given_up: frozenset[Fruit] = frozenset(),
-) -> Order:  # fmt: skip
-    """The fruit to pick next: sure ones first, in steps of 0.1, and of these the one with the shortest way.
+) -> Selection:  # fmt: skip
+    """Return the fruit to pick next: sure ones first, in steps of 0.1, and of these the one with the shortest way.
 
     Args:
-        fruits: all that were seen; also those that are not picked stand in the way.
-        packing: packs as they are filled by now.
+        fruits: all that were detected; also those that are not picked stand in the way.
+        packing: containers as they are filled by now.
         reach: of the arm.
         here: where the arm is, rad.
         cup: what picks.
         travel_time: of the arm.
-        least_confidence: below it a fruit is left.
+        least_confidence: below it a fruit is not picked.
         given_up: tried too often.
     """
-    choices, left = [], []
+    choices, not_picked = [], []
     for fruit in fruits:
         if fruit in given_up:
             found: Choice | str = "was tried too often"
@@ -100,13 +100,13 @@ def next_pick(
         if isinstance(found, Choice):
             choices.append(found)
         else:
-            left.append(Left(fruit, found))
+            not_picked.append(NotPicked(fruit, found))
     best = min(choices, key=lambda choice: (-round(choice.fruit.confidence, 1), choice.travel), default=None)
-    return Order(best, tuple(left))
+    return Selection(best, tuple(not_picked))
 
 
-def cup_room(fruit: Fruit, other: Fruit, cup: Cup) -> float:
-    """Between the cup on a fruit and another fruit, m; infinite where the other is too low to be met."""
+def cup_room(fruit: Fruit, other: Fruit, cup: CupClearance) -> float:
+    """Return the room between the cup on a fruit and another fruit, m; infinite where that is too low to be met."""
     rim = fruit.radius + sqrt(max(fruit.radius**2 - cup.radius**2, 0.0))
     if rim >= other.diameter:
         return float("inf")
@@ -116,44 +116,41 @@ def cup_room(fruit: Fruit, other: Fruit, cup: Cup) -> float:
 
 
 def lift_room(fruit: Fruit, other: Fruit) -> float:
-    """Between a fruit that is lifted and another that is higher, m; infinite where the other is no higher."""
+    """Return the room between a fruit that is lifted and another that is higher, m; infinite where it is no higher."""
     if other.radius <= fruit.radius:
         return float("inf")
     return hypot(other.x - fruit.x, other.y - fruit.y) - fruit.radius - other.radius
 
 
-def _blocked(fruit: Fruit, others: Sequence[Fruit], cup: Cup) -> str:
-    """Why a fruit's neighbours keep it from being picked; empty where they don't."""
+def _blocked(fruit: Fruit, others: Sequence[Fruit], cup: CupClearance) -> str:
+    """Return why a fruit's neighbours keep it from being picked; empty where they don't."""
     if cup.radius > fruit.radius:
         return f"is too small for the cup: {1e3 * fruit.diameter:.0f} mm"
     for other in others:
-        short = cup.clearance - cup_room(fruit, other, cup)
+        short = cup.gap - cup_room(fruit, other, cup)
         if short > 0.0:
-            return f"the cup would come {1e3 * short:.0f} mm too close to {other.kind} at {_spot(other)}"
+            return f"the cup would come {1e3 * short:.0f} mm too close to {other.kind} at {_at(other)}"
         short = -cup.overlap - lift_room(fruit, other)
         if short > 0.0:
-            return (
-                f"would drag {other.kind} at {_spot(other)}, which is over it by {1e3 * (short + cup.overlap):.0f} mm"
-            )
+            return f"would drag {other.kind} at {_at(other)}, which is over it by {1e3 * (short + cup.overlap):.0f} mm"
     return ""
 
 
 def _way(fruit: Fruit, packing: Packing, reach: Reach, here: Angles, travel_time: TravelTime) -> Choice | str:
-    """Postures over a fruit and over its place, or why there are none."""
+    """Return the postures over a fruit and over its place, or why there are none."""
     over_fruit = reach.choose(fruit.x, fruit.y, lambda angles: travel_time(here, angles))
     if over_fruit is None:
         return f"is out of reach by {1e3 * reach.missing(fruit.x, fruit.y):.0f} mm"
-    spot = packing.best(fruit)
-    if spot is None:
+    place = packing.best(fruit)
+    if place is None:
         return packing.refusal(fruit)
-    place = spot.place
-    over_spot = reach.choose(place.x, place.y, lambda angles: travel_time(over_fruit.angles, angles))
-    if over_spot is None:
+    over_place = reach.choose(place.x, place.y, lambda angles: travel_time(over_fruit.angles, angles))
+    if over_place is None:
         short = 1e3 * reach.missing(place.x, place.y)
-        return f"its place {place.name} of {spot.pack} is out of reach by {short:.0f} mm"
-    travel = travel_time(here, over_fruit.angles) + travel_time(over_fruit.angles, over_spot.angles)
-    return Choice(fruit, over_fruit, spot, over_spot, travel)
+        return f"its place {place.name} of {place.container} is out of reach by {short:.0f} mm"
+    travel = travel_time(here, over_fruit.angles) + travel_time(over_fruit.angles, over_place.angles)
+    return Choice(fruit, over_fruit, place, over_place, travel)
 
 
-def _spot(fruit: Fruit) -> str:
+def _at(fruit: Fruit) -> str:
     return f"({fruit.x:.3f}, {fruit.y:.3f}) m"

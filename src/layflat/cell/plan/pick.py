@@ -1,4 +1,4 @@
-"""One pick: what it is to do, what is measured of it, what it asks for, and how it may end."""
+"""One pick: its phases, what it is to do, what is measured of it, what it commands, and how it may end."""
 
 from __future__ import annotations
 
@@ -7,24 +7,24 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from math import radians
 
-from layflat.cell.plan.reach import Angles
+from layflat.cell.reach import Angles
 
 
 class Phase(Enum):
-    """What a pick is doing."""
+    """What a pick is doing; the value goes behind "the arm" in a sentence."""
 
-    APPROACH = "goes over the fruit and settles there"
+    APPROACH = "moves over the fruit and settles there"
     LOWER = "lowers the cup on the fruit"
-    SUCK = "waits for the vacuum"
+    SEAL = "waits for the vacuum"
     LIFT = "lifts the fruit"
-    CARRY = "carries it over its place and settles there"
-    PLACE = "lowers it into its place"
-    RELEASE = "lets go"
-    PUT_BACK = "lowers what it lifted where it was"
-    LET_BACK = "lets go where it was"
+    CARRY = "carries the fruit over its place and settles there"
+    PLACE = "lowers the fruit into its place"
+    RELEASE = "releases the fruit"
+    PUT_BACK = "puts back what it lifted"
+    RELEASE_BACK = "releases the fruit where it was"
     RAISE = "raises the empty cup"
     CLEAR = "moves out of the camera's view"
-    LOOK = "waits for a new picture"
+    AWAIT_IMAGE = "waits for a new image"
     DONE = "has ended"
 
 
@@ -33,21 +33,21 @@ class Outcome(Enum):
 
     PLACED = "the fruit lies in its place"
     MISSED = "the fruit was not picked in all tries"
-    GONE = "a new picture shows no fruit there"
+    GONE = "a new image shows no fruit there"
     LOST = "the fruit was lost on its way"
     STUCK = "something did not happen in its time: the arm stays where it is, the lift goes up"
 
 
 @dataclass(frozen=True)
 class Task:
-    """One fruit and its place; heights are those of the cup's rim over the table, m.
+    """One fruit and its place; heights are those of the cup's lip over the table, m.
 
     Args:
         over_fruit: posture, rad.
         over_place: likewise.
         fruit_height: at which the cup sits on the fruit, as far as is known from above.
         lowest: at which it sits on the flattest fruit of that size, and a bit.
-        place_height: at which the fruit is let go.
+        place_height: at which the fruit is released.
         passing: over everything, the cup being empty.
         carrying: over everything, with the fruit.
     """
@@ -61,7 +61,7 @@ class Task:
     carrying: float
 
     def seated(self, height: float) -> Task:
-        """The same once the cup sits on the fruit at a height, which tells how high the fruit is."""
+        """Return the same once the cup sits on the fruit at a height, which shows how high the fruit is."""
         higher = height - self.fruit_height
         return replace(self, fruit_height=height, place_height=self.place_height + higher)
 
@@ -81,17 +81,17 @@ class Rules:
         sound: vacuum with which one fruit is held, Pa below the surroundings.
         gone: vacuum below which nothing hangs on the cup though suction is on, Pa: an open cup has some.
         empty: vacuum below which nothing does once suction is off, Pa.
-        tries: of one fruit, each after a new picture.
+        tries: of one fruit, each after a new image.
         settle_time: longest time of a move until it is settled, s.
         height: within which the lift is where it was asked to be, m.
         halted: speed of the lift below which something is in its way, m/s, once it has had the time `starts` (s).
         starts: see `halted`.
         lower_time: longest time of the lift's way down, s.
-        suck_time: longest time until the vacuum is sound, s.
+        seal_time: longest time until the vacuum is sound, s.
         heavy_time: of the lift's way up, beyond which too much hangs on the cup, s.
         raise_time: longest time of its way up, s.
         release_time: longest time until the vacuum is gone, s.
-        look_time: longest time until a picture comes, s.
+        image_time: longest time until an image comes, s.
     """
 
     tip: Callable[[Angles], tuple[float, float]]
@@ -110,40 +110,40 @@ class Rules:
     halted: float = 5e-3
     starts: float = 0.06
     lower_time: float = 1.0
-    suck_time: float = 0.4
+    seal_time: float = 0.4
     heavy_time: float = 0.6
     raise_time: float = 1.5
     release_time: float = 0.5
-    look_time: float = 2.0
+    image_time: float = 2.0
 
     @property
     def longest(self) -> float:
         """No pick takes longer, s."""
-        down = self.lower_time + self.suck_time + self.heavy_time + self.lower_time + self.release_time
-        one = self.settle_time + down + self.raise_time + self.settle_time + self.look_time
+        down = self.lower_time + self.seal_time + self.heavy_time + self.lower_time + self.release_time
+        one = self.settle_time + down + self.raise_time + self.settle_time + self.image_time
         carried = self.settle_time + self.lower_time + self.raise_time
         return self.tries * (one + carried) + self.release_time + self.raise_time
 
 
 @dataclass(frozen=True)
-class Sighting:
-    """What a new picture told of the fruit that was missed: where it is now; None if it is gone."""
+class Relocation:
+    """What a new image showed of a fruit that was missed: the task where it lies now; None if it is gone."""
 
     task: Task | None
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What sensors tell in one cycle.
+class Readings:
+    """What sensors give in one cycle.
 
     Args:
         time: s.
         angles: rad, by joint.
         velocities: rad/s, by joint.
         vacuum: in the cup's line, Pa below the surroundings.
-        height: of the cup's rim over the table, m, by the lift's stroke.
+        height: of the cup's lip over the table, m, by the lift's stroke.
         lift_speed: upwards, m/s.
-        sighting: the answer to a picture that was asked for.
+        relocation: the answer to an image that was asked for.
     """
 
     time: float
@@ -152,22 +152,22 @@ class Measured:
     vacuum: float
     height: float
     lift_speed: float = 0.0
-    sighting: Sighting | None = None
+    relocation: Relocation | None = None
 
 
 @dataclass(frozen=True)
 class Command:
-    """What a pick asks for: a posture (rad), a height of the cup's rim (m), suction, and a picture."""
+    """What a pick commands: a posture (rad), a height of the cup's lip (m), suction, and whether to take an image."""
 
     target: Angles
     height: float
     suction: bool
-    picture: bool
+    image: bool
 
 
 @dataclass(frozen=True)
 class State:
-    """Where a pick stands; begin with `begun`.
+    """State of a pick; begin with `begun`.
 
     Args:
         task: as it is known by now.
@@ -177,7 +177,7 @@ class State:
         suction: whether it is on.
         near_since: since when the tip has been near and still, s; None while it is not.
         tried: how often the cup went down for the fruit.
-        shaken: how often the arm moved while it was over the fruit's place.
+        shaken: how often the arm moved while the cup was down.
         outcome: how it ended, or will, once the cup is raised.
         trouble: what went wrong last, as one clause.
     """
@@ -195,7 +195,7 @@ class State:
 
     @property
     def passing(self) -> float:
-        """Height of the cup's rim from which on the arm may move: more while something may hang on it, m."""
+        """Height of the cup's lip from which on the arm may move: more while something may hang on it, m."""
         return self.task.carrying if self.suction else self.task.passing
 
     @property

@@ -1,19 +1,20 @@
-"""What stands in the cell and does not move: table, trays, packs, markers, lights, cameras."""
+"""What stands in the cell and does not move: table, trays, containers, markers, lights, cameras."""
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from math import pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.cell.extras import mujoco
-from layflat.cell.file.checks import base_radius
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Colour, Layout
-from layflat.cell.optics import looking, optics_of
-from layflat.cell.scene import boards
+from layflat.cell.geometry import about_z, looking
+from layflat.cell.markers import board_picture, marker_picture
+from layflat.cell.scene import shapes
+from layflat.cell.scene.optics import optics_of
 
 Grey = NDArray[np.uint8]
 TABLE = 0.02
@@ -28,45 +29,39 @@ BOARD_GROUP = 4
 
 def furnish(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
     """Add all that stands in the cell to a spec, with lights as this seed has them."""
-    world, mj = spec.worldbody, mujoco()
+    world = spec.worldbody
     (x, y), (width, depth) = cell.table.centre, cell.table.size
     _box(world, "table", (width / 2, depth / 2, TABLE), (x, y, -TABLE), cell.table.colour)
     column = cell.mount.height - next(iter(cell.machine.joints.values())).body.height / 2
-    world.add_geom(
-        name="column",
-        type=mj.mjtGeom.mjGEOM_CYLINDER,
-        size=[0.6 * base_radius(cell.machine), column / 2, 0.0],
-        pos=[0.0, 0.0, column / 2],
-        rgba=[0.30, 0.31, 0.33, 1.0],
-    )
+    size, pos = (0.6 * cell.column_radius, column / 2), [0.0, 0.0, column / 2]
+    shapes.add(world, "cylinder", "column", size=size, pos=pos, rgba=[0.30, 0.31, 0.33, 1.0])
     for name, tray in cell.tray.items():
-        body = world.add_body(name=f"tray.{name}", pos=[*tray.centre, 0.0], quat=_about_z(tray.turn))
+        body = _body(world, f"tray.{name}", (*tray.centre, 0.0), tray.rotation)
         _open_box(body, f"tray.{name}", tray.size, tray.height, tray.wall, tray.colour)
-    for name, pack in cell.pack.items():
-        body = world.add_body(name=f"pack.{name}", pos=[*pack.centre, 0.0], quat=_about_z(pack.turn))
-        inside = (pack.layout.size[0] - 2 * pack.layout.wall, pack.layout.size[1] - 2 * pack.layout.wall)
-        _open_box(body, f"pack.{name}", inside, pack.layout.height, pack.layout.wall, pack.layout.colour)
-        _dividers(body, f"pack.{name}", pack.layout)
+    for name, container in cell.container.items():
+        key, layout = f"container.{name}", container.layout
+        body = _body(world, key, (*container.centre, 0.0), container.rotation)
+        inside = (layout.size[0] - 2 * layout.wall, layout.size[1] - 2 * layout.wall)
+        _open_box(body, key, inside, layout.height, layout.wall, layout.colour)
+        _dividers(body, key, layout)
+    thickness = cell.base_markers.thickness
     for name, marker in cell.base_markers.marker.items():
-        at = [*marker.centre, cell.base_markers.thickness]
-        body = world.add_body(name=f"base_marker.{name}", pos=at, quat=_about_z(marker.turn))
-        grey = boards.marker_picture(cell.base_markers.dictionary, marker.number)
-        _printed(spec, body, f"base_marker.{name}", grey, (marker.side, marker.side), marker.rim, at[2] - INK)
+        body = _body(world, f"base_marker.{name}", (*marker.centre, thickness), marker.rotation)
+        grey = marker_picture(cell.base_markers.dictionary, marker.number)
+        _printed(spec, body, f"base_marker.{name}", grey, (marker.side, marker.side), marker.rim, thickness - INK)
     held = world.add_body(name="board", mocap=True)
     board = cell.board
-    _printed(spec, held, "board", boards.picture(board), board.size, board.square / 3, SHEET, group=BOARD_GROUP)
+    _printed(spec, held, "board", board_picture(board), board.size, board.square / 3, SHEET, group=BOARD_GROUP)
     _lights(spec, cell, rng)
     _cameras(spec, cell)
 
 
-def _about_z(turn: float) -> list[float]:
-    return [cos(turn / 2), 0.0, 0.0, sin(turn / 2)]
+def _body(world: Any, name: str, position: tuple[float, ...], rotation: float) -> Any:
+    return world.add_body(name=name, pos=list(position), quat=about_z(rotation).tolist())
 
 
 def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], colour: Colour) -> None:
-    body.add_geom(
-        name=name, type=mujoco().mjtGeom.mjGEOM_BOX, size=list(half), pos=list(at), rgba=[*colour, 1.0], condim=6
-    )
+    shapes.add(body, "box", name, size=half, pos=list(at), rgba=[*colour, 1.0], condim=6)
 
 
 def _open_box(body: Any, name: str, inside: tuple[float, float], height: float, wall: float, colour: Colour) -> None:
@@ -82,14 +77,15 @@ def _dividers(body: Any, name: str, layout: Layout) -> None:
     if layout.divider == 0.0:
         return
     x, y = layout.size[0] / 2 - layout.wall, layout.size[1] / 2 - layout.wall
-    lighter = tuple(min(1.0, 1.15 * channel) for channel in layout.colour)
+    red, green, blue = (min(1.0, 1.15 * channel) for channel in layout.colour)
+    lighter = red, green, blue
     middle, half, thin = layout.wall + layout.divider / 2, layout.divider / 2, layout.wall / 2
     for i in range(1, layout.columns):
         at = (i - layout.columns / 2) * layout.pitch[0]
-        _box(body, f"{name}.across-{i}", (thin, y, half), (at, 0.0, middle), lighter)  # type: ignore[arg-type]
+        _box(body, f"{name}.across-{i}", (thin, y, half), (at, 0.0, middle), lighter)
     for i in range(1, layout.rows):
         at = (i - layout.rows / 2) * layout.pitch[1]
-        _box(body, f"{name}.along-{i}", (x, thin, half), (0.0, at, middle), lighter)  # type: ignore[arg-type]
+        _box(body, f"{name}.along-{i}", (x, thin, half), (0.0, at, middle), lighter)
 
 
 def _printed(
@@ -110,28 +106,16 @@ def _printed(
     material.textures[mj.mjtTextureRole.mjTEXROLE_RGB] = name
     margin = rim * size[0] / (grey.shape[1] - 2 * rim)
     x, y = size[0] / 2 + margin, size[1] / 2 + margin
-    sheet = {"contype": 0, "conaffinity": 0, "group": group}
-    body.add_geom(
-        name=f"{name}.sheet",
-        type=mj.mjtGeom.mjGEOM_BOX,
-        size=[x, y, thick / 2],
-        pos=[0.0, 0.0, -thick / 2 - INK],
-        rgba=[0.95, 0.95, 0.95, 1.0],
-        **sheet,
-    )
+    sheet: dict[str, Any] = {**shapes.UNTOUCHED, "group": group}
+    pos, rgba = [0.0, 0.0, -thick / 2 - INK], [0.95, 0.95, 0.95, 1.0]
+    shapes.add(body, "box", f"{name}.sheet", size=(x, y, thick / 2), pos=pos, rgba=rgba, **sheet)
     printed = spec.add_mesh(
         name=name,
         uservert=[-x, -y, 0, x, -y, 0, x, y, 0, -x, y, 0, 0, 0, -1e-4],
         userface=[0, 1, 2, 0, 2, 3, 0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0],
         usertexcoord=[0, 1, 1, 1, 1, 0, 0, 0, 0, 0],
     )
-    body.add_geom(
-        name=f"{name}.print",
-        type=mj.mjtGeom.mjGEOM_MESH,
-        meshname=printed.name,
-        material=name,
-        **sheet,
-    )
+    shapes.add(body, "mesh", f"{name}.print", meshname=printed.name, material=name, **sheet)
 
 
 def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.cup import Cup
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
-from layflat.cell.scene.produce import Fruit
+from layflat.cell.scene.produce import SceneFruit
+from layflat.cell.scene.suction_cup import SuctionCup
 
 Array = NDArray[np.float64]
 SMOOTHED = 5e-3
@@ -26,9 +26,9 @@ class Grip:
         press: greatest force with which the cup pressed each fruit so far, (n,) N.
     """
 
-    def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[Fruit]) -> None:
+    def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
         self._mj, self._model, self._data, self._cell = mujoco(), model, data, cell
-        self.cup = Cup(cell.cup)
+        self.cup = SuctionCup(cell.cup)
         self.held: int | None = None
         self.press = np.zeros(len(fruits))
         self._geom = model.geom("cup").id
@@ -46,7 +46,7 @@ class Grip:
         return self.held is not None
 
     def follow(self) -> None:
-        """After a step: vacuum, seal, and whether the fruit still holds."""
+        """Advance vacuum and seal after a step, and drop a fruit that no longer holds."""
         step, touched = self._step, self._touched()
         self._net(touched, step)
         if self.held is None and self.cup.on and len(touched) == 1:
@@ -58,7 +58,7 @@ class Grip:
             self.let_go()
 
     def let_go(self) -> None:
-        """The fruit is held no more."""
+        """Hold the fruit no more."""
         if self.held is not None:
             data, tree = self._data, self._model.body_treeid
             data.eq_active[self._welds[self.held]] = 0
@@ -67,7 +67,7 @@ class Grip:
             self.held = None
 
     def _touched(self) -> dict[int, float]:
-        """Fruit that the cup's lip touches, and how hard, N."""
+        """Return fruit that the cup's lip touches, and how hard, N."""
         touched: dict[int, float] = {}
         if not self._data.ncon:
             return touched
@@ -82,7 +82,7 @@ class Grip:
         return touched
 
     def _tilt(self, fruit: int) -> float:
-        """Angle between the cup's axis and the normal of the skin under it, rad; infinite beside the fruit.
+        """Return the angle between the cup's axis and the normal of the skin under it, rad; infinite beside the fruit.
 
         The skin is the ellipsoid x^2/a^2 + y^2/b^2 + z^2/c^2 = 1 in the fruit's frame.
         """
@@ -110,7 +110,7 @@ class Grip:
         self.held, self._pull, self._shear = fruit, 0.0, 0.0
 
     def _net(self, touched: dict[int, float], step: float) -> None:
-        """Books what lip and vacuum together do to fruit: smoothed pull and shear on what is held, N, and the press."""
+        """Book what lip and vacuum together do to fruit: smoothed pull and shear on what is held, N, and the press."""
         for fruit, push in touched.items():
             if fruit != self.held:
                 self.press[fruit] = max(self.press[fruit], push)

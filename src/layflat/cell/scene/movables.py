@@ -9,9 +9,11 @@ import numpy as np
 
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
-from layflat.cell.scene.produce import CAP, STEM, Fruit
+from layflat.cell.scene import shapes
+from layflat.cell.scene.produce import CAP, STEM, SceneFruit
 
 GREEN = (0.20, 0.42, 0.12, 1.0)
+HOLLOW = (0.36, 0.36, 0.12, 1.0)
 BROWN = (0.30, 0.20, 0.10, 1.0)
 PALE = (0.86, 0.80, 0.70, 1.0)
 STEEL = (0.70, 0.72, 0.74, 1.0)
@@ -24,8 +26,8 @@ LIP = 0.012
 """Height of the cup, m."""
 
 
-def add_fruit(spec: Any, cell: Cell, fruit: Fruit) -> None:
-    """A fruit as a free body, and the weld, switched off, by which the cup can hold it."""
+def add_fruit(spec: Any, cell: Cell, fruit: SceneFruit) -> None:
+    """Add a fruit as a free body, and the weld, switched off, by which the cup can hold it."""
     mj = mujoco()
     body = spec.worldbody.add_body(name=fruit.name, pos=list(fruit.position), quat=list(fruit.orientation))
     body.add_freejoint(name=fruit.name)
@@ -34,60 +36,35 @@ def add_fruit(spec: Any, cell: Cell, fruit: Fruit) -> None:
     touch = {"condim": 6, "friction": [kind.friction, kind.rolling, kind.rolling]}
     radius, over = fruit.diameter / 2, fruit.over
     whole = fruit.shape == "round"
-    skin = {"type": mj.mjtGeom.mjGEOM_ELLIPSOID, "size": [radius, radius, over], "material": material.name}
-    if whole:
-        body.add_geom(name=fruit.name, mass=fruit.mass, **skin, **touch)
-    else:
-        body.add_geom(name=fruit.name, mass=0.9 * fruit.mass, **skin, **touch)
+    skin = {"size": (radius, radius, over), "material": material.name}
+    shapes.add(body, "ellipsoid", fruit.name, mass=(1.0 if whole else 0.9) * fruit.mass, **skin, **touch)
+    if not whole:
         half = (1 - CAP / 2) * fruit.height / 2
-        body.add_geom(
-            name=f"{fruit.name}.stem",
-            type=mj.mjtGeom.mjGEOM_CYLINDER,
-            size=[STEM * fruit.diameter, half, 0.0],
-            pos=[0.0, 0.0, -half],
-            mass=0.1 * fruit.mass,
-            rgba=PALE,
-            **touch,
-        )
-    _topped(spec, body, fruit)
+        stem = {"size": (STEM * fruit.diameter, half), "pos": [0.0, 0.0, -half], "mass": 0.1 * fruit.mass}
+        shapes.add(body, "cylinder", f"{fruit.name}.stem", rgba=PALE, **stem, **touch)
+    _add_top(spec, body, fruit)
     spec.add_equality(
-        name=f"hold.{fruit.name}",
-        type=mj.mjtEq.mjEQ_WELD,
-        objtype=mj.mjtObj.mjOBJ_BODY,
-        name1="cup",
-        name2=fruit.name,
-        active=False,
-        solref=[0.006, 1.0],
-    )
+        name=f"hold.{fruit.name}", type=mj.mjtEq.mjEQ_WELD, objtype=mj.mjtObj.mjOBJ_BODY,
+        name1="cup", name2=fruit.name, active=False, solref=[0.006, 1.0],
+    )  # fmt: skip
 
 
-def _topped(spec: Any, body: Any, fruit: Fruit) -> None:
-    """Calyx or stalk: it is seen, and touches nothing."""
-    mj, top, radius, over = mujoco(), fruit.top, fruit.diameter / 2, fruit.over
-    ghost = {"mass": 0.0, "contype": 0, "conaffinity": 0}
-    if top == "calyx":
+def _add_top(spec: Any, body: Any, fruit: SceneFruit) -> None:
+    """Add a calyx or stalk: it is seen, and touches nothing."""
+    radius, over, ghost = fruit.diameter / 2, fruit.over, {"mass": 0.0, **shapes.UNTOUCHED}
+    if fruit.top == "calyx":
         name = f"{fruit.name}.calyx"
         spec.add_mesh(name=name, **_star(0.42 * radius, 0.08 * radius))
-        body.add_geom(type=mj.mjtGeom.mjGEOM_MESH, meshname=name, pos=[0.0, 0.0, 0.985 * over], rgba=GREEN, **ghost)
-    elif top == "stalk":
-        body.add_geom(
-            type=mj.mjtGeom.mjGEOM_ELLIPSOID,
-            size=[0.16 * radius, 0.16 * radius, 0.03 * radius],
-            pos=[0.0, 0.0, 0.98 * over],
-            rgba=[0.36, 0.36, 0.12, 1.0],
-            **ghost,
-        )
-        body.add_geom(
-            type=mj.mjtGeom.mjGEOM_CAPSULE,
-            fromto=[0.0, 0.0, 0.95 * over, 0.05 * radius, 0.0, 1.06 * over],
-            size=[0.045 * radius, 0.0, 0.0],
-            rgba=BROWN,
-            **ghost,
-        )
+        shapes.add(body, "mesh", "", meshname=name, pos=[0.0, 0.0, 0.985 * over], rgba=GREEN, **ghost)
+    elif fruit.top == "stalk":
+        hollow = {"size": (0.16 * radius, 0.16 * radius, 0.03 * radius), "pos": [0.0, 0.0, 0.98 * over]}
+        shapes.add(body, "ellipsoid", "", rgba=HOLLOW, **hollow, **ghost)
+        along = [0.0, 0.0, 0.95 * over, 0.05 * radius, 0.0, 1.06 * over]
+        shapes.add(body, "capsule", "", fromto=along, size=(0.045 * radius,), rgba=BROWN, **ghost)
 
 
 def _star(radius: float, thick: float) -> dict[str, list[float] | list[int]]:
-    """Points and faces of a flat star: a calyx in as few triangles as show it."""
+    """Return points and faces of a flat star: a calyx in as few triangles as show it."""
     corner = np.arange(2 * SEPALS)
     turn, far = pi * corner / SEPALS, radius * np.where(corner % 2, 0.25, 1.0)
     rim = np.stack([far * np.cos(turn), far * np.sin(turn), 0.0 * far], axis=1)
@@ -98,69 +75,31 @@ def _star(radius: float, thick: float) -> dict[str, list[float] | list[int]]:
 
 
 def add_shapes(spec: Any, cell: Cell) -> None:
-    """What is seen and touched of the arm in a spec: a drum round each joint, two tubes for each link; no mass."""
-    mj = mujoco()
+    """Add what is seen and touched of the arm: a drum round each joint, two tubes for each link; no mass."""
     for name, joint in cell.machine.joints.items():
         link, radius = spec.joint(name).parent, joint.cylinder.diameter / 2
-        link.add_geom(
-            name=f"{name}.drum",
-            type=mj.mjtGeom.mjGEOM_CYLINDER,
-            size=[radius, joint.body.height / 2, 0.0],
-            rgba=DRUM,
-            mass=0.0,
-        )
+        shapes.add(link, "cylinder", f"{name}.drum", size=(radius, joint.body.height / 2), rgba=DRUM, mass=0.0)
         for side in (-1.0, 1.0):
-            link.add_geom(
-                name=f"{name}.tube{side:+.0f}",
-                type=mj.mjtGeom.mjGEOM_CAPSULE,
-                fromto=[0.0, side * 0.6 * radius, 0.0, joint.link.length, side * 0.018, 0.0],
-                size=[0.009, 0.0, 0.0],
-                rgba=LINK,
-                mass=0.0,
-            )
+            along = [0.0, side * 0.6 * radius, 0.0, joint.link.length, side * 0.018, 0.0]
+            shapes.add(link, "capsule", f"{name}.tube{side:+.0f}", fromto=along, size=(0.009,), rgba=LINK, mass=0.0)
 
 
 def add_tool(spec: Any, cell: Cell) -> None:
-    """Lift and cup at the tip of the arm in a spec: slide joint `lift`, positive downwards, and its motor `lift`."""
+    """Add lift and cup at the tip of the arm: slide joint `lift`, positive downwards, and its motor `lift`."""
     mj = mujoco()
     last = list(cell.machine.joints)[-1]
     tip = spec.joint(last).parent
     lift, cup = cell.lift, cell.cup
-    x = cell.machine.joint[last].link.length
-    lip = lift.clearance - cell.mount.height
-    tip.add_geom(
-        name="lift.cylinder",
-        type=mj.mjtGeom.mjGEOM_CYLINDER,
-        fromto=[x, 0.0, 0.05, x, 0.0, lip + LIP + 0.035],
-        size=[0.016, 0.0, 0.0],
-        rgba=STEEL,
-        mass=0.0,
-    )
+    x, lip = cell.machine.joint[last].link.length, lift.clearance - cell.mount.height
+    cylinder = [x, 0.0, 0.05, x, 0.0, lip + LIP + 0.035]
+    shapes.add(tip, "cylinder", "lift.cylinder", fromto=cylinder, size=(0.016,), rgba=STEEL, mass=0.0)
     body = tip.add_body(name="cup", pos=[x, 0.0, lip], gravcomp=1.0)
-    body.add_joint(
-        name="lift",
-        type=mj.mjtJoint.mjJNT_SLIDE,
-        axis=[0, 0, -1],
-        range=[0.0, lift.stroke],
-        limited=mj.mjtLimited.mjLIMITED_TRUE,
-    )
-    body.add_geom(
-        name="cup.rod",
-        type=mj.mjtGeom.mjGEOM_CYLINDER,
-        fromto=[0.0, 0.0, LIP, 0.0, 0.0, lift.stroke + 0.06],
-        size=[0.005, 0.0, 0.0],
-        rgba=STEEL,
-        mass=0.9 * lift.mass,
-    )
-    body.add_geom(
-        name="cup",
-        type=mj.mjtGeom.mjGEOM_CYLINDER,
-        fromto=[0.0, 0.0, 0.0, 0.0, 0.0, LIP],
-        size=[cup.diameter / 2, 0.0, 0.0],
-        rgba=RUBBER,
-        mass=0.1 * lift.mass,
-        condim=4,
-    )
+    limited = {"range": [0.0, lift.stroke], "limited": mj.mjtLimited.mjLIMITED_TRUE}
+    body.add_joint(name="lift", type=mj.mjtJoint.mjJNT_SLIDE, axis=[0, 0, -1], **limited)
+    rod = {"fromto": [0.0, 0.0, LIP, 0.0, 0.0, lift.stroke + 0.06], "mass": 0.9 * lift.mass}
+    shapes.add(body, "cylinder", "cup.rod", size=(0.005,), rgba=STEEL, **rod)
+    lips = {"fromto": [0.0, 0.0, 0.0, 0.0, 0.0, LIP], "mass": 0.1 * lift.mass}
+    shapes.add(body, "cylinder", "cup", size=(cup.diameter / 2,), rgba=RUBBER, condim=4, **lips)
     body.add_site(name="cup", size=[0.002, 0.002, 0.002], rgba=[0, 0, 0, 0])
     motor = spec.add_actuator(name="lift", trntype=mj.mjtTrn.mjTRN_JOINT, target="lift")
     motor.set_to_motor()

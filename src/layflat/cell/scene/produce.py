@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
-from layflat.cell.file.checks import placed
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Tray
 from layflat.cell.file.produce import Produce
+from layflat.cell.geometry import Array, about_z, product
 from layflat.errors import CellError
 
-Array = NDArray[np.float64]
 CAP = 0.72
 """Height of a mushroom's cap as a share of its whole height."""
 STEM = 0.2
@@ -38,7 +36,7 @@ class Specimen:
 
 
 @dataclass(frozen=True)
-class Fruit(Specimen):
+class SceneFruit(Specimen):
     """One fruit as it is drawn and laid, its middle at `position` in the cell's frame, m."""
 
     rgb: tuple[float, float, float]
@@ -58,13 +56,13 @@ class Fruit(Specimen):
         return self.height / 2 if self.shape == "round" else CAP * self.height / 2
 
 
-def fruit_of(cell: Cell, rng: np.random.Generator) -> list[Fruit]:
-    """Random fruit for all trays.
+def fruit_of(cell: Cell, rng: np.random.Generator) -> list[SceneFruit]:
+    """Draw random fruit for all trays.
 
     Raises:
         CellError: a tray has no room for as many as are drawn.
     """
-    found: list[Fruit] = []
+    found: list[SceneFruit] = []
     for name, tray in cell.tray.items():
         count = int(rng.integers(tray.count.least, tray.count.most + 1))
         drawn = [_drawn(cell, str(rng.choice(tray.produce)), len(found) + i, rng) for i in range(count)]
@@ -73,23 +71,17 @@ def fruit_of(cell: Cell, rng: np.random.Generator) -> list[Fruit]:
             if laid is not None:
                 break
         else:
-            raise CellError(
-                f"has no room for {count} fruit", where=f"{cell.origin}: tray.{name}", right="give a smaller count"
-            )
+            where = f"{cell.origin}: tray.{name}"
+            raise CellError(f"has no room for {count} fruit", where=where, right="give a smaller count")
         spots, alone = laid
-        for one, spot, free in zip(drawn, placed(tray.centre, tray.turn, spots), alone, strict=True):
-            height = tray.wall + one.under + GAP
-            found.append(
-                replace(
-                    one,
-                    position=(float(spot[0]), float(spot[1]), height),
-                    orientation=_tilted(cell.produce[one.kind].tilt if free else 0.0, rng),
-                )
-            )
+        for one, spot, free in zip(drawn, tray.placed(spots), alone, strict=True):
+            position = float(spot[0]), float(spot[1]), tray.wall + one.under + GAP
+            orientation = _tilted(cell.produce[one.kind].tilt if free else 0.0, rng)
+            found.append(replace(one, position=position, orientation=orientation))
     return found
 
 
-def _drawn(cell: Cell, kind: str, number: int, rng: np.random.Generator) -> Fruit:
+def _drawn(cell: Cell, kind: str, number: int, rng: np.random.Generator) -> SceneFruit:
     produce = cell.produce[kind]
     diameter = produce.diameter.draw(rng)
     height = diameter * produce.flattening.draw(rng)
@@ -99,22 +91,14 @@ def _drawn(cell: Cell, kind: str, number: int, rng: np.random.Generator) -> Frui
     rgb = np.array(skin.rgb) * rng.normal(1.0, skin.spread) + rng.normal(0.0, skin.spread / 2, 3)
     red, green, blue = (float(channel) for channel in np.clip(rgb, 0.02, 0.98))
     mass = produce.density.draw(rng) * volume(produce, diameter, height)
-    return Fruit(
-        f"{kind}-{number}",
-        kind,
-        colour,
-        produce.grade_of(diameter, colour),
-        diameter,
-        height,
-        mass,
-        (red, green, blue),
-        produce.shape,
-        produce.top,
-    )
+    return SceneFruit(
+        f"{kind}-{number}", kind, colour, produce.grade_of(diameter, colour), diameter, height, mass,
+        (red, green, blue), produce.shape, produce.top,
+    )  # fmt: skip
 
 
 def volume(produce: Produce, diameter: float, height: float) -> float:
-    """Of a fruit, m^3."""
+    """Return the volume of a fruit, m^3."""
     if produce.shape == "round":
         return pi / 6 * diameter**2 * height
     stem = pi * (STEM * diameter) ** 2 * (1 - CAP) * height
@@ -122,7 +106,7 @@ def volume(produce: Produce, diameter: float, height: float) -> float:
 
 
 def _laid(diameters: list[float], tray: Tray, rng: np.random.Generator) -> tuple[Array, list[bool]] | None:
-    """Middles of fruit in a tray, from its centre, (n, 2) in m, and which touches no other; None without room.
+    """Return where fruit lies in a tray from its centre, (n, 2) in m, and which touch no other; None without room.
 
     What touches is laid upright: it would roll apart.
     """
@@ -151,8 +135,8 @@ def _laid(diameters: list[float], tray: Tray, rng: np.random.Generator) -> tuple
 
 
 def _tilted(most: float, rng: np.random.Generator) -> tuple[float, float, float, float]:
-    """A random quaternion: any turn about the upright axis, then a tilt up to `most` in any direction."""
-    turn, tilt, way = rng.uniform(0, 2 * pi), most * np.sqrt(rng.random()), rng.uniform(0, 2 * pi)
-    w, x, y = cos(tilt / 2), sin(tilt / 2) * cos(way), sin(tilt / 2) * sin(way)
-    c, s = cos(turn / 2), sin(turn / 2)
-    return float(w * c), float(x * c + y * s), float(y * c - x * s), float(w * s)
+    """Draw a quaternion: any rotation about the upright axis, then a tilt up to `most` in any direction."""
+    rotation, tilt, way = rng.uniform(0, 2 * pi), most * np.sqrt(rng.random()), rng.uniform(0, 2 * pi)
+    tilted = np.array([cos(tilt / 2), sin(tilt / 2) * cos(way), sin(tilt / 2) * sin(way), 0.0])
+    w, x, y, z = product(tilted, about_z(rotation)).tolist()
+    return w, x, y, z

@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 
 from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
-from layflat.cell.file.checks import within
 from layflat.cell.file.model import Cell
-from layflat.cell.lift import Lift
 from layflat.cell.scene.clutter import add_clutter
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
+from layflat.cell.scene.lift_drive import LiftDrive
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
-from layflat.cell.scene.produce import Fruit, fruit_of
-from layflat.cell.scene.truth import Truth
-from layflat.cell.scene.watch import Watch
+from layflat.cell.scene.produce import SceneFruit, fruit_of
+from layflat.cell.scene.truth import Truth, TruthRecorder
 from layflat.errors import CellError
 from layflat.machine import changed
 
@@ -48,7 +46,7 @@ class Scene:
         model: MjModel; its hinges have the names of the machine's joints, without drive, damping or limits.
         data: MjData.
         lift: set `lift.demand`, m of stroke.
-        cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor tells.
+        cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor gives.
         board_held: whether the calibration board is before the camera.
 
     Raises:
@@ -68,16 +66,16 @@ class Scene:
                 break
         else:
             raise CellError("fruit does not stay in its trays", where=cell.origin, right="give higher tray walls")
-        self.lift = Lift(cell.lift, step)
+        self.lift = LiftDrive(cell.lift, step)
         self._grip = Grip(self.model, self.data, cell, self.fruits)
-        self._watch = Watch(self.model, self.data, cell, self.fruits)
+        self._recorder = TruthRecorder(self.model, self.data, cell, self.fruits)
         self.cup = self._grip.cup
         slide = self.model.joint("lift")
         self._slide = int(slide.qposadr[0]), int(slide.dofadr[0])
         self._motor = self.model.actuator("lift").id
 
     def step(self, count: int = 1, advance: Callable[[Any], None] | None = None) -> None:
-        """Go on by timesteps.
+        """Advance by timesteps.
 
         Args:
             count: how many.
@@ -91,11 +89,11 @@ class Scene:
             else:
                 advance(self.data)
             self._grip.follow()
-            self._watch.follow()
+            self._recorder.follow()
 
     @property
     def stroke(self) -> float:
-        """Of the lift, down from its upper end, m: what a sensor on the cylinder tells."""
+        """Of the lift, down from its upper end, m: what a sensor on the cylinder gives."""
         return float(self.data.qpos[self._slide[0]])
 
     @property
@@ -110,15 +108,15 @@ class Scene:
         self.board_held = True
 
     def put_board_away(self) -> None:
-        """Take the calibration board out of sight."""
+        """Take the calibration board out of view."""
         self.board_held = False
 
     def truth(self) -> Truth:
-        """What is true now: for judges only."""
-        return self._watch.truth(self._grip)
+        """Return what is true now: for evaluation only."""
+        return self._recorder.truth(self._grip)
 
     def _settled(self) -> bool:
-        """Let all fruit come to rest, in air as thick as honey; whether it did, in its trays."""
+        """Let all fruit come to rest with heavy damping; return whether it did, in its trays."""
         model, data = self.model, self.data
         for name, angle in self.cell.mount.home.items():
             data.qpos[model.joint(name).qposadr[0]] = angle
@@ -143,14 +141,13 @@ class Scene:
 
 
 def _inside(cell: Cell, at: Array) -> bool:
-    """Whether a fruit's middle lies in a tray."""
-    return any(
-        within(tray, float(at[0]), float(at[1])) and at[2] < 2 * tray.height + tray.wall for tray in cell.tray.values()
-    )
+    """Return whether a fruit's middle lies in a tray."""
+    tray = cell.tray_at(float(at[0]), float(at[1]))
+    return tray is not None and bool(at[2] < 2 * tray.height + tray.wall)
 
 
-def spec_of(cell: Cell, fruits: list[Fruit], rng: np.random.Generator, step: float) -> Any:
-    """An MjSpec of the cell with its arm, lift, cup and fruit."""
+def spec_of(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, step: float) -> Any:
+    """Return an MjSpec of the cell with its arm, lift, cup and fruit."""
     mj = mujoco()
     # Lift, cup and fruit move by themselves.
     spec = arm_spec(changed(cell.machine, "arm.payload", cell.lift.body))

@@ -1,13 +1,17 @@
-"""What is true in the scene: for judges only, never for vision or plans."""
+"""What is true in the scene: for evaluation only, never for vision or plans."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from math import sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.scene.produce import Specimen
+from layflat.cell.file.model import Cell
+from layflat.cell.scene.grip import Grip
+from layflat.cell.scene.produce import SceneFruit, Specimen
 
 Array = NDArray[np.float64]
 
@@ -23,7 +27,7 @@ class FruitTruth(Specimen):
         peak_acceleration: greatest since the scene began, m/s^2.
         press: greatest force of the cup on it since the scene began, N.
         held: whether the cup holds it.
-        place: name of the pack and number of the place that it lies in, None if in none.
+        place: name of the container and number of the place that it lies in, None if in none.
     """
 
     position: Array
@@ -58,3 +62,71 @@ class Truth:
     tip: Array
     fruits: dict[str, FruitTruth]
     collisions: tuple[Collision, ...]
+
+
+class TruthRecorder:
+    """Follows a scene step by step: accelerations of fruit, collisions, and what lies where."""
+
+    def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
+        self._model, self._data, self._cell, self._fruits = model, data, cell, fruits
+        starts = [int(model.joint(fruit.name).dofadr[0]) for fruit in fruits]
+        self._dofs = np.array([[start, start + 1, start + 2] for start in starts], int).reshape(-1, 3)
+        self._before = data.qvel[self._dofs]
+        # Squares of what velocities changed by, (m/s)^2: in the last step, and the greatest.
+        self._change = np.zeros(len(fruits))
+        self._greatest = np.zeros(len(fruits))
+        self._collisions: dict[tuple[int, int], Collision] = {}
+        self._bodies = [model.body(fruit.name).id for fruit in fruits]
+        arm = model.jnt_bodyid[model.joint(next(iter(cell.machine.joints))).id]
+        self._arm = model.body_rootid[model.geom_bodyid] == model.body_rootid[arm]
+        self._fruit = np.isin(model.geom_bodyid, self._bodies)
+        self._cup = model.geom("cup").id
+
+    def follow(self) -> None:
+        """Record a step."""
+        velocity = self._data.qvel[self._dofs]
+        change = velocity - self._before
+        self._before = velocity
+        self._change = np.einsum("ij,ij->i", change, change)
+        np.maximum(self._greatest, self._change, out=self._greatest)
+        if self._data.ncon:
+            self._collide()
+
+    def _collide(self) -> None:
+        pairs = self._data.contact.geom
+        ours = self._arm[pairs]
+        for first, second in pairs[ours[:, 0] ^ ours[:, 1]]:
+            part, other = (first, second) if self._arm[first] else (second, first)
+            key = (int(part), int(other))
+            if key not in self._collisions and not (part == self._cup and self._fruit[other]):
+                names = (self._model.geom(geom).name for geom in key)
+                self._collisions[key] = Collision(float(self._data.time), *names)
+
+    def truth(self, grip: Grip) -> Truth:
+        """Return all that is true now."""
+        fruits = {fruit.name: self._fruit_truth(number, fruit, grip) for number, fruit in enumerate(self._fruits)}
+        tip = self._data.site("cup").xpos.copy()
+        return Truth(float(self._data.time), tip, fruits, tuple(self._collisions.values()))
+
+    def _fruit_truth(self, number: int, fruit: SceneFruit, grip: Grip) -> FruitTruth:
+        data, body, step, held = self._data, self._bodies[number], self._model.opt.timestep, grip.held == number
+        at = data.xpos[body].copy()
+        return FruitTruth(
+            **{field.name: getattr(fruit, field.name) for field in fields(Specimen)},
+            position=at,
+            orientation=data.xquat[body].copy(),
+            acceleration=sqrt(self._change[number]) / step,
+            peak_acceleration=sqrt(self._greatest[number]) / step,
+            press=float(grip.press[number]),
+            held=held,
+            place=None if held else self._place(at, fruit),
+        )
+
+    def _place(self, at: Array, fruit: SceneFruit) -> tuple[str, int] | None:
+        """Return the place in which a fruit lies: its middle is over it, and it is not on a rim."""
+        for name, container in self._cell.container.items():
+            number, layout = container.place_at(float(at[0]), float(at[1])), container.layout
+            low = at[2] < layout.wall + fruit.diameter / 2 + layout.divider / 2
+            if number is not None and low:
+                return name, number
+        return None

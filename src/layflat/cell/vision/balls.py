@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from layflat.cell.geometry import unit_circle
 from layflat.cell.vision.boards import Array
 
 ROUNDS = 5
@@ -26,7 +27,7 @@ FEWEST = 5
 
 
 def fit_cones(rays: Array, usable: Array, roundness: Array, least: Array) -> tuple[Array, Array, Array]:
-    """The cones that touch balls, by least squares without the rays that are off.
+    """Fit the cones that touch balls, by least squares without the rays that are off.
 
     Args:
         rays: unit vectors to outlines, (B, R, 3).
@@ -50,7 +51,7 @@ def fit_cones(rays: Array, usable: Array, roundness: Array, least: Array) -> tup
 
 
 def angles(rays: Array, middle: Array) -> Array:
-    """Angles between rays (B, R, 3) and directions (B, 3), rad; exact where they are small."""
+    """Return angles between rays (B, R, 3) and directions (B, 3), rad; exact where they are small."""
     away = rays - middle[:, None]
     return np.asarray(2.0 * np.arcsin(np.minimum(np.sqrt(np.einsum("bri,bri->br", away, away)) / 2.0, 1.0)))
 
@@ -58,7 +59,7 @@ def angles(rays: Array, middle: Array) -> Array:
 def place(
     middle: Array, half: Array, eye: Array, plane: float, height_ratio: Array, flattening: Array
 ) -> tuple[Array, Array]:
-    """What rests on the plane z = `plane` (m) from cones where it is a ball: middles (B, 3) and half widths (B,), m."""
+    """Place what rests on the plane z = `plane` from cones where it is a ball: middles (B, 3), half widths (B,), m."""
     eyes, sine = np.array([eye] * len(half)).reshape(-1, 3), np.sin(half)
     eyes[:, 2] /= flattening
     far = (eye[2] - plane) / (height_ratio * sine - flattening * middle[:, 2])
@@ -68,23 +69,23 @@ def place(
 
 
 def upright(rays: Array, flattening: Array) -> Array:
-    """Rays (B, R, 3) to what is flattened by (B,) as rays to balls, unit vectors."""
+    """Return rays (B, R, 3) to what is flattened by (B,) as rays to balls, unit vectors."""
     scaled = rays / np.stack([np.ones_like(flattening), np.ones_like(flattening), flattening], axis=-1)[:, None]
     return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
 
 
 def flattened(rays: Array, flattening: Array) -> Array:
-    """The way back from `upright`."""
+    """Return rays (B, R, 3) to balls as rays to what is flattened by (B,): the inverse of `upright`."""
     return upright(rays, 1.0 / flattening)
 
 
 def cone_rays(middle: Array, half: Array, count: int) -> Array:
-    """Rays around cones, evenly, (B, `count`, 3) unit vectors: always from the same side on."""
+    """Return rays around cones, evenly, (B, `count`, 3) unit vectors: always from the same side on."""
     side = np.cross(middle, np.array([0.0, 1.0, 0.0]))
     side /= np.linalg.norm(side, axis=1, keepdims=True)
     other = np.cross(side, middle)
-    turn = 2.0 * np.pi * np.arange(count) / count
-    around = np.cos(turn)[None, :, None] * side[:, None] + np.sin(turn)[None, :, None] * other[:, None]
+    cosine, sine = unit_circle(count).T
+    around = cosine[None, :, None] * side[:, None] + sine[None, :, None] * other[:, None]
     return np.asarray(np.cos(half)[:, None, None] * middle[:, None] + np.sin(half)[:, None, None] * around)
 
 
@@ -96,7 +97,7 @@ def _solve(rays: Array, weights: Array) -> Array:
 
 
 def _typical(off: Array, weights: Array) -> Array:
-    """Median of what is off by ray, over those in use."""
+    """Return the median of what is off by ray, over those in use."""
     used = np.sort(np.where(weights > 0.0, off, np.inf), axis=1)
     middle = np.maximum(weights.sum(axis=1).astype(int) - 1, 0) // 2
     typical = np.take_along_axis(used, middle[:, None], axis=1)[:, 0]

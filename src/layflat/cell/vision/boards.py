@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.vision.opencv import opencv, points
+from layflat.cell.extras import opencv, points
+from layflat.cell.geometry import placed
+from layflat.cell.markers import charuco, dictionary
 from layflat.errors import CameraError
 
 Array: TypeAlias = NDArray[Any]
@@ -39,28 +40,10 @@ class CharucoBoard:
     dictionary: str = DICTIONARY
     first_id: int = 0
 
-    def opencv(self) -> Any:
-        """The board as OpenCV knows it.
-
-        Raises:
-            CameraError: the dictionary has too few markers.
-        """
-        cv2 = opencv()
-        words, size = dictionary(self.dictionary), (self.columns, self.rows)
-        numbers = np.arange(self.first_id, self.first_id + self.columns * self.rows // 2)
-        if numbers[-1] >= len(words.bytesList):
-            raise CameraError(
-                f"{self.dictionary} has {len(words.bytesList)} markers, {numbers[-1] + 1} are needed",
-                where="board",
-                right="a larger dictionary or fewer squares",
-            )
-        return cv2.aruco.CharucoBoard(size, self.square, self.marker, words, numbers)
-
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
-        """Its corners in a grey picture, where there are enough."""
-        cv2 = opencv()
-        board = self.opencv()
-        corners, numbers, _, _ = cv2.aruco.CharucoDetector(board).detectBoard(grey)
+        """Return its corners in a grey picture; None where there are too few."""
+        board = charuco(self)
+        corners, numbers, _, _ = opencv().aruco.CharucoDetector(board).detectBoard(grey)
         if numbers is None or len(numbers) < 6:
             return None
         known = np.asarray(board.getChessboardCorners(), dtype=np.float64)[np.ravel(numbers)]
@@ -81,7 +64,7 @@ class Checkerboard:
     square: float
 
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
-        """Its inner corners in a grey picture, where it is whole."""
+        """Return its inner corners in a grey picture; None where it is not seen whole."""
         cv2 = opencv()
         inner = (self.columns - 1, self.rows - 1)
         found, corners = cv2.findChessboardCornersSB(grey, inner, flags=cv2.CALIB_CB_ACCURACY)
@@ -129,29 +112,28 @@ class BaseMarkers:
     dictionary: str = DICTIONARY
 
     def __post_init__(self) -> None:
-        """Markers have numbers of their own.
+        """Check that markers have numbers of their own.
 
         Raises:
             CameraError: there are none, or two with one number.
         """
         numbers = [marker.number for marker in self.markers]
         if not numbers or len(set(numbers)) < len(numbers):
-            raise CameraError(
-                f"numbers {numbers}", where="base markers", right="at least one, each with its own number"
-            )
+            right = "give at least one, each with its own number"
+            raise CameraError(f"numbers {numbers}", where="base markers", right=right)
 
     @property
-    def told(self) -> str:
-        """What to look for."""
+    def description(self) -> str:
+        """What to look for, in words."""
         return ", ".join(str(marker.number) for marker in self.markers)
 
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
-        """The corners of those that are in a grey picture; a number that is read twice is not told."""
+        """Return the corners of those in a grey picture; a number that is read twice is left out."""
         cv2 = opencv()
-        parameters = cv2.aruco.DetectorParameters()
+        parameters, last = cv2.aruco.DetectorParameters(), max(marker.number for marker in self.markers)
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         parameters.errorCorrectionRate = 0.0  # a tray with fruit in it may be a marker but for a bit
-        detector = cv2.aruco.ArucoDetector(dictionary(self.dictionary), parameters)
+        detector = cv2.aruco.ArucoDetector(dictionary(self.dictionary, last), parameters)
         corners, numbers, _ = detector.detectMarkers(grey)
         read = [int(number) for number in np.ravel(numbers)] if numbers is not None else []
         known = {marker.number: marker for marker in self.markers if read.count(marker.number) == 1}
@@ -185,12 +167,12 @@ class BaseBoard:
     z: float = 0.0
 
     @property
-    def told(self) -> str:
-        """What to look for."""
+    def description(self) -> str:
+        """What to look for, in words."""
         return f"board of {self.board.columns} x {self.board.rows}, from number {self.board.first_id}"
 
     def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
-        """Its corners in a grey picture."""
+        """Return its corners in a grey picture."""
         found = self.board.seen(grey)
         if found is None:
             return None
@@ -204,20 +186,5 @@ Base: TypeAlias = BaseMarkers | BaseBoard
 
 
 def on_base(flat: Array, x: float, y: float, yaw: float, z: float) -> Array:
-    """Points of something flat (N, 2), m, its y upwards, in the base frame (N, 3)."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    return np.column_stack([flat @ np.array([[c, s], [-s, c]]) + [x, y], np.full(len(flat), z)])
-
-
-@lru_cache
-def dictionary(name: str) -> Any:
-    """A predefined dictionary of markers.
-
-    Raises:
-        CameraError: OpenCV has none of that name.
-    """
-    cv2 = opencv()
-    number = getattr(cv2.aruco, name, None)
-    if not name.startswith("DICT_") or number is None:
-        raise CameraError(f"no dictionary {name!r}", where="markers", right="for instance DICT_4X4_50")
-    return cv2.aruco.getPredefinedDictionary(number)
+    """Return points of something flat (N, 2), m, its y upwards, in the base frame (N, 3)."""
+    return np.column_stack([placed((x, y), yaw, flat), np.full(len(flat), z)])

@@ -8,9 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.cell.extras import one_thread, opencv
 from layflat.cell.vision.boards import Array, Base, Board, Seen
 from layflat.cell.vision.calibration import Calibration
-from layflat.cell.vision.opencv import one_thread, opencv
 from layflat.cell.vision.usable import check_picture
 from layflat.errors import CameraError
 
@@ -28,7 +28,7 @@ OFF = 1.0e-3
 
 
 def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, markers: Base) -> Calibration:
-    """A camera's lens and pose.
+    """Calibrate a camera's lens and pose.
 
     Args:
         pictures: of the board, tilted and in all parts of the picture; those without it are left out.
@@ -38,7 +38,7 @@ def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, 
 
     Raises:
         PictureError: a picture is black, blurred or of another size.
-        CameraError: too few views, views too much alike, a board of other size than told, or no marker seen.
+        CameraError: too few views, views too much alike, a board of another size than given, or no marker detected.
     """
     size = (base_picture.shape[1], base_picture.shape[0])
     views = _views(pictures, board, size)
@@ -57,7 +57,7 @@ def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, 
 
 
 def self_check(picture: Picture, calibration: Calibration, markers: Base, most: float = OFF) -> float:
-    """How far the base's markers are from where the calibration says, m on the table.
+    """Return how far the base's markers are from where the calibration says, m on the table.
 
     Raises:
         PictureError: the picture can't be used.
@@ -86,7 +86,7 @@ def _views(pictures: Sequence[Picture], board: Board, size: tuple[int, int]) -> 
             views.append(seen)
     if len(views) < FEWEST_VIEWS:
         raise CameraError(
-            f"the board is seen in {len(views)} of {len(pictures)} pictures",
+            f"the board is detected in {len(views)} of {len(pictures)} pictures",
             where="calibration",
             right=f"show it in at least {FEWEST_VIEWS}, tilted, in all parts of the picture; check its squares' number",
         )
@@ -105,18 +105,18 @@ def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float
         raise CameraError(
             f"the board is tilted by {tilt:.0f} degrees at most between views",
             where="calibration",
-            right="tilt it by 20 to 40 degrees, to all sides: flat views don't tell the focal length",
+            right="tilt it by 20 to 40 degrees, to all sides: flat views don't determine the focal length",
         )
     unsure = float(np.max(np.ravel(spread)[:2]) / matrix[0, 0])
     if not np.isfinite(unsure) or unsure > FOCAL_UNSURE:
         raise CameraError(
-            f"the focal length is unsure by {unsure:.1%}", where="calibration", right="show the board in more views"
+            f"the focal length is uncertain by {unsure:.1%}", where="calibration", right="show the board in more views"
         )
     if error > MOST_ERROR:
         raise CameraError(
             f"the board's corners are off by {error:.1f} px",
             where="calibration",
-            right=f"at most {MOST_ERROR:g} px: the board must be flat, its squares as many as told",
+            right=f"at most {MOST_ERROR:g} px: the board must be flat, with as many squares as given",
         )
     return matrix, np.ravel(distortion)[:5].astype(np.float64), float(error)
 
@@ -127,7 +127,9 @@ def _seen_markers(picture: Picture, markers: Base, size: tuple[int, int], where:
     seen = markers.seen(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
     if seen is None:
         raise CameraError(
-            f"no base marker ({markers.told}) seen", where=where, right="uncover it, turn the camera to it"
+            f"no base marker ({markers.description}) is in the image",
+            where=where,
+            right="uncover it, point the camera at it",
         )
     return seen
 

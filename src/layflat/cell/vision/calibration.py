@@ -16,7 +16,7 @@ import tomli_w
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
-from layflat.cell.vision.opencv import opencv, points
+from layflat.cell.extras import opencv, points
 from layflat.errors import CameraError
 from layflat.files import whole_file
 
@@ -70,7 +70,7 @@ class Calibration(BaseModel):
         return np.asarray(-self.to_camera.T @ np.array(self.translation_m))
 
     def rays(self, pixels: ArrayLike) -> Array:
-        """Directions in which pixels look: (..., 2) px to (..., 3) unit vectors in the base frame."""
+        """Return the directions in which pixels look: (..., 2) px to (..., 3) unit vectors in the base frame."""
         cv2 = opencv()
         px = np.asarray(pixels, dtype=np.float64)
         until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-9)
@@ -80,13 +80,13 @@ class Calibration(BaseModel):
         return np.asarray(ahead @ self.to_camera).reshape(*px.shape[:-1], 3)
 
     def to_table(self, pixels: ArrayLike, height: float = 0.0) -> Array:
-        """Where pixels (..., 2) look at the plane z = `height` (m): x, y (..., 2), m in the base frame."""
+        """Return where pixels (..., 2) look at the plane z = `height` (m): x, y (..., 2), m in the base frame."""
         rays = self.rays(pixels)
         far = (height - self.position[2]) / rays[..., 2:]
         return np.asarray(self.position[:2] + far * rays[..., :2])
 
     def to_pixels(self, places: ArrayLike) -> Array:
-        """Where points (..., 3), m in the base frame, are in the picture: (..., 2) px."""
+        """Return where points (..., 3), m in the base frame, are in the picture: (..., 2) px."""
         cv2 = opencv()
         xyz = np.asarray(places, dtype=np.float64)
         turn, _ = cv2.Rodrigues(self.to_camera)
@@ -95,7 +95,7 @@ class Calibration(BaseModel):
         return np.asarray(points(seen)).reshape(*xyz.shape[:-1], 2)
 
     def pixels_per_metre(self, height: float = 0.0) -> float:
-        """Resolution where the picture's middle meets the plane z = `height` (m)."""
+        """Return the resolution (px/m) where the picture's middle meets the plane z = `height` (m)."""
         middle = np.array([self.picture_px]) / 2.0
         corners = middle + np.array([[-0.5, 0.0], [0.5, 0.0], [0.0, -0.5], [0.0, 0.5]])
         left, right, above, below = self.to_table(corners, height)
@@ -113,7 +113,7 @@ class Calibration(BaseModel):
 
 
 def load_calibration(path: Path) -> Calibration:
-    """A calibration from its TOML file.
+    """Load a calibration from its TOML file.
 
     Raises:
         CameraError: the file is missing, broken, or no calibration.

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.cell.extras import opencv
 from layflat.cell.vision import edges, regions
 from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.detection import Colour, Detection, Kind
 from layflat.cell.vision.light import evenly_lit
-from layflat.cell.vision.measure import COMPLETE, inside, measure, relief, told
-from layflat.cell.vision.opencv import opencv
+from layflat.cell.vision.measure import COMPLETE, detections, inside, measure, relief
 from layflat.cell.vision.usable import check_picture
 from layflat.errors import InputError
 
@@ -27,7 +27,7 @@ FLAT = 0.03
 The least of fruit that is not overexposed: 0.041.
 """
 FEWEST_SEEN = 0.35
-"""Share of an outline that must be seen for a thing to be told at all."""
+"""Share of an outline that must be seen for a thing to be detected at all."""
 OWN = 0.7
 """Share of a thing that must have its kind's colour."""
 
@@ -42,13 +42,13 @@ class _Guesses:
 
 
 class ColourDetector:
-    """Finds round produce of known colours on a table, in a tray or in a pack of other colours.
+    """Finds round produce of known colours on a table, in a tray or in a container of other colours.
 
     Args:
         kinds: of produce, no colour in two of them.
         table: the table's colour in the reference light, RGB of 255.
-        background: colours of table, trays and packs; what has none of them and is of no kind is told as unknown.
-            Without them nothing unknown is told.
+        background: colours of table, trays and containers; what has none of these and is of no kind is unknown.
+            Without them nothing unknown is returned.
         plane: height of what the produce rests on, m: a tray's floor.
 
     Raises:
@@ -56,12 +56,9 @@ class ColourDetector:
     """
 
     def __init__(
-        self,
-        kinds: Sequence[Kind],
-        table: tuple[float, float, float],
-        background: Sequence[Colour] = (),
+        self, kinds: Sequence[Kind], table: tuple[float, float, float], background: Sequence[Colour] = (),
         plane: float = 0.0,
-    ) -> None:
+    ) -> None:  # fmt: skip
         names = [kind.name for kind in kinds]
         if not names or len(set(names)) < len(names):
             raise InputError(f"kinds {names}", where="detector", right="needs kinds, each with its own name")
@@ -71,7 +68,7 @@ class ColourDetector:
         self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
 
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
-        """What lies on the table, surest first; what is flat, not round or of another size is left out.
+        """Return what lies on the table, surest first; what is flat, not round or of another size is left out.
 
         Raises:
             PictureError: the picture can't be used.
@@ -95,10 +92,10 @@ class ColourDetector:
         good = fits & (measured.seen >= FEWEST_SEEN) & (own >= OWN)
         good &= relief(even, measured.outlines, mine) >= FLAT
         names = [None if kind is self._unknown else kind.name for kind in kinds]
-        return told(kinds, names, measured, sure, good)
+        return detections(names, measured, sure, good)
 
     def _guesses(self, hsv: Any, scale: float) -> list[_Guesses]:
-        """Where each kind's colour, and at last none, is as wide as that kind may be."""
+        """Return where each kind's colour, and at last none, is as wide as that kind may be."""
         cv2 = opencv()
         background = regions.in_colours(hsv, self.background)
         taken = background.copy()
@@ -116,7 +113,7 @@ class ColourDetector:
 
 
 def _rough(guess: _Guesses, scale: float) -> tuple[Array, Array]:
-    """Edges of a mask around its discs, px of the whole picture, and which of them are edges."""
+    """Return edges of a mask around its discs, px of the whole picture, and which of them are edges."""
     depth = guess.discs[:, 2]
     most = np.maximum(0.6 * guess.kind.diameter[1] * scale, 1.3 * depth)
     places, usable = edges.edges_of_mask(guess.mask, guess.discs[:, :2], 0.4 * depth, most)
@@ -124,7 +121,7 @@ def _rough(guess: _Guesses, scale: float) -> tuple[Array, Array]:
 
 
 def _own(guesses: Sequence[_Guesses], outlines: Array) -> Array:
-    """Where within outlines each thing has its kind's colour, 0 to 1 at each place of `inside`."""
+    """Return where within outlines each thing has its kind's colour, 0 to 1 at each place of `inside`."""
     shares, start = [], 0
     for guess in guesses:
         within = inside(outlines[start : start + len(guess.discs)])

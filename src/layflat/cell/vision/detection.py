@@ -1,4 +1,4 @@
-"""What a detector finds, and what it must know about the kinds of produce."""
+"""What a detector returns, and what it must know about the kinds of produce."""
 
 from __future__ import annotations
 
@@ -39,7 +39,6 @@ class Kind:
         name: what it is called.
         colours: from shaded to lit, and in reflections.
         diameter: least and most, m.
-        grades: name and hues (from, to; degree) of each grade.
         height_ratio: height of the middle over the table by half the diameter: 1 for a ball.
         flattening: height by width of what is seen from above, upright: 1 for a ball.
         roundness: how far its outline may be from a circle, share of its radius.
@@ -48,27 +47,21 @@ class Kind:
     name: str
     colours: tuple[Colour, ...]
     diameter: Span
-    grades: tuple[tuple[str, float, float], ...] = ()
     height_ratio: float = 1.0
     flattening: float = 1.0
     roundness: float = 0.05
 
     def __post_init__(self) -> None:
-        """Limits are in order.
+        """Check that limits are in order.
 
         Raises:
             InputError: they are not.
         """
         if not 0.0 < self.diameter[0] < self.diameter[1]:
-            raise InputError(
-                f"diameter {self.diameter}", where=self.name, right="needs least, then most, both over 0 m"
-            )
+            right = "needs least, then most, both over 0 m"
+            raise InputError(f"diameter {self.diameter}", where=self.name, right=right)
         if self.height_ratio <= 0.0 or self.flattening <= 0.0:
             raise InputError("is flat", where=self.name, right="needs height_ratio and flattening over 0")
-
-    def grade(self, hue: float) -> str | None:
-        """The grade of a hue (degree); None where no grade's limits hold it."""
-        return next((name for name, start, end in self.grades if (hue - start) % 360.0 < (end - start) % 360.0), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +72,6 @@ class Detection:
         kind: of produce; None for what is round and of such a size but of no known kind.
         position: its middle in the base frame (x, y, z), m.
         diameter: m.
-        grade: by its mean hue; None where there is none.
-        hue: mean hue, degree.
         colour: mean colour, RGB of 255, lit as the table's reference is.
         confidence: 0 to 1; from `SURE` on it is whole and clear.
         outline: what its outline would be if it were all seen, (N, 2) px.
@@ -89,18 +80,16 @@ class Detection:
     kind: str | None
     position: tuple[float, float, float]
     diameter: float
-    grade: str | None
-    hue: float
     colour: tuple[float, float, float]
     confidence: float
     outline: NDArray[np.float64]
 
 
 class Detector(Protocol):
-    """Finds produce in a picture: by colour, or learned."""
+    """Detects produce in a picture: by colour, or learned."""
 
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
-        """What lies on the table, surest first.
+        """Return what lies on the table, surest first.
 
         Args:
             picture: RGB, (H, W, 3).

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from layflat.cell.extras import opencv
+from layflat.cell.geometry import unit_circle
 from layflat.cell.vision.boards import Array
-from layflat.cell.vision.opencv import opencv
 
 AROUND = 60
 """Rays of an outline."""
@@ -23,7 +24,7 @@ COLOURED = 12.0
 
 
 def sampled(picture: Any, places: Array) -> Array:
-    """A picture's values at places (..., 2), px, between its pixels; 0 outside."""
+    """Return a picture's values at places (..., 2), px, between its pixels; 0 outside."""
     cv2 = opencv()
     flat = places.reshape(len(places), -1, 2).astype(np.float32)
     values = cv2.remap(picture, flat[..., 0], flat[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
@@ -31,7 +32,7 @@ def sampled(picture: Any, places: Array) -> Array:
 
 
 def edges_of_mask(mask: Any, middles: Array, nearest: Array, farthest: Array) -> tuple[Array, Array]:
-    """Where rays from middles first leave a mask.
+    """Find where rays from middles first leave a mask.
 
     Args:
         mask: of 0 and 255.
@@ -42,8 +43,7 @@ def edges_of_mask(mask: Any, middles: Array, nearest: Array, farthest: Array) ->
     Returns:
         Places (B, AROUND, 2), px, and whether there is an edge, (B, AROUND).
     """
-    turn = 2.0 * np.pi * np.arange(AROUND) / AROUND
-    ahead = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    ahead = unit_circle(AROUND)
     far = nearest[:, None] + (farthest - nearest)[:, None] * np.linspace(0.0, 1.0, STEPS)
     values = sampled(mask, middles[:, None, None] + far[:, None, :, None] * ahead[None, :, None])
     outside = values < 127.5
@@ -58,7 +58,7 @@ def edges_of_mask(mask: Any, middles: Array, nearest: Array, farthest: Array) ->
 
 
 def edges_of_picture(picture: Any, outlines: Array) -> tuple[Array, Array]:
-    """Where colour changes halfway from inside to outside, near outlines.
+    """Find where colour changes halfway from inside to outside, near outlines.
 
     What is outside is the colour that differs most from the inside, so that a narrow gap between two things is found.
 
@@ -86,7 +86,7 @@ def edges_of_picture(picture: Any, outlines: Array) -> tuple[Array, Array]:
 
 
 def _outside_share(values: Array) -> tuple[Array, Array]:
-    """How much of what is seen across outlines, (..., A, 3), is the outside, and where there is an edge.
+    """Return how much of what is seen across outlines, (..., A, 3), is the outside, and where there is an edge.
 
     A pixel on an edge is s f + b o: the inside's colour f as far as it is lit there, the outside's colour o, and b is
     sought. A ball gets darker to its rim, which must not pass for an edge; so s is free where the two differ in more

@@ -1,4 +1,4 @@
-"""Pictures as if the light were even, white and of the strength at which colours were told."""
+"""Pictures as if the light were even, white and of the strength at which colours were given."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.vision.opencv import opencv
+from layflat.cell.extras import opencv
 from layflat.errors import PictureError
 
 SKIPPED = 12
-"""Every twelfth pixel each way is enough to tell the light."""
+"""Every twelfth pixel each way is enough to estimate the light."""
 NEAR = 0.09
 """How far the table's chromaticity may be from its reference, in each of r and g of r + g + b = 1."""
 FEWEST = 40
 
 
 def evenly_lit(picture: NDArray[np.uint8], table: tuple[float, float, float], where: str = "picture") -> Any:
-    """A picture with each channel scaled so that the table has its reference colour everywhere.
+    """Return a picture with each channel scaled so that the table has its reference colour everywhere.
 
-    What the table tells of the light is smoothed by a polynomial of second degree in x and y (von Kries, a channel at
+    What the table shows of the light is smoothed by a polynomial of second degree in x and y (von Kries, a channel at
     a time); what lies on the table and shadows are left out by their distance from it.
 
     Args:
@@ -44,7 +44,7 @@ def evenly_lit(picture: NDArray[np.uint8], table: tuple[float, float, float], wh
         raise PictureError(
             f"shows no table of colour RGB {tuple(round(level) for level in table)}",
             where=where,
-            right="tell the table's colour in the picture; check the lamps",
+            right="give the table's colour in the image; check the lights, and that the camera looks at the table",
         )
     gains = np.log(np.array(table)) - np.log(np.maximum(thin, 1.0))
     terms = basis[on_table]

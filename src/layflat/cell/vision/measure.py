@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -46,15 +45,10 @@ class Measured:
 
 
 def measure(
-    picture: Any,
-    even: Any,
-    calibration: Calibration,
-    places: Array,
-    usable: Array,
-    kinds: Sequence[Kind],
+    picture: Any, even: Any, calibration: Calibration, places: Array, usable: Array, kinds: Sequence[Kind],
     plane: float = 0.0,
-) -> Measured:
-    """Things as balls on the table, from rough places on their outlines; edges are then sought in the picture, twice.
+) -> Measured:  # fmt: skip
+    """Measure things as balls on the table, from rough places on their outlines, then twice from edges in the picture.
 
     Args:
         picture: RGB, as taken.
@@ -86,35 +80,29 @@ def measure(
     return Measured(middles, radii, outlines, on.mean(axis=1), _look(even, outlines))
 
 
-def told(
-    kinds: Sequence[Kind], names: Sequence[str | None], measured: Measured, sure: Array, good: Array
-) -> list[Detection]:
-    """Detections of what is good, the surest first; at one place the surest only, and of a known kind if any is.
+def detections(names: Sequence[str | None], measured: Measured, sure: Array, good: Array) -> list[Detection]:
+    """Return what is good, the surest first; at one place the surest only, and of a known kind if any is.
 
     Args:
-        kinds: what each thing was taken for.
-        names: of its kind; None where that is unknown.
+        names: of each thing's kind; None where that is unknown.
         measured: of the same things.
         sure: confidence, (B,).
-        good: which are to be told, (B,).
+        good: which are to be returned, (B,).
     """
-    strange = np.array([name is None for name in names])
+    unknown = np.array([name is None for name in names])
     order = np.flatnonzero(good)
-    order = order[np.lexsort((-sure[order], strange[order]))]
+    order = order[np.lexsort((-sure[order], unknown[order]))]
     rows = np.column_stack([measured.middles[order, :2], np.maximum(measured.radii[order], 0.0), order])
     kept = regions.apart(rows, BALLS_APART)[:, 3].astype(int)
     found = []
     for number in kept[np.argsort(-sure[kept], kind="stable")]:
         red, green, blue = np.clip(measured.colours[number], 0.0, 255.0).tolist()
-        hue = 360.0 * colorsys.rgb_to_hsv(red / 255.0, green / 255.0, blue / 255.0)[0]
         x, y, z = measured.middles[number].tolist()
         found.append(
             Detection(
                 kind=names[number],
                 position=(x, y, z),
                 diameter=2.0 * float(measured.radii[number]),
-                grade=None if names[number] is None else kinds[number].grade(hue),
-                hue=hue,
                 colour=(red, green, blue),
                 confidence=float(sure[number]),
                 outline=measured.outlines[number],
@@ -124,21 +112,21 @@ def told(
 
 
 def inside(outlines: Array) -> Array:
-    """Places evenly spread within outlines, px of the halved picture, (B, 8, AROUND / 4, 2)."""
+    """Return places evenly spread within outlines, px of the halved picture, (B, 8, AROUND / 4, 2)."""
     shares = np.sqrt(np.linspace(0.04, 0.75, 8))
     middle = outlines.mean(axis=1)[:, None, None]
     return np.asarray((middle + shares[:, None, None] * (outlines[:, None, ::4] - middle) - 0.5) / 2.0)
 
 
 def relief(even: Any, outlines: Array, own: Array) -> Array:
-    """How much darker things get from their middle outwards, (B,): standard deviation as a share of their mean.
+    """Return how much darker things get from their middle outwards, (B,): standard deviation as a share of their mean.
 
     Nearly 0 for what is flat, even where it is brighter on one side.
 
     Args:
         even: the halved picture, evenly lit.
         outlines: (B, AROUND, 2), px of the whole picture.
-        own: how much of the thing is at each place of `inside`, 0 to 1: ground and neighbours tell nothing.
+        own: how much of the thing is at each place of `inside`, 0 to 1: ground and neighbours are left out.
     """
     places, level, skin, _ = _skins(even, outlines)
     # A dark stalk in the middle, of the skin's chromaticity, would pass for a hollow.
@@ -153,14 +141,14 @@ def relief(even: Any, outlines: Array, own: Array) -> Array:
 
 
 def _look(even: Any, outlines: Array) -> Array:
-    """Mean colours without stalks and reflections, (B, 3)."""
+    """Return mean colours without stalks and reflections, (B, 3)."""
     _, level, skin, values = _skins(even, outlines)
     dull = skin & (level <= np.sort(level, axis=1)[:, -level.shape[1] // 10, None])
     return np.asarray((values * dull[..., None]).sum(axis=1) / np.maximum(dull.sum(axis=1, keepdims=True), 1))
 
 
 def _skins(even: Any, outlines: Array) -> tuple[Array, Array, Array, Array]:
-    """Places within outlines; brightness there, where the chromaticity is that of most, and the values."""
+    """Return places within outlines, brightness there, where the chromaticity is that of most, and the values."""
     places = inside(outlines)
     values = edges.sampled(even, places).reshape(len(outlines), -1, 3)
     level = values.mean(axis=2)

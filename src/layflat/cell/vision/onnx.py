@@ -1,4 +1,4 @@
-"""A learned detector from an ONNX file, run by OpenCV: the network finds and names, geometry measures.
+"""A learned detector from an ONNX file, run by OpenCV: the network detects and names, geometry measures.
 
 The network takes one picture, float32 (1, 3, rows, columns), RGB of 1, and gives boxes, (1, N, 6): left, upper, right,
 lower (px of its input), score and the kind's number, as networks of the YOLO family export them with their boxes sorted
@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.cell.extras import opencv
+from layflat.cell.geometry import unit_circle
 from layflat.cell.vision import edges
 from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.detection import Detection, Kind
 from layflat.cell.vision.light import evenly_lit
-from layflat.cell.vision.measure import COMPLETE, measure, told
-from layflat.cell.vision.opencv import opencv
+from layflat.cell.vision.measure import COMPLETE, detections, measure
 from layflat.cell.vision.usable import check_picture
 from layflat.errors import InputError
 
@@ -30,12 +31,12 @@ PADDING = 114
 
 
 class OnnxDetector:
-    """Finds produce with a network.
+    """Detects produce with a network.
 
     Args:
         path: the ONNX file.
         kinds: of produce, in the order of the network's numbers.
-        table: the table's colour in the reference light, RGB of 255, for grades.
+        table: the table's colour in the reference light, RGB of 255.
         size: rows and columns of the network's input.
         plane: height of what the produce rests on, m: a tray's floor.
 
@@ -44,13 +45,9 @@ class OnnxDetector:
     """
 
     def __init__(
-        self,
-        path: Path,
-        kinds: Sequence[Kind],
-        table: tuple[float, float, float],
-        size: tuple[int, int] = (640, 640),
-        plane: float = 0.0,
-    ) -> None:
+        self, path: Path, kinds: Sequence[Kind], table: tuple[float, float, float],
+        size: tuple[int, int] = (640, 640), plane: float = 0.0,
+    ) -> None:  # fmt: skip
         cv2 = opencv()
         self.path, self.kinds, self.table, self.size, self.plane = path, tuple(kinds), table, size, plane
         if not path.is_file():
@@ -61,7 +58,7 @@ class OnnxDetector:
             raise InputError("is no network that OpenCV runs", where=str(path), right="export it as ONNX") from None
 
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
-        """What the network sees, measured on the table, surest first; a number over the kinds' is of no known kind.
+        """Return what the network detects, measured on the table, surest first; a number over the kinds' is unknown.
 
         Raises:
             PictureError: the picture can't be used.
@@ -80,10 +77,10 @@ class OnnxDetector:
         measured = measure(picture, even, calibration, outlines, usable, kinds, self.plane)
         sure = boxes[:, 4] * np.clip(measured.seen / COMPLETE, 0.0, 1.0)
         names = [kind.name if good else None for kind, good in zip(kinds, known, strict=True)]
-        return told(kinds, names, measured, sure, measured.radii > 0.0)
+        return detections(names, measured, sure, measured.radii > 0.0)
 
     def _boxes(self, picture: NDArray[np.uint8]) -> Array:
-        """Boxes in px of the picture, with score and number, (N, 6)."""
+        """Return boxes in px of the picture, with score and number, (N, 6)."""
         cv2 = opencv()
         rows, columns = picture.shape[:2]
         scale = min(self.size[0] / rows, self.size[1] / columns)
@@ -97,7 +94,7 @@ class OnnxDetector:
             raise InputError(
                 f"fails on its input (1, 3, {self.size[0]}, {self.size[1]})",
                 where=str(self.path),
-                right="tell the size that it was exported for",
+                right="give the size that it was exported for",
             ) from None
         if seen.ndim != 3 or seen.shape[0] != 1 or seen.shape[2] != 6:
             raise InputError(f"gives {seen.shape}", where=str(self.path), right="needs boxes (1, N, 6)")
@@ -108,7 +105,6 @@ class OnnxDetector:
 
 
 def _ellipses(boxes: Array) -> Array:
-    """Places on the ellipses that fill boxes, (N, AROUND, 2)."""
-    turn = 2.0 * np.pi * np.arange(edges.AROUND) / edges.AROUND
+    """Return places on the ellipses that fill boxes, (N, AROUND, 2)."""
     middle, reach = (boxes[:, :2] + boxes[:, 2:4]) / 2.0, (boxes[:, 2:4] - boxes[:, :2]) / 2.0
-    return np.asarray(middle[:, None] + reach[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=-1))
+    return np.asarray(middle[:, None] + reach[:, None] * unit_circle(edges.AROUND))

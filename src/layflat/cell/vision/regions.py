@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from layflat.cell.extras import opencv, points
 from layflat.cell.vision.boards import Array
 from layflat.cell.vision.detection import Colour
-from layflat.cell.vision.opencv import opencv, points
 
 LEAST_CORE = 0.7
 """A disc's depth of the least radius from which it may be one: what is hidden in part is shallower."""
@@ -19,7 +19,7 @@ PEAKS_APART = 0.3
 
 
 def in_colours(hsv: Any, colours: Sequence[Colour]) -> Any:
-    """The pixels of an HSV picture (hue of 256) in any of some regions of colours, as a mask of 0 and 255."""
+    """Return the pixels of an HSV picture (hue of 256) in any of some regions of colours, as a mask of 0 and 255."""
     cv2 = opencv()
     found = np.zeros(hsv.shape[:2], np.uint8)
     for table in _tables(tuple(colours)):
@@ -30,7 +30,7 @@ def in_colours(hsv: Any, colours: Sequence[Colour]) -> Any:
 
 @lru_cache(maxsize=64)
 def _tables(colours: tuple[Colour, ...]) -> tuple[Any, ...]:
-    """For each level of hue, saturation and value, (1, 256, 3), in which colours it may be: a bit each, 8 a table."""
+    """Return tables (1, 256, 3) of what colours each level of hue, saturation and value may be, a bit a colour."""
     levels = np.arange(256.0)
     tables = []
     for start in range(0, len(colours), 8):
@@ -41,7 +41,7 @@ def _tables(colours: tuple[Colour, ...]) -> tuple[Any, ...]:
             if colour.hue[1] - colour.hue[0] >= 360.0:
                 inside[:] = True
             spans = [
-                (levels >= 255.0 * span[0]) & (levels <= 255.0 * span[1]) for span in (colour.saturation, colour.value)
+                (levels >= 255.0 * low) & (levels <= 255.0 * high) for low, high in (colour.saturation, colour.value)
             ]
             table[0] |= np.stack([inside, *spans], axis=-1).astype(np.uint8) << bit
         tables.append(table)
@@ -49,11 +49,11 @@ def _tables(colours: tuple[Colour, ...]) -> tuple[Any, ...]:
 
 
 def filled(mask: Any, background: Any, area: float) -> Any:
-    """A mask without specks, its holes filled where they are small or show no background (stalks, reflections).
+    """Return a mask without specks, its holes filled where they are small or show no background (stalks, reflections).
 
     Args:
         mask: of 0 and 255.
-        background: pixels of table, trays and packs, of 0 and 255.
+        background: pixels of table, trays and containers, of 0 and 255.
         area: of the smallest thing, px.
     """
     cv2 = opencv()
@@ -74,7 +74,7 @@ def filled(mask: Any, background: Any, area: float) -> Any:
 
 
 def discs(mask: Any, least: float) -> Array:
-    """Where round things may be in a mask: rows of x, y, depth (px), deepest first.
+    """Return where round things may be in a mask: rows of x, y, depth (px), deepest first.
 
     Depth is the distance to the nearest pixel outside. Touching discs each have a deepest point of their own.
 
@@ -97,7 +97,7 @@ def discs(mask: Any, least: float) -> Array:
 
 
 def apart(found: Array, share: float) -> Array:
-    """Of things as rows x, y, radius, ..., best first: those that are not where a better one is.
+    """Return, of things as rows x, y, radius, ..., best first, those that are not where a better one is.
 
     Balls on one plane that touch are 2 sqrt(r r') apart along it; nearer ones by less than `share` of that go.
     """

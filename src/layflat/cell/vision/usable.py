@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.vision.opencv import opencv
+from layflat.cell.extras import opencv
 from layflat.errors import PictureError
 
 LEAST_LEVEL, MOST_LEVEL = 20.0, 245.0
@@ -19,7 +19,7 @@ OWN_WIDTH = 2.0
 REACH = 8
 """Px of the halved picture within which an edge must rise."""
 STRONG = 25.0
-"""Levels that an edge must rise to tell about blur."""
+"""Levels that an edge must rise for its blur to be measured."""
 
 
 def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = None, where: str = "picture") -> Any:
@@ -47,21 +47,26 @@ def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = Non
     level = float(cv2.mean(grey)[0])
     if level < LEAST_LEVEL:
         raise PictureError(
-            f"is black: mean level {level:.0f} of 255", where=where, right="check lamp, lens cap, exposure"
+            f"is black: mean level {level:.0f} of 255", where=where, right="check light, lens cap, exposure"
         )
     if level > MOST_LEVEL:
         raise PictureError(f"is white: mean level {level:.0f} of 255", where=where, right="shorten the exposure")
     wide = edge_width(grey)
     if wide > WIDEST_EDGE:
-        told = f"its sharpest edges are blurred by {wide:.1f} px" if np.isfinite(wide) else "has no edges"
-        raise PictureError(
-            told, where=where, right=f"at most {WIDEST_EDGE} px: clean or focus the lens, hold the camera"
-        )
+        raise _blurred(wide, where)
     return half
 
 
+def _blurred(wide: float, where: str) -> PictureError:
+    if np.isfinite(wide):
+        right = f"at most {WIDEST_EDGE} px: clean or focus the lens, hold the camera still"
+        return PictureError(f"its sharpest edges are blurred by {wide:.1f} px", where=where, right=right)
+    right = "check that the camera looks at the table, that nothing covers it, and that the lens is in focus"
+    return PictureError("has no edges: neither table nor markers are in view", where=where, right=right)
+
+
 def edge_width(grey: NDArray[np.uint8]) -> float:
-    """How blurred a halved grey picture is: standard deviation of the blur at its strongest edges, px of the whole one.
+    """Return how blurred a halved grey picture is: standard deviation at its strongest edges, px of the whole one.
 
     An edge of height h, blurred by s, rises by h / (s sqrt(2 pi)) a pixel at most, however bright and noisy the
     picture is. The worse of both directions counts, as a picture blurred by motion is sharp across it.

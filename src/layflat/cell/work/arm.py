@@ -1,4 +1,4 @@
-"""The cell's arm behind the rig's control loop: told where to go, it goes there within its limits."""
+"""The cell's arm behind the rig's control loop: given a target, it goes there within its limits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.cell.plan.motion import LEAD, move_arm
-from layflat.cell.plan.reach import Angles
+from layflat.cell.reach import Angles
 from layflat.errors import RigStoppedError
 from layflat.machine import Machine
 from layflat.rig.clock import Clock
@@ -64,15 +64,15 @@ class Arm:
         return self.loop.deadlines.cycle
 
     def go(self, target: Angles) -> None:
-        """Be on the way to a posture, rad."""
+        """Move to a posture, rad."""
         if target != self.target:
             path = move_arm(
                 self._machine, self._demand, np.array(target), payload=self._load, tip_speed=self._tip_speed
             )
             self._course, self._at, self.target = path.demand(self.cycle, lead=LEAD), 0, target
 
-    def turn(self) -> None:
-        """One control cycle.
+    def advance(self) -> None:
+        """Go through one control cycle.
 
         Raises:
             RigStoppedError: the rig's supervisor does not let it move.
@@ -84,13 +84,13 @@ class Arm:
             raise RigStoppedError(f"the rig stopped: {TABLE[worst].title}")
 
     def request(self, now: int) -> HostRequest:  # noqa: ARG002  (as the rig's hosts)
-        """The next row of the course that it is on."""
+        """Return the next row of the course that it is on."""
         self._demand = self._course[min(self._at, len(self._course) - 1)]
         self._at += 1
         return HostRequest(self._demand.tolist())
 
     def publish(self, row: Array) -> None:
-        """Look at what the controllers know."""
+        """Read what the controllers know."""
         joints = [row[self._layout.of_joint(j)] for j in range(len(self.angles))]
         self.angles = tuple(float(joint[ANGLE]) for joint in joints)
         self.velocities = tuple(float(joint[VELOCITY]) for joint in joints)

@@ -1,44 +1,22 @@
-"""One delivery: trays of produce and empty packs, worked off, and judged."""
+"""One delivery: trays of produce and empty containers, worked off, and evaluated."""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
-from layflat.cell.camera import Camera
 from layflat.cell.file.model import Cell
-from layflat.cell.plan.order import Choice, Left
-from layflat.cell.plan.pick import State
+from layflat.cell.perception import CameraPerception, Perception, ScenePerception
+from layflat.cell.plan.order import NotPicked
 from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.truth import Collision
 from layflat.cell.vision import Calibration
-from layflat.cell.work.eyes import CameraEyes, Eyes, SceneEyes, Sight
-from layflat.cell.work.judge import Judge, Verdict, Vision
+from layflat.cell.work.evaluation import Evaluator, Verdict, VisionErrors
+from layflat.cell.work.observer import Observer, Observers
 from layflat.cell.work.packer import Packer, Pick
 from layflat.cell.work.station import Station
 from layflat.errors import DivergedError, LayflatError, PictureError, RigStoppedError, StoppedError
-
-
-class Onlooker:
-    """Who looks on while a cell works, for progress, films and sheets: a base that does nothing."""
-
-    def begins(self, scene: Scene, camera: Camera | None) -> None:
-        """A delivery begins; there is no camera where nothing can be drawn."""
-
-    def cycle(self, time: float) -> None:
-        """A control cycle is over, s since the delivery began."""
-
-    def phase(self, choice: Choice, before: State, after: State) -> None:
-        """A pick's phase has changed."""
-
-    def looked(self, sight: Sight) -> None:
-        """A picture was taken and could be used."""
-
-    def picked(self, pick: Pick) -> None:
-        """A pick has ended."""
-
-    def ends(self, delivery: Delivery) -> None:
-        """The delivery is over and judged; the scene is still there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,33 +27,35 @@ class Delivery:
         seed: of its scene.
         picks: in order.
         verdicts: of each pick.
-        left: what was not picked, and why.
+        not_picked: what was not picked, and why.
         collisions: of arm, lift or cup with what they should not touch.
-        time: from the first look to the last, s.
-        vision: how well was seen what lay in the trays.
+        time: from the first image to the last, s.
+        vision: errors in what lay in the trays.
         overlooked: fruit that could have been packed and was not, when nothing more could be picked; None where the
             delivery ended before.
-        error: what ended it before its time; None where nothing did.
+        error: what ended it early; None where nothing did.
     """
 
     seed: int
     picks: tuple[Pick, ...]
     verdicts: tuple[Verdict, ...]
-    left: tuple[Left, ...]
+    not_picked: tuple[NotPicked, ...]
     collisions: tuple[Collision, ...]
     time: float
-    vision: Vision
+    vision: VisionErrors
     overlooked: int | None = None
     error: LayflatError | None = None
 
     @property
     def without_pictures(self) -> Delivery:
         """The same but for its pictures, of which a hundred picks have half a GB."""
-        picks = [replace(pick, sight=replace(pick.sight, picture=None, detections=())) for pick in self.picks]
+        picks = [
+            replace(pick, observation=replace(pick.observation, picture=None, detections=())) for pick in self.picks
+        ]
         return replace(self, picks=tuple(picks))
 
 
-def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, onlooker: Onlooker) -> Delivery:
+def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, observer: Observer) -> Delivery:
     """Work off one delivery.
 
     Args:
@@ -83,39 +63,39 @@ def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, o
         seed: of the scene, the camera's and the sensors' noise.
         most: picks after which it ends.
         calibration: of the camera, against which it is checked before anything moves; None where there is no camera:
-            the scene then tells where fruit lies.
-        onlooker: looks on.
+            the scene's truth then stands in for it.
+        observer: observes the work.
 
     Raises:
-        PictureError: the camera gives no picture that can be used.
+        PictureError: the camera gives no image that can be used.
         CameraError: it is not where its calibration says.
         CellError: the scene can't be made.
     """
     scene = Scene(cell, seed)
     with ExitStack() as stack:
-        camera = None if calibration is None else stack.enter_context(Camera(scene))
-        eyes: Eyes = SceneEyes(scene)
+        camera = None if calibration is None else stack.enter_context(SimulatedCamera(scene))
+        perception: Perception = ScenePerception(scene)
         if camera is not None and calibration is not None:
-            eyes = CameraEyes(cell, camera.picture, calibration)
-            eyes.check()
-        onlooker.begins(scene, camera)
-        delivery = _worked(scene, eyes, most, onlooker)
-        onlooker.ends(delivery)
+            perception = CameraPerception(cell, camera.picture, calibration)
+            perception.check()
+        observer.begins(scene, camera)
+        delivery = _worked(scene, perception, most, observer)
+        observer.ends(delivery)
     return delivery
 
 
-def _worked(scene: Scene, eyes: Eyes, most: int, onlooker: Onlooker) -> Delivery:
+def _worked(scene: Scene, perception: Perception, most: int, observer: Observer) -> Delivery:
     cell, seed = scene.cell, scene.seed
-    station = Station(scene, seed, lambda: onlooker.cycle(station.time))
-    judge = Judge(scene)
-    packer = Packer(cell, station, eyes, (judge, onlooker))
+    station = Station(scene, seed, lambda: observer.cycle(station.time))
+    evaluator = Evaluator(scene)
+    observers = Observers(evaluator, observer)
+    packer = Packer(cell, station, perception, observers)
     picks: list[Pick] = []
     error: LayflatError | None = None
     try:
         for pick in packer.work(most):
             picks.append(pick)
-            judge.ended()
-            onlooker.picked(pick)
+            observers.picked(pick)
         packer.finish()
     except (PictureError, RigStoppedError, DivergedError) as raised:
         if not picks:
@@ -129,11 +109,11 @@ def _worked(scene: Scene, eyes: Eyes, most: int, onlooker: Onlooker) -> Delivery
     return Delivery(
         seed,
         tuple(picks),
-        tuple(judge.verdicts(picks)),
-        packer.left,
-        judge.collisions,
+        tuple(evaluator.verdicts(picks)),
+        packer.not_picked,
+        evaluator.collisions,
         station.time,
-        judge.vision,
-        judge.overlooked(packer.packing) if worked_off else None,
+        evaluator.vision,
+        evaluator.overlooked(packer.packing) if worked_off else None,
         error,
     )

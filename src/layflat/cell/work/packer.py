@@ -1,33 +1,33 @@
-"""Packs what lies in the trays: look, choose, pick, look again as the fruit is laid, until nothing is left to pick."""
+"""Packs what lies in the trays: observe, choose, pick, observe again on release, until nothing is left to pick."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import dist
-from typing import Protocol
 
 from layflat.cell.file.model import Cell
+from layflat.cell.perception import Observation, Perception
+from layflat.cell.plan.containers import free_place_at, packing_of
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.plan.order import Choice, Cup, Left, next_pick
-from layflat.cell.plan.pick import Command, Outcome, Phase, Sighting, State
-from layflat.cell.plan.picks import begun, step
-from layflat.cell.plan.reach import Angles, Reach
-from layflat.cell.vision.detection import SURE
-from layflat.cell.work.eyes import Eyes, Sight
-from layflat.cell.work.lookout import Looker, Lookout
-from layflat.cell.work.memory import apart, same
-from layflat.cell.work.packs import packing_of, spot_at
+from layflat.cell.plan.order import Choice, CupClearance, NotPicked, next_pick
+from layflat.cell.plan.pick import Command, Outcome, Phase, Relocation, State
+from layflat.cell.plan.pick_machine import begun, step
+from layflat.cell.reach import Angles, Reach
+from layflat.cell.vision import SURE
+from layflat.cell.work.observer import Observer
+from layflat.cell.work.occlusion import apart, same
 from layflat.cell.work.station import Station
 from layflat.cell.work.tasks import Heights, centred, rules_of
+from layflat.cell.work.world_model import WorldModel
 
-PICTURES, PAUSE = 3, 0.2
+IMAGES, PAUSE = 3, 0.2
 """That are tried one after the other until one can be used, and the time between them, s."""
 
 STRAYED = 30e-3
 """How far a fruit may have rolled when the cup missed it and still be taken for the same, m."""
 
-ASTRAY = "lies beside trays and packs"
+OUTSIDE = "lies beside trays and containers"
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Pick:
         tries: how often the cup went down for it.
         begin, end: s.
         air: normal litres.
-        sight: the last picture in which it was seen before.
+        observation: the last one in which it was seen before.
     """
 
     number: int
@@ -53,54 +53,47 @@ class Pick:
     begin: float
     end: float
     air: float
-    sight: Sight
-
-
-class Witness(Looker, Protocol):
-    """Who is told what a packer does."""
-
-    def phase(self, choice: Choice, before: State, after: State) -> None:
-        """A pick's phase has changed."""
+    observation: Observation
 
 
 class Packer:
-    """What decides in a cell; it knows what sensors and pictures tell, and no more.
+    """What decides in a cell; it knows what sensors and images show, and no more.
 
     Args:
         cell: its description.
         station: its hardware.
-        eyes: its camera.
-        witnesses: are told what it does.
+        perception: its camera.
+        observer: observes what it does.
 
     Attributes:
-        packing: what lies in the packs by now.
-        left: what is not picked, and why, when the last choice was made.
+        packing: what lies in the containers by now.
+        not_picked: what is not picked, and why, when the last choice was made.
     """
 
-    def __init__(self, cell: Cell, station: Station, eyes: Eyes, witnesses: Sequence[Witness] = ()) -> None:
-        self._cell, self._station, self._witnesses = cell, station, witnesses
+    def __init__(self, cell: Cell, station: Station, perception: Perception, observer: Observer) -> None:
+        self._cell, self._station, self._observer = cell, station, observer
         self._reach = Reach(cell.machine)
-        self._lookout = Lookout(cell, eyes, self._reach, witnesses)
+        self._world = WorldModel(cell, perception, self._reach, observer)
         self._rules, self._heights = rules_of(cell, self._reach), Heights(cell)
-        self._cup = Cup(cell.cup.diameter / 2)
+        self._cup = CupClearance(cell.cup.diameter / 2)
         self.packing = packing_of(cell)
-        self.left: tuple[Left, ...] = ()
+        self.not_picked: tuple[NotPicked, ...] = ()
         self._given_up: list[Fruit] = []
-        self._anew = False
-        """Whether the last picture showed everything, and nothing was moved since."""
+        self._current = False
+        """Whether the last image showed everything, and nothing was moved since."""
 
     def work(self, most: int) -> Iterator[Pick]:
-        """Picks, one after the other, until there were so many or nothing can be picked.
+        """Pick one fruit after the other, until there were so many picks or nothing can be picked.
 
         Raises:
-            PictureError: the camera gives no picture that can be used.
+            PictureError: the camera gives no image that can be used.
             RigStoppedError: the rig does not let the arm move.
         """
-        self._look_from_home()
+        self._observe_from_home()
         for number in range(1, most + 1):
             choice = self._choose()
-            if choice is None and not self._anew:
-                self._look_from_home()
+            if choice is None and not self._current:
+                self._observe_from_home()
                 choice = self._choose()
             if choice is None:
                 return
@@ -109,102 +102,101 @@ class Packer:
             if pick.outcome is Outcome.STUCK:
                 return
             if pick.outcome is Outcome.LOST:
-                self._look_from_home()  # it may lie anywhere
+                self._observe_from_home()  # it may lie anywhere
 
     def finish(self) -> None:
-        """Bring the arm out of sight and take a last picture; an arm that holds something stays where it is."""
+        """Bring the arm out of view and take a last image; an arm that holds something stays where it is."""
         if self._station.measure().vacuum < self._rules.gone:
-            self._look_from_home()
+            self._observe_from_home()
 
     # Choosing
 
     def _choose(self, only: Fruit | None = None) -> Choice | None:
-        """What to pick next, of all or of one."""
-        fruits = self._lookout.in_trays
+        """Choose what to pick next, of all or of one."""
+        fruits = self._world.in_trays
         if only is None:
             passed = {fruit for fruit in fruits if any(same(fruit, other) for other in self._given_up)}
         else:
             passed = {fruit for fruit in fruits if fruit != only}
-        order = next_pick(
-            fruits, self.packing, self._reach, self._station.arm.angles, self._cup, _way,
+        selection = next_pick(
+            fruits, self.packing, self._reach, self._station.arm.angles, self._cup, _travel,
             least_confidence=SURE, given_up=frozenset(passed),
         )  # fmt: skip
         if only is None:
-            self.left = order.left + tuple(Left(fruit, ASTRAY) for fruit in self._lookout.astray)
-        return order.choice
+            self.not_picked = selection.not_picked + tuple(NotPicked(one, OUTSIDE) for one in self._world.outside)
+        return selection.choice
 
     # Picking
 
     def _pick(self, number: int, choice: Choice) -> Pick:
-        station, sight = self._station, self._lookout.seen_in[choice.fruit]
-        begin, air, self._anew = station.time, station.air, False
-        state, sighting = begun(self._heights.task(choice), station.measure()), None
+        station, observation = self._station, self._world.seen_in[choice.fruit]
+        begin, air, self._current = station.time, station.air, False
+        state, relocation = begun(self._heights.task(choice), station.measure()), None
         while state.phase is not Phase.DONE:
             before = state
-            state, command = step(self._rules, before, station.measure(sighting))
-            sighting = None
+            state, command = step(self._rules, before, station.measure(relocation))
+            relocation = None
             if state.phase is not before.phase:
-                for witness in self._witnesses:
-                    witness.phase(choice, before, state)
+                self._observer.phase(choice, before, state)
                 state = self._follow(choice, before, state)
-            if command.picture and self._lookout.tried(station.time, arm=None):
+            if command.image and self._world.updated(station.time, arm=None):
                 again = self._again(choice.fruit)
                 choice = again or choice
-                sighting = Sighting(self._heights.task(again) if again else None)
-            station.turn(command)
+                relocation = Relocation(self._heights.task(again) if again else None)
+            station.advance(command)
         self._book(choice, state)
         assert state.outcome is not None  # it has ended
         taken = station.air - air
-        return Pick(number, choice, state.outcome, state.trouble, state.tried, begin, station.time, taken, sight)
+        return Pick(number, choice, state.outcome, state.trouble, state.tried, begin, station.time, taken, observation)
 
     def _follow(self, choice: Choice, before: State, after: State) -> State:
-        """What a new phase asks for beside commands; the state to go on from."""
+        """Do what a new phase asks for beside commands; return the state to go on from."""
         angles = self._station.arm.angles
         match before.phase, after.phase:
-            case Phase.SUCK, Phase.LIFT:
-                task = centred(after.task, choice.fruit, choice.spot.place, angles, self._reach)
+            case Phase.SEAL, Phase.LIFT:
+                task = centred(after.task, choice.fruit, choice.place, angles, self._reach)
                 return replace(after, task=task)
             case Phase.LIFT, Phase.CARRY:
-                self._lookout.forget(choice.fruit)
+                self._world.forget(choice.fruit)
             case Phase.RELEASE, Phase.RAISE:
-                self._lookout.tried(self._station.time, angles)
+                self._world.updated(self._station.time, angles)
         return after
 
     def _again(self, fruit: Fruit) -> Choice | None:
-        """A fruit that was missed, where it lies now, if it still can be picked."""
-        alike = [new for new in self._lookout.in_trays if new.kind == fruit.kind and apart(new, fruit) < STRAYED]
+        """Choose a fruit that was missed again, where it lies now, if it still can be picked."""
+        alike = [new for new in self._world.in_trays if new.kind == fruit.kind and apart(new, fruit) < STRAYED]
         found = min(alike, key=lambda new: apart(new, fruit), default=None)
         return self._choose(found) if found is not None else None
 
     def _book(self, choice: Choice, state: State) -> None:
         if state.outcome is Outcome.PLACED:
-            self.packing = self.packing.filled(choice.spot, choice.fruit)
+            self.packing = self.packing.filled(choice.place, choice.fruit)
         elif state.outcome in {Outcome.MISSED, Outcome.STUCK}:
             self._given_up.append(choice.fruit)
 
-    # Looking from home
+    # Observing from home
 
-    def _look_from_home(self) -> None:
-        """Look from where the arm hides nothing, and see which places are taken.
+    def _observe_from_home(self) -> None:
+        """Take an image with the arm where it hides nothing, and note which places are taken.
 
         Raises:
-            PictureError: no picture can be used.
+            PictureError: no image can be used.
         """
         arm = None if self._went_home() else self._station.arm.angles
-        for _ in range(PICTURES - 1):
-            if self._lookout.tried(self._station.time, arm):
+        for _ in range(IMAGES - 1):
+            if self._world.updated(self._station.time, arm):
                 break
             self._wait(PAUSE)
         else:
-            self._lookout.look(self._station.time, arm)
-        self._anew = True
-        for fruit in self._lookout.known:
-            spot = spot_at(self._cell, self.packing, fruit)
-            if spot is not None and fruit.confidence >= SURE:
-                self.packing = self.packing.filled(spot, fruit)
+            self._world.update(self._station.time, arm)
+        self._current = True
+        for fruit in self._world.known:
+            place = free_place_at(self._cell, self.packing, fruit)
+            if place is not None and fruit.confidence >= SURE:
+                self.packing = self.packing.filled(place, fruit)
 
     def _went_home(self) -> bool:
-        """Bring the empty arm out of the camera's sight; whether it came there in time."""
+        """Bring the empty arm out of the camera's view; return whether it came there in time."""
         rules, station = self._rules, self._station
         until = station.time + rules.settle_time
         while station.time < until:
@@ -213,18 +205,18 @@ class Packer:
             if there and all(abs(v) <= rules.still for v in measured.velocities):
                 return True
             up = measured.height >= self._heights.passing - rules.height
-            self._turn(rules.clear if up else station.arm.target)
+            self._advance(rules.clear if up else station.arm.target)
         return False
 
     def _wait(self, time: float) -> None:
         until = self._station.time + time
         while self._station.time < until:
-            self._turn(self._rules.clear)
+            self._advance(self._rules.clear)
 
-    def _turn(self, posture: Angles) -> None:
-        """A cycle between picks."""
-        self._station.turn(Command(posture, self._heights.passing, suction=False, picture=False))
+    def _advance(self, posture: Angles) -> None:
+        """Go through a cycle between picks."""
+        self._station.advance(Command(posture, self._heights.passing, suction=False, image=False))
 
 
-def _way(start: Angles, end: Angles) -> float:
+def _travel(start: Angles, end: Angles) -> float:
     return max(abs(a - b) for a, b in zip(start, end, strict=True))

@@ -13,7 +13,7 @@ import numpy as np
 
 from layflat.cell.file.model import Cell
 from layflat.cell.work.delivery import Delivery
-from layflat.cell.work.judge import Verdict
+from layflat.cell.work.evaluation import Verdict
 from layflat.cell.work.packer import Pick
 from layflat.cell.work.run import Run
 from layflat.files import whole_file
@@ -27,23 +27,23 @@ class Summary:
 
     Attributes:
         picks: how many.
-        right: of these, in the right place, of its kind and grade.
-        seconds_a_pick: all looks and ways home included.
+        correct: of these, in the chosen place, and of its kind and grade.
+        seconds_a_pick: all images and ways home included.
         picks_a_minute: likewise.
         overlooked: fruit left in trays that were worked off, though a free place takes it.
-        release_error_mm: of the fruit's middle in its place as it is let go, 95th percentile.
+        release_error_mm: placement error, of the fruit's middle in its place as it is released, 95th percentile.
         release_error_worst_mm: greatest.
         peak_acceleration: of any picked fruit, m/s^2.
         press: greatest force of the cup, N.
         collisions: of arm, lift or cup with what they should not touch.
         air: normal litres a pick, of joints, lift and cup.
-        vision_error_mm: of fruit in trays, 95th percentile over all pictures.
+        vision_error_mm: of fruit in trays, 95th percentile over all images.
         diameter_error: share, 95th percentile.
-        false_finds: of known kinds where no such fruit is, in all pictures.
+        false_detections: of known kinds where no such fruit is, in all images.
     """
 
     picks: int
-    right: int
+    correct: int
     overlooked: int
     seconds_a_pick: float
     picks_a_minute: float
@@ -55,11 +55,11 @@ class Summary:
     air: float
     vision_error_mm: float
     diameter_error: float
-    false_finds: int
+    false_detections: int
 
 
 def summary(deliveries: Iterable[Delivery]) -> Summary:
-    """Figures of deliveries; not a number where nothing was picked or seen."""
+    """Return figures of deliveries; not a number where nothing was picked or seen."""
     all_of = list(deliveries)
     picks = [pick for delivery in all_of for pick in delivery.picks]
     verdicts = [verdict for delivery in all_of for verdict in delivery.verdicts]
@@ -69,7 +69,7 @@ def summary(deliveries: Iterable[Delivery]) -> Summary:
     seen = [delivery.vision for delivery in all_of]
     return Summary(
         picks=len(picks),
-        right=sum(verdict.right for verdict in verdicts),
+        correct=sum(verdict.correct for verdict in verdicts),
         overlooked=sum(delivery.overlooked or 0 for delivery in all_of),
         seconds_a_pick=each,
         picks_a_minute=MINUTE / each if picks else nan,
@@ -81,13 +81,20 @@ def summary(deliveries: Iterable[Delivery]) -> Summary:
         air=sum(pick.air for pick in picks) / len(picks) if picks else nan,
         vision_error_mm=1e3 * _quantile([error for one in seen for error in one.positions]),
         diameter_error=_quantile([error for one in seen for error in one.diameters]),
-        false_finds=sum(one.false for one in seen),
+        false_detections=sum(one.false for one in seen),
     )
 
 
-def as_dict(cell: Cell, runs: Sequence[Run]) -> dict[str, Any]:
-    """Runs in a cell as plain numbers and texts, fit for JSON: SI units but where a name says otherwise."""
+def as_dict(cell: Cell, runs: Sequence[Run], *, partial: bool = False) -> dict[str, Any]:
+    """Return runs in a cell as plain numbers and texts, fit for JSON: SI units but where a name says otherwise.
+
+    Args:
+        cell: its description.
+        runs: what was done.
+        partial: whether more was asked for than was done.
+    """
     return {
+        "partial": partial,
         "cell": cell.origin,
         "machine": cell.machine.origin,
         "limits": {"acceleration": cell.limits.acceleration, "press": cell.limits.press},
@@ -95,7 +102,7 @@ def as_dict(cell: Cell, runs: Sequence[Run]) -> dict[str, Any]:
         "runs": [
             {
                 "seed": run.seed,
-                "eyes": "scene" if run.calibration is None else "camera",
+                "perception": "scene" if run.calibration is None else "camera",
                 "error": str(run.error) if run.error is not None else None,
                 "deliveries": [_delivery(delivery) for delivery in run.deliveries],
             }
@@ -122,22 +129,22 @@ def _delivery(delivery: Delivery) -> dict[str, Any]:
         "error": str(delivery.error) if delivery.error is not None else None,
         "overlooked": delivery.overlooked,
         "picks": [_pick(pick, verdict) for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True)],
-        "left": [
+        "not_picked": [
             {"kind": one.fruit.kind, "grade": one.fruit.grade, "x": one.fruit.x, "y": one.fruit.y, "why": one.reason}
-            for one in delivery.left
+            for one in delivery.not_picked
         ],
         "collisions": [vars(collision) for collision in delivery.collisions],
     }
 
 
 def _pick(pick: Pick, verdict: Verdict) -> dict[str, Any]:
-    fruit, spot = pick.choice.fruit, pick.choice.spot
+    fruit, place = pick.choice.fruit, pick.choice.place
     seen = {"kind": fruit.kind, "grade": fruit.grade, "diameter": fruit.diameter, "confidence": fruit.confidence}
     return {
         "number": pick.number,
         "seen": seen | {"x": fruit.x, "y": fruit.y},
-        "pack": spot.pack,
-        "place": spot.place.name,
+        "container": place.container,
+        "place": place.name,
         "outcome": pick.outcome.name.lower(),
         "trouble": pick.trouble,
         "tries": pick.tries,
@@ -149,8 +156,13 @@ def _pick(pick: Pick, verdict: Verdict) -> dict[str, Any]:
 
 
 def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    """JSON knows no nan."""
+    """Return values as JSON can hold them: it has no nan."""
     return {key: None if isinstance(value, float) and not isfinite(value) else value for key, value in values.items()}
+
+
+def counted(number: int, thing: str) -> str:
+    """Return a number with its thing, in the plural where it is not one."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
 
 
 def _quantile(values: Sequence[float]) -> float:

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from layflat.cell.camera import Camera
-from layflat.cell.eyes import calibrate_scene
 from layflat.cell.file.model import Cell
+from layflat.cell.perception import calibrate_scene
 from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
-from layflat.cell.work.delivery import Delivery, Onlooker, deliver
+from layflat.cell.work.delivery import Delivery, deliver
+from layflat.cell.work.observer import Observer
 from layflat.errors import CellError, LayflatError
 
 
@@ -25,7 +26,7 @@ class Run:
         seed: as given.
         deliveries: in order, without their pictures.
         calibration: of the camera; None where there was none.
-        error: what ended it before its time, if anything did.
+        error: what ended it early, if anything did.
     """
 
     cell: Cell
@@ -39,29 +40,29 @@ def calibrated(cell: Cell, progress: Callable[[float], None] | None = None) -> C
     """Calibrate the cell's camera, in a scene of its own.
 
     Raises:
-        NoDrawingError: there is no OpenGL to draw with.
+        NoDrawingError: there is no OpenGL to render with.
         PictureError: a picture can't be used.
-        CameraError: board or markers are not seen.
+        CameraError: board or markers are not detected.
     """
     scene = Scene(cell, 0)
-    with Camera(scene) as camera:
+    with SimulatedCamera(scene) as camera:
         return calibrate_scene(scene, camera, progress)
 
 
-def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, onlooker: Onlooker) -> Run:
+def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, observer: Observer) -> Run:
     """Pick, delivery after delivery, until there were so many picks or one ended early.
 
     Same cell, seed and calibration, same run. It ends where a delivery has nothing that can be picked.
 
     Raises:
-        PictureError, CameraError, CellError: as `deliver`, of the first delivery; those of others are told in the run.
+        PictureError, CameraError, CellError: as `deliver`, of the first delivery; those of others end the run.
     """
     deliveries: list[Delivery] = []
     error, done = None, 0
     while done < picks and error is None:
         drawn = int(np.random.SeedSequence((seed, len(deliveries))).generate_state(1)[0])
         try:
-            delivery = deliver(cell, drawn, picks - done, calibration, onlooker)
+            delivery = deliver(cell, drawn, picks - done, calibration, observer)
         except LayflatError as raised:
             if not deliveries:
                 raise
@@ -74,9 +75,9 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
 
 
 def _nothing_in(delivery: Delivery, cell: Cell) -> LayflatError | None:
-    """Why nothing was picked, where nothing was."""
+    """Return why nothing was picked, where nothing was."""
     if delivery.picks:
         return None
-    why = sorted({left.reason for left in delivery.left})
-    told = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
-    return CellError(told, where=cell.origin, right="lay produce into them that a pack takes")
+    why = sorted({one.reason for one in delivery.not_picked})
+    reason = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
+    return CellError(reason, where=cell.origin, right="lay produce into them that a container takes")

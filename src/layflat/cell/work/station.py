@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import pi
 
 from layflat.bridge import MujocoPlant
-from layflat.cell.file.model import Cell
-from layflat.cell.plan.pick import Command, Measured, Sighting
+from layflat.cell.plan.pick import Command, Readings, Relocation
 from layflat.cell.scene import Scene
 from layflat.cell.work.arm import Arm
-from layflat.cell.work.tool import SceneTool, Tool
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
@@ -37,9 +34,9 @@ class Station:
         device = VirtualDevice(cell.machine, self._plant, self._clock, running=True)
         self.arm = Arm(
             cell.machine, SimulatedDriver(device), self._clock,
-            load=cell.lift.body + cell.lift.mass + heaviest(cell), tip_speed=cell.limits.speed,
+            load=cell.lift.body + cell.lift.mass + cell.heaviest_fruit, tip_speed=cell.limits.speed,
         )  # fmt: skip
-        self.tool: Tool = SceneTool(scene)
+        self._top = cell.lift.clearance
         self._each_cycle = each_cycle
 
     @property
@@ -53,25 +50,23 @@ class Station:
         joints = sum(ledger.air_taken for ledger in self._plant.pneumatics.ledgers) / NORMAL_DENSITY
         return LITRES * (joints + self._scene.lift.air + self._scene.cup.air)
 
-    def measure(self, sighting: Sighting | None = None) -> Measured:
-        """What sensors say, and what a picture told."""
-        arm, tool = self.arm, self.tool
-        return Measured(self.time, arm.angles, arm.velocities, tool.vacuum, tool.height, tool.speed, sighting)
+    def measure(self, relocation: Relocation | None = None) -> Readings:
+        """Return what sensors give, and what an image showed of a fruit that was missed."""
+        arm, scene = self.arm, self._scene
+        height = self._top - scene.stroke
+        return Readings(
+            self.time, arm.angles, arm.velocities, scene.cup.vacuum, height, -scene.stroke_speed, relocation
+        )
 
-    def turn(self, command: Command) -> None:
-        """One control cycle.
+    def advance(self, command: Command) -> None:
+        """Go through one control cycle.
 
         Raises:
             RigStoppedError: the rig's supervisor does not let it move.
-            DivergedError: the simulation left all meaning.
+            DivergedError: the simulation diverged.
         """
         self.arm.go(command.target)
-        self.tool.obey(command.height, suction=command.suction)
-        self.arm.turn()
+        self._scene.lift.demand = self._top - command.height
+        self._scene.cup.on = command.suction
+        self.arm.advance()
         self._each_cycle()
-
-
-def heaviest(cell: Cell) -> float:
-    """Mass of the heaviest fruit that comes in any tray, taken for an ellipsoid, kg."""
-    kinds = [cell.produce[kind] for tray in cell.tray.values() for kind in tray.produce]
-    return max(pi / 6 * kind.diameter.most**3 * kind.flattening.most * kind.density.most for kind in kinds)

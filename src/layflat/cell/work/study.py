@@ -3,48 +3,51 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, wait
-from contextlib import contextmanager
-from multiprocessing import get_context
+from contextlib import contextmanager, suppress
+from multiprocessing import active_children, get_context
 from queue import Queue
+from threading import current_thread, main_thread
 
 from layflat.cell.file.model import Cell
 from layflat.cell.vision import Calibration
-from layflat.cell.work.onlookers import Nobody
-from layflat.cell.work.packer import Pick
+from layflat.cell.work.observer import PickCounter
 from layflat.cell.work.run import Run, packed
 
 POLL = 0.2
-"""Between two looks at how far the others are, s."""
+"""Between two checks of how far the others are, s."""
 
 
 def repeated(
     cell: Cell, seeds: Sequence[int], picks: int, calibration: Calibration | None,
     progress: Callable[[int], object] = lambda _: None, processes: int | None = None,
 ) -> Iterator[Run]:  # fmt: skip
-    """Runs with all seeds, as they end. Whoever stops iterating stops the work.
+    """Yield runs with all seeds, as they end. Whoever stops iterating stops the work.
 
     Args:
         cell: its description.
         seeds: each gives one run, the same as alone.
         picks: of each.
         calibration: of the camera; None where there is none.
-        progress: is told the picks that have ended so far.
-        processes: as many as there are cores where not given.
+        progress: is called with the picks that have ended so far.
+        processes: default: as many as there are cores.
 
     Raises:
         LayflatError: as `packed`.
+        KeyboardInterrupt: somebody stopped the study; runs that had not ended are lost.
     """
-    with _workers(processes or os.cpu_count() or 1) as (pool, told):
-        left = {pool.submit(_one, cell, seed, picks, calibration, told) for seed in seeds}
+    with _workers(processes or os.cpu_count() or 1) as (pool, ended):
+        with _uninterrupted():
+            left = {pool.submit(_one, cell, seed, picks, calibration, ended) for seed in seeds}
         done = 0
         while left:
-            ended, left = wait(left, timeout=POLL)
-            while not told.empty():
-                done += told.get()
+            jobs, left = wait(left, timeout=POLL)
+            while not ended.empty():
+                done += ended.get()
             progress(done)
-            for job in ended:
+            for job in jobs:
                 yield job.result()
 
 
@@ -55,25 +58,43 @@ def _workers(processes: int) -> Iterator[tuple[ProcessPoolExecutor, Queue[int]]]
         pool = ProcessPoolExecutor(processes, mp_context=context, initializer=_alone)
         try:
             yield pool, manager.Queue()
+        except BaseException:
+            _interrupt_workers()
+            raise
         finally:
             pool.shutdown(cancel_futures=True)
 
 
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ignore Ctrl-C while workers start, which inherit this and so don't die of one before they can heed it."""
+    if current_thread() is not main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _interrupt_workers() -> None:
+    """End what the workers pack: a Ctrl-C in a terminal reaches them too, a signal to this process does not."""
+    for process in active_children():
+        if process.pid is not None:
+            with suppress(ProcessLookupError):
+                os.kill(process.pid, signal.SIGINT)
+
+
 def _alone() -> None:
-    """Each worker draws on one core: there are as many of them as cores."""
+    """Let each worker draw on one core, as there are as many of them, and heed Ctrl-C only while it packs."""
     os.environ.setdefault("LP_NUM_THREADS", "1")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-class _Teller(Nobody):
-    """Tells how many picks have ended."""
-
-    def __init__(self, told: Queue[int]) -> None:
-        self._told = told
-
-    def picked(self, pick: Pick) -> None:  # noqa: ARG002  (as all onlookers)
-        """One more."""
-        self._told.put(1)
-
-
-def _one(cell: Cell, seed: int, picks: int, calibration: Calibration | None, told: Queue[int]) -> Run:
-    return packed(cell, seed, picks, calibration, _Teller(told))
+def _one(cell: Cell, seed: int, picks: int, calibration: Calibration | None, ended: Queue[int]) -> Run:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        return packed(cell, seed, picks, calibration, PickCounter(lambda _: ended.put(1)))
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)

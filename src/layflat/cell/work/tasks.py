@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from math import cos, dist, sin
 
-from layflat.cell.file.checks import highest, within
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Cup
+from layflat.cell.plan.containers import Place
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice
-from layflat.cell.plan.packs import Place
 from layflat.cell.plan.pick import Rules, Task
-from layflat.cell.plan.reach import Angles, Reach
+from layflat.cell.reach import Angles, Reach
 
 GAP = 10e-3
 """Between what passes and what it passes over, m."""
@@ -21,42 +20,42 @@ PRESSED = 3e-3
 """By how much the cup is led lower than a fruit's top is thought to be, m; the lift gives way."""
 
 DROP = 2e-3
-"""Over the floor of its place, at which a fruit is let go, m."""
+"""Over the floor of its place, at which a fruit is released, m."""
 
 
 class Heights:
-    """Of the cup's rim in a cell."""
+    """Heights of the cup's lip in a cell, m."""
 
     def __init__(self, cell: Cell) -> None:
         self._cell = cell
-        self.passing = min(highest(cell) + GAP, cell.lift.clearance)
+        self.passing = min(cell.obstacle_height + GAP, cell.lift.clearance)
 
     def task(self, choice: Choice) -> Task:
-        """What has to be done for a choice."""
+        """Return what has to be done for a choice."""
         flattening = self._cell.produce[choice.fruit.kind].flattening
         tall = flattening.mean * choice.fruit.diameter
         least, most = flattening.least * choice.fruit.diameter, flattening.most * choice.fruit.diameter
-        x, y = choice.fruit.x, choice.fruit.y
-        floor = next((tray.wall for tray in self._cell.tray.values() if within(tray, x, y)), 0.0)
+        tray = self._cell.tray_at(choice.fruit.x, choice.fruit.y)
+        floor = tray.wall if tray is not None else 0.0
         return Task(
             choice.over_fruit.angles,
-            choice.over_spot.angles,
+            choice.over_place.angles,
             fruit_height=floor + tall - PRESSED,
             lowest=floor + least - PRESSED,
-            place_height=choice.spot.place.z + tall - PRESSED + DROP,
+            place_height=choice.place.z + tall - PRESSED + DROP,
             passing=self.passing,
             carrying=min(self.passing + most, self._cell.lift.clearance),
         )
 
 
 def centred(task: Task, fruit: Fruit, place: Place, at: Angles, reach: Reach) -> Task:
-    """The task with the fruit's middle, not the cup's, over the middle of its place.
+    """Return the task with the fruit's middle, not the cup's, over the middle of its place.
 
     The cup sits beside the fruit's middle by what the arm is off when it sucks; that turns with the last link.
 
     Args:
         task: as planned.
-        fruit: where it was seen.
+        fruit: where it was detected.
         place: where it goes.
         at: angles at which the cup sits on the fruit, rad.
         reach: of the arm.
@@ -70,7 +69,7 @@ def centred(task: Task, fruit: Fruit, place: Place, at: Angles, reach: Reach) ->
 
 
 def rules_of(cell: Cell, reach: Reach) -> Rules:
-    """When something has happened in a cell; the cup's vacuums follow from its time constants."""
+    """Return the rules of picks in a cell; the cup's vacuums follow from its time constants."""
     cup = cell.cup
     closed, opened = _vacuum(cup, cup.leak), _vacuum(cup, cup.open_leak)
     return Rules(
@@ -83,5 +82,5 @@ def rules_of(cell: Cell, reach: Reach) -> Rules:
 
 
 def _vacuum(cup: Cup, leak: float) -> float:
-    """At which an ejector and a leak are even, Pa."""
+    """Return the vacuum at which an ejector and a leak are even, Pa."""
     return cup.vacuum / (1.0 + cup.build_up / leak)

@@ -1,0 +1,84 @@
+"""The camera of a scene calibrated as one on a rig is: a board held before it, then the markers on the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, pi, sin
+
+import numpy as np
+
+from layflat.cell.file.model import Cell
+from layflat.cell.geometry import Array, product, rotated
+from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import SimulatedCamera
+from layflat.cell.scene.optics import optics_of
+from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Marker, calibrate
+
+Pose = tuple[Array, Array]
+Progress = Callable[[float], None]
+SPOTS = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))
+"""Where the board is held: in the middle of the picture, then around it."""
+TILT = 0.5
+"""Of the board from facing the camera, rad, to another side in each view."""
+FILLS = 0.42
+"""Share of the picture that the board fills."""
+
+
+def calibrate_scene(
+    scene: Scene, camera: SimulatedCamera, progress: Callable[[float], None] | None = None
+) -> Calibration:
+    """Calibrate with the cell's board in nine poses before the camera, then with the markers on the table.
+
+    Args:
+        scene: with the arm out of the camera's view.
+        camera: of this scene.
+        progress: is told the share that is done.
+
+    Raises:
+        PictureError: a picture can't be used: it is dark, blurred.
+        CameraError: board or markers are not detected.
+    """
+    poses, pictures = views_of(scene.cell), []
+    for number, (position, orientation) in enumerate(poses, start=1):
+        scene.hold_board(position, orientation)
+        pictures.append(camera.picture())
+        if progress is not None:
+            progress(number / (len(poses) + 2))
+    scene.put_board_away()
+    calibration = calibrate(pictures, board_of(scene.cell), camera.picture(), base_of(scene.cell))
+    if progress is not None:
+        progress(1.0)
+    return calibration
+
+
+def board_of(cell: Cell) -> CharucoBoard:
+    """Return the board that is held before the camera."""
+    board = cell.board
+    return CharucoBoard(board.columns, board.rows, board.square, board.marker, board.dictionary, board.first_id)
+
+
+def base_of(cell: Cell) -> BaseMarkers:
+    """Return the markers that lie on the table."""
+    base = cell.base_markers
+    return BaseMarkers(
+        tuple(Marker(one.number, *one.centre, one.side, one.rotation, base.thickness) for one in base.marker.values()),
+        base.dictionary,
+    )
+
+
+def views_of(cell: Cell) -> list[Pose]:
+    """Return poses of the board, tilted and in all parts of the picture: middle (3,), m, and quaternion, w first."""
+    camera, optics = cell.camera, optics_of(cell.camera)
+    away = camera.focal_pixels * max(
+        cell.board.size[0] / (FILLS * camera.width), cell.board.size[1] / (FILLS * camera.height)
+    )
+    # At the picture's edges the whole board is still in view.
+    reach = 0.5 * (0.96 - FILLS) * np.array([camera.width, camera.height]) / camera.focal_pixels
+    poses = []
+    for number, (right, up) in enumerate(SPOTS):
+        before = away * np.array([right * reach[0], up * reach[1], -1.0])
+        way = 2.0 * pi * number * 3 / len(SPOTS) + 0.4 * number
+        tilted = np.array([cos(TILT / 2), sin(TILT / 2) * cos(way), sin(TILT / 2) * sin(way), 0.0])
+        facing = np.array(optics.orientation)
+        poses.append((np.array(camera.position) + rotated(facing, before), product(facing, tilted)))
+    return poses

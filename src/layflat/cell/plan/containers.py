@@ -1,0 +1,145 @@
+"""Places in containers, what lies in them, and which place for which fruit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from layflat.cell.file.model import Cell
+from layflat.cell.file.parts import Container
+from layflat.cell.plan.fruit import Fruit
+
+ANY: frozenset[str] = frozenset()
+"""In place of kinds or grades: all of them."""
+
+Key = tuple[str, str]
+"""Names of a container and of a place in it."""
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """What may lie in a place; no kinds or grades means any.
+
+    Args:
+        kinds: of produce.
+        grades: of quality.
+        smallest: diameter, m.
+        largest: diameter, m.
+    """
+
+    kinds: frozenset[str] = ANY
+    grades: frozenset[str] = ANY
+    smallest: float = 0.0
+    largest: float = float("inf")
+
+    def takes_kind(self, fruit: Fruit) -> bool:
+        """Return whether fruit of this kind may lie here."""
+        return not self.kinds or fruit.kind in self.kinds
+
+    def takes_grade(self, fruit: Fruit) -> bool:
+        """Return whether fruit of this kind and grade may lie here."""
+        return self.takes_kind(fruit) and (not self.grades or fruit.grade in self.grades)
+
+    def takes(self, fruit: Fruit) -> bool:
+        """Return whether the fruit may lie here."""
+        return self.takes_grade(fruit) and self.smallest <= fruit.diameter <= self.largest
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where one fruit lies in a container.
+
+    Args:
+        container: its name.
+        name: of the place in it, "row-column" from 1.
+        x: of the place's middle, m.
+        y: as x.
+        z: height of its floor, m.
+        accepts: what may lie here.
+    """
+
+    container: str
+    name: str
+    x: float
+    y: float
+    z: float = 0.0
+    accepts: Acceptance = field(default_factory=Acceptance)
+
+    @property
+    def key(self) -> Key:
+        """Names of the container and of the place."""
+        return self.container, self.name
+
+
+@dataclass(frozen=True)
+class Packing:
+    """Places and what lies in them; it never changes: `filled` gives a new one.
+
+    Args:
+        places: in the order in which they are filled.
+        contents: what lies where.
+    """
+
+    places: tuple[Place, ...]
+    contents: Mapping[Key, Fruit] = field(default_factory=dict)
+
+    @property
+    def free(self) -> list[Place]:
+        """All empty places, in order."""
+        return [place for place in self.places if place.key not in self.contents]
+
+    def best(self, fruit: Fruit) -> Place | None:
+        """Return the place that is least too large; of equal ones the first, so that containers fill one by one."""
+        fits = [place for place in self.free if place.accepts.takes(fruit)]
+        return min(fits, key=lambda place: place.accepts.largest, default=None)
+
+    def refusal(self, fruit: Fruit) -> str:
+        """Return why there is no place for a fruit, as one clause; empty where there is one."""
+        if self.best(fruit) is not None:
+            return ""
+        rules = {place.accepts for place in self.places}
+        if not rules:
+            return "there is no container"
+        if not any(rule.takes_kind(fruit) for rule in rules):
+            return f"no place takes kind {fruit.kind!r}"
+        if not any(rule.takes_grade(fruit) for rule in rules):
+            return f"no place takes {fruit.kind} of grade {fruit.grade!r}"
+        if not any(rule.takes(fruit) for rule in rules):
+            return f"no place takes {fruit.kind} of grade {fruit.grade!r} with {1e3 * fruit.diameter:.0f} mm"
+        fitting = dict.fromkeys(place.container for place in self.places if place.accepts.takes(fruit))
+        return f"every place that takes it is full, in {', '.join(fitting)}"
+
+    def filled(self, place: Place, fruit: Fruit) -> Packing:
+        """Return the same with a fruit in a place.
+
+        Raises:
+            ValueError: something lies there already.
+        """
+        if place.key in self.contents:
+            raise ValueError(f"place {place.name} of {place.container} is taken")
+        return Packing(self.places, {**self.contents, place.key: fruit})
+
+
+def packing_of(cell: Cell) -> Packing:
+    """Return all containers of a cell, empty; rows of places lie along a container's y axis."""
+    return Packing(tuple(place for name, one in cell.container.items() for place in _places(name, one, cell)))
+
+
+def free_place_at(cell: Cell, packing: Packing, fruit: Fruit) -> Place | None:
+    """Return the free place over which a fruit was seen; None where it is over none, or over one that is taken."""
+    found = cell.place_at(fruit.x, fruit.y)
+    if found is None:
+        return None
+    name, number = found
+    place = [place for place in packing.places if place.container == name][number]
+    return None if place.key in packing.contents else place
+
+
+def _places(name: str, container: Container, cell: Cell) -> list[Place]:
+    grade, layout = cell.produce[container.kind].grade[container.grade], container.layout
+    largest = min(grade.most, layout.opening)
+    accepts = Acceptance(frozenset({container.kind}), frozenset({container.grade}), grade.least, largest)
+    return [
+        Place(name, f"{i // layout.columns + 1}-{i % layout.columns + 1}", float(x), float(y), layout.wall, accepts)
+        for i, (x, y) in enumerate(container.places)
+    ]

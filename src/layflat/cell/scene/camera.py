@@ -1,0 +1,107 @@
+"""The cameras' images: the only thing that vision is given of the scene."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.extras import mujoco, opencv
+from layflat.cell.file.imaging import Camera
+from layflat.cell.scene import gl
+from layflat.cell.scene.furniture import BOARD_GROUP
+from layflat.cell.scene.optics import optics_of
+from layflat.cell.scene.scene import Scene
+
+Picture = NDArray[np.uint8]
+COARSE = {"shadowsize": 1024, "numquads": 1, "numslices": 20, "numstacks": 10}
+"""Of the model's visual quality, in overviews: looks the same there and is drawn in half the time."""
+
+
+class SimulatedCamera:
+    """The overhead camera of a scene, and an overview for people. Close it when done, or use it in a `with` block.
+
+    The pictures of a scene differ by their noise, which is the same for the same scene, seed and order of pictures.
+
+    Args:
+        scene: what is seen.
+
+    Raises:
+        NoDrawingError: there is no OpenGL to draw with; the text names the package to install.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._mj, self._scene, self._described = mujoco(), scene, scene.cell.camera
+        self._optics = optics_of(self._described)
+        self._rng = np.random.default_rng([scene.seed, 0xCA3E6A])
+        frame = scene.model.vis.global_
+        self._gl = gl.context(frame.offwidth, frame.offheight)
+        self._drawn = self._mj.MjvScene(scene.model, maxgeom=2000)
+        self._contexts: dict[str, Any] = {}
+        self._option, self._view = self._mj.MjvOption(), self._mj.MjvCamera()
+        self._view.type = self._mj.mjtCamera.mjCAMERA_FIXED
+
+    def picture(self, view: Literal["camera", "overview"] = "camera") -> Picture:
+        """Return what is seen now: by the camera with all its faults, or over the whole cell without; (H, W, 3) RGB."""
+        if view == "overview":
+            over = self._scene.cell.overview
+            return self._ideal(view, over.width, over.height)
+        return exposed(self._optics.bend(self._ideal(view, *self._optics.wide)), self._described, self._rng)
+
+    def close(self) -> None:
+        """Free what draws."""
+        if self._gl is not None:
+            self._gl.make_current()
+            for context in self._contexts.values():
+                context.free()
+            self._gl.free()
+            self._gl = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _ideal(self, view: str, width: int, height: int) -> Picture:
+        """Return what a pinhole camera without noise sees."""
+        mj, scene = self._mj, self._scene
+        self._gl.make_current()
+        context = self._context(view)
+        mj.mjr_setBuffer(mj.mjtFramebuffer.mjFB_OFFSCREEN.value, context)
+        self._view.fixedcamid = scene.model.camera(view).id
+        self._option.geomgroup[BOARD_GROUP] = scene.board_held
+        everything: Any = mj.mjtCatBit.mjCAT_ALL.value
+        mj.mjv_updateScene(scene.model, scene.data, self._option, None, self._view, everything, self._drawn)
+        picture = np.empty((height, width, 3), np.uint8)
+        rectangle = mj.MjrRect(0, 0, width, height)
+        mj.mjr_render(rectangle, self._drawn, context)
+        mj.mjr_readPixels(picture, None, rectangle, context)
+        return picture[::-1]
+
+    def _context(self, view: str) -> Any:
+        """Return what draws a view, with shapes and shadows as fine as it needs."""
+        if view not in self._contexts:
+            mj, model = self._mj, self._scene.model
+            quality = model.vis.quality
+            fine = {name: getattr(quality, name) for name in COARSE}
+            for name, value in (COARSE if view == "overview" else fine).items():
+                setattr(quality, name, value)
+            self._contexts[view] = mj.MjrContext(model, mj.mjtFontScale.mjFONTSCALE_100.value)
+            for name, value in fine.items():
+                setattr(quality, name, value)
+        return self._contexts[view]
+
+
+def exposed(picture: Picture, camera: Camera, rng: np.random.Generator) -> Picture:
+    """Return what blur, exposure and noise of a camera make of what its lens lets through, (H, W, 3)."""
+    cv2 = opencv()
+    seen = picture.astype(np.float32)
+    if camera.blur > 0.0:
+        seen = cv2.GaussianBlur(seen, (0, 0), camera.blur)
+    seen *= np.float32(camera.exposure)
+    spread = np.sqrt(np.float32(camera.read_noise) ** 2 + np.float32(camera.shot_noise) * seen)
+    seen += spread * rng.standard_normal(seen.shape, dtype=np.float32)
+    found: Picture = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
+    return found

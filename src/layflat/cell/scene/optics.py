@@ -1,0 +1,56 @@
+"""The camera's lens: from an ideal picture, rendered wider than needed, to what the sensor gets."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import atan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.cell.extras import opencv
+from layflat.cell.file.imaging import Camera
+from layflat.cell.geometry import Array, looking
+
+
+class Optics:
+    """Geometry of a camera in pinhole form with Brown and Conrady's distortion.
+
+    Attributes:
+        matrix: intrinsic matrix in OpenCV's convention (pixel centres are whole numbers), (3, 3) px.
+        distortion: k1, k2, p1, p2, k3.
+        wide: width and height of the ideal picture that is rendered, px.
+        field: angle of the ideal picture from bottom to top, rad.
+        orientation: quaternion of the camera in MuJoCo's convention: it looks along its -z, x right, y up.
+    """
+
+    def __init__(self, camera: Camera) -> None:
+        f = camera.focal_pixels
+        c_x = (camera.width - 1) / 2 + camera.principal_offset[0]
+        c_y = (camera.height - 1) / 2 + camera.principal_offset[1]
+        self.matrix: Array = np.array([[f, 0.0, c_x], [0.0, f, c_y], [0.0, 0.0, 1.0]])
+        bent = camera.distortion
+        self.distortion: Array = np.array([bent.k1, bent.k2, bent.p1, bent.p2, bent.k3])
+        u, v = np.meshgrid(np.arange(camera.width), np.arange(camera.height))
+        pixels = np.stack([u, v], axis=-1).reshape(-1, 1, 2).astype(np.float64)
+        closely = (3, 50, 1e-12)  # steps and change at which the search ends
+        ideal = opencv().undistortPoints(pixels, self.matrix, self.distortion, criteria=closely)
+        rays = ideal.reshape(camera.height, camera.width, 2)
+        half_width, half_height = f * np.abs(rays).max(axis=(0, 1)) + 2.0
+        self.wide = (2 * int(np.ceil(half_width)), 2 * int(np.ceil(half_height)))
+        self.field = 2.0 * atan(self.wide[1] / 2 / f)
+        self.orientation = looking(camera.position, camera.looks_at, camera.rotation)
+        middle = (np.array(self.wide) - 1.0) / 2.0
+        self._from = (f * rays + middle).astype(np.float32)
+
+    def bend(self, ideal: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return what the lens makes of an ideal picture of size `wide`, (H, W, 3)."""
+        cv2 = opencv()
+        bent: NDArray[np.uint8] = cv2.remap(ideal, self._from, None, cv2.INTER_LINEAR)
+        return bent
+
+
+@lru_cache(maxsize=8)
+def optics_of(camera: Camera) -> Optics:
+    """Return the optics of a camera, worked out once."""
+    return Optics(camera)

@@ -1,0 +1,111 @@
+"""Images of a run: a film of the cell, and a sheet with the image by which each pick was chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+from layflat.cell.pictures import ContactSheet, Film, captioned
+from layflat.cell.plan.order import Choice
+from layflat.cell.plan.pick import Outcome, State
+from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import SimulatedCamera
+from layflat.cell.vision import Calibration, draw
+from layflat.cell.work.delivery import Delivery
+from layflat.cell.work.evaluation import Verdict
+from layflat.cell.work.observer import Observer
+from layflat.cell.work.packer import Pick
+from layflat.cell.work.results import counted, summary
+
+FPS = 10.0
+"""Frames of a film a second of the cell's time."""
+
+
+@contextmanager
+def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Calibration) -> Iterator[FilmAndSheet]:
+    """Give an observer that leaves a film and a contact sheet, if the block ends well.
+
+    Args:
+        film: where to, .mp4 or .gif; None for no film.
+        sheet: where to, .png.
+        title: of the sheet; what came of the picks is added.
+        calibration: of the camera.
+
+    Raises:
+        OutputError: they can't be written there.
+    """
+    with nullcontext() if film is None else Film(film, FPS) as opened:
+        observer = FilmAndSheet(opened, ContactSheet(title), calibration)
+        yield observer
+        observer.sheet.title = f"{title}: {observer.summary}"
+        observer.sheet.save(sheet)
+
+
+class FilmAndSheet(Observer):
+    """Makes a film and a contact sheet.
+
+    Args:
+        film: open; None for no film.
+        sheet: to which each pick is added.
+        calibration: of the camera.
+    """
+
+    def __init__(self, film: Film | None, sheet: ContactSheet, calibration: Calibration) -> None:
+        self._film, self.sheet, self._calibration = film, sheet, calibration
+        self._camera: SimulatedCamera | None = None
+        self._next = 0.0
+        self._doing, self._packed = "takes an image of the tray", 0
+        self._deliveries: list[Delivery] = []
+
+    @property
+    def summary(self) -> str:
+        """What came of all picks so far."""
+        found = summary(self._deliveries)
+        rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
+        return f"{found.correct} of {counted(found.picks, 'pick')} correct{rate}"
+
+    def begins(self, scene: Scene, camera: SimulatedCamera | None) -> None:  # noqa: ARG002  (as all observers)
+        """Film also a tray from which nothing is picked."""
+        self._camera, self._next, self._doing = camera, 0.0, "takes an image of the tray"
+        self.cycle(0.0)
+
+    def cycle(self, time: float) -> None:
+        """Add a frame, if it is time for one."""
+        if self._film is not None and self._camera is not None and time >= self._next:
+            self._next += 1.0 / FPS
+            left = f"delivery {len(self._deliveries) + 1}: {self._doing}"
+            frame = self._camera.picture("overview")
+            self._film.add(captioned(frame, left, f"{time:.0f} s, {self._packed} packed"))
+
+    def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
+        """Note what the next frames show."""
+        self._doing = f"{choice.fruit.kind}: the arm {after.phase.value}"
+
+    def picked(self, pick: Pick) -> None:
+        """Count what is packed."""
+        self._packed += pick.outcome is Outcome.PLACED
+        self._doing = "chooses the next fruit"
+
+    def ends(self, delivery: Delivery) -> None:
+        """Put the picks, now that they are evaluated, on the sheet."""
+        self._deliveries.append(delivery.without_pictures)
+        for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
+            if pick.observation.picture is not None:
+                self._add(pick, verdict)
+        if self._camera is not None and len(self._deliveries) == 1:
+            final = self._camera.picture("overview")
+            self.sheet.overview(final, ("the cell after its first delivery", counted(len(delivery.picks), "pick")))
+        self._camera = None
+
+    def _add(self, pick: Pick, verdict: Verdict) -> None:
+        assert pick.observation.picture is not None  # as `ends` checks
+        fruit, place = pick.choice.fruit, pick.choice.place
+        picture = draw(pick.observation.picture, pick.observation.detections)
+        x, y = self._calibration.to_pixels([fruit.x, fruit.y, fruit.radius]).tolist()
+        error, peak = 1e3 * verdict.release_error, verdict.peak_acceleration
+        result = f"{place.container} {place.name}, error {error:.1f} mm, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
+        if pick.outcome is not Outcome.PLACED:
+            result = pick.trouble
+        head = f"{len(self._deliveries)}.{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
+        self.sheet.add(picture, (x, y), (head, result), failed="" if verdict.correct else verdict.word(pick))
