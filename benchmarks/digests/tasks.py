@@ -145,11 +145,11 @@ def packed(calibration: Any) -> Arrays:
     """Two picks."""
     from layflat.cell import load  # noqa: PLC0415
     from layflat.cell.work import run as work  # noqa: PLC0415
-    from layflat.cell.work.delivery import Onlooker  # noqa: PLC0415
+    from layflat.cell.work.observer import Observer  # noqa: PLC0415
 
     states: list[Any] = []
 
-    class Watcher(Onlooker):
+    class Watcher(Observer):
         def begins(self, scene: Any, camera: Any) -> None:  # noqa: ARG002
             self.scene = scene
 
@@ -164,7 +164,7 @@ def packed(calibration: Any) -> Arrays:
         "time": delivery.time,
         "seen": [(fruit.x, fruit.y, fruit.diameter, fruit.confidence) for fruit in seen],
         "picks": [(pick.begin, pick.end, pick.air, pick.tries) for pick in delivery.picks],
-        "truth": [(one.right, one.release_error, one.peak_acceleration, one.press) for one in true],
+        "truth": [(one.correct, one.release_error, one.peak_acceleration, one.press) for one in true],
         "vision": [*delivery.vision.positions, *delivery.vision.diameters, delivery.vision.false],
     }
 

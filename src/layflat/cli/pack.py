@@ -13,7 +13,7 @@ import typer
 
 from layflat.cli.app import Out, app, print_table
 from layflat.cli.bars import steps_bar
-from layflat.cli.rig import FAULT, INTERRUPTED
+from layflat.cli.rig import FAULT
 from layflat.errors import InputError, LayflatError, NoDrawingError, StoppedError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from layflat.cell.file.model import Cell
     from layflat.cell.vision import Calibration
-    from layflat.cell.work.delivery import Delivery
+    from layflat.cell.work.records import Delivery
     from layflat.cell.work.run import Run
 
 PICKS, STUDY_PICKS, SEEDS = 12, 25, 20
@@ -71,7 +71,9 @@ def pack(
     else:
         run, written = _run(described, known, seed, picks or PICKS, out, film or "mp4")
         _report(described, [run], out, written)
-        _end(run.error)
+        done = sum(len(delivery.picks) for delivery in run.deliveries)
+        stopped = StoppedError(f"{done} of {picks or PICKS} picks", out / "results.json")
+        _end(stopped if isinstance(run.error, StoppedError) else run.error)
 
 
 def _check_options(film: str | None, seeds: int | None, *, study: bool) -> None:
@@ -131,23 +133,20 @@ def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int
             for run in repeated(cell, seeds, picks, calibration, advance):
                 runs.append(run)  # noqa: PERF402  # one by one: those before a Ctrl-C are kept
         except KeyboardInterrupt:
-            error = StoppedError("stopped")
+            error = StoppedError(f"{len(runs)} of {len(seeds)} seeds", out / "results.json" if runs else "")
         except LayflatError as raised:
             error = raised
     runs.sort(key=lambda run: run.seed)
-    if error is not None:
-        kept = f"{out / 'results.json'} holds these and is marked as partial" if runs else "no results were written"
-        typer.echo(f"layflat: the study ended after {len(runs)} of {len(seeds)} seeds: {error}; {kept}", err=True)
     if runs:
         _report(cell, runs, out, [], partial=error is not None)
-    _end(error or next((run.error for run in runs if run.error is not None), None), told=error is not None)
+    _end(error or next((run.error for run in runs if run.error is not None), None))
 
 
 def _report(cell: Cell, runs: list[Run], out: Path, written: list[Path], *, partial: bool = False) -> None:
     """Write results.json, print what came of it and what was written, and which runs ended early."""
     from layflat.cell.work.results import as_dict, save  # noqa: PLC0415
 
-    errors = [run.error for run in runs if run.error is not None]
+    errors = {run.seed: run.error for run in runs if run.error is not None}
     path = save(as_dict(cell, runs, partial=partial or bool(errors)), out / "results.json")
     deliveries = [delivery for run in runs for delivery in run.deliveries]
     if len(runs) == 1:
@@ -157,21 +156,24 @@ def _report(cell: Cell, runs: list[Run], out: Path, written: list[Path], *, part
     _print_summary(cell, deliveries)
     for one in (path, *written):
         typer.echo(f"wrote {one}")
-    if errors:
+    if partial or errors:
         typer.echo(f"layflat: {path} is marked as partial", err=True)
-    for error in errors[1:]:
-        typer.echo(f"layflat: {error}", err=True)
+    if len(runs) > 1:
+        for seed, error in errors.items():
+            typer.echo(f"layflat: seed {seed} ended early: {error}", err=True)
 
 
-def _end(error: LayflatError | None, *, told: bool = False) -> None:
-    """Leave with the status of an error, if there is one: a user's mistake, a Ctrl-C, or a rig that stopped."""
-    if error is None:
-        return
-    if not told:
+def _end(error: LayflatError | None) -> None:
+    """Leave with an error, if there is one: a user's mistake, a Ctrl-C, or with a status of its own a rig's stop.
+
+    Raises:
+        InputError, StoppedError: as given.
+    """
+    if isinstance(error, InputError | StoppedError):
+        raise error
+    if error is not None:
         typer.echo(f"layflat: {error}", err=True)
-    if isinstance(error, InputError):
-        raise typer.Exit(2)
-    raise typer.Exit(INTERRUPTED if isinstance(error, StoppedError) else FAULT)
+        raise typer.Exit(FAULT)
 
 
 @contextmanager

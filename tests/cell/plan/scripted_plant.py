@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from math import hypot
 
-from layflat.cell.plan.pick import Command, Readings, Phase, Relocation, Rules, State, Task
+from layflat.cell.plan.pick import Command, Phase, Readings, Relocation, Rules, State, Task
 from layflat.cell.plan.pick_machine import begun, step
 from layflat.cell.reach import Reach
 from layflat.machine import load

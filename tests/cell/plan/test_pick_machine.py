@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scripted_plant import CARRYING, CYCLE, PASSING, RULES, TASK, Plant, phases, run
 
-from layflat.cell.plan.pick import Command, Readings, Outcome, Phase, Relocation, State
+from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Relocation, State
 from layflat.cell.plan.pick_machine import SUCTION, TRANSITIONS, Event, begun, step
 
 ELSEWHERE = replace(TASK, over_fruit=(0.15, 0.1))

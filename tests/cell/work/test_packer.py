@@ -15,9 +15,10 @@ from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
-from layflat.cell.work.evaluation import Evaluator, Verdict
+from layflat.cell.work.evaluation import Evaluator
 from layflat.cell.work.observer import Observer, Observers
-from layflat.cell.work.packer import Packer, Pick
+from layflat.cell.work.packer import Packer
+from layflat.cell.work.records import Pick, Verdict
 from layflat.cell.work.station import Station
 from layflat.errors import PictureError, RigStoppedError
 

@@ -19,9 +19,9 @@ from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
-from layflat.cell.work.delivery import Delivery
 from layflat.cell.work.film_and_sheet import FPS, film_and_sheet
 from layflat.cell.work.observer import Observer, Observers, PickCounter
+from layflat.cell.work.records import Delivery
 from layflat.cell.work.results import as_dict, save, summary
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.study import repeated

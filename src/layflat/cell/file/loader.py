@@ -22,7 +22,6 @@ from layflat.machine.libraries import MACHINES
 BUILT_IN = Path(__file__).parent / "builtin"
 
 
-
 class CellLibrary(Library):
     """Cells, whose files may have the keys of earlier versions."""
 

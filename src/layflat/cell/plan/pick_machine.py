@@ -22,7 +22,7 @@ from dataclasses import replace
 from enum import Enum, auto
 from math import dist
 
-from layflat.cell.plan.pick import Command, Readings, Outcome, Phase, Rules, State, Task
+from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Rules, State, Task
 from layflat.cell.reach import Angles
 
 

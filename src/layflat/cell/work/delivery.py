@@ -3,56 +3,18 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
 
 from layflat.cell.file.model import Cell
 from layflat.cell.perception import CameraPerception, Perception, ScenePerception
-from layflat.cell.plan.order import NotPicked
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
-from layflat.cell.scene.truth import Collision
 from layflat.cell.vision import Calibration
-from layflat.cell.work.evaluation import Evaluator, Verdict, VisionErrors
+from layflat.cell.work.evaluation import Evaluator
 from layflat.cell.work.observer import Observer, Observers
-from layflat.cell.work.packer import Packer, Pick
+from layflat.cell.work.packer import Packer
+from layflat.cell.work.records import Delivery, Pick
 from layflat.cell.work.station import Station
 from layflat.errors import DivergedError, LayflatError, PictureError, RigStoppedError, StoppedError
-
-
-@dataclass(frozen=True, eq=False)
-class Delivery:
-    """What came of a delivery.
-
-    Attributes:
-        seed: of its scene.
-        picks: in order.
-        verdicts: of each pick.
-        not_picked: what was not picked, and why.
-        collisions: of arm, lift or cup with what they should not touch.
-        time: from the first image to the last, s.
-        vision: errors in what lay in the trays.
-        overlooked: fruit that could have been packed and was not, when nothing more could be picked; None where the
-            delivery ended before.
-        error: what ended it early; None where nothing did.
-    """
-
-    seed: int
-    picks: tuple[Pick, ...]
-    verdicts: tuple[Verdict, ...]
-    not_picked: tuple[NotPicked, ...]
-    collisions: tuple[Collision, ...]
-    time: float
-    vision: VisionErrors
-    overlooked: int | None = None
-    error: LayflatError | None = None
-
-    @property
-    def without_pictures(self) -> Delivery:
-        """The same but for its pictures, of which a hundred picks have half a GB."""
-        picks = [
-            replace(pick, observation=replace(pick.observation, picture=None, detections=())) for pick in self.picks
-        ]
-        return replace(self, picks=tuple(picks))
 
 
 def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, observer: Observer) -> Delivery:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from math import dist, hypot, nan
 
 from layflat.cell.perception import Observation
@@ -14,54 +13,10 @@ from layflat.cell.scene import Scene
 from layflat.cell.scene.truth import Collision, FruitTruth
 from layflat.cell.vision.detection import SURE
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.packer import Pick
+from layflat.cell.work.records import Pick, Verdict, VisionErrors
 
 NEAR = 20e-3
 """How far a fruit may be from where it was seen to be meant by it, m."""
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What is true of a pick once its delivery is over.
-
-    Attributes:
-        fruit: name of what was carried; empty where nothing was.
-        kind, grade: of it; the grade is None where it is of none.
-        correct: whether it lies in the place that was chosen, and is of the kind and grade that belong there.
-        release_error: placement error, from its middle to that of its place when it was released, m; not a number where
-            it never was.
-        peak_acceleration: greatest since the scene began, m/s^2.
-        press: greatest force of the cup on it, N.
-    """
-
-    fruit: str = ""
-    kind: str = ""
-    grade: str | None = None
-    correct: bool = False
-    release_error: float = nan
-    peak_acceleration: float = nan
-    press: float = nan
-
-    def word(self, pick: Pick) -> str:
-        """Return what came of the pick in a word."""
-        if self.correct:
-            return "correct"
-        return "wrong" if pick.outcome is Outcome.PLACED else pick.outcome.name.lower()
-
-
-@dataclass
-class VisionErrors:
-    """What was detected surely in the trays, against what lay there, over all images of a delivery.
-
-    Attributes:
-        positions: errors on the table, m.
-        diameters: errors, share.
-        false: detections of a known kind where no fruit of that kind is.
-    """
-
-    positions: list[float] = field(default_factory=list)
-    diameters: list[float] = field(default_factory=list)
-    false: int = 0
 
 
 class Evaluator(Observer):

@@ -12,10 +12,8 @@ from layflat.cell.plan.pick import Outcome, State
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration, draw
-from layflat.cell.work.delivery import Delivery
-from layflat.cell.work.evaluation import Verdict
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.packer import Pick
+from layflat.cell.work.records import Delivery, Pick, Verdict
 from layflat.cell.work.results import counted, summary
 
 FPS = 10.0

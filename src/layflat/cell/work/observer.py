@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from layflat.cell.perception import Observation
-    from layflat.cell.plan.order import Choice
-    from layflat.cell.plan.pick import State
-    from layflat.cell.scene import Scene
-    from layflat.cell.scene.camera import SimulatedCamera
-    from layflat.cell.work.delivery import Delivery
-    from layflat.cell.work.packer import Pick
+from layflat.cell.perception import Observation
+from layflat.cell.plan.order import Choice
+from layflat.cell.plan.pick import State
+from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import SimulatedCamera
+from layflat.cell.work.records import Delivery, Pick
 
 
 class Observer:

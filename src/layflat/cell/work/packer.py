@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import dist
 
 from layflat.cell.file.model import Cell
-from layflat.cell.perception import Observation, Perception
+from layflat.cell.perception import Perception
 from layflat.cell.plan.containers import free_place_at, packing_of
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice, CupClearance, NotPicked, next_pick
@@ -17,6 +17,7 @@ from layflat.cell.reach import Angles, Reach
 from layflat.cell.vision import SURE
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.occlusion import apart, same
+from layflat.cell.work.records import Pick
 from layflat.cell.work.station import Station
 from layflat.cell.work.tasks import Heights, centred, rules_of
 from layflat.cell.work.world_model import WorldModel
@@ -28,32 +29,6 @@ STRAYED = 30e-3
 """How far a fruit may have rolled when the cup missed it and still be taken for the same, m."""
 
 OUTSIDE = "lies beside trays and containers"
-
-
-@dataclass(frozen=True)
-class Pick:
-    """One pick, as the cell itself knows it.
-
-    Attributes:
-        number: from 1.
-        choice: what was to be picked, and where it was to go.
-        outcome: how it ended.
-        trouble: what went wrong last, as one clause; empty where nothing did.
-        tries: how often the cup went down for it.
-        begin, end: s.
-        air: normal litres.
-        observation: the last one in which it was seen before.
-    """
-
-    number: int
-    choice: Choice
-    outcome: Outcome
-    trouble: str
-    tries: int
-    begin: float
-    end: float
-    air: float
-    observation: Observation
 
 
 class Packer:

@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 
 from layflat.cell.file.model import Cell
-from layflat.cell.work.delivery import Delivery
-from layflat.cell.work.evaluation import Verdict
-from layflat.cell.work.packer import Pick
+from layflat.cell.work.records import Delivery, Pick, Verdict
 from layflat.cell.work.run import Run
 from layflat.files import whole_file
 

@@ -12,8 +12,9 @@ from layflat.cell.perception import calibrate_scene
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
-from layflat.cell.work.delivery import Delivery, deliver
+from layflat.cell.work.delivery import deliver
 from layflat.cell.work.observer import Observer
+from layflat.cell.work.records import Delivery
 from layflat.errors import CellError, LayflatError
 
 
