@@ -10,7 +10,7 @@ from layflat.cell.plan.limits import MotionLimits, Shares, arm_limits
 from layflat.cell.plan.motion import LEAD, Path, move_arm, tip_peaks, travel
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, changed, load, parameters
-from layflat.rig.safety.demands import DemandGate
+from layflat.rig.safety.demands import Demand, Gate, followed, margin
 from layflat.sim import rollout
 
 ARM = load("paper-arm")
@@ -172,14 +172,13 @@ def test_slower_limits_stretch_the_same_way() -> None:
 def _gated(rows: np.ndarray, machine: Machine) -> np.ndarray:
     """What the rig's gates let through of demands, as its supervisor asks them."""
     safety, stops = machine.safety, [joint.stops for joint in machine.joints.values()]
-    gates = [DemandGate(s.working_stroke / 2, s.mechanical_stroke / 2, safety.demand_speed) for s in stops]
-    for gate, at in zip(gates, rows[0], strict=True):
-        gate.freeze(at)
-    through = []
+    gates = [Gate(s.working_stroke / 2, s.mechanical_stroke / 2, safety.demand_speed) for s in stops]
+    now, through = [Demand(at, at) for at in rows[0]], []
     for row in rows:
-        margin = min(gate.margin(asked) for gate, asked in zip(gates, row, strict=True))
-        lead = min(safety.demand_lead, safety.demand_margin * margin)
-        through.append([gate.follow(asked, lead, CYCLE) for gate, asked in zip(gates, row, strict=True)])
+        left = min(margin(*one) for one in zip(gates, now, row, strict=True))
+        lead = min(safety.demand_lead, safety.demand_margin * left)
+        now = [followed(*one, lead, CYCLE)[0] for one in zip(gates, now, row, strict=True)]
+        through.append([one.demand for one in now])
     return np.array(through)
 
 
