@@ -293,7 +293,7 @@ def test_reproduce_leaves_with_1_when_a_claim_does_not_agree(tmp_path: Path) -> 
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_reproduce_judges_a_machine_of_one_joint_by_what_it_has(tmp_path: Path) -> None:
+def test_reproduce_evaluates_a_machine_of_one_joint_by_what_it_has(tmp_path: Path) -> None:
     done = layflat("reproduce", "--machine", "paper-small-joint", "--out", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "12 of 12 claims agree; 8 do not apply to this machine" in done.stdout
@@ -318,12 +318,12 @@ main()
 """
 
 
-def test_a_stopped_reproduction_keeps_what_was_judged(tmp_path: Path) -> None:
+def test_a_stopped_reproduction_keeps_what_was_evaluated(tmp_path: Path) -> None:
     words = [sys.executable, "-c", STOPPED]
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=300)
     assert done.returncode == 130, done.stderr
     assert done.stderr.splitlines() == ["layflat: stopped after 6 of 20 claims; partial results are in out"]
-    assert "6 of 6 claims agree; partial: stopped before 14 were judged" in done.stdout
+    assert "6 of 6 claims agree; partial: stopped before 14 were evaluated" in done.stdout
     claims = json.loads((tmp_path / "out" / "claims.json").read_text(encoding="utf-8"))
     assert [claim["agrees"] for claim in claims] == [True] * 6 + [None] * 14
     assert "partial: stopped" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")

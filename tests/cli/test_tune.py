@@ -18,8 +18,8 @@ def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_gains_a_table_and_a_page(tmp_path: Path) -> None:
-    (tmp_path / "mine.toml").write_text('extends = "paper-small-joint"\nname = "mine"\n', encoding="utf-8")
-    done = layflat("tune", "mine.toml", "--generations", "2", "--out", "out", cwd=tmp_path)
+    (tmp_path / "any.toml").write_text('extends = "paper-small-joint"\nname = "mine"\n', encoding="utf-8")
+    done = layflat("tune", "any.toml", "--generations", "2", "--out", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert "2 of 2 generations in" in done.stdout
@@ -54,6 +54,7 @@ def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
     assert process.returncode == 130, stderr
     assert "layflat: stopped after" in stderr
     assert "Traceback" not in stderr
+    assert "partial results are in out" in stderr
     assert "wrote out/bare-tuned.toml" in stdout
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"bare-tuned.toml", "tuning.html"}
     tuned = load(tmp_path / "out" / "bare-tuned.toml")
@@ -65,7 +66,7 @@ def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
     [
         (["nowhere"], "nowhere: no such machine"),
         (["rig-kevlar"], "rig-kevlar: has no controller to be tuned"),
-        (["paper-arm", "--method", "guess"], "--method: 'guess' is no method"),
+        (["paper-arm", "--method", "guess"], "--method: unknown method 'guess'"),
         (["paper-arm", "--generations", "0"], "--generations: 0 is out of range"),
         (["paper-arm", "--out", "/proc/here"], "can't write here"),
     ],
@@ -83,4 +84,4 @@ def test_without_its_library_one_line_says_what_to_install(tmp_path: Path) -> No
     words = [LAYFLAT[0], "-c", f"import sys; sys.modules['cma'] = None; {LAYFLAT[2]}", "tune", "paper-arm"]
     done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, check=False, timeout=300)
     assert done.returncode == 2
-    assert done.stderr == "layflat: tune: cma is not installed; pip install 'layflat[tune]'\n"
+    assert done.stderr == "layflat: tune: needs cma, not installed; install it: pip install 'layflat[tune]'\n"

@@ -10,21 +10,22 @@ import xarray
 
 from layflat.errors import DivergedError, InputError, MachineError, OutputError
 from layflat.experiments.axis_one import AT, DURATION, AxisOne
-from layflat.experiments.claim import Claim, Experiment, Judged, Quantity, Rule, claim
+from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule, claim
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, frequency_response
 from layflat.experiments.drift import Drift
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import MEASURED, PRINTED_MEAN, Statics
 from layflat.experiments.timing import Timing
-from layflat.experiments.two_axis import END, REPEATS, TwoAxis, disturbance, final_settling
+from layflat.experiments.two_axis import END, REPEATS, TwoAxis, final_settling
 from layflat.machine import load
+from layflat.sim.metrics import disturbance
 
 TIME = np.arange(0.0, AT + DURATION + 1e-9, 0.005)
 
 
-def judged(rule: Rule, **runs: Any) -> tuple[dict[str, float], bool]:
+def evaluated(rule: Rule, **runs: Any) -> tuple[dict[str, float], bool]:
     """The quantities by name, and the verdict, of a claim over made-up runs."""
-    quantities, agrees = rule.judge(SimpleNamespace(**runs))
+    quantities, agrees = rule.evaluate(SimpleNamespace(**runs))
     return {one.name: one.value for one in quantities}, bool(agrees)
 
 
@@ -44,15 +45,15 @@ class Made(Experiment):
     """Rules that do what a test asks for."""
 
     @claim("one", "1", "says", "criterion")
-    def one(self) -> Judged:
+    def one(self) -> Evaluated:
         return [Quantity("a", 2.0, "m", "3")], True
 
     @claim("two", "2", "says", "criterion")
-    def two(self) -> Judged:
+    def two(self) -> Evaluated:
         return [Quantity("a", inf, "s"), Quantity("b", nan)], np.bool_(False)  # type: ignore[return-value]
 
     @claim("lacking", "3", "says", "criterion")
-    def lacking(self) -> Judged:
+    def lacking(self) -> Evaluated:
         raise MachineError("has no arm", where="mine.toml", right="add one")
 
 
@@ -62,15 +63,15 @@ MADE = {rule.claim.id: rule for rule in Made.rules()}
 def test_rules_are_found_and_judged_in_order() -> None:
     assert list(MADE) == ["one", "two", "lacking"]
     made = Made(None)  # type: ignore[arg-type]
-    first, second, third = (rule.judged(made) for rule in MADE.values())
+    first, second, third = (rule.evaluated(made) for rule in MADE.values())
     assert (first.agrees, second.agrees, third.agrees) == (True, False, None)
-    assert (first.verdict, second.verdict, third.verdict) == ("agrees", "does not agree", "not judged")
+    assert (first.verdict, second.verdict, third.verdict) == ("agrees", "does not agree", "not evaluated")
     assert third.reason == "not applicable: mine.toml: has no arm"
     assert third.quantities == ()
 
 
 def test_records_keep_numbers_units_and_what_the_paper_gives() -> None:
-    first, second, third = (rule.judged(Made(None)).record() for rule in MADE.values())  # type: ignore[arg-type]
+    first, second, third = (rule.evaluated(Made(None)).record() for rule in MADE.values())  # type: ignore[arg-type]
     assert (first["simulated"], first["unit"], first["paper_value"], first["agrees"]) == (2.0, "m", "3", True)
     assert second["simulated"] == {"a": None, "b": None}
     assert second["unit"] == {"a": "s", "b": "1"}
@@ -85,15 +86,15 @@ def test_records_keep_numbers_units_and_what_the_paper_gives() -> None:
     [(InputError("off"), True), (OutputError("full"), False), (DivergedError(1.0, "small"), False)],
 )
 def test_only_what_a_machine_lacks_makes_a_claim_not_applicable(error: Exception, caught: bool) -> None:
-    def judge(_: Experiment) -> Judged:
+    def evaluate(_: Experiment) -> Evaluated:
         raise error
 
-    rule = Rule(Claim("x", "", "", ""), judge)
+    rule = Rule(Claim("x", "", "", ""), evaluate)
     if caught:
-        assert rule.judged(Made(None)).agrees is None  # type: ignore[arg-type]
+        assert rule.evaluated(Made(None)).agrees is None  # type: ignore[arg-type]
     else:
         with pytest.raises(type(error)):
-            rule.judged(Made(None))  # type: ignore[arg-type]
+            rule.evaluated(Made(None))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -101,16 +102,16 @@ def test_only_what_a_machine_lacks_makes_a_claim_not_applicable(error: Exception
     [(5.0, 1.0, True), (inf, 1.0, True), (1.5, 0.5, False), (3.0, 2.0, False), (5.0, inf, False)],
 )
 def test_the_unbraked_joint_takes_long_and_the_earlier_does_not(new: float, earlier: float, agrees: bool) -> None:
-    found, said = judged(AxisOne.unbraked_joint, unbraked=arriving(new), earlier=arriving(earlier))
+    found, said = evaluated(AxisOne.unbraked_joint, unbraked=arriving(new), earlier=arriving(earlier))
     assert (found["new joint settles in"], found["earlier actuator settles in"]) == pytest.approx((new, earlier))
     assert said is agrees
 
 
 def test_an_unbraked_joint_that_leaves_its_stroke_or_diverges_does_not_agree() -> None:
     far = one_joint(np.where(TIME > 6.0, 20.0, 80.0))
-    assert judged(AxisOne.unbraked_joint, unbraked=far, earlier=arriving(1.0))[1] is False
+    assert evaluated(AxisOne.unbraked_joint, unbraked=far, earlier=arriving(1.0))[1] is False
     short = arriving(9.0, TIME[TIME < 1.2])
-    found, said = judged(AxisOne.unbraked_joint, unbraked=short, earlier=arriving(1.0))
+    found, said = evaluated(AxisOne.unbraked_joint, unbraked=short, earlier=arriving(1.0))
     assert found["new joint settles in"] == inf
     assert said is False
 
@@ -119,15 +120,15 @@ def test_the_braked_joint_is_compared_by_its_limits() -> None:
     ratios = (0.01, 0.02, 0.04, 0.08)
     braked = dict(zip(ratios, (0.5, 1.0, 1.4, 3.0), strict=True))
     earlier = dict(zip(ratios, (0.5, 1.0, 2.0, 9.0), strict=True))
-    found, said = judged(AxisOne.braked_joint, braked=arriving(0.8), times_braked=braked, times_earlier=earlier)
+    found, said = evaluated(AxisOne.braked_joint, braked=arriving(0.8), times_braked=braked, times_earlier=earlier)
     assert said
     assert found == pytest.approx({
         "settling": 0.8, "limit with brake": 0.04, "limit of earlier": 0.02, "ratio": 2.0,
         "ratio if 4 s are allowed": 2.0,
     })  # fmt: skip
-    assert not judged(AxisOne.braked_joint, braked=arriving(0.8), times_braked=earlier, times_earlier=earlier)[1]
+    assert not evaluated(AxisOne.braked_joint, braked=arriving(0.8), times_braked=earlier, times_earlier=earlier)[1]
     swinging = one_joint(np.where(TIME < 1.0, -20.0, 20.0 + 0.29 * np.sign(np.sin(20.0 * TIME))))
-    assert not judged(AxisOne.braked_joint, braked=swinging, times_braked=braked, times_earlier=earlier)[1]
+    assert not evaluated(AxisOne.braked_joint, braked=swinging, times_braked=braked, times_earlier=earlier)[1]
 
 
 def two_joints(pushed: float, off: float = 0.0) -> xarray.Dataset:
@@ -145,7 +146,7 @@ def two_joints(pushed: float, off: float = 0.0) -> xarray.Dataset:
     ("pushed", "off", "agrees"), [(7.0, 0.0, True), (0.2, 0.0, False), (7.0, 0.4, False), (7.0, 0.2, True)]
 )
 def test_coupling_compares_peaks_and_what_stays(pushed: float, off: float, agrees: bool) -> None:
-    found, said = judged(TwoAxis.coupling, steps=two_joints(pushed, off))
+    found, said = evaluated(TwoAxis.coupling, steps=two_joints(pushed, off))
     assert found["small disturbed"] == pytest.approx(pushed)
     assert found["large disturbed"] == pytest.approx(0.1)
     assert found["worst error at rest"] == pytest.approx(off, abs=1e-9)
@@ -154,7 +155,7 @@ def test_coupling_compares_peaks_and_what_stays(pushed: float, off: float, agree
 
 def test_an_arm_that_diverges_has_not_settled() -> None:
     part = two_joints(7.0).sel(time=slice(None, 3.0))
-    found, said = judged(TwoAxis.settling, steps=part)
+    found, said = evaluated(TwoAxis.settling, steps=part)
     assert found == {"diverged after": 3.0}
     assert said is False
 
@@ -170,13 +171,13 @@ def test_a_joint_settles_on_its_own_final_value() -> None:
 def test_repeatability_is_half_the_spread(spread: float, reach: float, agrees: bool) -> None:
     signs = np.where(np.arange(REPEATS) % 2, 1.0, -1.0)
     rest = np.radians(spread) * np.stack([signs, 0.5 * signs], axis=1)
-    found, said = judged(TwoAxis.repeatability, rest=rest, tip=reach * np.stack([signs, 0.0 * signs], axis=1))
+    found, said = evaluated(TwoAxis.repeatability, rest=rest, tip=reach * np.stack([signs, 0.0 * signs], axis=1))
     assert found == pytest.approx({"large": spread, "small": 0.5 * spread, "tip": 1e3 * reach})
     assert said is agrees
 
 
 def test_an_arm_that_does_not_come_back_repeats_nothing() -> None:
-    found, said = judged(TwoAxis.repeatability, rest=np.zeros((REPEATS - 1, 2)), tip=np.zeros((REPEATS - 1, 2)))
+    found, said = evaluated(TwoAxis.repeatability, rest=np.zeros((REPEATS - 1, 2)), tip=np.zeros((REPEATS - 1, 2)))
     assert set(found.values()) == {inf}
     assert said is False
 
@@ -191,7 +192,7 @@ def curve(hysteresis: float, height: float = 1.0) -> SimpleNamespace:
 )
 def test_hysteresis_is_told_in_percent(earlier: float, now: float, braked: float, agrees: bool) -> None:
     runs = {"earlier": curve(earlier), "unbraked": curve(now), "braked": curve(braked)}
-    found, said = judged(OpenLoop.hysteresis, **runs)
+    found, said = evaluated(OpenLoop.hysteresis, **runs)
     assert list(found.values()) == pytest.approx([100 * earlier, 100 * now, 100 * braked])
     assert said is agrees
 
@@ -200,7 +201,7 @@ def test_a_brake_that_adds_nothing_keeps_nothing() -> None:
     same = curve(0.2)
     shapes = {"unbraked": same, "braked": same, "earlier": same}
     bench = SimpleNamespace(brake=1.0, earlier=None)
-    found, said = judged(OpenLoop.character, **shapes, bench=bench, _curve=lambda *_, **__: same)
+    found, said = evaluated(OpenLoop.character, **shapes, bench=bench, _curve=lambda *_, **__: same)
     assert found == {"height kept with brake": 0.0, "height kept by the earlier": 100.0}
     assert said is False
 
@@ -212,7 +213,7 @@ def test_torque_is_compared_with_what_was_measured(name: str, top: float, agrees
     made = SimpleNamespace(curve=lambda _: SimpleNamespace(maximum_torque=top))
     made._torque = lambda *words: Statics._torque(made, *words)  # type: ignore[arg-type]
     rule: Rule = getattr(Statics, f"{name}_joint_torque")
-    ((quantity,), said) = rule.judge(made)
+    ((quantity,), said) = rule.evaluate(made)
     assert (quantity.value, quantity.paper, said) == (top, f"{MEASURED[name]:g}", agrees)
 
 
@@ -220,7 +221,7 @@ def test_the_mean_torque_has_to_round_to_the_printed_one() -> None:
     arm = load("paper-arm")
     bench = SimpleNamespace(arm=arm, joint=lambda name: arm.joint[name])
     for crude, agrees in ((PRINTED_MEAN + 4e-6, True), (PRINTED_MEAN + 2e-5, False)):
-        found, said = judged(Statics.mean_torque, bench=bench, table=SimpleNamespace(mean_torque=crude))
+        found, said = evaluated(Statics.mean_torque, bench=bench, table=SimpleNamespace(mean_torque=crude))
         assert found["as the table"] == crude
         assert said is agrees
 
@@ -234,9 +235,9 @@ def test_the_need_of_dither_is_read_off_the_sweeps() -> None:
     assert sweep(0.1, 0.9).hysteresis == pytest.approx(0.1)
     assert sweep(0.1, 0.9).gain == pytest.approx(0.9)
     good = {"without": sweep(0.1, 0.9), "normal": sweep(0.01, 0.9), "fast": sweep(0.0, 1.0)}
-    assert judged(Dither.need, sweeps=good)[1]
-    assert not judged(Dither.need, sweeps={**good, "normal": sweep(0.05, 0.9)})[1]
-    assert not judged(Dither.need, sweeps={**good, "fast": sweep(0.0, 0.9)})[1]
+    assert evaluated(Dither.need, sweeps=good)[1]
+    assert not evaluated(Dither.need, sweeps={**good, "normal": sweep(0.05, 0.9)})[1]
+    assert not evaluated(Dither.need, sweeps={**good, "fast": sweep(0.0, 0.9)})[1]
 
 
 def test_an_amplitude_is_found_in_noise_free_ripple() -> None:
@@ -261,17 +262,17 @@ def test_the_integral_may_learn_at_rest_only() -> None:
         return xarray.Dataset({"long_term": (("time", "joint"), values)}, {"time": [0.0, 5.0, 9.0], "joint": ["small"]})
 
     bench = SimpleNamespace(axis_one=machine)
-    found, said = judged(Drift.rules_of_the_integral, bench=bench, volts=0.25, run=run)
+    found, said = evaluated(Drift.rules_of_the_integral, bench=bench, volts=0.25, run=run)
     assert found == pytest.approx({"drift taken over": 96.0, "air off": 0.0, "in motion": 0.0, "offset load": 0.0})
     assert said
     moving = lambda **changes: run(0.01 if "demand" in changes else 0.0, **changes)  # noqa: E731
-    found, said = judged(Drift.rules_of_the_integral, bench=bench, volts=0.25, run=moving)
+    found, said = evaluated(Drift.rules_of_the_integral, bench=bench, volts=0.25, run=moving)
     assert found["in motion"] == pytest.approx(0.01)
     assert not said
 
 
 @pytest.mark.parametrize(("seconds", "agrees"), [(1e-6, True), (2e-5, False)])
 def test_a_cycle_has_a_limit(seconds: float, agrees: bool) -> None:
-    found, said = judged(Timing.control_cycle, all_axes=seconds)
+    found, said = evaluated(Timing.control_cycle, all_axes=seconds)
     assert found == pytest.approx({"time of a cycle": 1e6 * seconds})
     assert said is agrees

@@ -51,10 +51,10 @@ def test_the_report_stands_alone_with_figures_in_the_papers_order(paper: Reprodu
     assert all(title.split(".")[0] in html for title, *_ in FIGURES.values())
 
 
-def partly(paper: Reproduction, judged: set[str]) -> Reproduction:
-    """A reproduction that was stopped when it had judged so many claims."""
+def partly(paper: Reproduction, evaluated: set[str]) -> Reproduction:
+    """A reproduction that was stopped when it had evaluated so many claims."""
     claims = [
-        claim if claim.id in judged else Claim(claim.id, claim.where, claim.says, claim.criterion, reason=STOPPED)
+        claim if claim.id in evaluated else Claim(claim.id, claim.where, claim.says, claim.criterion, reason=STOPPED)
         for claim in paper.claims
     ]
     return replace(paper, claims=claims)
@@ -79,7 +79,7 @@ def test_what_was_not_judged_is_said_and_not_drawn(paper: Reproduction, tmp_path
     assert page.figures == ["fig-2", "fig-3", "fig-4", "fig-5", "fig-average"]
     assert html.count("✓ agrees") == 3
     assert html.count(f">{STOPPED}<") == 17
-    assert "3 of 3 claims agree; partial: stopped before 17 were judged" in html
+    assert "3 of 3 claims agree; partial: stopped before 17 were evaluated" in html
     records = json.loads(write_claims(found, tmp_path / "claims.json").read_text(encoding="utf-8"))
     assert [record["agrees"] for record in records].count(None) == 17
 

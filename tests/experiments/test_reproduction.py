@@ -95,13 +95,13 @@ def test_a_machine_of_one_joint_is_judged_by_what_it_has(paper: Reproduction) ->
 
 def test_a_rig_without_valve_and_controller_has_its_statics() -> None:
     found = by_id(reproduce(bench("rig-kevlar")))
-    judged = {name for name, claim in found.items() if claim.agrees is not None}
-    assert judged == {"table-1", "small-joint-torque", "open-loop-hysteresis", "loop-character", "rig-variants"}
+    evaluated = {name for name, claim in found.items() if claim.agrees is not None}
+    assert evaluated == {"table-1", "small-joint-torque", "open-loop-hysteresis", "loop-character", "rig-variants"}
     assert found["dither-need"].reason == "not applicable: rig-kevlar: has no spool valve"
     assert "rig-kevlar: valve" in found["control-cycle"].reason or "controller" in found["control-cycle"].reason
 
 
-def test_an_interruption_keeps_what_was_judged() -> None:
+def test_an_interruption_keeps_what_was_evaluated() -> None:
     def two(done: int, total: int) -> None:
         assert total == 20
         if done == 2:
@@ -109,10 +109,10 @@ def test_an_interruption_keeps_what_was_judged() -> None:
 
     found = reproduce(bench(), two)
     assert found.stopped
-    assert [claim.id for claim in found.judged] == ["table-1", "mean-torque"]
+    assert [claim.id for claim in found.evaluated] == ["table-1", "mean-torque"]
     assert [claim.id for claim in found.claims] == list(ORDER)
     assert {claim.reason for claim in found.claims[2:]} == {STOPPED}
-    assert found.summary == "2 of 2 claims agree; partial: stopped before 18 were judged"
+    assert found.summary == "2 of 2 claims agree; partial: stopped before 18 were evaluated"
 
 
 def test_the_same_bench_gives_the_same_values(paper: Reproduction) -> None:

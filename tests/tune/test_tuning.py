@@ -1,18 +1,20 @@
 from html.parser import HTMLParser
+from math import radians
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
 from layflat.errors import InputError, MachineError, OutputError
 from layflat.machine import load
 from layflat.tune import Tuning, begin
 from layflat.tune import search as s
-from layflat.tune import verdict as v
+from layflat.tune import validation as v
 from layflat.tune.knobs import neutral_gains, values_of
 from layflat.tune.page import figures_of, gains_table, write_page
 from layflat.tune.search import Found
-from layflat.tune.verdict import verdict
+from layflat.tune.validation import Validation, validate, warnings
 
 BARE = """extends = "paper-small-joint"
 omits = ["joint.small.gains"]
@@ -115,8 +117,8 @@ def told(tuning: Tuning) -> Tuning:
 def test_the_page_stands_alone_and_says_what_was_found(name: str, bare: Path, tmp_path: Path) -> None:
     tuning = told(begin(str(bare) if name == "bare" else name, tmp_path / "out", start="current"))
     tuned = tuning.keep()
-    before = verdict(tuning.base) if tuning.has_gains else None
-    after = verdict(tuned)
+    before = validate(tuning.base) if tuning.has_gains else None
+    after = validate(tuned)
     rows = figures_of(tuning.machine, before, after)
     assert any("small joint by 40 deg" in row[0] for row in rows)
     assert all((row[1] == "none") == (name == "bare") for row in rows)
@@ -131,7 +133,7 @@ def test_the_page_stands_alone_and_says_what_was_found(name: str, bare: Path, tm
 
 
 def test_a_verdict_counts_what_never_settles_as_worst() -> None:
-    found = verdict(load("paper-small-joint"))
+    found = validate(load("paper-small-joint"))
     assert found.settling.shape == (16, 2, 1)
     assert found.worst == found.settling.max()
     assert found.late == np.count_nonzero(found.settling > 1.5)
@@ -141,9 +143,9 @@ def test_a_verdict_counts_what_never_settles_as_worst() -> None:
 @pytest.mark.parametrize(
     ("given", "options", "expected"),
     [
-        ("paper-arm", {"method": "guess"}, "--method: 'guess' is no method; give global or phases"),
+        ("paper-arm", {"method": "guess"}, "--method: unknown method 'guess'; give global or phases"),
         ("paper-arm", {"generations": 0}, "--generations: 0 is out of range; give 1 to 9999"),
-        ("paper-arm", {"start": "here"}, "--from: 'here' is no beginning; give neutral or current"),
+        ("paper-arm", {"start": "here"}, "--from: unknown start 'here'; give neutral or current"),
         ("paper-arm", {"seed": -1}, "--seed: -1 is out of range; give 0 to 9999"),
     ],
 )
@@ -172,3 +174,42 @@ def test_a_folder_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(OutputError):
         begin("paper-arm", tmp_path / "file")
+
+
+def made_validation(pushed: float) -> Validation:
+    settling = np.full((16, 2, 2), 0.5)
+    told_of = {"small joint pushed by the large one": radians(pushed), "large joint pushed by the small one": 0.001}
+    return Validation(settling, np.full(2, 0.5), 1.0, xarray.Dataset(), told_of)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"), [(0.8, 10.1, True), (6.0, 10.1, False), (0.8, 2.5, False), (None, 10.1, True)]
+)
+def test_a_joint_that_is_pushed_much_further_is_warned_of(before: float | None, after: float, said: bool) -> None:
+    found = warnings(None if before is None else made_validation(before), made_validation(after))
+    assert len(found) == said
+    if said:
+        than = "" if before is None else ", 0.8 deg before"
+        assert found[0].startswith(f"Coupling: small joint pushed by the large one by 10.1 deg{than}.")
+
+
+def test_the_arms_coupling_is_that_of_its_nominal_run() -> None:
+    found = validate(load("paper-arm"))
+    assert list(found.pushed) == ["small joint pushed by the large one", "large joint pushed by the small one"]
+    small, large = found.pushed.values()
+    assert small > 3.0 * large
+    part = found.response["angle"].sel(joint="small", time=slice(0.3, 2.0)).to_numpy()
+    assert small == pytest.approx(np.abs(part - part[0]).max())
+
+
+def test_a_name_that_leads_elsewhere_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "paper-small-joint"\nname = "../../evil"\n', encoding="utf-8")
+    with pytest.raises(InputError, match="name"):
+        begin(str(path), tmp_path / "out")
+
+
+def test_a_title_does_not_contradict_what_was_changed(tmp_path: Path) -> None:
+    path = tmp_path / "heavy.toml"
+    path.write_text('extends = "paper-arm"\nname = "heavy"\n[arm]\npayload = "2.5 kg"\n', encoding="utf-8")
+    assert "kg" not in load(path).title

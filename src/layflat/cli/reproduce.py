@@ -23,10 +23,10 @@ def reproduce(
         bool, typer.Option("--questions", help="run the studies of the paper's open questions, too (minutes)")
     ] = False,
 ) -> int:
-    """Reproduce the paper: perform its experiments, judge its claims, write report.html and claims.json.
+    """Reproduce the paper: perform its experiments, evaluate its claims, write report.html and claims.json.
 
-    Claims that need what the machine lacks are listed as not judged, with the reason. Ctrl-C ends it; what was judged
-    until then is kept. The report shows the open questions whose studies are done below the folder.
+    Claims that need what the machine lacks are listed as not evaluated, with the reason. Ctrl-C ends it; what was
+    evaluated until then is kept. The report shows the open questions whose studies are done below the folder.
     """
     from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
     from layflat.experiments.questions import answers  # noqa: PLC0415
@@ -50,7 +50,7 @@ def reproduce(
     for one in answered:
         typer.echo(f"\n{one.title}\n{fill(one.finding, WIDTH)}")
     if found.stopped:
-        raise StoppedError(f"{len(found.judged)} of {len(ORDER)} claims", out)
+        raise StoppedError(f"{len(found.evaluated)} of {len(ORDER)} claims", out)
     return 0 if found.agrees else 1
 
 

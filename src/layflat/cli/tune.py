@@ -10,6 +10,7 @@ import typer
 
 from layflat.cli.app import WIDTH, MachineName, Out, app, print_table
 from layflat.cli.bars import steps_bar
+from layflat.errors import StoppedError
 
 
 @app.command()
@@ -23,7 +24,7 @@ def tune(
     ] = "global",
     start: Annotated[str, typer.Option("--from", metavar="neutral|current", help="gains to begin with")] = "neutral",
     generations: Annotated[
-        int | None, typer.Option(help="of the search, in all; as many as the method needs where not given")
+        int | None, typer.Option(help="of the search, in all; default: as many as the method needs")
     ] = None,
     seed: Annotated[int, typer.Option(help="of the search; the same seed finds the same gains")] = 1,
     out: Out = Path("build/tune"),
@@ -36,21 +37,22 @@ def tune(
     from layflat.tune import begin  # noqa: PLC0415
     from layflat.tune.cost import STATEMENT  # noqa: PLC0415
     from layflat.tune.page import figures_of, write_page  # noqa: PLC0415
-    from layflat.tune.verdict import verdict  # noqa: PLC0415
+    from layflat.tune.validation import validate, warnings  # noqa: PLC0415
 
     tuning = begin(machine, out, method=method, start=start, seed=seed, generations=generations)
     with steps_bar("generations", tuning.generations) as advance:
         tuning.seek(lambda best, done, name: advance(done, now=f"{name or 'first gains'}: best cost {best.cost:.2f} s"))
     tuned = tuning.keep()
     done = f"{len(tuning.told) - 1} of {tuning.generations} generations in {tuning.seconds:.1f} s"
-    typer.echo(f"layflat: stopped after {done}" if tuning.stopped else done, err=tuning.stopped)
-    typer.echo(f"wrote {tuning.path}")
-    before = verdict(tuning.base) if tuning.has_gains else None
-    after = verdict(tuned)
-    print_table(["settling within 0.3 deg", "before", "after"], figures_of(tuning.machine, before, after), tuned.name)
-    typer.echo(fill(STATEMENT, WIDTH))
+    typer.echo(f"{done}\nwrote {tuning.path}")
+    before = validate(tuning.base) if tuning.has_gains else None
+    after = validate(tuned)
+    columns = ["settling within 0.3 deg, coupling", "before", "after"]
+    print_table(columns, figures_of(tuning.machine, before, after), tuned.name)
+    for line in (*warnings(before, after), STATEMENT):
+        typer.echo(fill(line, WIDTH))
     if tuning.kept:
         typer.echo("no better gains were found: those that were there stay")
     typer.echo(f"wrote {write_page(tuning, tuned, before, after, out / 'tuning.html')}")
     if tuning.stopped:
-        raise typer.Exit(130)
+        raise StoppedError(done, out)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, move, settling_time
@@ -120,7 +120,7 @@ class AxisOne(Experiment):
         "without brake the new joint is stable but takes several seconds and oscillates a little; the earlier is good",
         "bounded, over 2 s; the earlier actuator settles at least twice as fast",
     )
-    def unbraked_joint(self) -> Judged:
+    def unbraked_joint(self) -> Evaluated:
         """Compare both joints without brake."""
         new, earlier = settling(self.unbraked), settling(self.earlier)
         reach = float(np.degrees(np.abs(self.unbraked["angle"]).max()))
@@ -136,7 +136,7 @@ class AxisOne(Experiment):
         "stable with the brake at 0.32 kg m2, about twice the earlier actuator's limit relative to torque",
         "settles within 0.3 deg without sustained oscillation; ratio of limits (settled in 1.5 s) at least 1.6",
     )
-    def braked_joint(self) -> Judged:
+    def braked_joint(self) -> Evaluated:
         """Settle with the brake, and compare the greatest inertias that settle."""
         time = settling(self.braked)
         last = self.braked["angle"].sel(time=slice(AT + DURATION - 2.0, None))

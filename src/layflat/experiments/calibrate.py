@@ -20,7 +20,6 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from math import degrees, radians
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +33,7 @@ from layflat.sim.metrics import BAND, settling_time
 from layflat.sim.run import prepare
 from layflat.sim.sweep import sweep
 from layflat.tune.knobs import PER_DEG, Knob, gain_knobs, values_of
-from layflat.tune.search import need_cma
+from layflat.tune.search import Strategy
 
 Array = NDArray[np.float64]
 AT, LAST = 0.5, 3.0
@@ -185,19 +184,18 @@ def arm_cost(knobs: list[Knob], arm: Machine, values: Array) -> float:
 
 
 def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, rounds: int, seed: int) -> Array:
-    """Least cost over the knobs' ranges by CMA-ES, from `start` (in the knobs' units); two candidates at a time."""
+    """Seek least cost over the knobs' ranges, from `start` (in the knobs' units); two candidates at a time."""
     low, high = np.array([k.low for k in knobs]), np.array([k.high for k in knobs])
-    options = {"seed": seed, "popsize": 24, "maxiter": rounds, "bounds": [0.0, 1.0], "verbose": -9}
-    evolution: Any = need_cma().CMAEvolutionStrategy(np.clip((start - low) / (high - low), 0.02, 0.98), 0.15, options)
+    strategy = Strategy((start - low) / (high - low), 24, seed)
+    inner = strategy.inner
     with ThreadPoolExecutor(2) as pool:
-        while not evolution.stop():
-            candidates = evolution.ask()
-            evolution.tell(candidates, list(pool.map(lambda c: cost(low + c * (high - low)), candidates)))
-            sys.stderr.write(f"\rround {evolution.countiter} of {rounds}: cost {evolution.result.fbest:.3f}  ")
+        while not inner.stop() and inner.countiter < rounds:
+            strategy.advance(lambda shares: pool.map(lambda c: cost(low + c * (high - low)), shares))
+            sys.stderr.write(f"\rround {inner.countiter} of {rounds}: cost {inner.result.fbest:.3f}  ")
     sys.stderr.write("\n")
     # No worse than before, however short the search.
-    found = np.asarray(low + evolution.result.xbest * (high - low))
-    return found if evolution.result.fbest < cost(start) else start
+    found = np.asarray(low + inner.result.xbest * (high - low))
+    return found if inner.result.fbest < cost(start) else start
 
 
 def main(rounds: int = 150) -> None:

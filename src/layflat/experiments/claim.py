@@ -23,16 +23,16 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the paper, as it was judged.
+    """One claim of the paper, as it was evaluated.
 
     Args:
         id: short name.
         where: section, table or figure of the paper.
         says: what the paper says, in our words.
         criterion: when simulation and paper agree.
-        quantities: what is simulated; none where the claim was not judged.
-        agrees: whether the criterion holds; None where the claim was not judged.
-        reason: why it was not judged.
+        quantities: what is simulated; none where the claim was not evaluated.
+        agrees: whether the criterion holds; None where the claim was not evaluated.
+        reason: why it was not evaluated.
     """
 
     id: str
@@ -46,7 +46,7 @@ class Claim:
     @property
     def verdict(self) -> str:
         """The outcome in a word or three."""
-        return {None: "not judged", True: "agrees", False: "does not agree"}[self.agrees]
+        return {None: "not evaluated", True: "agrees", False: "does not agree"}[self.agrees]
 
     def record(self) -> dict[str, Any]:
         """Return the claim as it stands in claims.json; a value that is not finite becomes null."""
@@ -73,21 +73,21 @@ def _json(value: float) -> float | None:
     return round(float(value), 6) if isfinite(value) else None
 
 
-Judged = tuple[list[Quantity], bool]
+Evaluated = tuple[list[Quantity], bool]
 """What a claim's rule computes: its quantities, and whether its criterion holds."""
 
 
 @dataclass(frozen=True)
 class Rule:
-    """A claim that has not been judged yet, and how to judge it by an experiment."""
+    """A claim that has not been evaluated yet, and how to evaluate it by an experiment."""
 
     claim: Claim
-    judge: Callable[[Any], Judged]
+    evaluate: Callable[[Any], Evaluated]
 
-    def judged(self, experiment: Experiment) -> Claim:
+    def evaluated(self, experiment: Experiment) -> Claim:
         """Judge the claim; where the machine under test lacks what it takes, the claim says so."""
         try:
-            quantities, agrees = self.judge(experiment)
+            quantities, agrees = self.evaluate(experiment)
         except OutputError:
             raise
         except InputError as error:
@@ -95,13 +95,13 @@ class Rule:
         return replace(self.claim, quantities=tuple(quantities), agrees=bool(agrees))
 
     def open(self, reason: str) -> Claim:
-        """Return the claim as one that is not judged, for a reason."""
+        """Return the claim as one that is not evaluated, for a reason."""
         return replace(self.claim, reason=reason)
 
 
-def claim(identifier: str, where: str, says: str, criterion: str) -> Callable[[Callable[[Any], Judged]], Rule]:
+def claim(identifier: str, where: str, says: str, criterion: str) -> Callable[[Callable[[Any], Evaluated]], Rule]:
     """Declare a method of an experiment to be the rule of a claim."""
-    return lambda judge: Rule(Claim(identifier, where, says, criterion), judge)
+    return lambda evaluate: Rule(Claim(identifier, where, says, criterion), evaluate)
 
 
 @dataclass(frozen=True)

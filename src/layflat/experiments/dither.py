@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from layflat.control.controller import start, step
 from layflat.control.gains import Measurement
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import sweep_spool
 from layflat.machine import Machine, parameters
 from layflat.machine.model import SpoolValve
@@ -121,7 +121,7 @@ class Dither(Experiment):
         "unbraked joints follow the 50 Hz dither; the brake stops that, but the pressure still ripples",
         "angle ripple at least 10 times smaller, pressure ripple at least 70 % kept",
     )
-    def motion(self) -> Judged:
+    def motion(self) -> Evaluated:
         """Compare the ripple of angle and pressure with and without brake."""
         arm, at = self.bench.arm, self.bench.valve.dither.frequency
         (angle, pressure), (angle_braked, pressure_braked) = (ripple(arm, b, at) for b in (0.0, self.bench.brake))
@@ -139,7 +139,7 @@ class Dither(Experiment):
         "without dither friction gives the valve hysteresis; a faster dither makes it more of an on/off valve",
         "hysteresis at least 5 times smaller at 50 Hz; small-signal gain rises when dither no longer moves the spool",
     )
-    def need(self) -> Judged:
+    def need(self) -> Evaluated:
         """Compare the valve's sweeps."""
         without, normal, fast = (self.sweeps[name] for name in ("without", "normal", "fast"))
         return [
@@ -155,7 +155,7 @@ class Dither(Experiment):
         "sampling over the full 20 ms avoids aliasing and costs delay",
         "50 Hz suppressed by at least 40 dB; delay 7.5 to 10 ms",
     )
-    def averaging(self) -> Judged:
+    def averaging(self) -> Evaluated:
         """Probe the angle that the controller uses with the dither's frequency and with a ramp."""
         gains, cycle = parameters.gains(self.bench.arm, self.bench.arm.arm.joints[-1]), self.bench.arm.cycle
         t = cycle * np.arange(200)

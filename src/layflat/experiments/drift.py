@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import parameters
 from layflat.sim import Scenario, rollout
 
@@ -54,7 +54,7 @@ class Drift(Experiment):
         "the long-term integral builds only with air, at rest, without offset load",
         "at least 90 % of a 5 % drift within 60 s; no change with the air off, in motion or under an offset load",
     )
-    def rules_of_the_integral(self) -> Judged:
+    def rules_of_the_integral(self) -> Evaluated:
         """Let the integral learn at rest, with the air off, in motion, and under an offset load."""
         machine = self.bench.axis_one
         load = OFFSET_LOAD * parameters.torque_constant(machine.joint["small"]) * machine.supply.pressure_gauge

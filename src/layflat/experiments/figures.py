@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 
 def figures(found: Reproduction) -> Iterator[Drawn]:
-    """Draw the figures whose claims were judged, one by one."""
-    judged = {claim.id for claim in found.judged}
+    """Draw the figures whose claims were evaluated, one by one."""
+    evaluated = {claim.id for claim in found.evaluated}
     for number, (title, caption, claims, draw) in FIGURES.items():
-        if judged.issuperset(claims):
+        if evaluated.issuperset(claims):
             yield Drawn(number, title, caption, to_svg(draw(found)))
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from layflat.experiments.bench import RIGS
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine
 from layflat.sim.sweep import Loop, sweep
 
@@ -63,7 +63,7 @@ class OpenLoop(Experiment):
         "25 % for the earlier actuator, 7 % for the new joint, 25 % with its brake",
         "25 ± 2, 7 ± 1, 23 to 27",
     )
-    def hysteresis(self) -> Judged:
+    def hysteresis(self) -> Evaluated:
         """Compare the height of the curves."""
         before, now, braked = _percent(self.earlier), _percent(self.unbraked), _percent(self.braked)
         return [
@@ -78,7 +78,7 @@ class OpenLoop(Experiment):
         "Coulomb friction opposes small motions fully, the earlier actuator's hysteresis less",
         "of the curve's height over 5 % of the stroke the brake keeps at least 95 %, the earlier actuator at most 60 %",
     )
-    def character(self) -> Judged:
+    def character(self) -> Evaluated:
         """Compare what is left of the curves' height over a small part of the stroke."""
         small = {brake: self._curve("small", brake=brake, share=SMALL_SWEEP) for brake in (self.bench.brake, 0.0)}
         small_earlier = self._curve("small", machine=self.bench.earlier, share=SMALL_SWEEP)
@@ -98,7 +98,7 @@ class OpenLoop(Experiment):
         "polyester 21 %, rigid shell with steel 8 % at 3 bar; plate and Kevlar between; falls with pressure",
         "21 ± 2, 8 ± 1; polyester > + plate > Kevlar + plate > shell; others within 1; falling from 1 to 4 bar",
     )
-    def variants(self) -> Judged:
+    def variants(self) -> Evaluated:
         """Compare the rigs."""
         at = {name: _percent(self.rigs[name][RIG_PRESSURE]) for name in RIGS}
         ordered = ("rig-polyester", "rig-polyester-plate", "rig-kevlar-plate", "rig-shell-steel")
@@ -123,7 +123,7 @@ class OpenLoop(Experiment):
         "brakes at ±8 % of maximum torque make about 25 % over all, on both joints",
         "23 to 27 on both",
     )
-    def overall(self) -> Judged:
+    def overall(self) -> Evaluated:
         """Compare the curves of both joints with their brakes."""
         both = {"large": _percent(self._curve("large", brake=self.bench.brake)), "small": _percent(self.braked)}
         quantities = [Quantity(name, value, OF_TORQUE, "about 25") for name, value in both.items()]

@@ -34,7 +34,7 @@ COLUMNS = ("claim", "quantity", "the paper", "simulated", "unit", "agrees")
 
 
 def table(claims: Sequence[Claim]) -> list[list[str]]:
-    """Return rows of a table with `COLUMNS`: a row for each quantity, or for the reason why a claim was not judged."""
+    """Return rows with `COLUMNS`: one for each quantity, or for the reason why a claim was not evaluated."""
     rows = []
     for one in claims:
         told = [[q.name, q.paper, number(q.value), q.unit.removeprefix("1")] for q in one.quantities]

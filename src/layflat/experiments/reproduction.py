@@ -39,12 +39,12 @@ ORDER = (
 )
 """The claims in the order of the paper."""
 
-STOPPED = "stopped before it was judged"
+STOPPED = "stopped before it was evaluated"
 
 
 @dataclass
 class Reproduction:
-    """The experiments on one bench, and the claims judged by them, in the order of the paper."""
+    """The experiments on one bench, and the claims evaluated by them, in the order of the paper."""
 
     statics: Statics
     open_loop: OpenLoop
@@ -59,36 +59,36 @@ class Reproduction:
         return self.statics.bench
 
     @property
-    def judged(self) -> list[Claim]:
-        """The claims that could be judged."""
+    def evaluated(self) -> list[Claim]:
+        """The claims that could be evaluated."""
         return [claim for claim in self.claims if claim.agrees is not None]
 
     @property
     def stopped(self) -> bool:
-        """Whether it was interrupted before all claims were judged."""
+        """Whether it was interrupted before all claims were evaluated."""
         return any(claim.reason == STOPPED for claim in self.claims)
 
     @property
     def agrees(self) -> bool:
-        """Whether every claim that could be judged agrees."""
-        return all(claim.agrees for claim in self.judged)
+        """Whether every claim that could be evaluated agrees."""
+        return all(claim.agrees for claim in self.evaluated)
 
     @property
     def summary(self) -> str:
         """How many claims agree, in a line."""
-        said = f"{sum(claim.agrees is True for claim in self.claims)} of {len(self.judged)} claims agree"
+        said = f"{sum(claim.agrees is True for claim in self.claims)} of {len(self.evaluated)} claims agree"
         left = sum(claim.reason == STOPPED for claim in self.claims)
-        lacking = len(self.claims) - len(self.judged) - left
+        lacking = len(self.claims) - len(self.evaluated) - left
         said += f"; {lacking} do not apply to this machine" if lacking else ""
-        return said + (f"; partial: stopped before {left} were judged" if left else "")
+        return said + (f"; partial: stopped before {left} were evaluated" if left else "")
 
 
 def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: None) -> Reproduction:
-    """Perform every experiment and judge the paper's claims; an interruption (Ctrl-C) leaves the rest open.
+    """Perform every experiment and evaluate the paper's claims; an interruption (Ctrl-C) leaves the rest open.
 
     Args:
         bench: the machine under test and the paper's other machines.
-        progress: is called with the number of claims that are judged, and with how many there are.
+        progress: is called with the number of claims that are evaluated, and with how many there are.
     """
     found = Reproduction(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench))
     drawn = (found.statics, found.open_loop, found.axis_one, found.two_axis, found.dither)
@@ -96,7 +96,7 @@ def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: No
     rules.sort(key=lambda pair: ORDER.index(pair[0].claim.id))
     try:
         for rule, experiment in rules:
-            found.claims.append(rule.judged(experiment))
+            found.claims.append(rule.evaluated(experiment))
             progress(len(found.claims), len(rules))
     except KeyboardInterrupt:
         found.claims += [rule.open(STOPPED) for rule, _ in rules[len(found.claims) :]]

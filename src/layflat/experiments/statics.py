@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from layflat.design import JointDesign, Table1, design_joint, table1
 from layflat.experiments.bench import alone, maximum_torque
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine, changed, parameters
 from layflat.sim import Scenario, rollout
 from layflat.sim.sweep import Loop, sweep
@@ -114,7 +114,7 @@ class Statics(Experiment):
         "11 rows of intermediate values, torque, work, move, force, cam radius and cam angle",
         "every cell, with the table's own constants",
     )
-    def table_1(self) -> Judged:
+    def table_1(self) -> Evaluated:
         """Count the cells of the table that round to the printed digits."""
         wrong = wrong_cells(self.table)
         cells = sum(len(column) for column in printed_table().values())
@@ -126,7 +126,7 @@ class Statics(Experiment):
         "82.10202 N m at 4 bar after cam compensation",
         "rounds to it with the table's constants; within 0.5 % by exact integration",
     )
-    def mean_torque(self) -> Judged:
+    def mean_torque(self) -> Evaluated:
         """Compare the mean torque of the table, and of exact integration, with the printed one."""
         joint = self.bench.joint("large")
         travel = parameters.travel_volume(joint) / parameters.full_travel(joint)
@@ -136,23 +136,23 @@ class Statics(Experiment):
             Quantity("exact", exact, "N m", f"{PRINTED_MEAN}"),
         ], round(crude, 5) == PRINTED_MEAN and abs(exact / PRINTED_MEAN - 1.0) <= 0.005
 
-    def _torque(self, name: str, percent: float) -> Judged:
+    def _torque(self, name: str, percent: float) -> Evaluated:
         top = self.curve(name).maximum_torque
         measured = MEASURED[name]
         return [Quantity("maximum torque", top, "N m", f"{measured:g}")], abs(top / measured - 1.0) <= percent / 100.0
 
     @claim("large-joint-torque", "2.3, 4.1", "85 N m by design, 84 N m measured, at 4 bar", "within 5 % of 84 N m")
-    def large_joint_torque(self) -> Judged:
+    def large_joint_torque(self) -> Evaluated:
         """Compare the large joint's torque."""
         return self._torque("large", 5.0)
 
     @claim("small-joint-torque", "2.3, 4.1", "25 N m by design, 27 N m measured, at 4 bar", "within 8 % of 27 N m")
-    def small_joint_torque(self) -> Judged:
+    def small_joint_torque(self) -> Evaluated:
         """Compare the small joint's torque."""
         return self._torque("small", 8.0)
 
     @claim("torque-per-mass", "5", "3.5 N m/kg per bar", "mean of both joints within 10 %")
-    def torque_per_mass(self) -> Judged:
+    def torque_per_mass(self) -> Evaluated:
         """Compare torque per mass."""
         mass = {name: self.bench.joint(name).body.mass for name in MEASURED}
         each = {name: self.torque[name] / mass[name] / 4.0 for name in mass}
@@ -169,7 +169,7 @@ class Statics(Experiment):
         "with the cam torque does not vary over the stroke; stiffness does not vary with position, only with pressure",
         "torque within 1 % over 120 deg; geometric stiffness below 2 %; stiffness follows pressure within 10 %",
     )
-    def constant_torque(self) -> Judged:
+    def constant_torque(self) -> Evaluated:
         """Compare torque over the stroke, and stiffness over position and pressure."""
         cam = cam_torque(self.design)
         spread = 100.0 * float(np.ptp(cam) / np.mean(cam))

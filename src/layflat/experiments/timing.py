@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
 
@@ -33,6 +33,6 @@ class Timing(Experiment):
         return float(np.median(times))
 
     @claim("control-cycle", "3", "two axes in under 2.5 ms on a 386", "all axes' step under 10 us at the median")
-    def control_cycle(self) -> Judged:
+    def control_cycle(self) -> Evaluated:
         """Time one cycle of all axes."""
         return [Quantity("time of a cycle", 1e6 * self.all_axes, "us", "under 2500")], self.all_axes < 1e-5

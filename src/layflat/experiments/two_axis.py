@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.experiments.claim import Experiment, Judged, Quantity, claim
+from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.kinematics import tip_position
-from layflat.sim.metrics import BAND, move, settling_time, tip_settling
+from layflat.sim.metrics import BAND, disturbance, move, settling_time, tip_settling
 from layflat.sim.run import rollout_as_far
 
 if TYPE_CHECKING:
@@ -38,12 +38,6 @@ def final_settling(run: xarray.Dataset, joint: str, since: float, until: float) 
     angle = part["angle"].to_numpy()
     final = float(angle[int(0.9 * len(angle)) :].mean())
     return settling_time(part["time"].to_numpy(), angle - final, FINAL_BAND)
-
-
-def disturbance(run: xarray.Dataset, joint: str, since: float, until: float) -> float:
-    """Return how far a joint is pushed from where it stood when the other one began to move, rad."""
-    angle = run["angle"].sel(joint=joint, time=slice(since, until)).to_numpy()
-    return float(np.abs(angle - angle[0]).max())
 
 
 class TwoAxis(Experiment):
@@ -91,7 +85,7 @@ class TwoAxis(Experiment):
         "reached within about 1.5 s with 1.5 kg, to ±0.1 deg on each joint and ±2 mm at the tip",
         "both joints within 0.3 deg of demand and 0.1 deg of their final value, tip within 2 mm, in 1.5 s",
     )
-    def settling(self) -> Judged:
+    def settling(self) -> Evaluated:
         """Settle joints and tip after a step of either joint."""
         run = self.steps
         if float(run["time"][-1]) < END - 0.01:
@@ -112,7 +106,7 @@ class TwoAxis(Experiment):
         "±0.1 deg on each joint, ±1 to 2 mm at the tip: here half the spread of 20 approaches",
         "within 0.1 deg and 2 mm",
     )
-    def repeatability(self) -> Judged:
+    def repeatability(self) -> Evaluated:
         """Compare where the arm comes to rest."""
         whole = len(self.rest) == REPEATS
         spread = np.degrees(np.ptp(self.rest, axis=0)) / 2 if whole else np.array([inf, inf])
@@ -130,7 +124,7 @@ class TwoAxis(Experiment):
         "the small joint's motion has little effect on the large one, not so the reverse; accuracy is not affected",
         "the large joint's peak at most 0.35 of the small one's; both end within 0.3 deg",
     )
-    def coupling(self) -> Judged:
+    def coupling(self) -> Evaluated:
         """Compare how far each joint's step pushes the other joint."""
         large = disturbance(self.steps, "large", *MOVES["small"])
         small = disturbance(self.steps, "small", *MOVES["large"])

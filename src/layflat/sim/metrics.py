@@ -62,6 +62,12 @@ def move(run: xarray.Dataset, joint: str, since: float = 0.0, until: float = inf
     )
 
 
+def disturbance(run: xarray.Dataset, joint: str, since: float, until: float) -> float:
+    """Return how far a joint is pushed from where it stands when another one begins to move, rad."""
+    angle = run["angle"].sel(joint=joint, time=slice(since, until)).to_numpy()
+    return float(np.abs(angle - angle[0]).max())
+
+
 def move_windows(demand: NDArray[np.float64]) -> list[tuple[int, int]]:
     """First and last record of every move: from each change of any demand (records, joints) to the next.
 

@@ -63,7 +63,7 @@ def parts(machine: Machine, method: str, generations: int | None = None) -> list
         InputError: no such method, or generations that make no sense.
     """
     if method not in METHODS:
-        raise InputError(f"{method!r} is no method", where="--method", right=f"give {' or '.join(METHODS)}")
+        raise InputError(f"unknown method {method!r}", where="--method", right=f"give {' or '.join(METHODS)}")
     if generations is not None and not 1 <= generations < GENERATIONS:
         right = f"give 1 to {GENERATIONS - 1}"
         raise InputError(f"{generations} is out of range", where="--generations", right=right)

@@ -6,36 +6,30 @@ from collections.abc import Callable
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 import layflat
-from layflat.errors import DivergedError
 from layflat.files import whole_file
 from layflat.machine import Machine
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
-from layflat.sim import rollout
 from layflat.sim.metrics import BAND
 from layflat.tune.conditions import POSTURES, REST
 from layflat.tune.cost import STATEMENT
 from layflat.tune.knobs import values_of
 from layflat.tune.tuning import Tuning
-from layflat.tune.verdict import LIMIT, Verdict, fresh
-
-if TYPE_CHECKING:
-    import xarray
+from layflat.tune.validation import LIMIT, Validation, fresh, warnings
 
 Row = list[str]
 
 
-def figures_of(machine: Machine, before: Verdict | None, after: Verdict) -> list[Row]:
+def figures_of(machine: Machine, before: Validation | None, after: Validation) -> list[Row]:
     """What is compared: its name, before, after."""
     by = fresh(machine)
 
-    def row(name: str, of: Callable[[Verdict], str]) -> Row:
+    def row(name: str, of: Callable[[Validation], str]) -> Row:
         return [name, "none" if before is None else of(before), of(after)]
 
     return [
@@ -43,6 +37,7 @@ def figures_of(machine: Machine, before: Verdict | None, after: Verdict) -> list
             row(f"nominal, {machine.arm.payload:g} kg: {move}", partial(_nominal, i))
             for i, move in enumerate(nominal_moves(machine))
         ),
+        *(row(f"nominal: {what}", partial(_pushed, what)) for what in after.pushed),
         row(f"worst over {by.runs} runs", lambda v: _seconds(v.worst)),
         row(f"moves not settled in {LIMIT:g} s", lambda v: f"{v.late} of {v.settling.size}"),
         row("cost", lambda v: _seconds(v.cost)),
@@ -59,11 +54,15 @@ def nominal_moves(machine: Machine) -> list[str]:
     ]
 
 
-def _nominal(move: int, of: Verdict) -> str:
+def _nominal(move: int, of: Validation) -> str:
     return _seconds(of.nominal[move])
 
 
-def write_page(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdict, path: Path) -> Path:
+def _pushed(what: str, of: Validation) -> str:
+    return f"{np.degrees(of.pushed[what]):.2g} deg" if what in of.pushed else "none"
+
+
+def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after: Validation, path: Path) -> Path:
     """Write the page.
 
     Raises:
@@ -83,11 +82,12 @@ def write_page(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Ve
         file=tuning.path.name,
         figures=figures_of(tuning.machine, before, after),
         statement=STATEMENT,
+        warnings=warnings(before, after),
         runs=by.runs,
         nominal=by.nominal,
         payload=f"{by.vary['arm.payload'].max():.3g}",
         usual=f"{tuning.machine.arm.payload:g}",
-        drawn=_drawn(tuning, tuned, before, after),
+        drawn=_drawn(tuning, before, after),
         gains=gains_table(tuning, tuned),
     )
     with whole_file(path) as temporary:
@@ -112,10 +112,10 @@ def _source(machine: Machine, path: str) -> str:
     return f"{known.source}: {known.note}" if known.note else known.source
 
 
-def _drawn(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdict) -> list[Drawn]:
-    nominal = {"before": tuning.base} if before is not None else {}
-    verdicts = {"before": before.settling} if before is not None else {}
-    runs = {label: _response(machine) for label, machine in {**nominal, "after": tuned}.items()}
+def _drawn(tuning: Tuning, before: Validation | None, after: Validation) -> list[Drawn]:
+    shown = {**({"before": before} if before is not None else {}), "after": after}
+    runs = {label: one.response for label, one in shown.items()}
+    settled = {label: one.settling for label, one in shown.items()}
     return [
         Drawn(
             "responses",
@@ -128,7 +128,7 @@ def _drawn(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdic
             "How soon moves settle.",
             f"Share of all joints' moves that have settled, over all {len(after.settling)} runs; "
             f"the line stands at {LIMIT:g} s.",
-            to_svg(settled_shares({**verdicts, "after": after.settling}, LIMIT, fresh(tuning.machine).window)),
+            to_svg(settled_shares(settled, LIMIT, fresh(tuning.machine).window)),
         ),
         Drawn(
             "cost",
@@ -137,14 +137,6 @@ def _drawn(tuning: Tuning, tuned: Machine, before: Verdict | None, after: Verdic
             to_svg(cost_history([found.cost for found in tuning.told], tuning.begun)),
         ),
     ]
-
-
-def _response(machine: Machine) -> xarray.Dataset:
-    by = fresh(machine)
-    try:
-        return rollout(machine, scenario=by.scenarios[0], seed=int(by.vary["seed"][0]))
-    except DivergedError as error:
-        return error.run  # type: ignore[return-value]
 
 
 def _seconds(value: float) -> str:

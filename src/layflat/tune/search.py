@@ -7,15 +7,15 @@ conditions that stays the same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from types import ModuleType
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.errors import InputError
+from layflat.extras import module
 from layflat.machine import Machine
 from layflat.sim import STEP
 from layflat.sim.ensemble import ensemble
@@ -70,6 +70,34 @@ class Found:
     generation: int
 
 
+class Strategy:
+    """A CMA-ES over the unit cube, generation by generation (hansen2016).
+
+    Args:
+        first: the middle of the first generation.
+        population: candidates of a generation.
+        seed: the same seed gives the same candidates.
+
+    Raises:
+        MissingExtraError: cma is not installed.
+    """
+
+    def __init__(self, first: Array, population: int, seed: int) -> None:
+        options = {"seed": seed, "popsize": population, "bounds": [0.0, 1.0], "verbose": -9}
+        cma = module("tune", "cma", where="tune")
+        self.inner: Any = cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), WIDTH, options)
+
+    def advance(self, costs: Callable[[Array], Iterable[float]]) -> None:
+        """Ask for a generation, (candidates, dimensions), and tell what each of it costs."""
+        asked = self.inner.ask()
+        self.inner.tell(asked, list(costs(np.array(asked))))
+
+    @property
+    def mean(self) -> Array:
+        """The middle of the search, inside the cube."""
+        return np.asarray(self.inner.boundary_handler.repair(self.inner.mean))
+
+
 def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Conditions, step: float = STEP) -> Array:
     """Cost of every candidate (candidates, knobs), s, as it would be written."""
     vary = by.of(len(candidates))
@@ -106,44 +134,29 @@ def search(
     Raises:
         InputError: the machine can't be simulated, or cma is not installed.
     """
-    cma, by = need_cma(), panel(machine)
-    done = 0
+    by, done = panel(machine), 0
     best = Found(rounded(start), float(judge(machine, knobs, start[None], by)[0]), 0)
     progress(best, 0, "")
     for part in parts:
         places, base = list(part.knobs), best.values
         turned = [knobs[place] for place in places]
-        options = {"seed": seed + 1 + done, "popsize": part.population, "bounds": [0.0, 1.0], "verbose": -9}
-        first = np.clip(to_shares(turned, base[places]), 0.02, 0.98)
-        strategy: Any = cma.CMAEvolutionStrategy(first, WIDTH, options)
 
-        def whole(shares: Any, base: Array = base, places: list[int] = places, turned: list[Knob] = turned) -> Array:
+        def whole(shares: Array, base: Array = base, places: list[int] = places, turned: list[Knob] = turned) -> Array:
             values = np.tile(base, (len(shares), 1))
-            values[:, places] = from_shares(turned, np.array(shares))
+            values[:, places] = from_shares(turned, shares)
             return values
 
+        def costs(shares: Array, met: Conditions, whole: Callable[[Array], Array] = whole) -> Array:
+            return judge(machine, knobs, whole(shares), met, COARSE)
+
+        strategy = Strategy(to_shares(turned, base[places]), part.population, seed + 1 + done)
         todo = [stage.runs for stage in part.stages for _ in range(stage.generations)]
         for left, runs in zip(reversed(range(len(todo))), todo, strict=True):
-            asked = strategy.ask()
-            met = conditions(machine, runs, seed=seed * GENERATIONS + done)
-            strategy.tell(asked, list(judge(machine, knobs, whole(asked), met, COARSE)))
+            strategy.advance(partial(costs, met=conditions(machine, runs, seed=seed * GENERATIONS + done)))
             done += 1
             if done % EVERY == 0 or left == 0:
-                middle = rounded(whole([strategy.boundary_handler.repair(strategy.mean)]))
+                middle = rounded(whole(strategy.mean[None]))
                 cost = float(judge(machine, knobs, middle, by)[0])
                 best = Found(middle[0], cost, done) if cost < best.cost else best
             progress(best, done, part.name)
     return best
-
-
-def need_cma() -> ModuleType:
-    """The library that searches.
-
-    Raises:
-        InputError: it is not installed.
-    """
-    try:
-        import cma  # noqa: PLC0415  # needed to tune only
-    except ImportError:
-        raise InputError("cma is not installed", where="tune", right="pip install 'layflat[tune]'") from None
-    return cma

@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from layflat.errors import InputError
+from layflat.extras import require
 from layflat.files import check_folder
 from layflat.machine import Machine, load
 from layflat.machine.derived import derived_path
 from layflat.tune.knobs import Knob, neutral_gains, values_of, with_gains
 from layflat.tune.methods import knobs_of, parts
-from layflat.tune.search import Found, Part, judge, need_cma, panel, search
+from layflat.tune.search import Found, Part, judge, panel, search
 from layflat.tune.tuned_file import write_tuned
 
 Progress = Callable[[Found, int, str], None]
@@ -146,7 +147,7 @@ def begin(
         method: one of `METHODS`.
         start: "neutral", gains that know nothing of the machine, or "current", its own.
         seed: of the search.
-        generations: in all; as many as the method needs where not given.
+        generations: in all; default: as many as the method needs.
 
     Raises:
         MachineError: the machine is wrong or has no controller.
@@ -157,9 +158,9 @@ def begin(
     machine = with_gains(base)
     wanted = parts(machine, method, generations)
     if start not in STARTS:
-        raise InputError(f"{start!r} is no beginning", where="--from", right=f"give {' or '.join(STARTS)}")
+        raise InputError(f"unknown start {start!r}", where="--from", right=f"give {' or '.join(STARTS)}")
     if not 0 <= seed < SEEDS:
         raise InputError(f"{seed} is out of range", where="--seed", right=f"give 0 to {SEEDS - 1}")
-    need_cma()
+    require("tune", "cma", where="tune")
     path = derived_path(given, check_folder(out), "tuned")
     return Tuning(given, base, machine, method, start, seed, generations, wanted, path)

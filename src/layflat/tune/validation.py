@@ -1,0 +1,101 @@
+"""What gains are worth in the end: over conditions that no search has met, the same for every method and seed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.machine import Machine
+from layflat.sim.ensemble import ensemble
+from layflat.sim.metrics import disturbance
+from layflat.sim.run import rollout_as_far
+from layflat.tune.conditions import POSTURES, REST, Conditions, conditions
+from layflat.tune.cost import candidate_costs
+
+if TYPE_CHECKING:
+    import xarray
+
+Array = NDArray[np.float64]
+
+FRESH, FRESH_SEED = 256, 2_000_000_000
+"""Runs of the validation, and their seed."""
+LIMIT = 1.5
+"""Time in which the paper's arm settles, s: section 4.2."""
+PUSHED, MORE = np.radians(3.0), 2.0
+"""A joint that another one's step pushes further than this (rad), and so many times as far as before, is warned of."""
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What a machine does over the fresh conditions.
+
+    Args:
+        settling: of every joint in every move of every run, s; infinite where it does not settle.
+        nominal: time until both joints have settled, mean over the nominal runs, s; one a move, one joint's step each.
+        cost: s.
+        response: the first nominal run, with its trace.
+        pushed: how far a joint is pushed by another one's step in it, rad, by both in words.
+    """
+
+    settling: Array
+    nominal: Array
+    cost: float
+    response: xarray.Dataset
+    pushed: dict[str, float]
+
+    @property
+    def worst(self) -> float:
+        """Slowest of all, s."""
+        return float(self.settling.max())
+
+    @property
+    def late(self) -> int:
+        """How many do not settle within the limit."""
+        return int((self.settling > LIMIT).sum())
+
+
+def fresh(machine: Machine) -> Conditions:
+    """Return the conditions of the validation."""
+    return conditions(machine, FRESH, seed=FRESH_SEED)
+
+
+def validate(machine: Machine) -> Validation:
+    """Simulate a machine as it is described over the fresh conditions."""
+    by = fresh(machine)
+    runs = ensemble(machine, by.scenarios, by.of(1))
+    settling = runs["settling"].to_numpy()
+    settling = np.where(np.isnan(settling), np.inf, settling)
+    nominal: Array = settling[: by.nominal].max(axis=2).mean(axis=0)
+    response = rollout_as_far(machine, scenario=by.scenarios[0], seed=int(by.vary["seed"][0]))
+    return Validation(
+        settling, nominal, float(candidate_costs(runs, by, 1)[0]), response, _pushed(machine, response, by.window)
+    )
+
+
+def _pushed(machine: Machine, response: xarray.Dataset, window: float) -> dict[str, float]:
+    """How far each joint that is not asked to move is pushed by each move of the nominal sequence, rad."""
+    found, names = {}, list(machine.joints)
+    for number, moved in enumerate(np.diff(np.array(POSTURES[len(names)][0]), axis=0)):
+        since = REST + window * number
+        movers = " and ".join(name for name, by in zip(names, moved, strict=True) if by)
+        for name, by in zip(names, moved, strict=True):
+            if not by and float(response["time"][-1]) > since:
+                found[f"{name} joint pushed by the {movers} one"] = disturbance(response, name, since, since + window)
+    return found
+
+
+def warnings(before: Validation | None, after: Validation) -> list[str]:
+    """Return a sentence for each joint that another one's step pushes much further than before."""
+    said = []
+    for what, now in after.pushed.items():
+        was = 0.0 if before is None else before.pushed.get(what, 0.0)
+        if now > PUSHED and now > MORE * was:
+            than = "" if before is None else f", {np.degrees(was):.1f} deg before"
+            said.append(
+                f"Coupling: {what} by {np.degrees(now):.1f} deg{than}. Only settling counts in the cost; where the "
+                "path matters keep the gains of before, or tune from them (--from current)."
+            )
+    return said
