@@ -132,3 +132,9 @@ def test_numbers_from_code_are_si() -> None:
     assert u.quantity(2.5, u.PRESSURE, "x") == 2.5
     with pytest.raises(InputError, match="not finite"):
         u.quantity(math.nan, u.PRESSURE, "x")
+
+
+def test_a_number_that_code_computes_may_be_zero_but_for_rounding() -> None:
+    assert u.quantity(8.5e-17, u.ANGLE, "demand") == 8.5e-17
+    with pytest.raises(InputError, match="out of range"):
+        u.quantity(2.0 * u.ANGLE.most, u.ANGLE, "demand")

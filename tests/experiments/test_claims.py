@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 
-from layflat.errors import DivergedError, InputError, MachineError, OutputError
+from layflat.errors import DivergedError, InputError, MachineError
 from layflat.experiments.axis_one import AT, DURATION, AxisOne
 from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule, claim
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, frequency_response
@@ -82,19 +82,28 @@ def test_records_keep_numbers_units_and_what_the_paper_gives() -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "caught"),
-    [(InputError("off"), True), (OutputError("full"), False), (DivergedError(1.0, "small"), False)],
+    ("error", "agrees", "reason"),
+    [
+        (MachineError("has no arm", where="mine"), None, "not applicable: mine: has no arm"),
+        (InputError("outside the stroke", where="demand"), False, "can't be simulated: demand: outside the stroke"),
+    ],
 )
-def test_only_what_a_machine_lacks_makes_a_claim_not_applicable(error: Exception, caught: bool) -> None:
+def test_only_what_a_machine_lacks_makes_a_claim_not_applicable(
+    error: Exception, agrees: bool | None, reason: str
+) -> None:
     def evaluate(_: Experiment) -> Evaluated:
         raise error
 
-    rule = Rule(Claim("x", "", "", ""), evaluate)
-    if caught:
-        assert rule.evaluated(Made(None)).agrees is None  # type: ignore[arg-type]
-    else:
-        with pytest.raises(type(error)):
-            rule.evaluated(Made(None))  # type: ignore[arg-type]
+    found = Rule(Claim("x", "", "", ""), evaluate).evaluated(Made(None))  # type: ignore[arg-type]
+    assert (found.agrees, found.reason) == (agrees, reason)
+
+
+def test_a_run_that_diverges_unseen_ends_the_work() -> None:
+    def evaluate(_: Experiment) -> Evaluated:
+        raise DivergedError(1.0, "small")
+
+    with pytest.raises(DivergedError):
+        Rule(Claim("x", "", "", ""), evaluate).evaluated(Made(None))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,8 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
     """
     try:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
-            return kind.within(float(value))
+            tiny = abs(value) < kind.least  # what code computes may be zero but for rounding
+            return float(value) if tiny else kind.within(float(value))
         return kind.parse(value)
     except QuantityError as error:
         raise InputError(f"{shown(value)} {error.what}", where=where, right=error.right) from None

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any
 
-from layflat.errors import InputError, OutputError
+from layflat.errors import InputError, MachineError
 from layflat.experiments.bench import Bench
 
 
@@ -85,13 +85,16 @@ class Rule:
     evaluate: Callable[[Any], Evaluated]
 
     def evaluated(self, experiment: Experiment) -> Claim:
-        """Judge the claim; where the machine under test lacks what it takes, the claim says so."""
+        """Evaluate the claim; where the machine under test lacks what it takes, the claim says so.
+
+        A claim that can't be simulated for any other reason does not agree.
+        """
         try:
             quantities, agrees = self.evaluate(experiment)
-        except OutputError:
-            raise
-        except InputError as error:
+        except MachineError as error:
             return self.open(f"not applicable: {error.where}: {error.what}")
+        except InputError as error:
+            return replace(self.open(f"can't be simulated: {error.where}: {error.what}"), agrees=False)
         return replace(self.claim, quantities=tuple(quantities), agrees=bool(agrees))
 
     def open(self, reason: str) -> Claim:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def figures(found: Reproduction) -> Iterator[Drawn]:
     """Draw the figures whose claims were evaluated, one by one."""
-    evaluated = {claim.id for claim in found.evaluated}
+    evaluated = {claim.id for claim in found.claims if claim.quantities}
     for number, (title, caption, claims, draw) in FIGURES.items():
         if evaluated.issuperset(claims):
             yield Drawn(number, title, caption, to_svg(draw(found)))
