@@ -41,12 +41,14 @@ def show(
 @app.command()
 def check(machine: MachineName) -> None:
     """Check a description file: every value, and whether such a joint can be made."""
-    from layflat.design import design_joint  # noqa: PLC0415
+    from layflat.design import Finding, design_joint  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
+    from layflat.machine.stale import stale_values  # noqa: PLC0415
 
     described = load(machine)
+    stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(machine)]
     findings = [f for name in described.joints for f in design_joint(described, name).findings]
-    print_findings(findings)
+    print_findings([*stale, *findings])
     typer.echo(f"{machine}: a sound description of {len(described.joints)} joint(s)")
 
 

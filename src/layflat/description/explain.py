@@ -90,7 +90,7 @@ def _kind(value: object, context: dict[str, Any]) -> tuple[str, str]:
     near = nearest(tag, names) if tag else None
     hint = f'did you mean "{near}"? ' if near else ""
     known = "known kinds are " + ", ".join(f'"{name}"' for name in names) if names else ""
-    return f"{tag!r} is no known kind" if tag else "is missing", f"{hint}{known}"
+    return f"{shown(tag)} is no known kind" if tag else "is missing", f"{hint}{known}"
 
 
 BOUNDS = {

@@ -35,7 +35,7 @@ from layflat.description.explain import explained
 from layflat.description.places import Steps
 from layflat.description.tables import parsed
 from layflat.description.text import read_text
-from layflat.description.wrong import wrong
+from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion, nearest
@@ -86,7 +86,7 @@ class MappedColumn(Part):
     def _makes_sense(self) -> MappedColumn:
         signal = SIGNALS.get(self.signal)
         if signal is None:
-            raise wrong(f"{self.signal!r} is no signal", nearest(self.signal, list(SIGNALS)))
+            raise wrong(f"{shown(self.signal)} is no signal", nearest(self.signal, list(SIGNALS)))
         try:
             conversion(self.unit, signal)
         except ValueError as error:

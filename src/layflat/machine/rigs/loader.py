@@ -12,6 +12,7 @@ from layflat.description.hints import nearest
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.description.text import exists
+from layflat.description.wrong import shown
 from layflat.errors import MachineError
 from layflat.machine.libraries import BENCHES, MACHINES
 from layflat.machine.loader import load
@@ -90,7 +91,7 @@ def build_rig(tables: Plain, where: str) -> Any:
         near = nearest(kind, KINDS)
         hint = f'did you mean "{near}"? ' if near else ""
         known = f"{hint}known kinds are {', '.join(KINDS)}"
-        raise MachineError(f"{kind!r} is no known kind of test bench", where=f"{where}: kind", right=known)
+        raise MachineError(f"{shown(kind)} is no known kind of test bench", where=f"{where}: kind", right=known)
     try:
         return model.model_validate(tables)
     except ValidationError as error:
