@@ -27,9 +27,9 @@ questions: $(READY)  ## the same with the paper's open questions, studies of tho
 	$(BIN)/layflat reproduce --out build/reproduce --questions
 
 test: $(READY)  ## run the tests: side by side, those in real time alone, and the laws' own without compiler
-	$(BIN)/python -m pytest -n 2 -m "not realtime"
+	$(BIN)/python -m pytest -n 2 --dist loadscope -m "not realtime"
 	$(BIN)/python -m pytest -m realtime
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 tests/physics tests/control
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadscope tests/physics tests/control
 
 lint: $(READY)  ## style, types, import contracts
 	$(BIN)/ruff check .

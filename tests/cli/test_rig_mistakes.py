@@ -1,0 +1,72 @@
+"""Mistakes in commands of a rig, and what is told while one runs: nothing moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat import cli
+from layflat.cli.rig_status import line_of
+from layflat.errors import LayflatError
+from layflat.machine import load
+from layflat.rig.law import layout_of
+from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.states import State
+from layflat.rig.session import Snapshot
+
+
+def refused(*words: str) -> str:
+    with pytest.raises(LayflatError) as error:
+        cli.app(list(words), standalone_mode=False)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--driver", "modbus://127.0.0.1:1"], "can't be reached (Connection refused)"),
+        (["--driver", "serial:///dev/nothing"], "is not there"),
+        (["--driver", "telepathy"], "is no driver's address"),
+        (["--driver", "simulated", "--demand", "61 deg"], "outside the stroke of 'large'; give -60 to 60 deg"),
+        (["--driver", "simulated", "--demand", "1 deg, 2 deg, 3 deg"], "has 3 values"),
+        (["--driver", "simulated", "--demand", "absent.csv"], "can't be read"),
+        (["--driver", "simulated", "--demand", "5 deg @ 4 s", "--duration", "2 s"], "ends before the last move"),
+        (["--driver", "simulated", "--duration", "-1 s"], "is no time to run"),
+        (["--driver", "simulated", "--out", "/proc/rig"], "can't write here"),
+    ],
+)
+def test_mistakes_are_told_before_anything_moves(
+    words: list[str], line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert line in refused("rig", "run", "paper-arm", *words)
+    assert not list(tmp_path.rglob("*.mcap*"))
+
+
+def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "has no controller gains" in refused("rig", "run", "rig-kevlar", "--driver", "simulated")
+    assert "give one of both" in refused("rig", "serve", "paper-arm")
+    assert "give one of both" in refused("rig", "serve", "paper-arm", "--modbus", "0", "--serial")
+    assert "nobody" in refused("rig", "serve", "nobody", "--modbus", "0")
+    (tmp_path / "taken").write_text("")
+    assert "can't be made" in refused("rig", "serve", "paper-arm", "--link", "taken")
+    (tmp_path / "far.csv").write_text("time [s],demand.large [deg],demand.small [deg]\n0,0,0\n1,0,70\n")
+    assert "outside the stroke of 'small'" in refused(
+        "rig", "run", "paper-arm", "--driver", "simulated", "--demand", "far.csv"
+    )
+
+
+def test_the_status_is_a_line() -> None:
+    layout = layout_of(load("paper-arm"))
+    row = np.zeros(layout.width)
+    row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.VALVE_UNRESPONSIVE
+    row[layout.of_joint(1).stop - 1] = Fault.VALVE_UNRESPONSIVE
+    line = line_of(Snapshot(layout, row), ["large", "small"])
+    assert "FAULT joint 'small': air does not answer" in line
+    assert "\n" not in line
+    row[layout.shared["fault"]] = Fault.NONE
+    assert "FAULT" not in line_of(Snapshot(layout, row), ["large", "small"])
