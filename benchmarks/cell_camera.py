@@ -2,9 +2,9 @@
 
     python -m benchmarks.cell_camera --scenes 200
 
-Light, fruit, which may touch, and clutter are drawn by the seed; plums are strangers that vision was not told of. Two
-scenes in three have fruit in the tray, the others in the packs. The camera is calibrated from pictures first, as on a
-rig.
+Light, fruit, which may touch, and clutter are drawn by the seed; plums are unknown to vision. Two
+scenes in three have fruit in the tray, the others in the containers. The camera is calibrated from pictures first, as
+on a rig.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ class Tally:
     """What was seen of what was there."""
 
     fruit: int = 0
-    strange: int = 0
-    strange_told: int = 0
-    strange_nothing: list[str] = field(default_factory=list)
+    unknown: int = 0
+    unknown_reported: int = 0
+    unknown_nothing: list[str] = field(default_factory=list)
     unsure: int = 0
     missed: list[str] = field(default_factory=list)
     false: list[str] = field(default_factory=list)
@@ -50,50 +50,50 @@ class Tally:
     off: list[float] = field(default_factory=list)
     wide: list[float] = field(default_factory=list)
 
-    def judge(self, cell: Cell, seed: int, truth: dict[str, FruitTruth], found: list[Detection]) -> None:
+    def compare(self, cell: Cell, seed: int, truth: dict[str, FruitTruth], found: list[Detection]) -> None:
         """Add what was seen in a scene."""
         seen: set[str] = set()
         for one in found:
             name = _nearest(truth, one)
-            told = f"scene {seed}: {one.kind} at {one.position[0]:.3f}, {one.position[1]:.3f} m"
+            words = f"scene {seed}: {one.kind} at {one.position[0]:.3f}, {one.position[1]:.3f} m"
             if name is None or (one.kind is not None and name in seen):
                 if one.confidence < SURE:
-                    self.doubtful.append(f"{told}, {one.confidence:.2f}")
+                    self.doubtful.append(f"{words}, {one.confidence:.2f}")
                 elif one.kind is not None:
-                    self.false.append(told)
+                    self.false.append(words)
                 else:
-                    self.strange_nothing.append(told)
+                    self.unknown_nothing.append(words)
                 continue
             fruit = truth[name]
             known = cell.produce[fruit.kind].known
             if one.kind is None:
-                self.strange_told += not known
+                self.unknown_reported += not known
                 continue
             seen.add(name)
             if one.confidence < SURE:
                 self.unsure += 1
             elif not known:
-                self.false.append(f"{told}: {name}")
+                self.false.append(f"{words}: {name}")
             elif one.kind != fruit.kind:
-                self.kind.append(f"{told}: {name}")
+                self.kind.append(f"{words}: {name}")
             else:
-                self._measured(cell, told, fruit, one)
+                self._measured(cell, words, fruit, one)
         known_ones = {name for name, fruit in truth.items() if cell.produce[fruit.kind].known}
         self.fruit += len(known_ones)
-        self.strange += len(truth) - len(known_ones)
+        self.unknown += len(truth) - len(known_ones)
         self.missed += [f"scene {seed}: {name}" for name in sorted(known_ones - seen)]
 
-    def _measured(self, cell: Cell, told: str, fruit: FruitTruth, one: Detection) -> None:
+    def _measured(self, cell: Cell, words: str, fruit: FruitTruth, one: Detection) -> None:
         self.off.append(1e3 * float(np.hypot(*(fruit.position[:2] - one.position[:2]))))
         self.wide.append(100.0 * (one.diameter / fruit.diameter - 1.0))
         graded = fruit_of(cell, one)
         self.graded += not graded.doubt
         self.ungraded += bool(graded.doubt) and fruit.grade is not None
         if not graded.doubt and graded.grade != fruit.grade:
-            self.grade.append(f"{told}: {graded.grade}, is {fruit.grade}")
+            self.grade.append(f"{words}: {graded.grade}, is {fruit.grade}")
         place = cell.place_at(*one.position[:2])
         if place != fruit.place:
-            self.place.append(f"{told}: {place}, is {fruit.place}")
+            self.place.append(f"{words}: {place}, is {fruit.place}")
 
 
 def _nearest(truth: dict[str, FruitTruth], one: Detection) -> str | None:
@@ -105,11 +105,11 @@ def _nearest(truth: dict[str, FruitTruth], one: Detection) -> str | None:
     return name if name is not None and gaps[name] < NEAR else None
 
 
-def with_strangers(cell: Cell) -> Cell:
+def with_unknown(cell: Cell) -> Cell:
     """The cell with unknown fruit in its trays."""
-    strange = tuple(name for name, kind in cell.produce.items() if not kind.known)
+    unknown = tuple(name for name, kind in cell.produce.items() if not kind.known)
     trays = {
-        name: tray.model_copy(update={"produce": (*tray.produce, *strange)}) for name, tray in cell.tray.items()
+        name: tray.model_copy(update={"produce": (*tray.produce, *unknown)}) for name, tray in cell.tray.items()
     }  # fmt: skip
     return cell.model_copy(update={"tray": trays})
 
@@ -124,9 +124,9 @@ def cluttered(cell: Cell, times: int) -> Cell:
 
 
 def pack_all(scene: Scene, rng: np.random.Generator) -> None:
-    """Lay the tray's fruit into random places of packs that hold it, and let it rest there."""
+    """Lay the tray's fruit into random places of containers that take it, and let it rest there."""
     data, model, cell = scene.data, scene.model, scene.cell
-    free = [(name, *spot) for name, pack in cell.container.items() for spot in pack.places.tolist()]
+    free = [(name, *spot) for name, one in cell.container.items() for spot in one.places.tolist()]
     rng.shuffle(free)
     for fruit in scene.fruits:
         at = next((spot for spot in free if cell.container[spot[0]].layout.opening >= fruit.diameter), None)
@@ -147,16 +147,16 @@ def main() -> None:
     asked.add_argument("--clutter", type=int, default=1, help="so many times as much clutter")
     asked.add_argument("--draw", type=Path, help="folder for pictures with detections drawn")
     options = asked.parse_args()
-    cell = cluttered(with_strangers(load("packing")), options.clutter)
-    tallies, spent, calibration = {"tray": Tally(), "packs": Tally()}, [], None
+    cell = cluttered(with_unknown(load("packing")), options.clutter)
+    tallies, spent, calibration = {"tray": Tally(), "containers": Tally()}, [], None
     detector = detector_of(cell)
     opencv().setNumThreads(1)
     shown = Console(stderr=True)
     scenes = range(options.seed, options.seed + options.scenes)
     for seed in track(scenes, "scenes", console=shown, disable=not shown.is_terminal):
         scene = Scene(cell, seed)
-        where = "packs" if seed % 3 == 2 else "tray"
-        if where == "packs":
+        where = "containers" if seed % 3 == 2 else "tray"
+        if where == "containers":
             pack_all(scene, np.random.default_rng(seed))
         with SimulatedCamera(scene) as camera:
             if calibration is None:
@@ -166,7 +166,7 @@ def main() -> None:
         wall, processor = time.perf_counter(), time.process_time()
         found = detector.find(picture, calibration)
         spent.append((time.perf_counter() - wall, time.process_time() - processor))
-        tallies[where].judge(cell, seed, scene.truth().fruits, found)
+        tallies[where].compare(cell, seed, scene.truth().fruits, found)
         if options.draw:
             _keep(options.draw, seed, picture, found)
     assert calibration is not None
@@ -185,12 +185,12 @@ def _report(tallies: dict[str, Tally], spent: np.ndarray, scenes: int, calibrati
         "fruit": lambda one: f"{one.fruit}",
         "seen surely, unsurely, not": lambda one: f"{len(one.off)}, {one.unsure}, {len(one.missed)}",
         "false picks": lambda one: f"{len(one.false)}",
-        "sure strangers where nothing is": lambda one: f"{len(one.strange_nothing)}",
+        "sure unknown objects where nothing is": lambda one: f"{len(one.unknown_nothing)}",
         "unsure detections of nothing": lambda one: f"{len(one.doubtful)}",
-        "of unknown kind, told as such": lambda one: f"{one.strange_told} of {one.strange}",
+        "of unknown kind, reported as such": lambda one: f"{one.unknown_reported} of {one.unknown}",
         "wrong kind": lambda one: f"{len(one.kind)}",
         "graded, wrongly, not though it has one": lambda one: f"{one.graded}, {len(one.grade)}, {one.ungraded}",
-        "wrong place in a pack": lambda one: f"{len(one.place)}",
+        "wrong place in a container": lambda one: f"{len(one.place)}",
         "position: median, 95 %, worst": lambda one: "{:.2f}, {:.2f}, {:.2f} mm".format(
             *np.quantile(one.off, (0.5, 0.95, 1))
         ),
@@ -198,14 +198,14 @@ def _report(tallies: dict[str, Tally], spent: np.ndarray, scenes: int, calibrati
             np.mean(one.wide), *np.quantile(np.abs(one.wide), (0.95, 1))
         ),
     }
-    for name, told in rows.items():
-        table.add_row(name, *(told(one) if one.off else "-" for one in tallies.values()))
+    for name, words in rows.items():
+        table.add_row(name, *(words(one) if one.off else "-" for one in tallies.values()))
     wall, processor = 1e3 * np.median(spent, axis=0)
     table.add_row("a picture on one core: wall clock, processor", f"{wall:.1f}, {processor:.1f} ms", "")
     console = Console(width=100)
     console.print(table)
     for one in tallies.values():
-        for title in ("doubtful", "strange_nothing", "missed", "false", "kind", "grade", "place"):
+        for title in ("doubtful", "unknown_nothing", "missed", "false", "kind", "grade", "place"):
             for line in getattr(one, title):
                 console.print(f"{title}: {line}")
 

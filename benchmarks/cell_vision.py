@@ -31,8 +31,8 @@ class Tally:
     """What was seen of what was there."""
 
     fruit: int = 0
-    strange: int = 0
-    strange_told: int = 0
+    unknown: int = 0
+    unknown_reported: int = 0
     unsure: int = 0
     missed: int = 0
     false: int = 0
@@ -42,7 +42,7 @@ class Tally:
     processor: list[float] = field(default_factory=list)
 
 
-def judge(scene: Scene, found: list[Detection], tally: Tally) -> None:
+def compare(scene: Scene, found: list[Detection], tally: Tally) -> None:
     """Add a scene's detections: a sure one that is not over a fruit of its kind is false."""
     seen = set()
     for one in found:
@@ -52,7 +52,7 @@ def judge(scene: Scene, found: list[Detection], tally: Tally) -> None:
         if not right:
             tally.false += one.kind is not None and one.confidence >= SURE
         elif one.kind is None:
-            tally.strange_told += 1
+            tally.unknown_reported += 1
         else:
             tally.false += at in seen
             seen.add(at)
@@ -64,7 +64,7 @@ def judge(scene: Scene, found: list[Detection], tally: Tally) -> None:
             tally.wide.append(100.0 * (one.diameter / (2.0 * ball.radius) - 1.0))
     known = [number for number, ball in enumerate(scene.balls) if ball.kind]
     tally.fruit += len(known)
-    tally.strange += len(scene.balls) - len(known)
+    tally.unknown += len(scene.balls) - len(known)
     tally.missed += len(set(known) - seen)
 
 
@@ -82,7 +82,7 @@ def measure(scenes: int, first: int) -> Tally:
         found = detector.find(picture, calibration)
         tally.wall.append(time.perf_counter() - wall)
         tally.processor.append(time.process_time() - processor)
-        judge(scene, found, tally)
+        compare(scene, found, tally)
     return tally
 
 
@@ -98,7 +98,7 @@ def main() -> None:
         "fruit": f"{tally.fruit}",
         "seen surely, unsurely, not": f"{len(off)}, {tally.unsure}, {tally.missed}",
         "false picks": f"{tally.false}",
-        "of unknown kind, told as such": f"{tally.strange_told} of {tally.strange}",
+        "of unknown kind, reported as such": f"{tally.unknown_reported} of {tally.unknown}",
         "position: median, 95th percentile, worst": "{:.2f}, {:.2f}, {:.2f} mm".format(
             *np.quantile(off, (0.5, 0.95, 1))
         ),

@@ -49,7 +49,7 @@ class Posture:
         angles: rad, from base to tip.
         margin: from the nearest end of any joint's working stroke, rad.
         sensitivity: greatest way of the tip if every joint is off by `SMALL_ERROR`, m. Both elbows have the same: it
-            tells places apart, not elbows.
+            distinguishes places, not elbows.
     """
 
     angles: Angles

@@ -24,9 +24,9 @@ def with_camera(cell: Cell, **changes: Any) -> Cell:
     return cell.model_copy(update={"camera": cell.camera.model_copy(update=changes)})
 
 
-def with_strangers(cell: Cell, *strange: str) -> Cell:
+def with_unknown(cell: Cell, *unknown: str) -> Cell:
     tray = cell.tray["infeed"]
-    more = tray.model_copy(update={"produce": (*tray.produce, *strange)})
+    more = tray.model_copy(update={"produce": (*tray.produce, *unknown)})
     return cell.model_copy(update={"tray": {"infeed": more}})
 
 

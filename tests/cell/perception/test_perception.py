@@ -12,7 +12,7 @@ from tests.cell.perception.cell_pictures import (
     nearest,
     picture_of,
     with_camera,
-    with_strangers,
+    with_unknown,
 )
 
 from layflat.cell import Cell
@@ -30,7 +30,7 @@ vision: Any = cv2
 
 @pytest.fixture(scope="module")
 def cell(packing: Cell) -> Cell:
-    return with_strangers(packing, "plum")
+    return with_unknown(packing, "plum")
 
 
 @pytest.fixture(scope="module")

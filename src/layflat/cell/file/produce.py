@@ -84,7 +84,7 @@ class Produce(Part):
     rolling: Annotated[u.Length, Field(le=0.1)] = Field(description="resistance: arm of the contact force")
     colour: dict[str, Skin]
     grade: dict[str, Grade] = Field(description="the first that fits counts; what fits none is not packed")
-    known: bool = Field(default=True, description="whether vision is told of it; otherwise it is an unknown object")
+    known: bool = Field(default=True, description="whether vision knows it; otherwise it is an unknown object")
 
     @model_validator(mode="after")
     def _known(self) -> Self:

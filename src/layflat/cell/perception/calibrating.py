@@ -32,7 +32,7 @@ def calibrate_scene(
     Args:
         scene: with the arm out of the camera's view.
         camera: of this scene.
-        progress: is told the share that is done.
+        progress: is called with the share that is done.
 
     Raises:
         PictureError: a picture can't be used: it is dark, blurred.

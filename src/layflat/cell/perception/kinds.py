@@ -33,7 +33,7 @@ def detector_of(cell: Cell) -> Detector:
 
 
 def kinds_of(cell: Cell) -> tuple[Kind, ...]:
-    """Return the kinds of produce that vision is told of, each with regions of colours of its own."""
+    """Return the kinds of produce that vision knows, each with regions of colours of its own."""
     known = {name: kind for name, kind in cell.produce.items() if kind.known}
     regions = [(name, Region.around(skin)) for name, kind in known.items() for skin in kind.colour.values()]
     for (one, first), (other, second) in combinations(regions, 2):

@@ -1,4 +1,4 @@
 """Which fruit next, into which place, with which posture and motion, and what to do when a pick fails.
 
-Planning knows the machine's description and what a camera told, and nothing else.
+Planning knows the machine's description and what a camera detected, and nothing else.
 """

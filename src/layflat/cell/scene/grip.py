@@ -1,4 +1,4 @@
-"""Cup and fruit in the scene: when the lip seals, when the vacuum holds, when a fruit is let go."""
+"""Cup and fruit in the scene: when the lip seals, when the vacuum holds, when a fruit is released."""
 
 from __future__ import annotations
 
@@ -55,9 +55,9 @@ class Grip:
                 self._hold(fruit)
         self.cup.advance(self.sealed, step)
         if self.held is not None and not self.cup.holds(self._pull, self._shear):
-            self.let_go()
+            self.release()
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """Hold the fruit no more."""
         if self.held is not None:
             data, tree = self._data, self._model.body_treeid

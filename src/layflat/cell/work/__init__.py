@@ -1,1 +1,1 @@
-"""A cell at work: hardware and eyes, what decides, what looks on, and what came of it."""
+"""A cell at work: hardware, what decides, who observes, and what came of it."""
