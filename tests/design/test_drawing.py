@@ -243,9 +243,9 @@ def test_ezdxf_is_not_imported_with_the_package() -> None:
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_names_that_are_no_file_names_stay_in_the_folder(tmp_path: Path) -> None:
+def test_files_are_named_without_spaces(tmp_path: Path) -> None:
     path = tmp_path / "odd.toml"
-    path.write_text('extends = "paper-small-joint"\nname = "../my arm/2"\n', encoding="utf-8")
+    path.write_text('extends = "paper-small-joint"\nname = "my arm (2)"\n', encoding="utf-8")
     files = write_drawings(design_joint(path), tmp_path / "out")
     assert {file.parent for file in files} == {tmp_path / "out"}
-    assert files[0].name == "..-my-arm-2-small-cam.dxf"
+    assert files[0].name == "my-arm-2-small-cam.dxf"

@@ -69,9 +69,9 @@ def test_air_fills_the_hose_from_ambient_to_supply() -> None:
 
 def test_joint_may_be_left_out_where_there_is_one() -> None:
     assert design_joint("paper-small-joint").name == "small"
-    with pytest.raises(MachineError, match="which joint is not said; name one of large, small"):
+    with pytest.raises(MachineError, match="the joint is missing; name one of large, small"):
         design_joint(ARM)
-    with pytest.raises(MachineError, match="'elbow' is no joint here; name one of large, small"):
+    with pytest.raises(MachineError, match="unknown joint 'elbow'; name one of large, small"):
         design_joint(ARM, "elbow")
 
 

@@ -95,7 +95,7 @@ class Cam:
 
 
 def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -> Cam:
-    """The cam that turns by `stroke` while the hose goes through its travel, at constant torque per pressure.
+    """Return the cam that turns by `stroke` while the hose goes through its travel, at constant torque per pressure.
 
     Energy settles the torque: K = swept volume / stroke.
 
@@ -140,6 +140,6 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
 
 
 def _support_derivatives(eta: Array, h: Array) -> tuple[Array, Array]:
-    """Slope h' and radius of curvature h + h'' at each normal angle."""
+    """Return slope h' and radius of curvature h + h'' at each normal angle."""
     curve = make_interp_spline(eta[::-1], h[::-1], k=SPLINE_ORDER)
     return np.asarray(curve.derivative(1)(eta)), h + np.asarray(curve.derivative(2)(eta))

@@ -92,16 +92,16 @@ class Characteristic:
         return float(self.volume[-1])
 
     def force_at(self, travel: ArrayLike) -> Array:
-        """F at any travel within the curve, m2."""
+        """Return f at any travel within the curve, m2."""
         return np.asarray(self.curve(np.asarray(travel, dtype=float)), dtype=float)
 
     def on_roller(self, radius: float) -> tuple[Array, Array]:
-        """Angle (rad) and torque per pressure (m3/rad) of a round roller of this radius, each of shape (n,)."""
+        """Return angle (rad) and torque per pressure (m3/rad) of a round roller of this radius, each of shape (n,)."""
         return self.travel / radius, self.force * radius
 
 
 def of_cylinder(joint: Joint, points: int = POINTS) -> Characteristic:
-    """The hose of a described joint by Eq. (1): F = T/r, and s = c R (gamma - alpha). The roller's radius cancels."""
+    """Return the hose of a described joint by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
     return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, points=points)
 
@@ -109,7 +109,7 @@ def of_cylinder(joint: Joint, points: int = POINTS) -> Characteristic:
 def wrapped_hose(
     width: float, R: float, gamma: float, contact_end: float, c: float, *, points: int = POINTS
 ) -> Characteristic:
-    """A hose wrapped around a cylinder by Eq. (1).
+    """Return a hose wrapped around a cylinder by Eq. (1).
 
     Args:
         width: of the flat hose, m.

@@ -54,7 +54,7 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
         DesignError: the joint has no cam that can be made.
         OutputError: the folder can't be written.
     """
-    cam, stem = cam_sheet(design), re.sub(r"[^\w.-]+", "-", f"{design.machine.name}-{design.name}")
+    cam, stem = cam_sheet(design), re.sub(r"[^\w.]+", "-", f"{design.machine.name}-{design.name}")
     contents = {
         "cam.dxf": dxf_text(cam) if extras.available("drawing") else "",
         "cam.svg": svg_text(cam),
@@ -69,7 +69,7 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
 
 
 def columns_text(columns: dict[str, Array]) -> str:
-    """CSV of columns of one length."""
+    """Return CSV of columns of one length."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -78,7 +78,7 @@ def columns_text(columns: dict[str, Array]) -> str:
 
 
 def cam_sheet(design: JointDesign) -> Sheet:
-    """The cam in its own frame: outline, bore, strap at both ends of the stroke, dimensions and notes.
+    """Draw the cam in its own frame: outline, bore, strap at both ends of the stroke, dimensions and notes.
 
     Raises:
         DesignError: the joint has no cam that can be made.
@@ -144,7 +144,7 @@ def layout_sheet(design: JointDesign) -> Sheet:
 
 
 def _legend(sheet: Sheet, design: JointDesign, at: tuple[float, float]) -> None:
-    """Title, what each kind of line stands for, and the sizes that no dimension shows."""
+    """Write title, what each kind of line stands for, and the sizes that no dimension shows."""
     t, (x, y), hose, line = sheet.text_height, at, design.joint.hose, of_joint(design.joint)
     _, middle, end = (f"{degrees(design.with_cam().angle[k]):.0f}°" for k in (0, len(design.with_cam().angle) // 2, -1))
     lines: dict[Layer, str] = {
@@ -171,7 +171,7 @@ def _outline(design: JointDesign) -> Outline:
 
 
 def _levers(sheet: Sheet, cam: Cam) -> None:
-    """The strap's line at both ends of the stroke, with its lever arm."""
+    """Draw the strap's line at both ends of the stroke, with its lever arm."""
     t = sheet.text_height
     for k, beyond in ((0, 1.0), (-1, -1.0)):
         eta, lever = float(cam.normal[k]), float(cam.lever[k]) * MM
@@ -184,7 +184,7 @@ def _levers(sheet: Sheet, cam: Cam) -> None:
 
 
 def _overall(sheet: Sheet, low: Array, high: Array, taken: Array) -> None:
-    """Width and height of the part, clear of the points that are taken."""
+    """Dimension width and height of the part, clear of the points that are taken."""
     t = sheet.text_height
     (x0, y0), (x1, y1) = (float(v) for v in low), (float(v) for v in high)
     below, beside = float(taken[:, 1].min()) - 4 * t, float(taken[:, 0].max()) + 5 * t
@@ -207,7 +207,7 @@ def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
 
 
 def _shell(R: float, gamma: float, opened: float) -> Array:
-    """The left shell, turned about its hinge by the angle that it has opened."""
+    """Return the left shell, turned about its hinge by the angle that it has opened."""
     angle = CLAMP_ANGLE - np.linspace(0.0, gamma, 61)
     arc = R * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
     hinge: Array = arc[0]
@@ -215,7 +215,7 @@ def _shell(R: float, gamma: float, opened: float) -> Array:
 
 
 def _lead(outline: Outline, direction: float) -> float:
-    """How far the outline reaches from the axis in a direction (degrees), m."""
+    """Return how far the outline reaches from the axis in a direction (degrees), m."""
     unit = np.array([cos(radians(direction)), sin(radians(direction))])
     return float((outline.points @ unit).max())
 

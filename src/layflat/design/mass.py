@@ -50,7 +50,7 @@ class Air:
 
 
 def joint_mass(joint: Joint, full_travel: float, cam: Outline | None) -> Mass:
-    """Estimated mass of each part of a joint.
+    """Estimate the mass of each part of a joint.
 
     Args:
         joint: the described joint.
@@ -62,7 +62,7 @@ def joint_mass(joint: Joint, full_travel: float, cam: Outline | None) -> Mass:
 
 
 def air_per_stroke(joint: Joint, swept_volume: float, supply: Supply) -> Air:
-    """Air that fills one hose from ambient to supply pressure over a full stroke."""
+    """Return the air that fills one hose from ambient to supply pressure over a full stroke."""
     full = supply.pressure * (swept_volume + joint.hose.dead_volume)
     before = supply.ambient_pressure * joint.hose.dead_volume
     mass = (full - before) / (GAS_CONSTANT * supply.temperature)

@@ -69,7 +69,7 @@ class Outline:
 
 
 def cam_outline(cam: Cam, bore: float | None = None) -> Outline:
-    """Outline of a cam.
+    """Return the outline of a cam.
 
     Args:
         cam: a convex cam.
@@ -107,7 +107,7 @@ def cam_outline(cam: Cam, bore: float | None = None) -> Outline:
 
 
 def _back(profile: Array, rest: Array) -> Array:
-    """The points of `rest` that the hull needs, anticlockwise from the profile's end to its start."""
+    """Return the points of `rest` that the hull needs, anticlockwise from the profile's end to its start."""
     # Qhull drops points of a nearly straight profile, so only its ends are asked for, and the rest of it is checked.
     points = np.vstack((profile, rest))
     hull = ConvexHull(points)

@@ -36,7 +36,7 @@ FULL_GAP = 0.999
 """Share of the inflated diameter up to which the gap opens: at 1 the hose touches along a line only."""
 
 USED_FALL = 0.5
-"""Share of its first force at which a hose's travel ends unless told: about that of the paper's cylinder."""
+"""Share of its first force at which a hose's travel ends by default: about that of the paper's cylinder."""
 
 
 @dataclass(frozen=True)
@@ -85,14 +85,14 @@ class Plate:
         return 2 * asin(min(1.0, FULL_GAP * self.width / (pi * widest)))
 
     def _moments(self) -> tuple[float, float]:
-        """Integrals along the plate of gap and gap squared, per 2 sin(psi/2) and its square: m2, m3."""
+        """Return integrals along the plate of gap and gap squared, per 2 sin(psi/2) and its square: m2, m3."""
         gamma, R = self.wrap, self.radius
         if gamma < 1e-4:
             return self.length**2 / 2, self.length**3 / 3
         return R**2 * (1 - np.cos(gamma)), R**3 * (gamma / 2 - sin(2 * gamma) / 4)
 
     def volume(self, opening: ArrayLike) -> Array:
-        """V between plate and shell when opened by psi, m3."""
+        """Return V between plate and shell when opened by psi, m3."""
         first, second = self._moments()
         half = np.asarray(opening, dtype=float) / 2
         return np.asarray(
@@ -100,7 +100,7 @@ class Plate:
         )
 
     def moment(self, opening: ArrayLike) -> Array:
-        """Moment about the hinge per pressure, dV/dpsi, m3/rad."""
+        """Return the moment about the hinge per pressure, dV/dpsi, m3/rad."""
         first, second = self._moments()
         psi = np.asarray(opening, dtype=float)
         sine, cosine = np.sin(psi / 2), np.cos(psi / 2)
@@ -108,7 +108,7 @@ class Plate:
 
 
 def of_plate(plate: Plate, opening: float | None = None, *, points: int = POINTS) -> Characteristic:
-    """Force over travel of a hose between plate and shell.
+    """Return force over travel of a hose between plate and shell.
 
     Args:
         plate: plate and hose.

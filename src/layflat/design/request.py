@@ -7,8 +7,8 @@ from math import isfinite, pi, radians
 from typing import Any, Self
 
 from layflat.description import units as u
+from layflat.description.names import file_name
 from layflat.errors import DesignError
-from layflat.files import file_name
 
 RANGES: dict[str, tuple[u.Quantity | None, float, float]] = {
     "torque": (u.TORQUE, 0.5, 1500.0),

@@ -61,7 +61,7 @@ class StrapLine(ABC):
 
     @abstractmethod
     def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
-        """Lines that give the torque K at each travel.
+        """Return lines that give the torque K at each travel.
 
         Args:
             travel: s, m, shape (n,).
@@ -90,7 +90,7 @@ class ShellLine(StrapLine):
         return hypot(self.start[0] - self.hinge[0], self.start[1] - self.hinge[1])
 
     def strap_points(self, travel: Array) -> Array:
-        """A(s), m, shape (n, 2)."""
+        """Return A(s), m, shape (n, 2)."""
         first = np.arctan2(self.start[1] - self.hinge[1], self.start[0] - self.hinge[0])
         turned = first + travel / self.chord
         return np.array(self.hinge) + self.chord * np.stack((np.cos(turned), np.sin(turned)), axis=-1)
@@ -154,7 +154,7 @@ class RollerLine(StrapLine):
 
 
 def of_joint(joint: Joint) -> StrapLine:
-    """The strap's way in a described joint.
+    """Return the strap's way in a described joint.
 
     With a deflecting roller, or a shaft in the cylinder's middle, the strap runs along the drum and is deflected at the
     rim; with an offset shaft and no roller it goes straight from the shell to the cam.
@@ -170,7 +170,7 @@ def of_joint(joint: Joint) -> StrapLine:
 
 
 def of_plate(plate: Plate, distance: float, height: float) -> ShellLine:
-    """The strap's way with plates on either side of the output shaft, straight from shell to cam.
+    """Return the strap's way with plates on either side of the output shaft, straight from shell to cam.
 
     Args:
         plate: the plate on the left; its chord stands upright, hinged at its foot.
@@ -181,7 +181,7 @@ def of_plate(plate: Plate, distance: float, height: float) -> ShellLine:
 
 
 def _turned(vectors: Array) -> Array:
-    """Turned by +90 deg."""
+    """Return vectors turned by +90 deg."""
     return np.stack((-vectors[..., 1], vectors[..., 0]), axis=-1)
 
 

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JointDesign:
-    """What the design room knows of one joint.
+    """The whole design of one joint.
 
     Args:
         machine: the machine it belongs to.
@@ -84,7 +84,7 @@ class JointDesign:
         return per_pressure * self.pressure
 
     def columns(self) -> dict[str, Array]:
-        """What Table 1 gives for the cam, exact: columns of shape (n,), units in the names.
+        """Return what Table 1 gives for the cam, exact: columns of shape (n,), units in the names.
 
         Raises:
             DesignError: the joint has no cam.
@@ -104,7 +104,7 @@ class JointDesign:
         }
 
     def with_cam(self) -> Cam:
-        """The cam.
+        """Return the cam.
 
         Raises:
             DesignError: the joint has none.
@@ -178,7 +178,7 @@ def _joint_name(machine: Machine, name: str | None) -> str:
     if name is None and len(names) == 1:
         return names[0]
     if name is None or name not in machine.joint:
-        what = "which joint is not said" if name is None else f"{name!r} is no joint here"
+        what = "the joint is missing" if name is None else f"unknown joint {name!r}"
         raise MachineError(what, where=machine.origin, right=f"name one of {', '.join(names)}")
     return name
 

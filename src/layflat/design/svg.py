@@ -28,7 +28,7 @@ LETTER = 0.58
 
 
 def svg_text(sheet: Sheet) -> str:
-    """The SVG document of a sheet."""
+    """Return the SVG document of a sheet."""
     t = sheet.text_height
     drawn = _Canvas(t)
     for distance in sheet.distances:

@@ -69,12 +69,12 @@ class Table1:
         return float(self.work_Nm_deg.sum() / self.b_deg[-1])
 
     def columns(self) -> dict[str, Array]:
-        """All columns by name, in the order in which they are printed."""
+        """Return all columns by name, in the order in which they are printed."""
         return {field.name: getattr(self, field.name) for field in fields(self)}
 
 
 def table1(constants: Table1Constants | None = None) -> Table1:
-    """Table 1, with the paper's constants unless others are given.
+    """Compute Table 1, with the paper's constants unless others are given.
 
     Source: the paper's Table 1 and its footnotes, corrected as the head of this file says.
     """
