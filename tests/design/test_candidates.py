@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from itertools import pairwise
-from math import inf, pi, radians
+from math import cos, inf, pi, radians
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -43,7 +42,7 @@ def swept(request: SizingRequest, width: float, diameter: float) -> float:
     R, gamma = diameter / 2, request.wrap
 
     def force(alpha: float) -> float:
-        return R / (2 * np.cos((pi - gamma) / 2)) * (width - R * (gamma - alpha) / 2) * (1 - np.cos(alpha))
+        return R / (2 * cos((pi - gamma) / 2)) * (width - R * (gamma - alpha) / 2) * (1 - cos(alpha))
 
     return float(quad(force, CONTACT_SHARE * gamma, gamma)[0]) * PEEL * R
 
