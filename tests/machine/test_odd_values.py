@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from layflat.cell.file import loader as cells
+from layflat.cell.file.model import Cell
 from layflat.errors import InputError
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import build
@@ -78,7 +79,7 @@ def test_benches(name: str) -> None:
 
 def test_cells() -> None:
     plain = {key: value for key, value in cells.tables("packing")[0].items() if key not in {"machine", "pack"}}
-    made = refused(lambda plain: cells._validated(cells.Cell, plain, "f.toml"), plain, every=31)
+    made = refused(lambda plain: cells._validated(Cell, plain, "f.toml"), plain, every=31)
     assert made > 200
 
 

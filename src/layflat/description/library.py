@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from pathlib import Path
@@ -12,7 +10,7 @@ from typing import Any
 from layflat.description.hints import nearest
 from layflat.description.provenance import Sources, split
 from layflat.description.tables import Plain, laid_over, parsed
-from layflat.description.text import exists, read_text
+from layflat.description.text import exists, read_text, told_as
 from layflat.errors import InputError
 
 LONGEST_NAME = 200
@@ -77,7 +75,7 @@ class Library:
         Raises:
             InputError: of the library's class: it can't be read or is not TOML.
         """
-        with self.own_errors():
+        with told_as(self.error):
             return parsed(self.text(where), str(where), self.example)
 
     def layers(self, where: str | Path) -> list[Layer]:
@@ -106,23 +104,13 @@ class Library:
         Raises:
             InputError: of the library's class: as `layers`, or what it omits is not there.
         """
-        with self.own_errors():
+        with told_as(self.error):
             nothing: tuple[Plain, Sources] = ({}, {})
             return reduce(_laid, self.layers(where), nothing)
 
     def beside(self, where: str, name: str) -> str:
         """Return a name as seen from a description: built-in names as they are, files from its own folder."""
         return name if name in self.names else str(Path(where).parent / name)
-
-    @contextmanager
-    def own_errors(self) -> Iterator[None]:
-        """Turn errors into those of the library's class."""
-        try:
-            yield
-        except InputError as error:
-            if isinstance(error, self.error):
-                raise
-            raise self.error(error.what, where=error.where, right=error.right) from None
 
     def _layer(self, where: str, extended_by: str) -> tuple[Layer, str | None]:
         """Read one description, and name the one that it extends."""
@@ -142,7 +130,7 @@ class Library:
             raise self.error(
                 f"{omits!r} is not a list of names", where=f"{where}: omits", right='give one such as ["x"]'
             )
-        with self.own_errors():
+        with told_as(self.error):
             plain, sources = split(raw, where)
         return Layer(where, plain, sources, tuple(omits)), base
 

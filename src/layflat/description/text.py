@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from layflat.errors import InputError
 
 MOST_BYTES = 4_000_000
 """Of a description: a hundred times as much as the longest one that is built in."""
+
+
+@contextmanager
+def told_as(kind: type[InputError]) -> Iterator[None]:
+    """Turn errors of the input into those of a class below `InputError`."""
+    try:
+        yield
+    except InputError as error:
+        if isinstance(error, kind):
+            raise
+        raise kind(error.what, where=error.where, right=error.right) from None
 
 
 def exists(path: Path) -> bool:

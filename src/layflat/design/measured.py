@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
+from layflat.description.text import check_regular
 from layflat.design.characteristic import POINTS, Characteristic
 from layflat.errors import InputError
 
@@ -83,6 +84,7 @@ def read_characteristic(
 
 def _read(path: Path) -> _Table:
     where = str(path)
+    check_regular(path, where, "give a CSV file with columns such as angle_deg,torque_Nm")
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = [(number, row) for number, row in enumerate(csv.reader(file, strict=True), 1) if _holds_data(row)]

@@ -151,10 +151,11 @@ class Link(Part):
     length: u.Length
     mass: u.Mass
     centre: u.LengthOrZero = Field(
-        default=None, description="distance of the link's centre of mass from the joint; default: half its length"
+        default_factory=float,
+        description="distance of the link's centre of mass from the joint; default: half its length",
     )
     inertia: u.InertiaOrZero = Field(
-        default=None, description="about the link's centre of mass; default: that of a uniform rod, m l^2 / 12"
+        default_factory=float, description="about the link's centre of mass; default: that of a uniform rod, m l^2 / 12"
     )
     rotor_inertia: u.Inertia = Field(description="of cams, shaft and brake disk about the joint")
 
@@ -168,7 +169,9 @@ class Link(Part):
 class Body(Part):
     """The joint as a thing to carry."""
 
-    mass: u.Mass = Field(default=None, description="of the whole joint; default: estimated from the sizes of its parts")
+    mass: u.Mass = Field(
+        default_factory=float, description="of the whole joint; default: estimated from the sizes of its parts"
+    )
     height: u.Length
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
@@ -37,8 +38,9 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Array:
         InputError: the file, its columns, or a value in it.
     """
     where = str(path)
+    check_regular(path, where, "give a CSV file")
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             rows = list(csv.reader(file))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"can't be read ({error})", where=where, right="give a CSV file") from None

@@ -6,10 +6,9 @@ k1, k2, p1, p2, k3.
 
 from __future__ import annotations
 
-import tomllib
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import tomli_w
@@ -17,6 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from layflat.cell.extras import opencv, points
+from layflat.description.explain import explained
+from layflat.description.tables import parsed
+from layflat.description.text import read_text, told_as
 from layflat.errors import CameraError
 from layflat.files import whole_file
 
@@ -118,16 +120,10 @@ def load_calibration(path: Path) -> Calibration:
     Raises:
         CameraError: the file is missing, broken, or no calibration.
     """
-    right = "calibrate the camera anew"
+    where, right = str(path), "calibrate the camera anew"
+    with told_as(CameraError):
+        plain = parsed(read_text(path, where, right), where, "picture_px = [1280, 960]")
     try:
-        plain: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
         return Calibration.model_validate(plain)
-    except OSError as error:
-        raise CameraError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise CameraError(f"is no TOML file ({error})", where=str(path), right=right) from None
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        what = first["msg"].removeprefix("Value error, ")
-        raise CameraError(f"{key}: {what}", where=str(path), right=right) from None
+        raise explained(error, where, Calibration, CameraError, right) from None

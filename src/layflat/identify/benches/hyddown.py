@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from layflat.description.text import check_regular, read_text
 from layflat.errors import InputError
 from layflat.identify.model import Array
 from layflat.machine.rigs import VesselRig, build_rig
@@ -139,8 +140,8 @@ def _tables(path: Path) -> dict[str, Any]:
     except ImportError:
         raise InputError("needs PyYAML", where=str(path), right="pip install 'layflat[hyddown]'") from None
     try:
-        tables = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        tables = yaml.safe_load(read_text(path, str(path), "give HydDown's input file"))
+    except (RecursionError, yaml.YAMLError) as error:
         text = str(error).splitlines()[0]
         raise InputError(f"can't be read ({text})", where=str(path), right="give HydDown's input file") from None
     if not isinstance(tables, dict):
@@ -206,6 +207,7 @@ def _place(pressure: float, temperature: float) -> dict[str, str]:
 def _curves(path: Path) -> dict[str, tuple[Array, Array]]:
     """Times (s) and values (SI) by name."""
     points: dict[str, list[tuple[float, float]]] = {}
+    check_regular(path, str(path), "give a CSV file")
     try:
         with path.open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header, header_of
 
@@ -60,6 +61,7 @@ def read_table(path: str | Path) -> Table:
         InputError: it can't be read, or holds no columns of numbers.
     """
     path = Path(path)
+    check_regular(path, str(path), "give a CSV, Parquet, NetCDF or MCAP file")
     try:
         with path.open("rb") as file:
             sha256 = hashlib.file_digest(file, "sha256").hexdigest()
