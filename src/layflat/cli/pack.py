@@ -184,6 +184,8 @@ def _picks_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
 
 def _print_picks(deliveries: list[Delivery]) -> None:
     """Print a row a pick, and what went wrong."""
+    from layflat.cell.work.results import counted  # noqa: PLC0415
+
     rows, troubles = [], []
     for number, delivery in enumerate(deliveries, start=1):
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
@@ -202,7 +204,8 @@ def _print_picks(deliveries: list[Delivery]) -> None:
                 ]
             )
             if pick.trouble:
-                troubles.append(f"pick {name}, {pick.outcome.name.lower()}, {pick.tries} tries: {pick.trouble}")
+                tries = counted(pick.tries, "try", "tries")
+                troubles.append(f"pick {name}, {pick.outcome.name.lower()}, {tries}: {pick.trouble}")
     if rows:
         print_table(["pick", "fruit", "mm", "place", "result", "error (mm)", "peak (m/s2)", "s", "air (Nl)"], rows)
     for trouble in troubles:
@@ -235,7 +238,7 @@ def _print_runs(runs: list[Run]) -> None:
                 _known(found.vision_error_mm, 2),
             ]
         )
-    errors = ["error, 95 % (mm)", "peak (m/s2)", "hits", "air (Nl)", "vision, 95 % (mm)"]
+    errors = ["error 95 % (mm)", "peak (m/s2)", "collisions", "air (Nl)", "vision 95 % (mm)"]
     print_table(["seed", "correct", "a minute", *errors], rows)
 
 

@@ -22,7 +22,7 @@ from layflat.cell.vision import Calibration
 from layflat.cell.work.film_and_sheet import FPS, film_and_sheet
 from layflat.cell.work.observer import Observer, Observers, PickCounter
 from layflat.cell.work.records import Delivery
-from layflat.cell.work.results import as_dict, save, summary
+from layflat.cell.work.results import as_dict, counted, save, summary
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.study import repeated
 from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
@@ -201,3 +201,8 @@ def test_what_was_done_before_ctrl_c_is_kept(cell: Cell) -> None:
     hasty.carried = 1
     with pytest.raises(KeyboardInterrupt):
         packed(cell, 2, 5, None, hasty)
+
+
+def test_one_is_not_counted_in_the_plural() -> None:
+    assert [counted(number, "pick") for number in (0, 1, 2)] == ["0 picks", "1 pick", "2 picks"]
+    assert [counted(number, "try", "tries") for number in (1, 3)] == ["1 try", "3 tries"]
