@@ -47,14 +47,15 @@ def test_what_is_no_address(address: str, what: str) -> None:
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(("address", "package"), [("modbus://h", "pymodbus"), ("serial:///dev/x", "serial")])
+@pytest.mark.parametrize(("address", "package"), [("modbus://h", "pymodbus"), ("serial:///dev/x", "pyserial")])
 def test_what_is_not_installed_is_named(address: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    imported = package.removeprefix("py") if package == "pyserial" else package
     for name in [
         name for name in sys.modules if name.startswith(("layflat.rig.drivers.modbus", "layflat.rig.drivers.serial"))
     ]:
         monkeypatch.delitem(sys.modules, name)
-    for name in [name for name in sys.modules if name.split(".")[0] == package]:
+    for name in [name for name in sys.modules if name.split(".")[0] == imported]:
         monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.setitem(sys.modules, package, None)
+    monkeypatch.setitem(sys.modules, imported, None)
     with pytest.raises(InputError, match=rf"needs {package}.*pip install 'layflat\[rig\]'"):
         driver_of(address, ARM)

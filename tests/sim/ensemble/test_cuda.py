@@ -125,7 +125,7 @@ def test_on_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.skipif(has_device(), reason="there is a device")
 def test_no_device_is_one_line() -> None:
     with pytest.raises(
-        InputError, match=r"^device: (numba-cuda is missing; pip|no CUDA device can be used \()"
+        InputError, match=r"^device: (needs numba-cuda, not installed; install|no CUDA device can be used \()"
     ) as caught:
         ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="cuda")
     assert "\n" not in str(caught.value)

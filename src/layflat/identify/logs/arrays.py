@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from layflat import extras
 from layflat.errors import InputError
 from layflat.identify.logs.table import Array, Cells
 
@@ -17,11 +18,10 @@ def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     Raises:
         InputError: it is none, or pyarrow is not installed.
     """
-    try:
-        import pyarrow  # noqa: PLC0415
-        from pyarrow import parquet  # noqa: PLC0415
-    except ImportError:
-        raise InputError("needs pyarrow", where=str(path), right="pip install 'layflat[logs]'") from None
+    extras.require("logs", "pyarrow", where=str(path))
+    import pyarrow  # noqa: PLC0415
+    from pyarrow import parquet  # noqa: PLC0415
+
     try:
         table = parquet.read_table(path)
     except (pyarrow.ArrowException, OSError) as error:

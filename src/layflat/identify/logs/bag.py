@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat import extras
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header, header_of
 from layflat.identify.logs.table import Column
@@ -40,10 +41,9 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
     Raises:
         InputError: it is none, nothing in it can be decoded, or the packages are not installed.
     """
-    try:
-        from mcap.exceptions import McapError  # noqa: PLC0415
-    except ImportError:
-        raise InputError("needs mcap", where=str(path), right="pip install 'layflat[logs]'") from None
+    extras.require("logs", "mcap", where=str(path))
+    from mcap.exceptions import McapError  # noqa: PLC0415
+
     samples: dict[str, tuple[list[int], list[float]]] = {}
     try:
         if _is_of_a_rig(path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from urllib.parse import urlsplit
 
-from layflat.errors import InputError
+from layflat import extras
 from layflat.machine.model import Machine
 from layflat.rig.driver import Driver, DriverError
 
@@ -23,11 +23,11 @@ def driver_of(address: str, machine: Machine) -> Driver:
     split = urlsplit(address)
     try:
         if split.scheme == "modbus":
+            extras.require("rig", "pymodbus", where=address)
             return _modbus(address, split.hostname, split.port, split.path, machine)
         if split.scheme == "serial":
+            extras.require("rig", "serial", "cobs", where=address)
             return _serial(address, split.netloc, split.path, machine)
-    except ImportError as error:
-        raise InputError(f"needs {error.name}", where=address, right="pip install 'layflat[rig]'") from None
     except ValueError:
         raise DriverError("has no port", where=address, right="give one from 1 to 65535: modbus://HOST:PORT") from None
     raise DriverError("is no driver's address", where=address, right="give modbus://HOST:PORT or serial:///dev/NAME")

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from layflat import extras
 from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 
@@ -22,10 +23,7 @@ def check_format(path: Path) -> None:
     if path.suffix not in _WRITERS:
         raise InputError(f"{path.suffix or path.name!r} is no format", where=str(path), right="use .nc or .parquet")
     if path.suffix == ".parquet":
-        try:
-            import pyarrow  # noqa: F401, PLC0415
-        except ImportError:
-            raise InputError("needs pyarrow", where=str(path), right="pip install 'layflat[rig]'") from None
+        extras.require("rig", "pyarrow", where=str(path))
 
 
 def export(run: xarray.Dataset, path: Path) -> Path:

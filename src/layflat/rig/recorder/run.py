@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat import extras
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import DeviceState
@@ -70,12 +71,11 @@ def read_recording(path: Path) -> Recording:
     Raises:
         InputError: it can't be read, is not whole, or none of ours.
     """
-    try:
-        from mcap.exceptions import McapError  # noqa: PLC0415
-        from mcap.reader import make_reader  # noqa: PLC0415
-        from zstandard import ZstdError  # noqa: PLC0415
-    except ImportError:
-        raise InputError("needs mcap", where=str(path), right="pip install 'layflat[rig]'") from None
+    extras.require("rig", "mcap", where=str(path))
+    from mcap.exceptions import McapError  # noqa: PLC0415
+    from mcap.reader import make_reader  # noqa: PLC0415
+    from zstandard import ZstdError  # noqa: PLC0415
+
     if not check_magic(path):
         right = f"`layflat log repair {path}` makes it whole"
         raise InputError("was not finished", where=str(path), right=right)

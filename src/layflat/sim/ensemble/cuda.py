@@ -8,7 +8,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from functools import cache
-from importlib.util import find_spec
 from math import ceil
 from typing import Any, cast
 
@@ -16,6 +15,7 @@ import numpy as np
 from numba import cuda as _cuda
 from numpy.typing import NDArray
 
+from layflat import extras
 from layflat.errors import InputError
 from layflat.jit.compiler import config, device_kernel, on_device
 from layflat.lanes import mapped
@@ -77,8 +77,8 @@ def check_device() -> None:
             raise InputError(
                 "the CUDA simulator runs plain Python", where="device", right="set NUMBA_DISABLE_JIT=1 too"
             )
-    elif find_spec("numba_cuda") is None:
-        raise InputError("numba-cuda is missing", where="device", right="pip install 'layflat[gpu]'")
+    else:
+        extras.require("gpu", where="device")
     try:
         tried = cuda.to_device(np.zeros(1))
         _start(cuda.jit(_try), 1, tried)
