@@ -154,6 +154,12 @@ def test_show_toml_can_be_started_from(tmp_path: Path) -> None:
     assert layflat("check", str(path)).returncode == 0
 
 
+def test_a_test_bench_is_checked_and_not_simulated(tmp_path: Path) -> None:
+    assert layflat("check", "friction-rig").stdout == "friction-rig: a valid description of a test bench\n"
+    line = refused("simulate", "friction-rig", cwd=tmp_path)
+    assert line == "layflat: friction-rig: is a test bench, not a machine; `layflat identify` takes it"
+
+
 def test_simulate_writes_data_and_figure(tmp_path: Path) -> None:
     done = layflat(
         "simulate", "paper-arm", "--move", "large=20 deg", "--move", "small=10 deg @ 1 s", "--duration", "2 s",

@@ -231,7 +231,7 @@ def test_a_served_rig_says_what_it_is_told(modbus: Served) -> None:
     assert any(line.startswith("burst-hose: ") for line in lines)
     for text, what in (
         ("fail moonquake", "'moonquake' is no failure"),
-        ("fail push elbow 1", "'elbow' is no joint here; give large or small"),
+        ("fail push elbow 1", "unknown joint 'elbow'; give large or small"),
         ("fail push large much", "neither joint nor number"),
         ("dance", "'dance' is not understood"),
     ):

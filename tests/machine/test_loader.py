@@ -53,7 +53,7 @@ def test_every_built_in_value_says_where_it_comes_from(name: str) -> None:
         ('[supply]\npressure_gauge = "-2 bar"', "supply.pressure_gauge: '-2 bar' is out of range"),
         ('[joint.large.hose]\nwidth = "20 mm"', "joint.large: hose.width is too small"),
         ("[joint.large.losses]\nweights = [0.5, 0.5, 0.5]", "joint.large.losses: weights must add up to 1"),
-        ('[arm]\njoints = ["wrist"]', "arm.joints names 'wrist', which is no joint here"),
+        ('[arm]\njoints = ["wrist"]', "arm.joints names the unknown joint 'wrist'"),
         ('[joint.large.hose]\nwidth = { value = "3 mm", src = "x" }', "joint.large.hose.width: unknown key 'src'"),
         ('[joint.large.hose]\nwidth = { value = "3 mm", source = "x" }', "source 'x' is unknown; use one of paper"),
         ("[valve]\ncritical_ratio = nan", "valve.critical_ratio: nan is not a finite number; give one such as 0.5"),

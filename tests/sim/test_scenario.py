@@ -60,7 +60,7 @@ def test_a_function_and_an_array_mean_the_same() -> None:
         ({"demand": "40"}, "demand: '40' is a bare number"),
         ({"demand": "40 bar"}, "demand: '40 bar' is not an angle"),
         ({"demand": "61 deg"}, "demand: 61 deg is outside the working stroke of joint 'large'"),
-        ({"demand": {"wrist": "1 deg"}}, "demand: 'wrist' is no joint here; joints are large, small"),
+        ({"demand": {"wrist": "1 deg"}}, "demand: unknown joint 'wrist'; joints are large, small"),
         ({"demand": ["1 deg"]}, "demand: has 1 values; give 2: large, small"),
         ({"demand": [("1 s", 0.0), ("1 s", 0.1)]}, "demand: the times of its steps do not grow"),
         ({"demand": np.full((3, 2), 0.0)}, r"demand: an array of shape (3, 2) does not fit"),

@@ -37,8 +37,8 @@ class PneumaticJoints:
         model: an MjModel.
         machine: whose joints they are.
         joints: name of the machine's joint that drives a hinge, by name of the hinge; several hinges may be driven by
-            joints of the same kind. All joints of the machine, on hinges of their names, where not given.
-        pressures: absolute pressures in hoses A and B at the start, Pa; at equal leakage where not given.
+            joints of the same kind. Default: all joints of the machine, on hinges of their names.
+        pressures: absolute pressures in hoses A and B at the start, Pa; default: at equal leakage.
 
     Attributes:
         hinges: names of the driven hinges, in the order of all arrays.
@@ -139,7 +139,7 @@ class PneumaticJoints:
         """Advance an MjData by a timestep of the model, as `mj_step` does, with these joints.
 
         Raises:
-            DivergedError: model or joints left all meaning.
+            DivergedError: model or joints diverged.
         """
         if self._fresh:
             self.reset(data)

@@ -27,11 +27,11 @@ class MujocoPlant:
 
     Args:
         machine: the machine.
-        model: an MjModel that contains its arm and whatever else; the arm alone where not given.
-        data: that model's MjData, at whose angles it begins; a new one where not given.
+        model: an MjModel that contains its arm and whatever else; default: the arm alone.
+        data: that model's MjData, at whose angles it begins; default: a new one.
         joints: name of the machine's joint by name of its hinge, where they differ.
         start: angles of the joints at first, where not those of `data`, one or one a joint.
-        pressures: absolute pressures of the hoses A and B at first; at equal leakage where not given.
+        pressures: absolute pressures of the hoses A and B at first; default: at equal leakage.
         seed: of the sensors' noise.
         noise: whether the sensors are noisy.
         step: performs a timestep, given what advances an MjData by one with the joints: for who acts before and after.
@@ -138,7 +138,7 @@ class MujocoPlant:
         """Let time pass up to the last whole step before `until` (s).
 
         Raises:
-            DivergedError: the machine left all meaning.
+            DivergedError: the machine diverged.
         """
         # A deadline that is a whole number of steps may be a hair short of it.
         for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):

@@ -16,7 +16,7 @@ def arm_model(
     machine: MachineName,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
 ) -> None:
-    """Write the rigid bodies of a machine's arm, for MuJoCo (MJCF) or other tools (URDF)."""
+    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF."""
     from layflat.bridge import to_mjcf, to_urdf  # noqa: PLC0415
     from layflat.files import whole_file  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
@@ -24,7 +24,7 @@ def arm_model(
     writers = {".xml": to_mjcf, ".urdf": to_urdf}
     if out.suffix not in writers:
         raise InputError(
-            f"{out.name!r} is no kind of model", where="--out", right="give a name such as arm.xml or arm.urdf"
+            f"{out.name!r} has an unknown format", where="--out", right="give a name such as arm.xml or arm.urdf"
         )
     text = writers[out.suffix](load(machine))
     with whole_file(out) as temporary:

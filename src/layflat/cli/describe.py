@@ -12,13 +12,13 @@ from layflat.cli.app import MachineName, app, print_findings, print_table
 
 @app.command()
 def machines() -> None:
-    """List the built-in machines, and the benches that can be identified."""
+    """List the built-in machines and test benches."""
     from layflat.machine import load, names  # noqa: PLC0415
     from layflat.machine.rigs import load_rig, rig_names  # noqa: PLC0415
 
     print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
     typer.echo()
-    print_table(["bench", "what it is"], [[name, load_rig(name).title] for name in rig_names()])
+    print_table(["test bench", "what it is"], [[name, load_rig(name).title] for name in rig_names()])
 
 
 @app.command()
@@ -40,16 +40,22 @@ def show(
 
 @app.command()
 def check(machine: MachineName) -> None:
-    """Check a description file: every value, and whether such a joint can be made."""
-    from layflat.design import Finding, design_joint  # noqa: PLC0415
-    from layflat.machine import load  # noqa: PLC0415
+    """Check a description: every value, and whether it can be made."""
+    from layflat.machine import Machine  # noqa: PLC0415
+    from layflat.machine.rigs import load_described  # noqa: PLC0415
+
+    described = load_described(machine)
+    if not isinstance(described, Machine):
+        typer.echo(f"{machine}: a valid description of a test bench")
+        return
+    from layflat.design import Finding, design_joint  # noqa: PLC0415  # not for test benches
     from layflat.machine.stale import stale_values  # noqa: PLC0415
 
-    described = load(machine)
     stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(machine)]
     findings = [f for name in described.joints for f in design_joint(described, name).findings]
     print_findings([*stale, *findings])
-    typer.echo(f"{machine}: a sound description of {len(described.joints)} joint(s)")
+    count = len(described.joints)
+    typer.echo(f"{machine}: a valid description of {count} joint{'s' if count > 1 else ''}")
 
 
 @app.command()

@@ -22,7 +22,7 @@ RigLog = Annotated[Path, typer.Argument(metavar="LOG", help="MCAP, as `layflat r
 
 @logs.command("info")
 def info(log: RigLog) -> None:
-    """Tell what a rig's log holds: when, how long, how even its cycles are, what went wrong."""
+    """Show what a rig's log holds: times, cycles, faults."""
     run = _read(log)
     rows = _about(log, run)
     print_table(["", ""], rows, log.name)
@@ -36,13 +36,16 @@ def info(log: RigLog) -> None:
 
 @logs.command("repair")
 def repair_log(log: RigLog) -> None:
-    """Make an MCAP file whole that was cut short; the original is kept as NAME.mcap.broken."""
+    """Repair an MCAP file that was cut short.
+
+    The original is kept as NAME.mcap.broken.
+    """
     from layflat.rig.recorder.repair import repair  # noqa: PLC0415
 
     with _bytes_bar() as advance:
         done = repair(log, advance)
     if done is None:
-        typer.echo(f"{log}: is whole, nothing to repair")
+        typer.echo(f"{log}: is complete, nothing to repair")
         return
     place, kept = done
     lost = f"lost {kept.lost} bytes that made no whole record" if kept.lost else "lost nothing that was written"

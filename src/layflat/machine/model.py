@@ -170,9 +170,7 @@ class Machine(Part):
     def _joined(self) -> Machine:
         missing = [name for name in self.arm.joints if name not in self.joint]
         if missing:
-            raise ValueError(
-                f"arm.joints names {missing[0]!r}, which is no joint here; joints are {sorted(self.joint)}"
-            )
+            raise ValueError(f"arm.joints names the unknown joint {missing[0]!r}; joints are {sorted(self.joint)}")
         if self.valve is not None and self.controller is not None:
             longest = LONGEST * self.cycle
             if self.valve.delay > longest:

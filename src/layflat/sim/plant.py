@@ -135,7 +135,7 @@ class SteppedPlant:
         """Let time pass up to the last whole step before `until` (s).
 
         Raises:
-            DivergedError: the machine left all meaning.
+            DivergedError: the machine diverged.
         """
         # A deadline that is a whole number of steps may be a hair short of it.
         last = int(until / self._h + 1e-6)

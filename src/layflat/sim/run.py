@@ -47,7 +47,7 @@ def rollout(
 
     Raises:
         InputError: a machine, scenario or option is wrong.
-        DivergedError: the run left all meaning; it carries the data up to there.
+        DivergedError: the run diverged; it carries the data up to there.
     """
     from layflat.sim.dataset import dataset  # noqa: PLC0415  # xarray takes long to import
 
@@ -159,7 +159,7 @@ def start_pressures(scenario: Scenario, machine: Machine, usual: float) -> NDArr
     each = dict(given) if isinstance(given, Mapping) else dict.fromkeys(names, given)
     unknown = sorted(set(each) - set(names))
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no joint here", where="pressures", right=f"joints are {', '.join(names)}")
+        raise InputError(f"unknown joint {unknown[0]!r}", where="pressures", right=f"joints are {', '.join(names)}")
     pairs = [each.get(name) or (usual, usual) for name in names]
     pressures = np.array([[u.quantity(value, u.PRESSURE, "pressures") for value in pair] for pair in pairs])
     if pressures.min() <= 0.0:

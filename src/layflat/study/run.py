@@ -42,7 +42,7 @@ def run(
         out: folder for the results; new, empty, or of the same study.
         scheduler: address of a Dask cluster's scheduler that does the work, such as "tcp://10.0.0.1:8786".
         progress: is called with the runs done so far, and with how many there are.
-        threads: how many work at a time here; one a core where not given.
+        threads: how many work at a time here; default: one a core.
         chunk: runs that are kept together.
 
     Returns:

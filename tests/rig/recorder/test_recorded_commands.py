@@ -59,7 +59,7 @@ def test_a_log_that_was_cut_is_told_repaired_and_read(log: Path) -> None:
     assert told.startswith(f"wrote {whole}: kept 199 messages over 0.495 s, lost ")
     assert log.with_name("cut.mcap.broken").exists()
     assert "100 over 0.495 s" in layflat("info", whole)
-    assert layflat("repair", whole) == f"{whole}: is whole, nothing to repair\n"
+    assert layflat("repair", whole) == f"{whole}: is complete, nothing to repair\n"
 
 
 def test_files_that_are_none_and_formats_that_are_none_are_refused(log: Path, tmp_path: Path) -> None:

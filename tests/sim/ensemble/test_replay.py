@@ -55,7 +55,7 @@ def test_every_joint_begins_where_it_is_put() -> None:
     assert run[:, 0, 0] == pytest.approx(0.0)
     assert run[:, 0, 1] == pytest.approx([2e5, 3e5])
     assert run[:, 1, 1:] == pytest.approx(np.array([[3e5, 2.5e5]] * 2))
-    with pytest.raises(InputError, match=r"'wrist' is no joint here; joints are large, small"):
+    with pytest.raises(InputError, match=r"unknown joint 'wrist'; joints are large, small"):
         rollout(ARM, pressures={"wrist": ("3 bar", "3 bar")})
 
 

@@ -50,7 +50,7 @@ def _gauge(device: VirtualDevice, pressure: float) -> str:
 
 
 def _sized(size: float | None, unit: str) -> str:
-    return "" if size is None else f" (SIZE: {unit}; {size:g} where not given)"
+    return "" if size is None else f" (SIZE: {unit}; default: {size:g})"
 
 
 def _joint_and_size(device: VirtualDevice, words: Sequence[str]) -> tuple[int, float | None]:
@@ -69,7 +69,7 @@ def _joint(device: VirtualDevice, word: str) -> int:
         return names.index(word)
     if word.isdigit() and int(word) < len(names):
         return int(word)
-    raise InputError(f"{word!r} is no joint here", where="line", right=f"give {' or '.join(names)}")
+    raise InputError(f"unknown joint {word!r}", where="line", right=f"give {' or '.join(names)}")
 
 
 def _number(word: str) -> float:

@@ -22,7 +22,7 @@ UNITS = {
     "air_used": ("l", "air taken from the supply, normal litres"),
     "hysteresis": ("1", "loop height over greatest torque of a slow sweep at supply pressure, brake on"),
     "peak_acceleration": ("m/s^2", "largest acceleration of the payload, from its position at control cycles"),
-    "diverged": ("s", "when the run left all meaning; not a number where it did not"),
+    "diverged": ("s", "when the run diverged; not a number where it did not"),
 }
 """Unit and meaning of every metric."""
 

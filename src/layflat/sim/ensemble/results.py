@@ -43,7 +43,7 @@ class Totals(NamedTuple):
     peak_acceleration: float
     """Of the tip, m/s2."""
     diverged: float
-    """Cycle in which the run left all meaning; not a number where it did not."""
+    """Cycle in which the run diverged; not a number where it did not."""
 
 
 class Traced(NamedTuple):
