@@ -1,3 +1,4 @@
+import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -57,3 +58,53 @@ def test_a_package_that_can_not_be_imported(tmp_path: Path, monkeypatch: pytest.
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(MissingExtraError, match=r"needs ezdxf, can't be imported .No module named 'a_library_that"):
         extras.module("drawing", "ezdxf", where="design")
+
+
+WITHOUT = """
+import subprocess
+import sys
+for name in {names!r}:
+    sys.modules[name] = None
+sys.argv = {argv!r}
+from layflat.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "extra"),
+    [
+        ("tune paper-small-joint", "tune"),
+        ("study valves", "study"),
+        ("rig run paper-arm --driver simulated", "rig"),
+        ("rig serve paper-arm --modbus 0", "rig"),
+        ("rig serve paper-arm --serial", "rig"),
+        ("rig check paper-arm --driver modbus://127.0.0.1:1", "rig"),
+        ("log info run.mcap", "rig"),
+        ("log check run.mcap", "logs"),
+        ("log check run.parquet", "logs"),
+        ("pack --picks 1", "cell"),
+        ("arm-model paper-arm --out arm.xml", "cell"),
+    ],
+)
+def test_a_command_without_its_extra_says_so_at_once(words: str, extra: str, tmp_path: Path) -> None:
+    (tmp_path / "run.mcap").write_bytes(b"\x89MCAP0\r\n")
+    (tmp_path / "run.parquet").write_bytes(b"PAR1")
+    names = sorted({name for packages in extras.EXTRAS.values() for name in packages} - {"pandas"})
+    code = WITHOUT.format(names=names, argv=["layflat", *words.split()])
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=120
+    )
+    assert done.returncode == 2, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert "needs " in line
+    assert line.endswith(f"install it: pip install 'layflat[{extra}]'")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.mcap", "run.parquet"]
+
+
+def test_what_needs_no_extra_imports_none(tmp_path: Path) -> None:
+    names = sorted({name for packages in extras.EXTRAS.values() for name in packages} - {"pandas"})
+    code = WITHOUT.format(names=names, argv=["layflat", "design", "paper-small-joint"])
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "build/design/paper-small-joint-small-cam.svg").exists()

@@ -54,11 +54,13 @@ def run(
 
     Ctrl-C is a controlled stop. Exit status 3 if a fault ended the run.
     """
+    from layflat import extras  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.plan import EarlyEndError, PlanRunner, free_place  # noqa: PLC0415
     from layflat.rig.recorded import Recorded  # noqa: PLC0415
 
+    extras.require("rig", "mcap", "mcap_ros2", where="rig run")
     described = load(machine)
     factory, name = driver_at(driver, described)
     plan_from = _plans(described, demand or [], duration)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from select import select
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from layflat import extras
 from layflat.cli.app import MachineName
 from layflat.cli.bars import busy
 from layflat.cli.rig import rigs, stopping
@@ -59,9 +59,7 @@ def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | 
 
     if (modbus is None) is not serial:
         raise InputError("give one of both", where="--modbus, --serial", right="for example --modbus 5020")
-    needs = "pymodbus" if modbus is not None else "cobs"
-    if find_spec(needs) is None:
-        raise InputError(f"needs {needs}", where="rig serve", right="pip install 'layflat[rig]'")
+    extras.require("rig", *(["pymodbus"] if modbus is not None else ["serial", "cobs"]), where="rig serve")
     return ModbusPort(modbus) if modbus is not None else SerialPort(link)
 
 
