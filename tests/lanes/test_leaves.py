@@ -52,7 +52,7 @@ def test_what_is_written_is_read_again(tree: Any) -> None:
 @pytest.mark.parametrize("name", names())
 def test_parameters_of_every_machine_are_numbers_all_through(name: str) -> None:
     machine = load(name)
-    case = (parameters.arm(machine), parameters.surroundings(machine))
+    case: tuple[Any, ...] = (parameters.arm(machine), parameters.surroundings(machine))
     if machine.valve is not None:
         case += (parameters.joints(machine),)
     found = list(leaves(case))
