@@ -1,8 +1,9 @@
 import pytest
 
+from layflat.errors import MachineError
 from layflat.experiments import bench
 from layflat.experiments.axis_one import limit_within
-from layflat.experiments.bench import maximum_torque, payload_for_inertia
+from layflat.experiments.bench import RIGS, alone, maximum_torque, payload_for_inertia
 from layflat.machine import changed, load
 
 
@@ -32,3 +33,26 @@ def test_a_limit_ends_at_the_first_inertia_that_takes_too_long() -> None:
     assert limit_within(times, 1.5) == 2.0
     assert limit_within(times, 3.0) == 4.0
     assert limit_within(times, 0.1) == 0.0
+
+
+def test_what_a_machine_lacks_is_named() -> None:
+    with pytest.raises(MachineError, match="paper-small-joint: has no joint 'large'"):
+        bench("paper-small-joint").joint("large")
+    with pytest.raises(MachineError, match="paper-large-joint: has no joint 'small'"):
+        _ = bench("paper-large-joint").axis_one
+    with pytest.raises(MachineError, match="paper-arm-switching: has no spool valve"):
+        _ = bench("paper-arm-switching").valve
+
+
+def test_a_joint_alone_keeps_what_it_is() -> None:
+    arm = load("paper-arm")
+    one = alone(arm, "large", 0.7)
+    assert (one.arm.joints, one.arm.payload) == (("large",), 0.7)
+    assert one.joint["large"] == arm.joint["large"]
+    assert bench().axis_one.arm.payload == 2.0
+
+
+def test_the_rigs_of_the_papers_figures_act_one_way() -> None:
+    rigs = bench().rigs
+    assert list(rigs) == list(RIGS)
+    assert {rig.joint["small"].acting for rig in rigs.values()} == {"single"}

@@ -50,3 +50,43 @@ def test_a_search_improves_and_repeats_itself() -> None:
     one, same = (c.search(cost, knobs, start, rounds=60, seed=3) for _ in range(2))
     assert np.array_equal(one, same)
     assert cost(one) < cost(start)
+
+
+TIME = np.arange(0.0, 4.0, 0.005)
+
+
+def moved(error: np.ndarray) -> np.ndarray:
+    """Rows of a run of one joint whose goal is zero, with the error (deg) from 0.5 s on."""
+    rows = np.zeros((len(TIME), 1, 1))
+    rows[100:, 0, 0] = np.radians(error[: len(TIME) - 100])
+    return rows
+
+
+def cost(error: np.ndarray) -> float:
+    return c._verdict(moved(error), 0.005, 0, 0.0, 0.5, 3.5)
+
+
+def test_a_calibrated_step_costs_its_time_its_overshoot_and_what_remains() -> None:
+    after = TIME
+    quick = cost(np.where(after < 0.3, -40.0, 0.0))
+    late = cost(np.where(after < 1.6, -40.0, 0.0))
+    assert quick == pytest.approx(c.SOON), "haste is worth nothing"
+    assert late == pytest.approx(1.6, abs=0.011)
+    beyond = cost(np.where(after < 0.3, -40.0, np.where(after < 0.5, 6.0, 0.0)))
+    assert beyond == pytest.approx(c.SOON + c.OVERSHOOT * 5.0)
+    assert cost(np.where(after < 0.3, -40.0, 0.5)) == pytest.approx(3.0 + c.OFF * 0.5, abs=0.02)
+    assert cost(np.where(after < 0.3, -40.0, 20.0)) == pytest.approx(3.0 + c.OVERSHOOT * 19.0 + 5.0, abs=0.02)
+
+
+def test_a_knob_of_weights_keeps_their_sum() -> None:
+    machine = c.with_values(load("paper-arm"), [c.WEIGHT_KNOB], [0.3])
+    for joint in machine.joints.values():
+        assert joint.losses.weights == pytest.approx((0.3, 0.35, 0.35))
+    assert c._texts([c.WEIGHT_KNOB], np.array([0.3]))["joint.small.losses.weights"] == [0.3, 0.35, 0.35]
+
+
+def test_knobs_of_joints_that_are_not_there_are_passed_over() -> None:
+    earlier = load("earlier-actuator")
+    earlier = earlier.model_copy(update={"joint": {"small": earlier.joint["small"]}})
+    values = [float(value) for value in values_of(load("paper-arm"), gain_knobs("large"))]
+    assert c.with_values(earlier, gain_knobs("large"), values) == earlier

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,8 +73,3 @@ def moves_of(frame: pandas.DataFrame) -> list[str]:
 def listed(words: Sequence[str]) -> str:
     """Words as a list in a sentence."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
-
-
-def seconds(time: float) -> str:
-    """A settling time in words."""
-    return f"{time:.2f} s" if isfinite(time) else "not at all"
