@@ -55,7 +55,7 @@ def checked(driver: Wired, *, air: bool = True) -> dict[str, CheckResult]:
 
 
 def wrong(found: dict[str, CheckResult]) -> dict[str, str]:
-    return {one.what: one.right for one in found.values() if not one.sound}
+    return {one.what: one.action for one in found.values() if not one.passed}
 
 
 def test_a_sound_rig_passes_and_is_left_without_air() -> None:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import Layout
+from layflat.rig.shared import MAILBOX, YOUNG, sweep
 
 LAYOUT = Layout.of(["a", "b"], {"phase": ("1", "phase")})
 WIDTH = LAYOUT.width
@@ -93,3 +94,20 @@ def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
     assert not host.ended
     clock.wait(5 * SECOND)
     assert host.ended
+
+
+def test_the_mailbox_of_those_who_were_killed_is_swept_away() -> None:
+    used, left = Mailbox.create(LAYOUT), Mailbox.create(LAYOUT)
+    box, gone = Mailbox(used, LAYOUT), Mailbox(left, LAYOUT)
+    gone.close()
+    sweep(MAILBOX)
+    assert left.exists(), "it may be on its way to the loop"
+    long_ago = time.time() - 2.0 * YOUNG
+    for path in (used, left):
+        os.utime(path, (long_ago, long_ago))
+    sweep(MAILBOX)
+    assert not left.exists()
+    assert used.exists(), "it is in use"
+    box.close()
+    box.close()
+    used.unlink()

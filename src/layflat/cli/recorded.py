@@ -13,11 +13,14 @@ import typer
 from layflat.cli.app import print_table
 from layflat.cli.bars import busy
 from layflat.cli.log import logs
+from layflat.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
 
-RigLog = Annotated[Path, typer.Argument(metavar="LOG", help="MCAP, as `layflat rig` records it")]
+RigLog = Annotated[
+    Path, typer.Argument(metavar="LOG", help="MCAP of `layflat rig run`, or NetCDF of `layflat log export`")
+]
 
 
 @logs.command("info")
@@ -77,10 +80,27 @@ def export_log(
 
 
 def _read(log: Path) -> xarray.Dataset:
-    from layflat.rig.recorder.run import read_run  # noqa: PLC0415
-
     with busy("reading"):
+        if log.suffix == ".nc":
+            return _read_exported(log)
+        from layflat.rig.recorder.run import read_run  # noqa: PLC0415
+
         return read_run(log)
+
+
+def _read_exported(log: Path) -> xarray.Dataset:
+    """Read what `log export` wrote as NetCDF.
+
+    Raises:
+        InputError: it can't be read, or is no log of a rig.
+    """
+    from layflat.sim.dataset import open_run  # noqa: PLC0415
+
+    run = open_run(log)
+    if "lateness" not in run or "event" not in run.sizes:
+        right = "give a log that `layflat rig run` wrote, or `layflat log export` made of one"
+        raise InputError("holds no log of a rig", where=str(log), right=right)
+    return run
 
 
 def _about(log: Path, run: xarray.Dataset) -> list[list[str]]:
@@ -89,7 +109,9 @@ def _about(log: Path, run: xarray.Dataset) -> list[list[str]]:
 
     time, steps = run["time"].to_numpy(), np.diff(run["time"].to_numpy())
     cycle = float(np.median(steps)) if len(steps) else np.nan
-    missing = int(np.rint(steps / cycle - 1.0).clip(0.0).sum()) if len(steps) else 0
+    # By deadlines: a cycle that came late is none that is missing.
+    apart = np.diff(run["time"].to_numpy() - run["lateness"].to_numpy())
+    missing = int(np.rint(apart / cycle - 1.0).clip(0.0).sum()) if len(steps) else 0
     late, spent = 1e6 * run["lateness"].to_numpy(), 1e6 * run["compute"].to_numpy()
     lost = run["lost"].to_numpy()
     failed = int(((lost > 0.0) & (np.diff(lost, prepend=0.0) != 0.0)).sum())

@@ -83,7 +83,9 @@ def stopping() -> Iterator[Callable[[], bool]]:
         nonlocal asked
         asked = True
 
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    from layflat.rig.system import FROM_TERMINAL  # noqa: PLC0415
+
+    numbers = (signal.SIGTERM, *FROM_TERMINAL)
     before = [signal.signal(number, note) for number in numbers]
     try:
         yield lambda: asked

@@ -1,4 +1,4 @@
-"""Command that looks whether a rig is what its description says: rig check."""
+"""Command that checks whether a rig is what its description says: rig check."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def check_rig(
 ) -> None:
     """Check a rig before it is used: link, timing, sensors; with --air the signs of valves and sensors too.
 
-    Exit status 3 if something is wrong.
+    Exit status 3 if a check failed.
     """
     from rich.console import Console  # noqa: PLC0415
 
@@ -41,13 +41,13 @@ def check_rig(
     with Console(stderr=True).status("starting") as shown:
         findings = check(described, factory(), MonotonicClock(), air=air, tell=lambda what: _show(shown, what))
     gc.enable()
-    rows = [[one.what, one.found, one.right or "ok"] for one in findings]
-    print_table(["what", "found", "ok, or what to do"], rows, f"{described.name} at {driver}")
-    wrong = sum(not one.sound for one in findings)
+    rows = [[one.what, one.found, one.action or "passed"] for one in findings]
+    print_table(["check", "found", "action"], rows, f"{described.name} at {driver}")
+    wrong = sum(not one.passed for one in findings)
     if wrong:
-        typer.echo(f"{wrong} wrong")
+        typer.echo(f"{wrong} check{'s' if wrong > 1 else ''} failed")
         raise typer.Exit(FAULT)
-    typer.echo("all is well" if air else "all is well without air; --air tries valves and signs")
+    typer.echo("all checks passed" if air else "all checks without air passed; --air tries valves and signs")
 
 
 def _show(shown: Status, what: str) -> None:

@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 LONG_ENOUGH = 0.05
 """Time limit of a reply in a trial, s: time that passes for the processor is none for the rig."""
 
-PROTOCOLS = ("modbus", "serial")
+NEEDED = {"modbus": ("pymodbus",), "serial": ("serial", "cobs")}
+"""Packages that a protocol takes."""
+
+PROTOCOLS = tuple(NEEDED)
 
 
 @rigs.command("faults")
@@ -41,16 +44,20 @@ def faults(
 
     Exit status 3 where a fault was missed, found too late, or found where there was none.
     """
+    from layflat import extras  # noqa: PLC0415
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.files import check_folder, whole_file  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
+    from layflat.rig.system import require_posix  # noqa: PLC0415
 
     if protocol not in (*PROTOCOLS, "both"):
         raise InputError(f"{protocol!r} is no protocol", where="--protocol", right="give modbus, serial or both")
+    chosen = PROTOCOLS if protocol == "both" else (protocol,)
+    require_posix("rig faults")
+    extras.require("rig", *(package for one in chosen for package in NEEDED[one]), where="rig faults")
     hours = u.quantity(quiet, u.TIME, "--quiet") / 3600.0
     described = load(machine)
     check_folder(out.parent)
-    chosen = PROTOCOLS if protocol == "both" else (protocol,)
     outcomes, found = _tried(described, chosen, instants, seed, hours)
     with whole_file(out) as temporary:
         temporary.write_text(json.dumps(_written(described, outcomes, found, seed), indent=1), encoding="utf-8")

@@ -59,7 +59,9 @@ def run(
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.plan import EarlyEndError, PlanRunner, free_place  # noqa: PLC0415
     from layflat.rig.recorded import Recorded  # noqa: PLC0415
+    from layflat.rig.system import require_posix  # noqa: PLC0415
 
+    require_posix("rig run")
     extras.require("rig", "mcap", "mcap_ros2", where="rig run")
     described = load(machine)
     factory, name = driver_at(driver, described)

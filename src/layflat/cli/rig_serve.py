@@ -1,4 +1,4 @@
-"""Command that is a rig: rig serve."""
+"""Command that runs a virtual rig: rig serve."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def serve(
     link: Annotated[Path | None, typer.Option(metavar="PATH", help="a second name for the pseudo-terminal")] = None,
     seed: Annotated[int, typer.Option(help="of the sensors' noise")] = 0,
 ) -> None:
-    """Be a virtual rig that speaks the real protocol, until Ctrl-C.
+    """Run a virtual rig that speaks the real protocol, until Ctrl-C.
 
     Lines on stdin: fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures, quit.
     """
@@ -56,9 +56,11 @@ def serve(
 
 def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | SerialPort:
     from layflat.rig.device.process import ModbusPort, SerialPort  # noqa: PLC0415
+    from layflat.rig.system import require_posix  # noqa: PLC0415
 
     if (modbus is None) is not serial:
         raise InputError("give one of both", where="--modbus, --serial", right="for example --modbus 5020")
+    require_posix("rig serve")
     extras.require("rig", *(["pymodbus"] if modbus is not None else ["serial", "cobs"]), where="rig serve")
     return ModbusPort(modbus) if modbus is not None else SerialPort(link)
 

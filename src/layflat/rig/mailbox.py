@@ -11,7 +11,6 @@ import contextlib
 import mmap
 import os
 import struct
-import tempfile
 from dataclasses import dataclass
 from math import nan
 from pathlib import Path
@@ -23,6 +22,8 @@ from numpy.typing import NDArray
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.record import Layout
 from layflat.rig.safety.supervisor import HostRequest
+from layflat.rig.shared import MAILBOX, new_file
+from layflat.rig.system import lock
 
 Array = NDArray[np.float64]
 
@@ -103,8 +104,9 @@ class Mailbox:
 
     def __init__(self, path: Path, layout: Layout) -> None:
         self._format = _format(layout)
-        with path.open("r+b") as file:
-            self._memory = mmap.mmap(file.fileno(), self.size(layout))
+        self._handle = os.open(path, os.O_RDWR)
+        lock(self._handle, shared=True)
+        self._memory = mmap.mmap(self._handle, self.size(layout))
         self.setpoints = Slot(self._memory, 0, self._format.size)
         self.snapshot = Slot(self._memory, Slot.room(self._format.size), 8 * layout.width)
 
@@ -116,11 +118,9 @@ class Mailbox:
     @classmethod
     def create(cls, layout: Layout) -> Path:
         """A new file of shared memory, empty; whoever made it removes it."""
-        folder = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-        handle, name = tempfile.mkstemp(prefix="layflat-rig-", dir=folder)
-        os.truncate(handle, cls.size(layout))
+        path, handle = new_file(MAILBOX, cls.size(layout))
         os.close(handle)
-        return Path(name)
+        return path
 
     def ask(self, wanted: Setpoints) -> None:
         """The host's: replace the setpoints; doing so again shows that it lives."""
@@ -148,6 +148,9 @@ class Mailbox:
         """Let go of the memory."""
         with contextlib.suppress(BufferError):
             self._memory.close()
+        if self._handle >= 0:
+            os.close(self._handle)
+            self._handle = -1
 
 
 def _format(layout: Layout) -> struct.Struct:

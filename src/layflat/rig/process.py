@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
-import os
 import signal
 import tempfile
 from collections.abc import Callable
@@ -16,6 +14,7 @@ from typing import IO, Protocol
 
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
+from layflat.rig import system
 from layflat.rig.capabilities import check_capabilities
 from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock
 from layflat.rig.driver import Driver
@@ -23,6 +22,7 @@ from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, NoRecorder, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
+from layflat.rig.system import processors
 from layflat.rig.warmup import WarmupLoop
 
 LEADS = 4
@@ -109,7 +109,7 @@ def _clock(job: Job) -> MonotonicClock:
     """A punctual one where a processor can be had for it; what the first cycle calls is loaded in any case."""
     warmup = WarmupLoop(job.machine)
     assert job.machine.controller is not None  # the warmup needed it too
-    spare = job.machine.controller.cycle * SECOND >= LEADS * LEAD and len(os.sched_getaffinity(0)) > 1
+    spare = job.machine.controller.cycle * SECOND >= LEADS * LEAD and processors() > 1
     return PunctualClock(warmup) if job.realtime and spare else MonotonicClock()
 
 
@@ -128,7 +128,7 @@ def lock(rig: str) -> IO[str]:
             f"can't be locked ({error.strerror}: {path})", where=rig, right="run it as its owner"
         ) from None
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        system.lock(file.fileno())
     except OSError:
         file.close()
         raise InputError("another loop runs this rig", where=rig, right="stop that one first") from None

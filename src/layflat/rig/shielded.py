@@ -6,14 +6,13 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-SHIELDED = {signal.SIGINT, signal.SIGHUP}
-"""What a terminal sends to all of its processes."""
+from layflat.rig.system import FROM_TERMINAL
 
 
 @contextmanager
 def shielded() -> Iterator[None]:
     """Processes that are started in here never hear the terminal, not even before their first line has run."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, SHIELDED)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, FROM_TERMINAL)
     try:
         yield
     finally:

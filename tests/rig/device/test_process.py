@@ -95,3 +95,16 @@ def test_without_a_handle_an_interrupt_ends_it() -> None:
     serve(FakeDevice, ARM, SerialPort(), ready=ready)
     assert addresses[0].startswith("serial:///dev/")
     assert not Path(addresses[0].removeprefix("serial://")).exists()
+
+
+def test_noise_on_the_line_is_not_told(capfd: pytest.CaptureFixture[str]) -> None:
+    noise = np.random.default_rng(0)
+    with device_process(ModbusPort()) as device:
+        port = int(device.address.rpartition(":")[2])
+        for _ in range(20):
+            with socket.create_connection(("127.0.0.1", port), timeout=5.0) as line:
+                line.sendall(noise.bytes(400))
+        driver = driver_of(device.address, PATIENT)
+        driver.configure()
+        driver.finalize()
+    assert capfd.readouterr().err == ""

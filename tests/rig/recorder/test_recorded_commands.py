@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
-from rigrows import log_of, rows
+from rigrows import LAYOUT, log_of, rows
 from typer.testing import CliRunner
 
 from layflat.cli import app
@@ -73,3 +74,21 @@ def test_files_that_are_none_and_formats_that_are_none_are_refused(log: Path, tm
         layflat("export", tmp_path / "text.mcap", tmp_path / "run.csv")
     with pytest.raises(InputError, match="can't write here"):
         layflat("plot", log, "--out", log / "run.png")
+
+
+def test_a_late_cycle_is_none_that_is_missing(tmp_path: Path) -> None:
+    made = rows(100)
+    made[:, LAYOUT.shared["lateness"]] = 0.0
+    made[40, LAYOUT.shared["lateness"]] = 0.004
+    made[40, 0] += 0.004
+    assert "0 missing" in layflat("info", log_of(tmp_path / "late.mcap", made))
+    gap = np.delete(made, [60, 61, 62], axis=0)
+    assert "3 missing" in layflat("info", log_of(tmp_path / "gap.mcap", gap))
+
+
+def test_a_log_that_was_exported_is_told_of_too(tmp_path: Path) -> None:
+    log = log_of(tmp_path / "run.mcap", rows(100), [Event(0.1, Level.ERROR, "following error")])
+    layflat("export", log, tmp_path / "run.nc")
+    assert "following error" in layflat("info", tmp_path / "run.nc")
+    with pytest.raises(InputError, match="can't be read as a run"):
+        layflat("info", tmp_path / "none.nc")

@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,13 +15,15 @@ from rigrows import LAYOUT, rows
 
 from layflat.errors import InputError
 from layflat.rig.record import Layout
-from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring, sweep
+from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring
+from layflat.rig.shared import RING, sweep
 
 
 @pytest.fixture
-def ring(tmp_path: Path):  # type: ignore[no-untyped-def]
-    made = Ring.create(LAYOUT, tmp_path / "ring", rows=8, events=4)
+def ring() -> Iterator[Ring]:
+    made = Ring.create(LAYOUT, rows=8, events=4)
     yield made
+    made.remove()
     made.close()
 
 
@@ -100,7 +103,7 @@ def test_what_nobody_uses_is_swept_away_and_what_is_used_stays() -> None:
     left = Ring.create(LAYOUT)
     path = left.path
     left.close()
-    sweep()
+    sweep(RING)
     assert not path.exists()
     assert used.path.exists()
     used.remove()

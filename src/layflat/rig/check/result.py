@@ -10,10 +10,10 @@ class CheckResult(NamedTuple):
 
     what: str
     found: str
-    right: str = ""
-    """What to do; empty where all is well."""
+    action: str = ""
+    """What to do; empty where the check passed."""
 
     @property
-    def sound(self) -> bool:
-        """Whether all is well."""
-        return not self.right
+    def passed(self) -> bool:
+        """Whether nothing has to be done."""
+        return not self.action

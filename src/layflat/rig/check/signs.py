@@ -61,7 +61,7 @@ def try_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list[C
     try:
         tell("soft start")
         findings.append(_bring_air(bench))
-        if findings[-1].sound:
+        if findings[-1].passed:
             for joint, name in enumerate(bench.names):
                 tell(f"joint {name}")
                 findings.append(judged([_pulse(bench, joint, way) for way in (1, -1)], joint, bench.names))

@@ -7,6 +7,7 @@ which costs a third of a transaction's time, and does not tell one master from a
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Sequence
 
 from pymodbus.constants import ExcCodes
@@ -29,6 +30,9 @@ from layflat.rig.device.exchange import LATE, Device, Exchange
 from layflat.rig.device.link import Link, Spoil
 from layflat.rig.wire.converter import WireError
 from layflat.rig.wire.registers import Registers
+
+# Noise on the line is nothing to tell of, and would be told for every byte where nobody has set up logging.
+logging.getLogger("pymodbus").addHandler(logging.NullHandler())
 
 
 class ModbusStation:

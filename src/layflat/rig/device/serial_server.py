@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import tty
 from pathlib import Path
 
 from layflat.errors import OutputError
@@ -41,10 +40,12 @@ class SerialStation:
         Raises:
             OutputError: the link can't be made.
         """
-        self._near, self._device_state = os.openpty()
-        tty.setraw(self._device_state)
+        self._near, self._terminal = os.openpty()
+        import tty  # noqa: PLC0415  # not on every system
+
+        tty.setraw(self._terminal)
         os.set_blocking(self._near, False)
-        path = os.ttyname(self._device_state)
+        path = os.ttyname(self._terminal)
         if link is not None:
             try:
                 if link.is_symlink():
@@ -63,8 +64,8 @@ class SerialStation:
         """Serve no more, and leave nothing behind."""
         asyncio.get_running_loop().remove_reader(self._near)
         os.close(self._near)
-        os.close(self._device_state)
-        self._near = self._device_state = -1  # a late reply finds no file, rather than another one
+        os.close(self._terminal)
+        self._near = self._terminal = -1  # a late reply finds no file, rather than another one
         if self._link is not None:
             self._link.unlink(missing_ok=True)
 

@@ -17,7 +17,7 @@ def driver_of(address: str, machine: Machine) -> Driver:
 
     Raises:
         DriverError: it is no such address.
-        InputError: the packages that it takes are not installed.
+        MissingExtraError: the packages that it takes are not installed.
         MachineError: the machine's description does not suit a rig.
     """
     split = urlsplit(address)

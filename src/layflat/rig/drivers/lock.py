@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import fcntl
+import getpass
 import os
 import re
 import sys
@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 from layflat.rig.driver import DriverError
+from layflat.rig.system import lock
 
 
 class RigLock:
@@ -33,13 +34,13 @@ class RigLock:
         path = folder / (re.sub(r"[^A-Za-z0-9.]+", "-", self._endpoint).strip("-") + ".lock")
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+            file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
         except OSError as error:
             raise DriverError(
                 f"the lock can't be made ({error.strerror})", where=str(path), right="set LAYFLAT_RUNTIME_DIR"
             ) from None
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(file)
         except OSError:
             holder = os.read(file, 500).decode(errors="replace").strip()
             os.close(file)
@@ -62,5 +63,5 @@ class RigLock:
 def _folder() -> Path:
     """Where locks of this user lie until the machine is switched off."""
     runtime = os.environ.get("XDG_RUNTIME_DIR")
-    usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{os.getuid()}"
+    usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{getpass.getuser()}"
     return Path(os.environ.get("LAYFLAT_RUNTIME_DIR") or usual)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import grp
 import os
 import stat
 import time
@@ -116,6 +115,8 @@ class SerialDriver(LinkedDriver):
 
 def _group(number: int) -> str:
     try:
+        import grp  # noqa: PLC0415  # not on every system
+
         return grp.getgrgid(number).gr_name
-    except KeyError:
+    except (ImportError, KeyError):
         return str(number)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import os
 import threading
 from pathlib import Path
 
 from layflat.errors import OutputError
+from layflat.rig.system import lock
 
 MOST_PENDING = 32 * 2**20
 """Bytes that are kept in memory while nothing can be written."""
@@ -44,7 +44,7 @@ class GrowingFile:
         except OSError as error:
             right = "give a folder that you may write to"
             raise OutputError(f"can't write here ({error.strerror})", where=str(path), right=right) from None
-        fcntl.flock(self._handle, fcntl.LOCK_EX)
+        lock(self._handle)
         self._pending = bytearray()
         self._end = 0
         self._closing = threading.Event()

@@ -19,6 +19,7 @@ from layflat.rig.recorder.file import GrowingFile, synced
 from layflat.rig.recorder.repair import PART, indexed
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.shielded import shielded
+from layflat.rig.system import FROM_TERMINAL
 
 TICK = 0.01
 """Between two looks into the ring, s."""
@@ -74,8 +75,8 @@ def part_of(place: Path) -> Path:
 
 def record(ring_path: str, place: str, heading: Heading) -> None:
     """What the process does: record until the loop ends, then finish the log. Exit status 1 if it could not."""
-    for name in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(name, signal.SIG_IGN)
+    for number in FROM_TERMINAL:
+        signal.signal(number, signal.SIG_IGN)
     ring = Ring.attach(Path(ring_path))
     try:
         recorder = Recorder(ring, Path(place), heading)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 from layflat.rig.recorder import scan
 from layflat.rig.recorder.file import synced
+from layflat.rig.system import lock
 
 if TYPE_CHECKING:
     from mcap.writer import Writer
@@ -96,7 +96,7 @@ def _free(place: Path) -> Path:
 def _check_not_written(path: Path) -> None:
     with path.open("rb") as file:
         try:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            lock(file.fileno(), shared=True)
         except OSError:
             raise InputError("is being recorded", where=str(path), right="end the loop first") from None
 

@@ -7,11 +7,9 @@ Python's resource tracker knows of, which would remove it when any one of its us
 
 from __future__ import annotations
 
-import fcntl
 import json
 import mmap
 import os
-import tempfile
 import threading
 import time
 from enum import IntEnum
@@ -24,6 +22,8 @@ from numpy.typing import NDArray
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
 from layflat.rig.record import Layout
+from layflat.rig.shared import RING, new_file
+from layflat.rig.system import lock
 
 Array = NDArray[np.float64]
 
@@ -109,12 +109,11 @@ class Ring:
         self._events = np.ndarray((self._most_events,), _EVENT, self._memory, _HEAD + self._rows.nbytes)
 
     @classmethod
-    def create(cls, layout: Layout, path: Path | None = None, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
+    def create(cls, layout: Layout, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
         """Make the memory.
 
         Args:
             layout: of the rows.
-            path: of the file to map; one in memory (`/dev/shm`) with a new name where not given.
             rows: that fit.
             events: that fit.
         """
@@ -122,14 +121,8 @@ class Ring:
         if len(names) > _NAMES:
             what = "names of joints and of the control law's signals are too long"
             raise InputError(what, where="machine", right=f"{_NAMES} bytes have to do")
-        if path is None:
-            sweep()
-            handle, name = tempfile.mkstemp(prefix=PREFIX, dir=_folder())
-            path = Path(name)
-        else:
-            handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
-        fcntl.flock(handle, fcntl.LOCK_SH)
-        os.truncate(handle, _HEAD + rows * layout.width * 8 + events * _EVENT.itemsize)
+        size = _HEAD + rows * layout.width * 8 + events * _EVENT.itemsize
+        path, handle = new_file(RING, size)
         with mmap.mmap(handle, 0) as memory:
             head = np.ndarray((64,), np.int64, memory)
             head[_Word.NAMES], head[_Word.ROWS], head[_Word.EVENTS] = len(names), rows, events
@@ -150,7 +143,7 @@ class Ring:
             handle = os.open(path, os.O_RDWR)
         except OSError as error:
             raise InputError(f"can't be opened ({error.strerror})", where=str(path), right=right) from None
-        fcntl.flock(handle, fcntl.LOCK_SH)
+        lock(handle, shared=True)
         if os.pread(handle, 8, 0) != MAGIC.to_bytes(8, "little"):
             os.close(handle)
             raise InputError("is no ring of this version of layflat", where=str(path), right=right)
@@ -277,8 +270,6 @@ _WRITTEN, _READ, _DROPPED, _LOOP_BEAT = (
 )
 """As plain numbers, for what happens in every cycle."""
 
-PREFIX = "layflat-ring-"
-
 _lock = threading.Lock()
 
 
@@ -291,27 +282,6 @@ def _fence() -> None:
         pass
     with _lock:
         pass
-
-
-def _folder() -> Path:
-    memory = Path("/dev/shm")
-    return memory if memory.is_dir() else Path(tempfile.gettempdir())
-
-
-def sweep() -> None:
-    """Remove the memory of those who were killed: what nobody holds locked."""
-    for path in _folder().glob(f"{PREFIX}*"):
-        try:
-            handle = os.open(path, os.O_RDWR)
-        except OSError:
-            continue
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            path.unlink(missing_ok=True)
-        except OSError:
-            pass
-        finally:
-            os.close(handle)
 
 
 def _short(text: str) -> bytes:

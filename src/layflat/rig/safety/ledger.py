@@ -34,7 +34,7 @@ class Ledger:
     @property
     def worst(self) -> Fault:
         """Latched or found in this cycle."""
-        return max(self.latched, self.now)
+        return self.latched if self.latched >= self.now else self.now
 
     def new_cycle(self) -> None:
         """Forget what was found in the cycle before, so that it is told again only if it comes again."""

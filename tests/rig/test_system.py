@@ -1,0 +1,64 @@
+"""Systems that lack what Linux has: what can run there runs, the rest says so in a line."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from layflat.errors import InputError
+from layflat.rig.system import processors, require_posix
+
+LOG = Path(__file__).parent / "recorder" / "logs" / "first-version.mcap"
+
+WITHOUT = """
+import sys
+for name in ("fcntl", "grp", "tty", "termios", "pty", "pwd"):
+    sys.modules[name] = None
+import os, signal
+for name in ("SIGHUP", "pthread_sigmask"):
+    delattr(signal, name)
+for name in ("sched_getaffinity", "sched_setaffinity", "sched_setscheduler", "fdatasync"):
+    delattr(os, name)
+"""
+
+
+def run(code: str, *arguments: str) -> "subprocess.CompletedProcess[str]":
+    """Run code where these modules and functions are missing."""
+    command = [sys.executable, "-c", WITHOUT + code, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_logs_are_read_repaired_and_drivers_found_without_them(tmp_path: Path) -> None:
+    cut = tmp_path / "cut.mcap.part"
+    cut.write_bytes(LOG.read_bytes()[:-3000])
+    code = """
+import multiprocessing.connection, subprocess, types
+msvcrt = types.ModuleType("msvcrt")
+msvcrt.LK_NBLCK, msvcrt.locking = 2, lambda handle, mode, size: None
+sys.modules["msvcrt"] = msvcrt
+from pathlib import Path
+from layflat.machine import load
+from layflat.rig.drivers.address import driver_of
+from layflat.rig.recorder.repair import repair
+from layflat.rig.recorder.run import read_run
+import layflat.rig.process, layflat.rig.recorded, layflat.rig.trials.campaign, layflat.rig.check.all
+print(read_run(Path(sys.argv[1])).sizes["time"])
+print(repair(Path(sys.argv[2]))[0].name)
+print(type(driver_of("modbus://127.0.0.1:5020", load("paper-arm"))).__name__)
+"""
+    done = run(code, str(LOG), str(cut))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["60", "cut.mcap", "ModbusDriver"]
+
+
+def test_processors_are_counted_without_affinity() -> None:
+    done = run("from layflat.rig.system import processors; print(processors())")
+    assert int(done.stdout) >= 1, done.stderr
+    assert processors() >= 1
+
+
+def test_what_takes_posix_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("os.name", "nt")
+    with pytest.raises(InputError, match="rig run: needs Linux or macOS"):
+        require_posix("rig run")
