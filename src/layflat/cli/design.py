@@ -24,7 +24,10 @@ def design(
     pressure: Annotated[str | None, typer.Option(help="gauge pressure at which --table was measured")] = None,
     out: Out = Path("build/design"),
 ) -> None:
-    """Design a machine's joints: torque, cam, strap, mass, air; write the cam as DXF, SVG and CSV."""
+    """Design a machine's joints: torque, cam, strap, mass, air.
+
+    Writes the cam as DXF, SVG and CSV, and the layout as SVG. DXF needs the extra `drawing`.
+    """
     from layflat.design import design_joint  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
@@ -59,7 +62,10 @@ def size(
     name: Annotated[str, typer.Option(help="of the machine and its file")] = "sized-joint",
     out: Out = Path("build/size"),
 ) -> None:
-    """Size a joint from what it must do: write a complete description that can be simulated, and its drawings."""
+    """Size a joint from the torque and stroke it must have.
+
+    Writes a complete description that can be simulated, and its drawings.
+    """
     from layflat.design import SizingRequest, size_joint  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 

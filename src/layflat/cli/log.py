@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 logs = LazyTyper(
     "log",
-    "Logs of a test bench or a rig: what is in them, and whether they can be used.",
+    "Show, check, convert and repair logs of test benches and rigs.",
     {"check": "log", "map": "log", "info": "recorded", "repair": "recorded", "plot": "recorded", "export": "recorded"},
 )
 

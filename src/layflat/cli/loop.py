@@ -19,7 +19,7 @@ def loop(
     brake: Annotated[float, typer.Option(help="share of the brake's torque")] = 1.0,
     out: Out = Path("build/loop"),
 ) -> None:
-    """Sweep a joint slowly at constant pressure: its hysteresis curve.
+    """Sweep a joint at constant pressure: its hysteresis curve.
 
     Writes NAME-loop.png, after the machine's name.
     """

@@ -54,7 +54,9 @@ def pack(
         int | None, typer.Option(min=1, max=MOST, help=f"number of seeds with --study [default: {SEEDS}]")
     ] = None,
 ) -> None:
-    """Pack produce in a physical scene, of which the cell sees only its camera's images.
+    """Pack produce in a physical scene; needs the extra `cell`.
+
+    The cell sees only its camera's images.
 
     Writes results.json, calibration.toml, a film, and a contact sheet with an image of each pick. Without OpenGL there
     are no images: the scene's truth stands in for the camera.

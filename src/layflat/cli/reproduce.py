@@ -23,7 +23,9 @@ def reproduce(
         bool, typer.Option("--questions", help="run the studies of the paper's open questions, too (minutes)")
     ] = False,
 ) -> int:
-    """Reproduce the paper: perform its experiments, evaluate its claims, write report.html and claims.json.
+    """Reproduce the paper: its experiments and claims.
+
+    Performs the experiments, evaluates the claims, writes report.html and claims.json.
 
     Claims that need what the machine lacks are listed as not evaluated, with the reason. Ctrl-C ends it; what was
     evaluated until then is kept. The report shows the open questions whose studies are done below the folder.

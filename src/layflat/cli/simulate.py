@@ -55,9 +55,9 @@ def simulate(
     step: Annotated[str, typer.Option(help="of the plant")] = "0.25 ms",
     out: Out = Path("build/simulate"),
 ) -> None:
-    """Simulate a machine with its controller: metrics, data set, figure.
+    """Simulate a machine with its controller.
 
-    Writes NAME.nc (NetCDF) and NAME.png, after the machine's name.
+    Prints metrics; writes NAME.nc (NetCDF) and NAME.png, after the machine's name.
     """
     from layflat.cli.text import timed  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415

@@ -42,7 +42,10 @@ def study(
         str | None, typer.Option(metavar="ADDRESS", help="of a Dask cluster that does the work")
     ] = None,
 ) -> None:
-    """Run a parameter study: a table of metrics, a row a run, and a figure. A stopped study goes on where it was."""
+    """Run a parameter study; needs the extra `study`.
+
+    Writes a table of metrics, a row a run, and a figure. A stopped study continues where it was.
+    """
     from layflat.study import names, read, run  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
     from layflat.study.picture import write_picture  # noqa: PLC0415

@@ -29,7 +29,9 @@ def tune(
     seed: Annotated[int, typer.Option(help="of the search; the same seed finds the same gains")] = 1,
     out: Out = Path("build/tune"),
 ) -> None:
-    """Find a controller's gains: a description with them, and a page with what they do.
+    """Find a controller's gains; needs the extra `tune`.
+
+    Writes a description with the gains, and a page with what they do.
 
     What counts is how soon moves settle, over payloads, supplies, losses and drifts that differ, the worst of them and
     the nominal ones most. Ctrl-C ends the search; the best gains so far are kept.
