@@ -18,8 +18,8 @@ import numpy as np
 import xarray
 
 from layflat.identify import Fit, Unknown, fit
-from layflat.identify.benches.arm import ArmModel
-from layflat.identify.benches.arm_blocks import unknowns
+from layflat.identify.benches.moving.model import ArmModel
+from layflat.identify.benches.moving.blocks import unknowns
 from layflat.identify.excite import sequence
 from layflat.machine import Machine, changed, load
 from layflat.sim import rollout
@@ -48,12 +48,12 @@ def log_of(machine: Machine, base: Machine, seed: int) -> xarray.Dataset:
     return run[["measured_pressure", "voltage"]].assign(angle=run["measured_angle"])
 
 
-def judged(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
+def validation(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
     """For every value: whether it is told, whether the truth lies within its interval, and the error."""
     return [
         {
             "path": path,
-            "told": bool(found.of(path).told),
+            "identified": bool(found.of(path).identified),
             "inside": bool(found.of(path).low <= value <= found.of(path).high),
             "error": abs(found.of(path).value - value) / abs(value) if value else 0.0,
         }
@@ -80,8 +80,8 @@ def main() -> None:
         begun = time.perf_counter()
         found = fit(ArmModel(base, {"log": log}, BLOCKS), seed=number)
         taken = time.perf_counter() - begun
-        values = judged(found, truth)
-        worst = max(quality.share for quality in found.qualities() if quality.judged)
+        values = validation(found, truth)
+        worst = max(quality.share for quality in found.qualities() if quality.validation)
         rows.append({"seconds": taken, "converged": found.converged, "judged_share": worst, "values": values})
         told = [value for value in values if value["told"]]
         inside = sum(value["inside"] for value in told)
@@ -94,7 +94,7 @@ def main() -> None:
     summary = {
         "machine": given.machine,
         "machines": given.count,
-        "told": len(told),
+        "identified": len(told),
         "sought": len(sought) * given.count,
         "inside": float(np.mean([value["inside"] for value in told])),
         "median_error": float(np.median([value["error"] for value in told])),

@@ -20,9 +20,9 @@ from rich.table import Table
 from layflat.errors import InputError, LayflatError
 from layflat.files import whole_file
 from layflat.identify import Fit, fit
-from layflat.identify.benches.regulated import RegulatedModel
+from layflat.identify.benches.regulated.model import RegulatedModel
 from layflat.identify.logs import read_log
-from layflat.machine.rigs import load_rig
+from layflat.identify.benches.loader import load_bench
 from layflat.plot.free_run import Shown, free_runs
 from layflat.plot.style import save
 
@@ -33,7 +33,7 @@ def errors(found: Fit, reading: float) -> dict[str, dict[str, float | bool]]:
     """Rms errors of each log: angle in % of the reading, pressures in kPa."""
     logs: dict[str, dict[str, float | bool]] = {}
     for quality in found.qualities():
-        own = logs.setdefault(quality.log, {"judged": quality.judged})
+        own = logs.setdefault(quality.log, {"validation": quality.validation})
         if quality.output == "angle":
             own["angle_percent"] = 100.0 * quality.rms / reading
         elif quality.unit == "Pa":
@@ -53,12 +53,12 @@ def tables(logs: dict[str, dict[str, float | bool]], found: Fit) -> list[Table]:
     """Errors of the logs, and the values found."""
     first = Table("log", "", "angle (% rms)", "pressure A (kPa rms)", "pressure B (kPa rms)")
     for name, own in logs.items():
-        kind = "judged" if own["judged"] else "fitted"
+        kind = "validation" if own["validation"] else "fitted"
         numbers = [f"{own[key]:.1f}" for key in ("angle_percent", "pressure_a_kpa", "pressure_b_kpa")]
         first.add_row(name, kind, *numbers)
     second = Table("value", "found", "95 % interval", "unit", "")
     for one in found.estimates:
-        remark = "" if one.told else "not told by these logs"
+        remark = "" if one.identified else "not told by these logs"
         second.add_row(
             one.unknown.path, f"{one.value:.3g}", f"{one.low:.3g} .. {one.high:.3g}", one.unknown.unit, remark
         )
@@ -72,13 +72,13 @@ def main() -> None:
     parser.add_argument("--judge", default="006,010", help="logs that are only predicted, by their numbers")
     parser.add_argument("--out", type=Path, default=Path("build/examples"))
     given = parser.parse_args()
-    rig = load_rig("regulated-elbow")
+    rig = load_bench("regulated-elbow")
     paths = sorted(given.folder.glob("motion_data_*.csv"))
     if not paths:
         raise InputError("holds no motion_data_*.csv", where=str(given.folder), right="give the folder of the logs")
     logs = {path.stem.rsplit("_", 1)[-1]: read_log(path, MAPPING) for path in paths}
-    judged = given.judge.split(",") if given.judge else []
-    model = RegulatedModel(rig, logs, judged=judged)
+    validation = given.judge.split(",") if given.judge else []
+    model = RegulatedModel(rig, logs, validation=validation)
     began = time.perf_counter()
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("fitting", total=1.0)
@@ -89,8 +89,8 @@ def main() -> None:
     for table in tables(by_log, found):
         console.print(table)
     titles = {
-        name: f"{name}, {'predicted' if name in judged else 'fitted'}: {by_log[name]['angle_percent']:.1f} % of range"
-        for name in judged or list(logs)[:2]
+        name: f"{name}, {'predicted' if name in validation else 'fitted'}: {by_log[name]['angle_percent']:.1f} % of range"
+        for name in validation or list(logs)[:2]
     }
     picture = free_runs(
         {title: shown(model, found, name) for name, title in titles.items()}, rig.supply.ambient_pressure

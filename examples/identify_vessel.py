@@ -15,16 +15,16 @@ import numpy as np
 import xarray
 
 from layflat.identify import Fit, fit
-from layflat.identify.benches.hyddown import read_hyddown_log, read_hyddown_rig
-from layflat.identify.benches.vessel import vessel_model
-from layflat.machine.rigs import VesselRig, load_rig
+from layflat.identify.benches.vessel.hyddown import read_hyddown_log, read_hyddown_rig
+from layflat.identify.benches.vessel.model import vessel_model
+from layflat.identify.benches.loader import VesselBench, load_bench
 from layflat.physics.flow import effective_area
 from layflat.plot.style import LINES, QUIET, figure, save
 
 OUT = Path("build/examples")
 
 
-def simulated(rig: VesselRig) -> xarray.Dataset:
+def simulated(rig: VesselBench) -> xarray.Dataset:
     """A log of a vessel as it is described, with 1 kPa of noise."""
     time = np.linspace(0.0, 60.0, 61)
     blank = xarray.Dataset({name: ("time", np.full(61, 3e5)) for name in ("pressure", "temperature")}, {"time": time})
@@ -59,11 +59,11 @@ def draw(whole: Fit, early: Fit, path: Path) -> None:
     save(made, path)
 
 
-def figures(found: Fit, rig: VesselRig) -> dict[str, Any]:
+def figures(found: Fit, rig: VesselBench) -> dict[str, Any]:
     """Values with their intervals, and rms errors."""
     values = {
         one.unknown.path: {
-            "value": one.value, "low": one.low, "high": one.high, "unit": one.unknown.unit, "told": bool(one.told),
+            "value": one.value, "low": one.low, "high": one.high, "unit": one.unknown.unit, "identified": bool(one.identified),
         }
         for one in found.estimates
     }  # fmt: skip
@@ -71,9 +71,9 @@ def figures(found: Fit, rig: VesselRig) -> dict[str, Any]:
         C = found.of("path.conductance")
         of_hole = pi / 4 * rig.path.hole**2
         low, value, high = (float(effective_area(one) / of_hole) for one in (C.low, C.value, C.high))
-        values["discharge coefficient"] = {"value": value, "low": low, "high": high, "unit": "1", "told": bool(C.told)}
+        values["discharge coefficient"] = {"value": value, "low": low, "high": high, "unit": "1", "identified": bool(C.identified)}
     quality = {
-        f"{one.output} {'judged' if one.judged else 'fitted'}": {
+        f"{one.output} {'validation' if one.validation else 'fitted'}": {
             "rms": one.rms,
             "unit": one.unit,
             "samples": one.samples,
@@ -86,7 +86,7 @@ def figures(found: Fit, rig: VesselRig) -> dict[str, Any]:
 def main(folder: Path | None) -> None:
     """Fit, draw and tell."""
     if folder is None:
-        rig = load_rig("blow-down-vessel")
+        rig = load_bench("blow-down-vessel")
         cases = {rig.name: (rig, simulated(rig))}
     else:
         pairs = [(path, path.with_name(f"{path.stem}.rig.yml")) for path in sorted(folder.glob("*.csv"))]
@@ -111,7 +111,7 @@ def main(folder: Path | None) -> None:
 def rms_errors(found: Fit) -> list[str]:
     """Rms error of every signal, as text."""
     return [
-        f"{one.output} {'predicted' if one.judged else 'fitted'} "
+        f"{one.output} {'predicted' if one.validation else 'fitted'} "
         + (f"{one.rms / 1e3:.2f} kPa" if one.unit == "Pa" else f"{one.rms:.1f} {one.unit}")
         for one in found.qualities()
     ]

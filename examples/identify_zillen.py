@@ -1,4 +1,4 @@
-"""Friction of a small cylinder from its force loops, fitted at some pressures and judged at another.
+"""Friction of a small cylinder from its force loops, fitted at some pressures and validation at another.
 
     python examples/identify_zillen.py FOLDER [--judge 5bar]
 
@@ -16,13 +16,13 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import Fit, fit
-from layflat.identify.benches.loop_errors import loop_errors
-from layflat.identify.benches.rod import RodModel
-from layflat.machine.rigs import load_rig
+from layflat.identify.benches.hysteresis.errors import loop_errors
+from layflat.identify.benches.rod.model import RodModel
+from layflat.identify.benches.loader import load_bench
 from layflat.plot.style import LINES, figure, save
 
 OUT = Path("build/examples")
-RIG = load_rig("friction-rig")
+RIG = load_bench("friction-rig")
 
 
 def read(path: Path) -> xarray.Dataset:
@@ -38,7 +38,7 @@ def read(path: Path) -> xarray.Dataset:
     )
 
 
-def draw(fits: dict[str, Fit], judged: str) -> None:
+def draw(fits: dict[str, Fit], validation: str) -> None:
     """Measured and predicted loop of each seal at the pressure that was not fitted."""
     rows = -(-len(fits) // 2)
     with figure(rows, 2, width=8.4, height=2.6 * rows + 1.0, share_x=True, above=0.25, head=True) as (made, axes):
@@ -58,7 +58,7 @@ def draw(fits: dict[str, Fit], judged: str) -> None:
             ax.set_xlabel("Position (mm)")
         handles, labels = axes[0].get_legend_handles_labels()
         made.legend(
-            handles, labels, loc="upper center", ncols=2, title=f"Force at {judged}, fitted at the other pressures"
+            handles, labels, loc="upper center", ncols=2, title=f"Force at {validation}, fitted at the other pressures"
         )
     save(made, OUT / "zillen.png")
 
@@ -79,8 +79,8 @@ def main() -> None:
         parser.exit(2, f"{InputError(f'no SEAL_{given.judge}.csv to judge', where=str(given.folder), right=right)}\n")
     fits, figures = {}, {}
     for seal, paths in logs.items():
-        judged = read(paths.pop(given.judge))
-        model = RodModel(RIG, {pressure: read(path) for pressure, path in paths.items()}, {given.judge: judged})
+        validation = read(paths.pop(given.judge))
+        model = RodModel(RIG, {pressure: read(path) for pressure, path in paths.items()}, {given.judge: validation})
         fits[seal] = found = fit(model)
         figures[seal] = {
             "errors": [vars(error) for error in loop_errors(model, found.simulated)],

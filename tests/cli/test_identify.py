@@ -12,6 +12,7 @@ from layflat.identify.identification import begin
 from layflat.identify.page import write_page
 from layflat.machine import load
 from layflat.machine.listing import listing
+from layflat.machine.loader import tables
 from layflat.sim import rollout
 from layflat.sim.dataset import save
 from layflat.sim.demand_file import read_demand
@@ -93,7 +94,7 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     assert source.source == "identified"
     assert "95 %" in source.note
     assert f"real (sha256 {values['logs']['real'][:16]})" in source.note
-    line = next(line for line in listing(bench / "first" / names[2]) if line.path == "joint.small.brake.torque")
+    line = next(line for line in listing(*tables(bench / "first" / names[2])) if line.path == "joint.small.brake.torque")
     assert (line.source, line.note) == (source.source, source.note)
 
     # Another run: voltages that the fit never saw, from the same start.

@@ -14,7 +14,7 @@ from benchlogs import Array, columns, written
 from layflat.errors import InputError
 from layflat.identify.identification import begin
 from layflat.identify.page import write_page
-from layflat.identify.told import distrusted, finding_rows, predicted, record_rows, told
+from layflat.identify.identified import distrusted, finding_rows, predicted, record_rows, told
 from layflat.machine import load
 
 SMALL = "paper-small-joint"
@@ -176,7 +176,7 @@ def test_a_short_log_says_what_it_does_not_tell_and_what_to_record(tmp_path: Pat
     session = begin([written(tmp_path / "log.csv", table)], SMALL, tmp_path, blocks="friction")
     found = session.fit(starts=0)
     values = session.values(found)
-    doubtful = [value for value in values if not value.told]
+    doubtful = [value for value in values if not value.identified]
     assert told(values) == f"The logs tell {len(values) - len(doubtful) or 'none'} of 2 values."
     assert [path for _, path in record_rows(values)] == [value.path for value in doubtful]
     assert any("shorter than a move" in row[3] for row in finding_rows(session.findings))
@@ -196,7 +196,7 @@ def test_the_page_says_first_what_was_fitted_and_how_well_it_predicts(tmp_path: 
     text = write_page(session, found, tmp_path / "page.html").read_text(encoding="utf-8")
     start = text[text.index("<h1>") : text.index("<h2>")]
     assert "Friction of paper-small-joint fitted to one log" in start
-    assert "judged by other" in start
+    assert "validation by other" in start
     assert predicted(found) in start.replace("&#39;", "'")
     assert "The logs tell" in start
     assert text.count("<figure") == 2
@@ -229,7 +229,7 @@ def test_measured_loops_are_taken_sample_by_sample(measured_data: Path, tmp_path
     """On an even grid, samples that jitter are smoothed, and the force of KDN at 5 bar is missed by a tenth more."""
     files = [measured_data / "zillen" / f"KDN_{bar}bar.csv" for bar in (1, 5)]
     session = begin(files[:1], "friction-rig", tmp_path, validate=files[1:], mapping=LOGS / "zillen.toml")
-    for file, log in zip(files, (session.logs["KDN_1bar"], session.judged["KDN_5bar"]), strict=True):
+    for file, log in zip(files, (session.logs["KDN_1bar"], session.validation["KDN_5bar"]), strict=True):
         time, force = np.loadtxt(file, usecols=(0, 6), unpack=True)
         assert log.sizes["time"] == len(np.unique(time))
         assert set(log["force"].to_numpy()) <= set(force)
@@ -240,7 +240,7 @@ def test_a_measured_vessel_and_its_hyddown_description(measured_data: Path, tmp_
     log = measured_data / "vessel" / "Air_790kPa_21mm.csv"
     session = begin([log], log.with_suffix(".rig.yml"), tmp_path, mapping=LOGS / "vessel.toml")
     found = session.fit(starts=2)
-    rms = {one.judged: one.rms for one in found.qualities() if one.output == "pressure"}
+    rms = {one.validation: one.rms for one in found.qualities() if one.output == "pressure"}
     assert rms[False] < 2e3
     assert rms[True] < 1e3
     kept = session.keep(found)
@@ -252,5 +252,5 @@ def test_measured_runs_of_a_regulated_joint(measured_data: Path, tmp_path: Path)
     files = [measured_data / "affetto" / f"motion_data_00{i}.csv" for i in (0, 6)]
     session = begin(files[:1], "regulated-elbow", tmp_path, validate=files[1:], mapping=LOGS / "affetto.toml")
     assert session.blocks == ["valve", "gas", "motion"]
-    assert list(session.judged) == ["motion_data_006"]
+    assert list(session.validation) == ["motion_data_006"]
     assert np.diff(session.logs["motion_data_000"]["time"]) == pytest.approx(1.0 / 30.0, rel=1e-3)

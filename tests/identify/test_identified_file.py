@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from layflat.description.change import value_at
 from layflat.identify import Fit, Model, Output, Unknown
-from layflat.identify.benches.arm_blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.fit import Estimate
 from layflat.identify.identified_file import described_by, identified_path, write_identified
 from layflat.identify.model import Array
 from layflat.machine import Machine, load
 from layflat.machine.loader import tables
-from layflat.machine.rigs import load_rig, rig_names
+from layflat.identify.benches.loader import load_bench, bench_names
 
 SMALL = load("paper-small-joint")
 SHARES = st.floats(0.02, 0.98)
@@ -96,12 +96,12 @@ def test_what_is_not_told_and_what_is_at_a_bound_are_marked(tmp_path: Path) -> N
     assert ended.provenance["joint.small.brake.torque"].note.startswith("at the end of its range by log")
 
 
-@pytest.mark.parametrize("name", rig_names())
+@pytest.mark.parametrize("name", bench_names())
 def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     path = {
         "blow-down-vessel": "path.conductance", "friction-rig": "piston.area", "regulated-elbow": "chamber.volume",
     }[name]  # fmt: skip
-    rig = load_rig(name)
+    rig = load_bench(name)
     value = value_at(rig, path)
     sought = (
         Unknown(path, "m^3/(s Pa)" if "con" in path else "m^2" if "area" in path else "m^3", value, 0.0, 3 * value),

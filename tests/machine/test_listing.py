@@ -6,27 +6,26 @@ import jsonschema
 import pytest
 
 from layflat.machine import load, names
-from layflat.machine.listing import description_toml, listing, schema_text
-from layflat.machine.loader import BUILT_IN
-from layflat.machine.rigs import load_rig, rig_names
+from layflat.machine.listing import listing, schema_text, to_toml
+from layflat.machine.loader import BUILT_IN, tables
 
 
 @pytest.mark.parametrize("name", names())
 def test_a_printed_description_loads_as_the_same_machine(name: str, tmp_path: Path) -> None:
     path = tmp_path / "copy.toml"
-    path.write_text(description_toml(name), encoding="utf-8")
+    path.write_text(to_toml(*tables(name)), encoding="utf-8")
     assert load(path) == load(name)
     assert load(path).provenance == load(name).provenance
 
 
 def test_listing_shows_values_as_written_with_their_source() -> None:
-    lines = {line.path: line for line in listing("paper-arm")}
+    lines = {line.path: line for line in listing(*tables("paper-arm"))}
     width = lines["joint.large.hose.width"]
     assert (width.text, width.source, width.note) == ("160 mm", "paper", "section 2.3")
 
 
 def test_listing_leaves_out_joints_that_the_arm_does_not_use() -> None:
-    assert not any(line.path.startswith("joint.large") for line in listing("paper-small-joint"))
+    assert not any(line.path.startswith("joint.large") for line in listing(*tables("paper-small-joint")))
 
 
 @pytest.mark.parametrize("name", names())
@@ -41,13 +40,3 @@ def test_schema_refuses_unknown_keys_and_bare_numbers() -> None:
     assert not validator.is_valid({"supply": {"pressure": "4 bar"}})
     assert not validator.is_valid({"joint": {"a": {"hose": {"width": 160}}}})
     assert validator.is_valid({"joint": {"a": {"hose": {"width": "160 mm"}}}})
-
-
-@pytest.mark.parametrize("name", rig_names())
-def test_benches_are_listed_and_printed_as_machines_are(name: str, tmp_path: Path) -> None:
-    lines = listing(name)
-    assert not {"kind", "name", "title"} & {line.path for line in lines}
-    assert all(line.source for line in lines)
-    path = tmp_path / "copy.toml"
-    path.write_text(description_toml(name), encoding="utf-8")
-    assert load_rig(path) == load_rig(name)

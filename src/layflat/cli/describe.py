@@ -13,12 +13,12 @@ from layflat.cli.app import MachineName, app, print_findings, print_table
 @app.command()
 def machines() -> None:
     """List the built-in machines and test benches."""
+    from layflat.identify.benches.loader import bench_names, load_bench  # noqa: PLC0415
     from layflat.machine import load, names  # noqa: PLC0415
-    from layflat.machine.rigs import load_rig, rig_names  # noqa: PLC0415
 
     print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
     typer.echo()
-    print_table(["test bench", "what it is"], [[name, load_rig(name).title] for name in rig_names()])
+    print_table(["test bench", "what it is"], [[name, load_bench(name).title] for name in bench_names()])
 
 
 @app.command()
@@ -27,14 +27,15 @@ def show(
     toml: Annotated[bool, typer.Option("--toml", help="print a description file to start from")] = False,
 ) -> None:
     """Show every value of a machine and where it comes from."""
-    from layflat.machine.listing import description_toml, listing  # noqa: PLC0415
-    from layflat.machine.rigs import load_described  # noqa: PLC0415
+    from layflat.identify.benches.loader import described_tables, load_described  # noqa: PLC0415
+    from layflat.machine.listing import listing, to_toml  # noqa: PLC0415
 
+    plain, sources = described_tables(machine)
     if toml:
-        typer.echo(description_toml(machine), nl=False)
+        typer.echo(to_toml(plain, sources), nl=False)
         return
     described = load_described(machine)
-    rows = [[line.path, line.text, line.source, line.note] for line in listing(machine)]
+    rows = [[line.path, line.text, line.source, line.note] for line in listing(plain, sources)]
     print_table(["key", "value", "source", "note"], rows, title=f"{described.name}: {described.title}")
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from layflat.identify.identification import Identification
 
 NOT_TRUSTED = 3
-"""Exit status of a fit at a bound, that came to no end, or that does not predict."""
+"""Exit status of a fit that hit a bound, did not converge, or does not predict."""
 
 
 @app.command()
@@ -44,13 +44,13 @@ def excite(
 @app.command()
 def identify(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="CSV, Parquet, NetCDF or MCAP")],
-    machine: Annotated[str, typer.Option(metavar="NAME|FILE", help="machine or bench to begin with")],
+    machine: Annotated[str, typer.Option(metavar="NAME|FILE", help="machine or test bench to begin with")],
     fit: Annotated[
-        str | None, typer.Option(metavar="A,B", help="blocks, such as valve,hose; the usual where not given")
+        str | None, typer.Option(metavar="A,B", help="blocks, such as valve,hose; default: those of the bench")
     ] = None,
     validate: Annotated[
         list[Path] | None,
-        typer.Option(metavar="LOG", help="judge by this log in place of the last third; repeatable"),
+        typer.Option(metavar="LOG", help="validate with this log instead of the last third; repeatable"),
     ] = None,
     mapping: Annotated[
         Path | None, typer.Option(metavar="FILE", help="what the logs' columns are; not needed for our own names")
@@ -61,7 +61,7 @@ def identify(
 ) -> None:
     """Find the parameters that explain bench logs: a fitted description, and a page with what it is worth.
 
-    Exit status 3 if a value ran into the end of its range or the search came to no end: the file says so too.
+    Exit status 3 if a parameter hit its bound or the search did not converge: the file says so too.
     """
     from layflat.identify.identification import begin  # noqa: PLC0415
     from layflat.identify.page import write_page  # noqa: PLC0415
@@ -82,22 +82,21 @@ def identify(
 
 def _print(session: Identification, found: Fit) -> str | None:
     """Print all that the page says, and return why it is not to be trusted."""
-    from layflat.identify import told as t  # noqa: PLC0415
+    from layflat.identify.report_text import (  # noqa: PLC0415
+        count_identified,
+        finding_section,
+        prediction,
+        sections,
+        untrusted,
+    )
 
     values = session.values(found)
-    doubtful = [value for value in values if not value.told]
-    for title, columns, rows in (
-        ("what is doubtful in the logs", t.FINDING_COLUMNS, t.finding_rows(session.findings)),
-        ("what the logs tell", t.VALUE_COLUMNS, [t.value_row(value) for value in values if value.told]),
-        ("what they do not tell", t.DOUBTFUL_COLUMNS, [t.doubtful_row(value) for value in doubtful]),
-        ("what would tell it", t.RECORD_COLUMNS, t.record_rows(values)),
-        ("how well it predicts", t.QUALITY_COLUMNS, [t.quality_row(one) for one in found.qualities()]),
-    ):
+    for title, columns, rows in (finding_section(session.findings), *sections(found, values)):
         if rows:
             print_table(columns, rows, title)
             typer.echo()
-    typer.echo(f"{t.predicted(found)} {t.told(values)}")
-    return t.distrusted(found, values)
+    typer.echo(f"{prediction(found)} {count_identified(values)}")
+    return untrusted(found, values)
 
 
 @contextmanager

@@ -2,7 +2,7 @@
 
 Steps fill and vent with the valve wide open; chirps show inertia, lag and delay; slow ramps both ways show friction and
 losses; small moves show what lies about the valve's centre; pauses show leakage and heat. The first two thirds hold all
-of it, to be fitted; the last third holds it again in other sizes, to be judged.
+of it, to be fitted; the last third holds it again in other sizes, for validation.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SPEED = 5.0
 """Greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows."""
 
 WHOLE, AGAIN = 28.0, 14.0
-"""Length of what is fitted, and of what is judged, s."""
+"""Length of what is fitted, and of what is for validation, s."""
 
 
 @dataclass(frozen=True)

@@ -12,19 +12,13 @@ from typing import TYPE_CHECKING, Any
 from layflat.files import check_folder, whole_file
 from layflat.identify.fit import Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
-from layflat.identify.identified_file import (
-    Written,
-    described_by,
-    identified_path,
-    plain_of,
-    write_identified,
-    written_values,
-)
-from layflat.identify.logs import Finding
+from layflat.identify.benches.contract import BenchDescription
+from layflat.identify.benches.loader import described_tables, load_described
+from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
+from layflat.identify.logs import LogFinding
 from layflat.identify.model import Model
 from layflat.identify.reading import recorded
 from layflat.machine import Machine
-from layflat.machine.rigs import Rig
 
 if TYPE_CHECKING:
     import xarray
@@ -38,7 +32,7 @@ class Identification:
         given: built-in name or file of the description.
         described: what it says.
         logs: to fit, by name.
-        judged: logs that are only predicted.
+        validation: logs that are only predicted.
         findings: what is doubtful in each log.
         blocks: what is fitted.
         model: that is fitted.
@@ -46,10 +40,10 @@ class Identification:
     """
 
     given: str
-    described: Machine | Rig
+    described: Machine | BenchDescription
     logs: Mapping[str, xarray.Dataset]
-    judged: Mapping[str, xarray.Dataset]
-    findings: Mapping[str, Sequence[Finding]]
+    validation: Mapping[str, xarray.Dataset]
+    findings: Mapping[str, Sequence[LogFinding]]
     blocks: Sequence[str]
     model: Model
     path: Path
@@ -65,9 +59,9 @@ class Identification:
 
     def values(self, found: Fit) -> list[Written]:
         """What was found, in the units of the description."""
-        return written_values(found, plain_of(self.given, self.described))
+        return written_values(found, described_tables(self.given)[0])
 
-    def keep(self, found: Fit) -> Machine | Rig:
+    def keep(self, found: Fit) -> Machine | BenchDescription:
         """Write the description, and beside it all figures as JSON.
 
         Raises:
@@ -86,6 +80,7 @@ class Identification:
             "logs": self.checksums,
             "converged": found.converged,
             "trusted": found.trusted,
+            "partial": found.partial,
             "simulations": found.simulations,
             "values": {
                 e.unknown.path: {
@@ -93,7 +88,7 @@ class Identification:
                     "value": e.value,
                     "low": e.low,
                     "high": e.high,
-                    "told": bool(e.told),
+                    "identified": bool(e.identified),
                     "at_bound": bool(e.at_bound),
                     "partner": e.partner,
                 }
@@ -118,7 +113,7 @@ def begin(
         logs: files to fit.
         described: built-in name or file of a machine or a bench.
         out: folder for the results.
-        blocks: what to fit, such as "valve, hose"; what is usual for the bench where not given.
+        blocks: what to fit, such as "valve, hose"; default: those of the bench.
         validate: logs that are only predicted; without any, the last third of each log is.
         mapping: what the logs' columns are.
 
@@ -126,10 +121,10 @@ def begin(
         InputError: in one line, what is wrong with a log, the description or an option.
     """
     check_folder(out)
-    bench_described = described_by(str(described))
-    path = identified_path(str(described), bench_described, out)
-    found = recorded(bench_described, list(map(Path, logs)), list(map(Path, validate)), blocks, mapping)
-    model = found.bench.model(bench_described, found.fitted, found.blocks, found.judged)
+    start = load_described(described)
+    path = identified_path(str(described), start, out)
+    found = recorded(start, list(map(Path, logs)), list(map(Path, validate)), blocks, mapping)
+    model = found.bench.model(start, found.fitted, found.blocks, found.validation)
     return Identification(
-        str(described), bench_described, found.fitted, found.judged, found.findings, found.blocks, model, path
+        str(described), start, found.fitted, found.validation, found.findings, found.blocks, model, path
     )

@@ -7,26 +7,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from layflat.description import units as u
-from layflat.description.provenance import Provenance, Sources
-from layflat.description.tables import Plain
 from layflat.errors import InputError
 from layflat.files import whole_file
-from layflat.identify.benches.hyddown import hyddown_tables, read_hyddown_rig
+from layflat.identify.benches.contract import BenchDescription
+from layflat.identify.benches.loader import bench_tables, described_tables, load_bench
 from layflat.identify.fit import Estimate, Fit
 from layflat.machine import Machine
+from layflat.description import units as u
 from layflat.machine.derived import at_path, derived_path, with_value, write_derived
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import tables
-from layflat.machine.rigs import Rig, load_described, load_rig, rig_tables
+from layflat.machine.loader import Plain
+from layflat.description.provenance import Provenance
 
 SUFFIX = "identified"
 
 LARGE = 1e7
 """Numbers from here on are written with an exponent."""
 
-DOUBTFUL = "not to be trusted: "
-"""Before the title of a description whose fit ran into a bound or came to no end."""
+UNTRUSTED, PARTIAL = "not to be trusted: ", "partial, stopped by the user: "
+"""Before the title of a description whose fit hit a bound or did not converge, or was stopped."""
 
 
 @dataclass(frozen=True)
@@ -38,23 +37,23 @@ class Written:
         value: text with its unit, or a number.
         interval: such as "1.98 to 2.01"; empty where it has none.
         before: text, or a number, or None.
-        told: whether the log tells it.
-        partner: what it can't be told apart from.
-        excitation: what would tell it.
-        at_bound: whether the search ran into the end of its range.
+        identified: whether the logs identify it.
+        partner: the parameter that it can't be separated from.
+        excitation: what a log has to contain to identify it.
+        at_bound: whether it hit its bound.
     """
 
     path: str
     value: str | float
     interval: str
     before: Any
-    told: bool
+    identified: bool
     partner: str | None
     excitation: str
     at_bound: bool
 
 
-def identified_path(given: str, described: Machine | Rig, folder: Path) -> Path:
+def identified_path(given: str, described: Machine | BenchDescription, folder: Path) -> Path:
     """Where the description is put.
 
     Raises:
@@ -68,28 +67,6 @@ def identified_path(given: str, described: Machine | Rig, folder: Path) -> Path:
     return path
 
 
-def described_by(given: str) -> Machine | Rig:
-    """A machine or a bench from a built-in name or a file; of a vessel also HydDown's input file.
-
-    Raises:
-        InputError: in one line, what is wrong with it.
-    """
-    return read_hyddown_rig(given) if _of_hyddown(given) else load_described(given)
-
-
-def plain_of(given: str, described: Machine | Rig) -> Plain:
-    """The description as it is written."""
-    return tables(given)[0] if isinstance(described, Machine) else _rig_tables(given)[0]
-
-
-def _rig_tables(given: str) -> tuple[Plain, Sources]:
-    return (hyddown_tables(given), {}) if _of_hyddown(given) else rig_tables(given)
-
-
-def _of_hyddown(given: str) -> bool:
-    return Path(given).suffix in {".yml", ".yaml"}
-
-
 def written_values(found: Fit, plain: Plain) -> list[Written]:
     """What was found as it stands in a file, in the units that the description uses."""
     known = {estimate.unknown.path: estimate for estimate in found.estimates}
@@ -100,8 +77,8 @@ def written_values(found: Fit, plain: Plain) -> list[Written]:
 
 
 def write_identified(
-    given: str, described: Machine | Rig, found: Fit, logs: Mapping[str, str], path: Path
-) -> Machine | Rig:
+    given: str, described: Machine | BenchDescription, found: Fit, logs: Mapping[str, str], path: Path
+) -> Machine | BenchDescription:
     """Write what was found over a description, and load what was written.
 
     Args:
@@ -114,28 +91,27 @@ def write_identified(
     Raises:
         OutputError: it can't be written there.
     """
-    plain = plain_of(given, described)
+    plain, known = described_tables(given)
     origin = ", ".join(f"{name} (sha256 {checksum[:16]})" for name, checksum in logs.items())
     rows = written_values(found, plain)
     sources = {row.path: _source(row, origin) for row in rows}
-    title = ("" if found.trusted else DOUBTFUL) + f"{described.title}, identified"
+    title = f"{PARTIAL if found.partial else '' if found.trusted else UNTRUSTED}{described.title}, identified"
     if isinstance(described, Machine):
         return write_derived(given, title, {row.path: row.value for row in rows}, sources, path)
-    known = dict(_rig_tables(given)[1])
     for row in rows:
         known[with_value(plain, plain, row.path, row.value)] = sources[row.path]
     with whole_file(path) as temporary:
         temporary.write_text(to_toml(plain | {"name": path.stem, "title": title}, known), encoding="utf-8")
-    kept: Rig = load_rig(path)
+    kept: BenchDescription = load_bench(path)
     return kept
 
 
 def _source(row: Written, origin: str) -> Provenance:
     interval = f"95 %: {row.interval}; " if row.interval else ""
-    if row.told:
+    if row.identified:
         return Provenance("identified", f"{interval}from {origin}")
-    why = "at the end of its range" if row.at_bound else "not told"
-    return Provenance("assumed", f"{why} by {origin}: fits best; {interval.rstrip('; ') or 'no interval'}")
+    why = "at its bound" if row.at_bound else "not identifiable"
+    return Provenance("assumed", f"{why} from {origin}: best fit; {interval.rstrip('; ') or 'no interval'}")
 
 
 def _written(path: str, value: float, estimate: Estimate | None, before: Any) -> Written:
@@ -148,7 +124,7 @@ def _written(path: str, value: float, estimate: Estimate | None, before: Any) ->
         u.alike(before, value, unit),
         _interval(low, high),
         before,
-        estimate.told,
+        estimate.identified,
         estimate.partner,
         estimate.unknown.excitation,
         estimate.at_bound,

@@ -1,4 +1,4 @@
-"""What is fitted: measured signals, what is to be found, and a simulation of the one from the other."""
+"""What is fitted: measured signals, the unknowns, and a simulation of the one from the other."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 FITTED = 2.0 / 3.0
-"""Share of a log that is fitted where no other log is there to judge."""
+"""Share of a log that is fitted where no other log is there for validation."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Output:
         log: the log that it was read from.
         time: s, (samples,).
         measured: (samples,), not a number where nothing was measured.
-        fitted: (samples,), whether a sample is fitted; else it is judged.
+        fitted: (samples,), whether a sample is fitted; otherwise it is for validation.
         scale: what an error is divided by: the noise, or how large an error matters.
         driven_by: the input that moves it most, (samples,); errors of a good model have nothing to do with it.
     """
@@ -68,16 +68,16 @@ class Model(ABC):
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))
 
-    def ladder(self) -> Sequence[Model]:
-        """Models of the same unknowns and outputs by which the values are found, from the easiest on.
+    def continuation(self) -> Sequence[Model]:
+        """Models of the same unknowns and outputs through which the search goes, from the easiest on.
 
         The last gives values and intervals. What the values predict is simulated by this model itself.
         """
         return (self,)
 
-    def ladders(self) -> Sequence[Sequence[Model]]:
-        """Ladders with the same last rung, climbed one after the other until one explains the logs."""
-        return (self.ladder(),)
+    def continuations(self) -> Sequence[Sequence[Model]]:
+        """Continuations with the same last model, tried one after the other until one explains the logs."""
+        return (self.continuation(),)
 
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""

@@ -10,29 +10,13 @@ import layflat
 from layflat.files import whole_file
 from layflat.identify.fit import Fit
 from layflat.identify.identification import Identification
-from layflat.identify.told import (
-    DOUBTFUL_COLUMNS,
-    FINDING_COLUMNS,
-    QUALITY_COLUMNS,
-    RECORD_COLUMNS,
-    VALUE_COLUMNS,
-    distrusted,
-    doubtful_row,
-    finding_rows,
-    listed,
-    predicted,
-    quality_row,
-    record_rows,
-    shown,
-    told,
-    value_row,
-)
+from layflat.identify.report_text import count_identified, finding_section, prediction, sections, shown, untrusted
 from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 
 MOST = 9
-"""Logs that are drawn; judged ones first."""
+"""Logs that are drawn; those for validation first."""
 
 
 def write_page(session: Identification, found: Fit, path: Path) -> Path:
@@ -42,34 +26,19 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         OutputError: it can't be written there.
     """
     values = session.values(found)
-    logs = list(dict.fromkeys(output.log for output in found.model.outputs))
     html = page(
         "layflat.identify",
         "identified.html.j2",
-        name=session.path.stem,
-        title=session.described.title,
         version=layflat.__version__,
-        file=session.path.name,
+        name=session.path.stem,
+        session=session,
+        found=found,
         given=Path(session.given).stem,
-        blocks=listed(session.blocks),
-        count=len(session.logs),
-        logs=session.checksums,
-        judged=list(session.judged),
-        distrusted=distrusted(found, values),
-        predicted=predicted(found),
-        told=told(values),
-        simulations=found.simulations,
-        values=[value_row(value) for value in values if value.told],
-        value_columns=VALUE_COLUMNS,
-        doubtful=[doubtful_row(value) for value in values if not value.told],
-        doubtful_columns=DOUBTFUL_COLUMNS,
-        record=record_rows(values),
-        record_columns=RECORD_COLUMNS,
-        errors=[quality_row(quality) for quality in found.qualities()],
-        quality_columns=QUALITY_COLUMNS,
-        findings=finding_rows(session.findings),
-        finding_columns=FINDING_COLUMNS,
-        left=max(len(logs) - MOST, 0),
+        untrusted=untrusted(found, values),
+        summary=f"{prediction(found)} {count_identified(values)}",
+        sections=sections(found, values),
+        findings=finding_section(session.findings),
+        left=max(len({output.log for output in found.model.outputs}) - MOST, 0),
         drawn=drawn(found),
     )
     with whole_file(path) as temporary:
@@ -78,7 +47,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
 
 
 def drawn(found: Fit) -> list[Drawn]:
-    """Measured and simulated signals, a figure a log; those with judged samples alone come first."""
+    """Measured and simulated signals, a figure a log; logs that were not fitted come first."""
     outputs = found.model.outputs
     logs = list(dict.fromkeys(output.log for output in outputs))
     logs.sort(key=lambda log: any(output.fitted.any() for output in outputs if output.log == log))

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.benches.kinds import Bench, bench_of, chosen
-from layflat.identify.logs import Finding, Table, check, read_log, read_table, refuse
+from layflat.identify.benches.contract import Bench, BenchDescription
+from layflat.identify.benches.kinds import bench_of, chosen_blocks
+from layflat.identify.logs import LogFinding, Table, check, read_log, read_table, refuse
 from layflat.identify.logs.checks.excited import NOTHING_MOVES
 from layflat.identify.logs.finding import ordered, several
 from layflat.machine import Machine
-from layflat.machine.rigs import Rig
 
 if TYPE_CHECKING:
     import xarray
@@ -32,19 +32,19 @@ class Recorded:
         bench: that they were recorded on.
         blocks: what is fitted.
         fitted: logs to fit, by name.
-        judged: logs that are only predicted.
+        validation: logs that are only predicted.
         findings: what is doubtful in each log.
     """
 
     bench: Bench
     blocks: Sequence[str]
     fitted: Mapping[str, xarray.Dataset]
-    judged: Mapping[str, xarray.Dataset]
-    findings: Mapping[str, Sequence[Finding]]
+    validation: Mapping[str, xarray.Dataset]
+    findings: Mapping[str, Sequence[LogFinding]]
 
 
 def recorded(
-    described: Machine | Rig,
+    described: Machine | BenchDescription,
     logs: Sequence[Path],
     validate: Sequence[Path],
     blocks: str | None,
@@ -61,7 +61,7 @@ def recorded(
     tables = {name: read_table(file) for name, file in files.items()}
     whole = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
     bench = bench_of(described, {name: whole[name] for name in list(files)[: len(logs)]})
-    fitted = chosen(bench, blocks)
+    fitted = chosen_blocks(bench, blocks)
     given, findings = {}, {}
     for name, table in tables.items():
         found = check(whole[name], machine)
@@ -92,7 +92,7 @@ def named(files: Sequence[Path]) -> dict[str, Path]:
 
 def _for(
     bench: Bench, machine: Machine | None, table: Table, mapping: str | Path | None
-) -> tuple[xarray.Dataset, list[Finding]]:
+) -> tuple[xarray.Dataset, list[LogFinding]]:
     """A log over the clock of its bench, and what there is to say of that."""
     if not bench.even:
         return read_log(table, mapping, joints=list(machine.joints) if machine else None, as_recorded=True), []
@@ -101,7 +101,7 @@ def _for(
     return _begun(read_log(table, mapping, joints=list(machine.joints), cycle=machine.cycle))
 
 
-def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Finding]]:
+def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[LogFinding]]:
     """A log from the first instant on at which every signal is known: a simulation begins with all of them."""
     columns = {
         f"{name}.{values['joint'].values[j]}" if values.ndim > 1 else str(name): column
@@ -119,22 +119,22 @@ def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Finding]]:
     rest = rest.assign_coords(time=("time", rest["time"].to_numpy() - left, log["time"].attrs))
     rest.attrs["log_start"] = float(log.attrs["log_start"]) + left
     text = f"is not known from the log's start on; its first {left:.3g} s are left out"
-    return rest, [Finding("warning", several(late), text, "a simulation begins with all signals")]
+    return rest, [LogFinding("warning", several(late), text, "a simulation begins with all signals")]
 
 
 def _refuse_rest(
-    described: Machine | Rig, bench: Bench, blocks: Sequence[str], name: str, log: xarray.Dataset, file: str
+    described: Machine | BenchDescription, bench: Bench, blocks: Sequence[str], name: str, log: xarray.Dataset, file: str
 ) -> None:
-    """Say of a log in which nothing moves what it can't tell, and what would.
+    """Refuse a log in which nothing moves: say what it can't identify, and what to record.
 
     Raises:
         InputError: always.
     """
     unknowns = [one for one in bench.model(described, {name: log}, blocks, {}).unknowns if not one.nuisance]
-    told_by = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
-    what = f"{NOTHING_MOVES.text}: it can't tell {_first([one.path for one in unknowns])}"
+    excitations = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
+    what = f"{NOTHING_MOVES.text}: it can't identify {_first([one.path for one in unknowns])}"
     sequence = " (`layflat excite` writes such a sequence)" if isinstance(described, Machine) else ""
-    raise InputError(what, where=file, right=f"record {_first(told_by, '; ')}{sequence}")
+    raise InputError(what, where=file, right=f"record {_first(excitations, '; ')}{sequence}")
 
 
 def _first(names: Sequence[str], between: str = ", ") -> str:

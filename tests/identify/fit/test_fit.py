@@ -16,7 +16,7 @@ def test_a_clean_log_gives_the_truth() -> None:
     found = fit(Decay(TRUTH, 1e-6, 0), starts=0)
     assert found.values == pytest.approx(TRUTH, rel=1e-4)
     assert found.trusted
-    assert all(estimate.told for estimate in found.estimates)
+    assert all(estimate.identified for estimate in found.estimates)
 
 
 def test_intervals_hold_as_often_as_they_say() -> None:
@@ -42,8 +42,8 @@ def test_intervals_hold_where_errors_last_long() -> None:
 
 def test_what_a_log_ends_too_early_for_is_not_told() -> None:
     found = fit(Decay(TRUTH, 0.02, 0, until=0.2), starts=0)
-    assert not found.of("level").told
-    assert not found.of("rate").told
+    assert not found.of("level").identified
+    assert not found.of("rate").identified
     assert found.of("rate").partner is not None
 
 
@@ -51,14 +51,14 @@ def test_a_product_is_told_but_not_its_factors() -> None:
     found = fit(Product(), starts=4)
     a, b = found.estimates
     assert a.value * b.value == pytest.approx(2.0, rel=1e-3)
-    assert not a.told
+    assert not a.identified
     assert a.partner == "b"
 
 
 def test_a_value_at_its_bound_is_said_to_be() -> None:
     found = fit(Decay(np.array([9.0, 0.6, 0.2]), 0.05, 0), starts=0)
     assert found.of("height").at_bound
-    assert not found.of("height").told
+    assert not found.of("height").identified
     assert not found.trusted
 
 
@@ -75,11 +75,11 @@ def test_the_same_seed_gives_the_same_fit() -> None:
 
 def test_quality_is_told_apart_for_what_was_fitted_and_what_was_not() -> None:
     found = fit(Decay(TRUTH, 0.05, 0), starts=0)
-    fitted, judged = found.qualities()
-    assert (fitted.judged, judged.judged) == (False, True)
-    assert fitted.samples + judged.samples == len(TIME)
+    fitted, validation = found.qualities()
+    assert (fitted.validation, validation.validation) == (False, True)
+    assert fitted.samples + validation.samples == len(TIME)
     assert fitted.rms == pytest.approx(0.05, rel=0.15)
-    assert judged.rms == pytest.approx(0.05, rel=0.25)
+    assert validation.rms == pytest.approx(0.05, rel=0.25)
     assert fitted.white > 0.8
     assert fitted.driven is None
 

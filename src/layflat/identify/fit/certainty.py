@@ -4,7 +4,7 @@
 |---|---|
 | r, J | residuals at the optimum, their Jacobian by the unknowns |
 | H_k, g_k | sum of J'J and of J'r over block k |
-| P | what is known beforehand |
+| P | inverse covariance of the prior |
 
 White residuals of known size have the covariance (J'J + P)^-1. Measured ones are neither: quantisation at rest and what
 a model leaves out stay the same for many samples. Blocks longer than this memory are drawn with replacement, and each
@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.fit.residuals import STEP, VAGUENESS
+from layflat.identify.fit.residuals import STEP, PRIOR_WIDTH
 from layflat.identify.model import Model
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed
     for k in range(count):
         rows = order[edges[k] : edges[k + 1]]
         H[k], g[k] = jacobian[rows].T @ jacobian[rows], jacobian[rows].T @ residuals[rows]
-    # At the optimum, what is known beforehand pulls as hard as all blocks together: spread over them.
+    # At the optimum the prior pulls as hard as all blocks together: spread over them.
     g -= g.mean(axis=0)
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1.0 / count), size=DRAWS)
     moves = np.empty((DRAWS, n))
@@ -99,7 +99,7 @@ def _parts(model: Model, residuals: Array) -> Sequence[tuple[Array, float]]:
 
 
 def _memory(residuals: Array, period: float) -> float:
-    """How long residuals resemble themselves, s: until their autocorrelation falls below 1/e."""
+    """Correlation time of residuals, s: until their autocorrelation falls below 1/e."""
     r = residuals - residuals.mean()
     n = len(r)
     if not np.any(r):
@@ -111,6 +111,6 @@ def _memory(residuals: Array, period: float) -> float:
 
 
 def _inverse(H: Array) -> Array:
-    """Of what the data tell, of which nothing is less than nothing, and what is known beforehand."""
+    """Inverse of what the data say, clipped to be positive, plus the prior."""
     values, vectors = np.linalg.eigh(H)
-    return np.asarray((vectors / (np.maximum(values, 0.0) + VAGUENESS**-2)) @ vectors.T, dtype=np.float64)
+    return np.asarray((vectors / (np.maximum(values, 0.0) + PRIOR_WIDTH**-2)) @ vectors.T, dtype=np.float64)

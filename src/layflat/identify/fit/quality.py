@@ -24,7 +24,7 @@ class Quality:
         output: its name.
         unit: SI.
         log: which log.
-        judged: over samples that were not fitted.
+        validation: over samples that were not fitted.
         samples: how many.
         rms: of the error, in `unit`.
         bias: mean error, in `unit`.
@@ -37,7 +37,7 @@ class Quality:
     output: str
     unit: str
     log: str
-    judged: bool
+    validation: bool
     samples: int
     rms: float
     bias: float
@@ -47,7 +47,7 @@ class Quality:
     driven: float | None
 
 
-def quality(output: Output, chosen: NDArray[np.bool_], simulated: Array, *, judged: bool) -> Quality:
+def quality(output: Output, chosen: NDArray[np.bool_], simulated: Array, *, validation: bool) -> Quality:
     """Of the chosen samples of an output."""
     measured, error = output.measured[chosen], simulated[chosen] - output.measured[chosen]
     rms, spread, reach = float(np.sqrt(np.mean(error**2))), float(np.std(measured)), float(np.ptp(measured))
@@ -56,7 +56,7 @@ def quality(output: Output, chosen: NDArray[np.bool_], simulated: Array, *, judg
         output.name,
         output.unit,
         output.log,
-        judged,
+        validation,
         len(error),
         rms,
         float(error.mean()),

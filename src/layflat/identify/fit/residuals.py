@@ -16,18 +16,18 @@ STEP, WIDEST = 1e-3, 0.2
 NOTICED = 2.0
 """A difference is as wide as it takes to change the residuals by so much in all, within these limits."""
 
-VAGUENESS = 0.5
-"""Standard deviation of what is known beforehand about an unknown, as a share of the way between its bounds.
+PRIOR_WIDTH = 0.5
+"""Standard deviation of the prior of an unknown, as a share of the way between its bounds.
 
-It is worth less than one good sample, and keeps what the log does not tell near the description.
+It is worth less than one good sample, and keeps what the log does not identify near the description.
 """
 
-LOST = 1e4
+DIVERGED = 1e4
 """What stands for a residual where a candidate diverged, in units of the scale."""
 
 
 class Residuals:
-    """Scaled residuals over what is fitted, with a row for what is known beforehand of each unknown."""
+    """Scaled residuals over what is fitted, with a row for the prior of each unknown."""
 
     def __init__(self, model: Model) -> None:
         self.model, self.scaled = model, Scaled(model.unknowns)
@@ -44,30 +44,30 @@ class Residuals:
         return each[self.model.used]
 
     def data(self, shares: Array) -> Array:
-        """Residuals of candidates without the rows of what is known beforehand, (candidates, fitted samples)."""
+        """Residuals of candidates without the rows of the prior, (candidates, fitted samples)."""
         used = self.model.used
         found = self.model.simulate(self.scaled.values(shares))[:, used]
         error = (found - self.model.measured[used]) / self.scale
-        return np.asarray(np.where(np.isfinite(error), error, LOST), dtype=np.float64)
+        return np.asarray(np.where(np.isfinite(error), error, DIVERGED), dtype=np.float64)
 
     def __call__(self, shares: Array) -> Array:
         """Residuals of one candidate."""
-        return np.concatenate([self.data(shares[None])[0], self.beforehand(shares)])
+        return np.concatenate([self.data(shares[None])[0], self.prior_rows(shares)])
 
-    def beforehand(self, shares: Array) -> Array:
-        """The rows of what is known beforehand."""
-        return np.asarray((shares - self.prior) / VAGUENESS)
+    def prior_rows(self, shares: Array) -> Array:
+        """The rows of the prior."""
+        return np.asarray((shares - self.prior) / PRIOR_WIDTH)
 
     def costs(self, shares: Array) -> Array:
         """Half the sum of squares of each candidate."""
-        data, known = self.data(shares), self.beforehand(shares)
+        data, known = self.data(shares), self.prior_rows(shares)
         return np.asarray(0.5 * (np.sum(data**2, axis=1) + np.sum(known**2, axis=1)))
 
     def data_jacobian(self, shares: Array) -> Array:
         """How the residuals of the data change, (fitted samples, unknowns).
 
         A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
-        the last Jacobian, and the wider the less an axis changes: what the log hardly tells is then seen to be so, and
+        the last Jacobian, and the wider the less an axis changes: what the log hardly identifies is then seen to be so, and
         not covered by roughness. They end at the bounds, where they are one-sided.
         """
         widths = np.clip(NOTICED / self.strengths, STEP, WIDEST)
@@ -78,13 +78,13 @@ class Residuals:
         )
         found = self.data(np.vstack([up, down]))
         jacobian = np.linalg.lstsq(up - down, found[: len(up)] - found[len(up) :])[0].T
-        known = np.eye(len(shares)) / VAGUENESS
+        known = np.eye(len(shares)) / PRIOR_WIDTH
         _, self.strengths, self.axes = np.linalg.svd(np.vstack([jacobian, known]), full_matrices=False)
         return np.asarray(jacobian)
 
     def jacobian(self, shares: Array) -> Array:
         """How the residuals change, (rows, unknowns)."""
-        return np.vstack([self.data_jacobian(shares), np.eye(len(shares)) / VAGUENESS])
+        return np.vstack([self.data_jacobian(shares), np.eye(len(shares)) / PRIOR_WIDTH])
 
 
 def _within(shares: Array, ways: Array, widths: Array) -> Array:

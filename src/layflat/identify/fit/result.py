@@ -15,14 +15,13 @@ from layflat.identify.unknown import Unknown
 Array = NDArray[np.float64]
 
 SURE = 0.2
-"""A value is told by the log if its interval reaches less than this beyond it: of itself, or of half its range."""
+"""A parameter is identified if its interval reaches less than this beyond its value: of itself, or of half its range."""
 
 ALIKE = 0.95
-"""Correlation from which on two values are told only together."""
+"""Correlation from which on two parameters are identified only together."""
 
-
-ASTRAY = 0.25
-"""A prediction that misses by more (rms, as a share of the range) is none: the search ended in a wrong valley."""
+MISPREDICTED = 0.25
+"""A prediction that misses by more (rms, as a share of the range) is none: the search ended in a wrong minimum."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,8 @@ class Estimate:
         value: best found.
         low: lower end of the interval.
         high: upper end.
-        at_bound: whether the search ran into the end of its range.
-        partner: what it can't be told apart from, if anything.
+        at_bound: whether it hit its bound.
+        partner: the parameter that it can't be separated from, if any.
     """
 
     unknown: Unknown
@@ -46,8 +45,8 @@ class Estimate:
     partner: str | None = None
 
     @property
-    def told(self) -> bool:
-        """Whether the log tells it."""
+    def identified(self) -> bool:
+        """Whether the log identifies it."""
         if self.at_bound:
             return False
         if self.unknown.log:
@@ -63,8 +62,9 @@ class Fit:
         model: what was fitted.
         estimates: of its unknowns, in order.
         simulated: all outputs with the best values, one after the other.
-        converged: whether the search came to an end by itself.
+        converged: whether the search converged.
         simulations: runs that it took.
+        partial: whether the user stopped it.
     """
 
     model: Model
@@ -72,6 +72,7 @@ class Fit:
     simulated: Array
     converged: bool
     simulations: int
+    partial: bool = False
 
     @cached_property
     def values(self) -> Array:
@@ -81,27 +82,27 @@ class Fit:
     @property
     def trusted(self) -> bool:
         """Whether it converged with no value at a bound, and predicts."""
-        return self.converged and not any(estimate.at_bound for estimate in self.estimates) and self.astray is None
+        return self.converged and not any(estimate.at_bound for estimate in self.estimates) and self.mispredicted is None
 
     @cached_property
-    def astray(self) -> Quality | None:
-        """The worst prediction of what is fitted elsewhere, if it goes astray."""
+    def mispredicted(self) -> Quality | None:
+        """The worst prediction of what is fitted elsewhere, if it misses by more than `MISPREDICTED`."""
         found = self.qualities()
-        fitted = {one.output for one in found if not one.judged}
-        judged = [one for one in found if one.judged and one.output in fitted]
-        worst = max(judged, key=lambda one: one.share, default=None)
-        return worst if worst is not None and worst.share > ASTRAY else None
+        fitted = {one.output for one in found if not one.validation}
+        validation = [one for one in found if one.validation and one.output in fitted]
+        worst = max(validation, key=lambda one: one.share, default=None)
+        return worst if worst is not None and worst.share > MISPREDICTED else None
 
     def of(self, path: str) -> Estimate:
         """The estimate of an unknown."""
         return next(estimate for estimate in self.estimates if estimate.unknown.path == path)
 
     def qualities(self) -> list[Quality]:
-        """Of every output, over what was fitted and over what was not."""
+        """Of every output, over the fitted samples and over those for validation."""
         found = []
         for place, output in zip(self.model.slices, self.model.outputs, strict=True):
-            for judged in (False, True):
-                chosen = (output.fitted != judged) & np.isfinite(output.measured)
+            for validation in (False, True):
+                chosen = (output.fitted != validation) & np.isfinite(output.measured)
                 if chosen.any():
-                    found.append(quality(output, chosen, self.simulated[place], judged=judged))
+                    found.append(quality(output, chosen, self.simulated[place], validation=validation))
         return found

@@ -16,7 +16,7 @@ from layflat.identify.model import Model
 Array = NDArray[np.float64]
 
 Progress = Callable[[float, str], None]
-"""Told the share of the work that is done at most, and what is under way."""
+"""Called with the share of the work that is done at most, and the present task."""
 
 STARTS, REFINED = 32, 3
 """Starts that are drawn, and how many of them are refined."""
@@ -31,16 +31,16 @@ ROUNDS = 2
 """Refinements of every model; the outputs are weighed after each."""
 
 EXPLAINED = 3.0
-"""A way up is good enough where the mean square of the residuals, in units of their scale, is below this."""
+"""A continuation is good enough where the mean square of the residuals, in units of their scale, is below this."""
 
 OUTLYING = 2.0
-"""Residuals beyond this, in units of their scale, count less at first on every rung of a ladder."""
+"""Residuals beyond this, in units of their scale, count less at first in every model of a continuation."""
 
-HOPS, HOP_SIZES = 4, (1.0, 3.0, 10.0, 30.0)
-"""How often to try to leave a small valley, and how far, in standard deviations."""
+BASIN_HOPS, HOP_SIZES = 4, (1.0, 3.0, 10.0, 30.0)
+"""How often to try to leave a small local minimum, and how far, in standard deviations."""
 
 WORTH = 1e-4
-"""A hop goes on as long as the cost falls by more than this share."""
+"""Basin hopping goes on as long as the cost falls by more than this share."""
 
 PASSES = 6
 """Jacobians one after the other at the end: each finds the axes better."""
@@ -49,7 +49,7 @@ EDGE = 2e-3
 """A share within this of 0 or 1 is at its bound."""
 
 TOLERANCE, ROUGH = 1e-6, 1e-4
-"""The search ends where the cost falls by less than this in a step, relative; and so on rungs before the last."""
+"""The search ends where the cost falls by less than this in a step, relative; before the last model by less than that."""
 
 
 def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
@@ -59,59 +59,72 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
         model: what is fitted; its guess is the first start.
         starts: how many more are drawn around it, besides those that the model gives.
         seed: of starts and bootstrap.
-        progress: is told how far it is.
+        progress: called with the share of the work done and the present task.
 
     Returns:
-        Best values with 95 % intervals, and what they predict.
+        Best values with 95 % intervals, and what they predict. Ctrl-C ends the search: the best values so far are
+        returned as a `partial` fit; a second one is not caught.
 
     Raises:
         InputError: an unknown's bounds leave no room.
     """
     search = _Search(model, progress)
-    ways: list[tuple[float, Array]] = []
-    ladders = model.ladders()
-    for number, ladder in enumerate(ladders):
-        ways.append(search.climb(ladder, starts, seed + number))
-        if ways[-1][0] < EXPLAINED:
-            break
-    search.tolerance = TOLERANCE
-    shares, converged = search.settle(ladders[0][-1], min(ways, key=lambda way: way[0])[1], led=len(ladders[0]) > 1)
-    shares, converged = search.hop(shares, converged, seed)
+    try:
+        shares, converged = search.run(starts, seed)
+    except KeyboardInterrupt:
+        search.tell(0.95, "stopped: intervals of the best values so far")
+        return search.result(search.best, False, seed, partial=True)
     search.tell(0.95, "intervals")
-    return search.result(model, shares, converged, seed)
+    return search.result(shares, converged, seed)
 
 
 class _Search:
     def __init__(self, model: Model, progress: Progress | None) -> None:
-        self.model = model
+        self.free = model
         self.progress, self.done, self.simulations = progress, 0.0, 0
         self.tolerance = ROUGH
+        self.take(model)
+
+    def run(self, starts: int, seed: int) -> tuple[Array, bool]:
+        """Search by continuation, then by basin hopping: shares, and whether the search converged."""
+        tried: list[tuple[float, Array]] = []
+        continuations = self.free.continuations()
+        for number, models in enumerate(continuations):
+            tried.append(self.follow(models, starts, seed + number))
+            if tried[-1][0] < EXPLAINED:
+                break
+        self.tolerance = TOLERANCE
+        start = min(tried, key=lambda one: one[0])[1]
+        shares, converged = self.converge(continuations[0][-1], start, robust=len(continuations[0]) > 1)
+        return self.basin_hop(shares, converged, seed)
 
     def take(self, model: Model) -> None:
         """Go on with a model of the same unknowns."""
         self.model, self.residuals = model, Residuals(model)
+        self.best, self.least = self.residuals.prior, np.inf
 
     def tell(self, share: float, text: str) -> None:
         self.done = max(self.done, share)
         if self.progress is not None:
             self.progress(self.done, text)
 
-    def climb(self, ladder: Sequence[Model], starts: int, seed: int) -> tuple[float, Array]:
-        """Up all rungs but the last: mean square of the residuals there, and shares."""
-        self.take(ladder[0])
+    def follow(self, models: Sequence[Model], starts: int, seed: int) -> tuple[float, Array]:
+        """Through all models of a continuation but the last: mean square of the residuals there, and shares."""
+        self.take(models[0])
         shares = self.begin(starts, seed)
-        for rung in ladder[:-1]:
-            shares, _ = self.settle(rung, shares, led=True)
-        top = Residuals(ladder[-1])
-        return float(np.mean(top.data(shares[None]) ** 2)), shares
+        for model in models[:-1]:
+            shares, _ = self.converge(model, shares, robust=True)
+        last = Residuals(models[-1])
+        return float(np.mean(last.data(shares[None]) ** 2)), shares
 
-    def settle(self, rung: Model, shares: Array, *, led: bool) -> tuple[Array, bool]:
-        """The best values for a rung, from those of the one before; and whether the search came to an end."""
-        self.take(rung)
+    def converge(self, model: Model, shares: Array, *, robust: bool) -> tuple[Array, bool]:
+        """The best values for a model, from those of the one before; and whether the search converged."""
+        self.take(model)
+        self.best = shares
         converged = False
-        if led:
+        if robust:
             # A stick or slip that comes at another instant is not to draw all values its way.
-            shares, _ = self.refine(shares, LONG, "climbing", loss="soft_l1")
+            shares, _ = self.refine(shares, LONG, "continuation", loss="soft_l1")
         for _ in range(ROUNDS):
             shares, converged = self.refine(shares, LONG, "fitting")
             # Outputs count by how well they can be predicted at all.
@@ -144,15 +157,15 @@ class _Search:
         drawn[::2] = np.clip(self.residuals.prior + SPREAD * (2.0 * drawn[::2] - 1.0), 0.0, 1.0)
         return np.asarray(drawn)
 
-    def hop(self, shares: Array, converged: bool, seed: int) -> tuple[Array, bool]:
-        """Out of small valleys: candidates along the principal axes, the best of them refined, while that helps."""
+    def basin_hop(self, shares: Array, converged: bool, seed: int) -> tuple[Array, bool]:
+        """Leave small local minima: candidates along the principal axes, the best of them refined, while that helps."""
         random, best = np.random.default_rng(seed), float(self.residuals.costs(shares[None])[0])
-        for _ in range(HOPS):
+        for _ in range(BASIN_HOPS):
             sizes = np.repeat(HOP_SIZES, STARTS // len(HOP_SIZES))[:, None] / np.maximum(self.residuals.strengths, 1.0)
             moves = sizes * random.standard_normal(sizes.shape) @ self.residuals.axes
             tried = np.clip(shares + moves, 0.0, 1.0)
             self.simulations += len(tried)
-            refined, ended = self.refine(tried[int(np.argmin(self.residuals.costs(tried)))], LONG, "polishing")
+            refined, ended = self.refine(tried[int(np.argmin(self.residuals.costs(tried)))], LONG, "basin hopping")
             cost = float(self.residuals.costs(refined[None])[0])
             if cost > best - max(1.0, WORTH * best):
                 break
@@ -164,13 +177,17 @@ class _Search:
     def refine(
         self, shares: Array, steps: int, text: str, loss: Literal["linear", "soft_l1"] = "linear"
     ) -> tuple[Array, bool]:
-        """Least squares from a start, and whether it came to an end within so many steps."""
+        """Least squares from a start, and whether it converged within so many steps."""
         from scipy.optimize import least_squares  # noqa: PLC0415  # scipy.optimize takes long to import
 
         def residuals(at: Array) -> Array:
             self.simulations += 1
             self.tell(self.done + 0.03 * (0.95 - self.done), text)
-            return self.residuals(at)
+            found = self.residuals(at)
+            cost = float(found @ found)
+            if cost < self.least:
+                self.best, self.least = at.copy(), cost
+            return found
 
         def jacobian(at: Array) -> Array:
             self.simulations += 2 * len(at)
@@ -199,14 +216,15 @@ class _Search:
             if chosen.any():
                 rms = float(np.sqrt(np.mean((found[place][chosen] - output.measured[chosen]) ** 2)))
                 self.residuals.scales[i] = max(output.scale, rms) if np.isfinite(rms) else output.scale
+        self.best, self.least = shares, np.inf
 
-    def result(self, free: Model, shares: Array, converged: bool, seed: int) -> Fit:
+    def result(self, shares: Array, converged: bool, seed: int, *, partial: bool = False) -> Fit:
         """Estimates with their intervals, and what they predict by the model that runs freely."""
-        scaled, model = self.residuals.scaled, self.model
-        for _ in range(PASSES):
+        scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
+        for _ in range(passes):
             J = self.residuals.data_jacobian(shares)
         r = self.residuals.data(shares[None])[0]
-        self.simulations += 2 * PASSES * len(shares) + 2
+        self.simulations += 2 * passes * len(shares) + 2
         spread = covariance(J, r)
         low, high = interval(shares, spread, bootstrap(J, r, blocks_of(model, r), seed))
         values, lows, highs = scaled.values(shares), scaled.values(low), scaled.values(high)
@@ -218,4 +236,5 @@ class _Search:
             together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
             at_bound = shares[i] > 1.0 - EDGE or (shares[i] < EDGE and not unknown.floor)
             estimates.append(Estimate(unknown, float(values[i]), float(lows[i]), float(highs[i]), at_bound, together))
-        return Fit(free, tuple(estimates), free.simulate(values[None])[0], converged, self.simulations)
+        simulated = self.free.simulate(values[None])[0]
+        return Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)

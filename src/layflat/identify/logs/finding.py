@@ -14,7 +14,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 
 @dataclass(frozen=True)
-class Finding:
+class LogFinding:
     """Something in a log that is wrong, doubtful or worth knowing.
 
     Attributes:
@@ -30,9 +30,9 @@ class Finding:
     right: str = ""
 
 
-def ordered(findings: Iterable[Finding]) -> list[Finding]:
+def ordered(findings: Iterable[LogFinding]) -> list[LogFinding]:
     """The worst first; what is the same of several channels is said once."""
-    together: dict[Finding, list[str]] = {}
+    together: dict[LogFinding, list[str]] = {}
     for finding in findings:
         together.setdefault(replace(finding, channel=""), []).append(finding.channel)
     merged = [replace(finding, channel=several(channels)) for finding, channels in together.items()]
@@ -44,7 +44,7 @@ def several(channels: Sequence[str]) -> str:
     return " and ".join(channels) if len(channels) <= 2 else f"{channels[0]} and {len(channels) - 1} more"
 
 
-def refuse(findings: Sequence[Finding], where: str = "log") -> None:
+def refuse(findings: Sequence[LogFinding], where: str = "log") -> None:
     """Stop at a log with errors.
 
     Raises:

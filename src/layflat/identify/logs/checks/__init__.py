@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 from layflat.identify.logs.checks import alive, clocks, excited, gauges, missing, signs, units
 from layflat.identify.logs.checks.bench import bench_of
-from layflat.identify.logs.finding import Finding, ordered
+from layflat.identify.logs.finding import LogFinding, ordered
 
 if TYPE_CHECKING:
     import xarray
 
 
-def check(log: xarray.Dataset, description: object | None = None) -> list[Finding]:
+def check(log: xarray.Dataset, description: object | None = None) -> list[LogFinding]:
     """Look for what is wrong with a log, the worst first.
 
     Args:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from layflat.description import units as u
 from layflat.identify.logs.checks.bench import Array, Bench, Channel, noise, quantum, runs
-from layflat.identify.logs.finding import Finding
+from layflat.identify.logs.finding import LogFinding
+from layflat.description import units as u
 
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8
@@ -19,7 +19,7 @@ ABRUPT = 0.25
 """Speed of arriving at it, as a share of a fast speed of the signal: what comes to rest by itself slows down before."""
 
 
-def findings(bench: Bench) -> Iterator[Finding]:
+def findings(bench: Bench) -> Iterator[LogFinding]:
     """Constant channels and rails, of what was measured."""
     for channel in bench.filled:
         if channel.signal.held or channel.name == "supply":
@@ -30,23 +30,23 @@ def findings(bench: Bench) -> Iterator[Finding]:
             yield from _rails(channel, bench)
 
 
-def _constant(channel: Channel, bench: Bench) -> Finding:
+def _constant(channel: Channel, bench: Bench) -> LogFinding:
     beside = [other for other in bench.filled if other.joint == channel.joint and other is not channel]
     moving = next((other for other in beside if _moves(other)), None)
     text = f"is exactly {channel.shown(float(channel.known[0]))} all the time"
     if moving is None:
-        return Finding("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
+        return LogFinding("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
     effort = any(other.signal.name in {"torque", "force"} for other in beside)
     if channel.signal.kind == u.PRESSURE and effort and not any(other.signal.held for other in beside):
-        return Finding("note", channel.name, text, "right for a loop at constant pressure; else a dead sensor")
-    return Finding("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
+        return LogFinding("note", channel.name, text, "right for a loop at constant pressure; else a dead sensor")
+    return LogFinding("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
 
 
 def _moves(channel: Channel) -> bool:
     return bool(np.ptp(channel.known) > 10.0 * noise(channel.known)) and quantum(channel.known) > 0.0
 
 
-def _rails(channel: Channel, bench: Bench) -> Iterator[Finding]:
+def _rails(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
     values = channel.values
     if np.unique(channel.known).size < 20:
         return
@@ -64,7 +64,7 @@ def _rails(channel: Channel, bench: Bench) -> Iterator[Finding]:
             f"of the samples, first from {bench.time[first]:.3f} s"
         )
         right = "a sensor at its rail, or a joint at its stop: use a wider range, or leave these times out"
-        yield Finding("warning", channel.name, text, right)
+        yield LogFinding("warning", channel.name, text, right)
 
 
 def _abrupt(values: Array, first: int, length: int) -> bool:

@@ -97,7 +97,7 @@ class Bench:
         """Absolute, Pa."""
         if self.machine is not None:
             return self.machine.supply.ambient_pressure
-        told = [float(c.told["ambient"]) for c in self.channels.values() if "ambient" in c.told]
+        told = [float(c.identified["ambient"]) for c in self.channels.values() if "ambient" in c.identified]
         return told[0] if told else AMBIENT
 
     @property

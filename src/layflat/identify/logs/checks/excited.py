@@ -7,18 +7,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.identify.logs.checks.bench import Bench, Channel, noise
-from layflat.identify.logs.finding import Finding
+from layflat.identify.logs.finding import LogFinding
 
 STILL = 6.0
 """Range in standard deviations of the noise below which a signal does not move."""
 
-NOTHING_MOVES = Finding("error", "log", "nothing in it moves more than its noise", "record a motion")
+NOTHING_MOVES = LogFinding("error", "log", "nothing in it moves more than its noise", "record a motion")
 
 STEADY = ("supply", "payload", "brake")
 """What is usually constant."""
 
 
-def findings(bench: Bench) -> Iterator[Finding]:
+def findings(bench: Bench) -> Iterator[LogFinding]:
     """Signals and commands that stand still."""
     measured = [c for c in bench.filled if not c.signal.held and c.signal.name not in STEADY]
     still = [channel for channel in measured if not moves(channel)]
@@ -30,13 +30,13 @@ def findings(bench: Bench) -> Iterator[Finding]:
             continue  # said to be dead
         text = f"moves no more than its noise, about {channel.shown(channel.high)}"
         driven = channel.signal.name in {"angle", "position", "force"}
-        yield Finding("warning" if driven else "note", channel.name, text, "nothing can be told from it")
+        yield LogFinding("warning" if driven else "note", channel.name, text, "nothing can be told from it")
     commands = [c for c in bench.filled if c.signal.held and c.signal.name not in STEADY]
     for joint in dict.fromkeys(channel.joint for channel in commands):
         mine = [channel for channel in commands if channel.joint == joint]
         if all(np.ptp(channel.known) == 0.0 for channel in mine):
             names = " and ".join(channel.name for channel in mine)
-            yield Finding("warning", mine[0].name, f"{names} never change", "command a motion: steps, sweeps or noise")
+            yield LogFinding("warning", mine[0].name, f"{names} never change", "command a motion: steps, sweeps or noise")
 
 
 def moves(channel: Channel) -> bool:

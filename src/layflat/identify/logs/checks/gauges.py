@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.identify.logs.checks.bench import Bench, Channel, runs
-from layflat.identify.logs.finding import Finding
+from layflat.identify.logs.finding import LogFinding
 
 VENTED = 0.15
 """Share of ambient pressure about which vented air is found, with all errors of sensors."""
@@ -19,7 +19,7 @@ LASTING = 0.1
 """Time that a level has to last, s."""
 
 
-def findings(bench: Bench) -> Iterator[Finding]:
+def findings(bench: Bench) -> Iterator[LogFinding]:
     """Absolute pressures that count from the wrong level."""
     for channel in bench.filled:
         if channel.signal.absolute:
@@ -33,28 +33,28 @@ def pressure_span(channel: Channel, bench: Bench) -> tuple[float, float]:
     return channel.low - bench.ambient, channel.high - bench.ambient
 
 
-def counts_wrong(channel: Channel, bench: Bench) -> Finding | None:
+def counts_wrong(channel: Channel, bench: Bench) -> LogFinding | None:
     """What to say of a pressure that counts from the wrong level; None if it doesn't, or if nothing can be told."""
     low, high = pressure_span(channel, bench)
     ambient = bench.ambient
     supply = bench.supply_gauge if channel.signal.name != "pressure" else None
-    gauge = bool(channel.told.get("gauge", False))
+    gauge = bool(channel.identified.get("gauge", False))
     most = 1.1 * supply if supply is not None else np.inf
     enough = 0.25 * supply if supply is not None else 3e4
     span = f"{channel.shown(channel.low)} to {channel.shown(channel.high)} absolute"
     if not gauge and -1.1 * ambient < low < -VENTED * ambient and enough <= high + ambient <= most:
         right = "it counts from ambient pressure: gauge = true would fit"
-        return Finding("error", channel.name, f"{span}: below ambient", right)
+        return LogFinding("error", channel.name, f"{span}: below ambient", right)
     if not gauge:
         return _at_supply(channel, supply, span, bench.period)
     right = "it is absolute already: gauge = false would fit"
     if supply is not None and high > most and low - ambient > -VENTED * ambient and high - ambient <= 1.02 * supply:
         beyond = f"{span} where the supply has {channel.shown(supply + ambient)}"
-        return Finding("error", channel.name, beyond, right)
+        return LogFinding("error", channel.name, beyond, right)
     twice = abs(channel.low - 2.0 * ambient) < CLOSE * ambient
     if twice and _lasts(channel, channel.low, bench.period) and high - low > 0.5 * ambient:
         text = f"{span}; its lowest level is twice ambient pressure"
-        return Finding("warning", channel.name, text, f"if that is vented air, {right}")
+        return LogFinding("warning", channel.name, text, f"if that is vented air, {right}")
     return None
 
 
@@ -64,11 +64,11 @@ def _lasts(channel: Channel, level: float, period: float) -> bool:
     return longest >= 3 and longest * period >= LASTING
 
 
-def _at_supply(channel: Channel, supply: float | None, span: str, period: float) -> Finding | None:
+def _at_supply(channel: Channel, supply: float | None, span: str, period: float) -> LogFinding | None:
     """A pressure said to be absolute whose highest level lasts and is the supply's gauge pressure to the per cent."""
     if supply is None or channel.signal.held or channel.name == "supply":
         return None
     if abs(channel.high - supply) > 0.02 * supply or not _lasts(channel, channel.high, period):
         return None
     text = f"{span}; its highest level is the supply's gauge pressure"
-    return Finding("warning", channel.name, text, "if that is full supply pressure, gauge = true would fit")
+    return LogFinding("warning", channel.name, text, "if that is full supply pressure, gauge = true would fit")

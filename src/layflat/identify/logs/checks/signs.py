@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify.logs.checks.bench import Array, Bench, noise, smoothed
-from layflat.identify.logs.finding import Finding
+from layflat.identify.logs.finding import LogFinding
 
 SMOOTH = 0.04
 """Time of averaging, s: two periods of a dither."""
@@ -25,13 +25,13 @@ LEAST = 30
 """Samples that a correlation needs."""
 
 
-def findings(bench: Bench) -> Iterator[Finding]:
+def findings(bench: Bench) -> Iterator[LogFinding]:
     """Signs of angle, pressures, voltage and set-points of each joint."""
     for joint in bench.joints or (None,):
         yield from _joint(joint, bench)
 
 
-def _joint(joint: str | None, bench: Bench) -> Iterator[Finding]:
+def _joint(joint: str | None, bench: Bench) -> Iterator[LogFinding]:
     angle, voltage, demand = (bench.of(signal, joint) for signal in ("angle", "voltage", "demand"))
     difference = bench.difference(joint)
     turned = difference is not None and angle is not None and _turn(angle.values, difference, bench.period) < CLEAR
@@ -46,20 +46,20 @@ def _joint(joint: str | None, bench: Bench) -> Iterator[Finding]:
     if filled is not None and filled < CLEAR and voltage is not None:
         if turned:
             text = "rise when the voltage falls, and the joint turns against them"
-            yield Finding("error", pressures, text, swap)
+            yield LogFinding("error", pressures, text, swap)
             turned = False
         else:
             text = f"rises when {pressures} fall (correlation {filled:.2f})"
             right = "turn it round with sign = -1 and offset = twice the valve's centre, or swap hoses A and B"
-            yield Finding("error", voltage.name, text, right)
+            yield LogFinding("error", voltage.name, text, right)
     if turned and angle is not None:
         known = "turn it round with sign = -1" if filled is not None else f"turn it round with sign = -1, or {swap}"
-        yield Finding("error", angle.name, "turns against the pressure difference", known)
+        yield LogFinding("error", angle.name, "turns against the pressure difference", known)
     if angle is not None and demand is not None:
         followed = _correlation(demand.values, angle.values)
         if followed < 2.0 * CLEAR:
             text = f"goes against {demand.name} (correlation {followed:.2f})"
-            yield Finding("error", angle.name, text, "turn one of them round with sign = -1")
+            yield LogFinding("error", angle.name, text, "turn one of them round with sign = -1")
     for hose in ("a", "b"):
         pressure, setpoint = bench.of(f"pressure_{hose}", joint), bench.of(f"setpoint_{hose}", joint)
         if pressure is None or setpoint is None:
@@ -67,7 +67,7 @@ def _joint(joint: str | None, bench: Bench) -> Iterator[Finding]:
         drive = _drive(setpoint.values, pressure.values, bench.period, None)
         if drive is not None and drive < CLEAR:
             text = f"falls when {setpoint.name} rises (correlation {drive:.2f})"
-            yield Finding("error", pressure.name, text, "swap hoses A and B of the pressures or of the set-points")
+            yield LogFinding("error", pressure.name, text, "swap hoses A and B of the pressures or of the set-points")
 
 
 def _turn(angle: Array, difference: Array, period: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from layflat.description import units as u
 from layflat.identify.logs.checks.bench import Bench, Channel
 from layflat.identify.logs.checks.gauges import counts_wrong, pressure_span
-from layflat.identify.logs.finding import Finding
+from layflat.identify.logs.finding import LogFinding
 from layflat.identify.logs.signals import conversion
 
 BEYOND = 1.15
@@ -32,7 +32,7 @@ KNOWN: dict[u.Quantity | None, dict[str, float]] = {
 """Units that get mixed up, by kind, in SI; of several that would fit the first is told."""
 
 
-def findings(bench: Bench) -> Iterator[Finding]:
+def findings(bench: Bench) -> Iterator[LogFinding]:
     """Ranges that are out of reason, with the unit or factor that would fit."""
     for channel in bench.filled:
         name = channel.signal.name
@@ -52,7 +52,7 @@ def findings(bench: Bench) -> Iterator[Finding]:
 
 def slip(channel: Channel, fits: Callable[[float], bool]) -> str:
     """The unit, instead of that of the mapping, with which `fits(factor)` holds; empty where there is none."""
-    unit = str(channel.told.get("unit", channel.signal.unit))
+    unit = str(channel.identified.get("unit", channel.signal.unit))
     own = conversion(unit, channel.signal)[0]
     for other, value in KNOWN.get(channel.signal.kind, {}).items():
         factor = value / own
@@ -61,27 +61,27 @@ def slip(channel: Channel, fits: Callable[[float], bool]) -> str:
     return ""
 
 
-def _angle(channel: Channel, bench: Bench) -> Iterator[Finding]:
+def _angle(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
     low, high = channel.low, channel.high
     joint = bench.machine.joints.get(str(channel.joint)) if bench.machine is not None else None
     text = f"{channel.shown(low)} to {channel.shown(high)}"
     if joint is None:
         if max(-low, high) > 2.1 * pi:
             fits = slip(channel, lambda f: 0.05 < f * max(-low, high) <= 2.1 * pi)
-            yield Finding("error", channel.name, f"{text}: more than a turn", fits or "check unit and scale")
+            yield LogFinding("error", channel.name, f"{text}: more than a turn", fits or "check unit and scale")
         return
     stroke = joint.stops.mechanical_stroke
     of = f"a stroke of {channel.shown(stroke)}"
     if high - low > BEYOND * stroke:
         fits = slip(channel, lambda f: 0.02 * stroke < f * (high - low) <= BEYOND * stroke)
-        yield Finding("error", channel.name, f"{text} where the joint has {of}", fits or "check unit and scale")
+        yield LogFinding("error", channel.name, f"{text} where the joint has {of}", fits or "check unit and scale")
     elif max(-low, high) > BEYOND * stroke / 2.0:
         middle = f"zero is the middle of the stroke: set offset (the log's middle is {channel.shown((low + high) / 2)})"
-        yield Finding("error", channel.name, f"{text} where the joint has {of}", middle)
+        yield LogFinding("error", channel.name, f"{text} where the joint has {of}", middle)
     elif _strains(channel, bench):
         fits = slip(channel, lambda f: f > 20.0 and 0.1 * stroke < f * (high - low) <= BEYOND * stroke)
         if fits:
-            yield Finding("warning", channel.name, f"{text} though the pressures move much", fits)
+            yield LogFinding("warning", channel.name, f"{text} though the pressures move much", fits)
 
 
 def _strains(channel: Channel, bench: Bench) -> bool:
@@ -92,7 +92,7 @@ def _strains(channel: Channel, bench: Bench) -> bool:
     return bool(np.nanpercentile(difference, 99.0) - np.nanpercentile(difference, 1.0) > LITTLE * supply)
 
 
-def _pressure(channel: Channel, bench: Bench) -> Iterator[Finding]:
+def _pressure(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
     if not channel.signal.absolute:
         yield from _difference(channel, bench)
         return
@@ -100,7 +100,7 @@ def _pressure(channel: Channel, bench: Bench) -> Iterator[Finding]:
         return  # a matter of gauge and absolute, not of the unit
     low, high = pressure_span(channel, bench)
     supply = bench.supply_gauge if channel.signal.name != "pressure" else None
-    gauge = bool(channel.told.get("gauge", False))
+    gauge = bool(channel.identified.get("gauge", False))
     ambient = bench.ambient
 
     def scaled(factor: float) -> tuple[float, float]:
@@ -116,33 +116,33 @@ def _pressure(channel: Channel, bench: Bench) -> Iterator[Finding]:
     text = f"{channel.shown(low + ambient)} to {channel.shown(high + ambient)} absolute"
     right = slip(channel, fits)
     if low < -ambient - 2e3:
-        yield Finding("error", channel.name, f"{text}: below vacuum", right or "check sign, unit and offset")
+        yield LogFinding("error", channel.name, f"{text}: below vacuum", right or "check sign, unit and offset")
     elif low < -0.15 * ambient and channel.signal.by_joint:
-        yield Finding("error", channel.name, f"{text}: below ambient", right or "check unit, offset and gauge")
+        yield LogFinding("error", channel.name, f"{text}: below ambient", right or "check unit, offset and gauge")
     elif supply is not None and high > BEYOND_SUPPLY * supply:
         beyond = f"{text} where the supply has {channel.shown(supply + ambient)}"
-        yield Finding("error", channel.name, beyond, right or "check unit and scale")
+        yield LogFinding("error", channel.name, beyond, right or "check unit and scale")
     elif supply is not None and high < LITTLE * supply and right:
-        yield Finding("warning", channel.name, f"{text}: hardly anything of the supply's pressure", right)
+        yield LogFinding("warning", channel.name, f"{text}: hardly anything of the supply's pressure", right)
     elif supply is None and channel.signal.by_joint and not 1e4 < high < 2e6 and right:
-        yield Finding("warning", channel.name, f"{text}: strange for a hose", right)
+        yield LogFinding("warning", channel.name, f"{text}: strange for a hose", right)
 
 
-def _difference(channel: Channel, bench: Bench) -> Iterator[Finding]:
+def _difference(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
     supply, most = bench.supply_gauge, max(-channel.low, channel.high)
     if supply is None:
         return
     text = f"reaches {channel.shown(most)} where the supply has {channel.shown(supply)} above ambient"
     if most > BEYOND_SUPPLY * supply:
         fits = slip(channel, lambda f: 0.05 * supply < f * most <= BEYOND_SUPPLY * supply)
-        yield Finding("error", channel.name, text, fits or "check unit and scale")
+        yield LogFinding("error", channel.name, text, fits or "check unit and scale")
     elif most < 0.01 * supply:
         fits = slip(channel, lambda f: 0.1 * supply < f * most <= BEYOND_SUPPLY * supply)
         if fits:
-            yield Finding("warning", channel.name, text, fits)
+            yield LogFinding("warning", channel.name, text, fits)
 
 
-def _voltage(channel: Channel, bench: Bench) -> Iterator[Finding]:
+def _voltage(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
     if bench.machine is None or bench.machine.valve is None:
         return
     centre, full = bench.machine.valve.centre_voltage, bench.machine.valve.volts_to_full
@@ -150,31 +150,31 @@ def _voltage(channel: Channel, bench: Bench) -> Iterator[Finding]:
     text = f"{low:.3g} V to {high:.3g} V where the valve takes {centre - full:g} V to {centre + full:g} V"
     if low < centre - 2.0 * full or high > centre + 2.0 * full:
         fits = slip(channel, lambda f: centre - BEYOND * full <= f * low and f * high <= centre + BEYOND * full)
-        yield Finding("error", channel.name, text, fits or "check unit, scale and offset")
+        yield LogFinding("error", channel.name, text, fits or "check unit, scale and offset")
         return
     median = float(np.median(channel.known))
     if abs(median - centre) > 0.6 * full:
         fits = slip(channel, lambda f: abs(f * median - centre) < 0.2 * full)
         right = f"at rest a valve has its centre, {centre:g} V: check unit and offset"
-        yield Finding("warning", channel.name, f"{text}; its median is {median:.3g} V", fits or right)
+        yield LogFinding("warning", channel.name, f"{text}; its median is {median:.3g} V", fits or right)
 
 
-def _share(channel: Channel) -> Iterator[Finding]:
+def _share(channel: Channel) -> Iterator[LogFinding]:
     low, high = channel.low, channel.high
     if low < -0.05 or high > 1.05:
         fits = slip(channel, lambda f: low >= 0.0 and f * high <= 1.05)
-        yield Finding("error", channel.name, f"{low:.3g} to {high:.3g}", fits or "a share lies from 0 to 1")
+        yield LogFinding("error", channel.name, f"{low:.3g} to {high:.3g}", fits or "a share lies from 0 to 1")
 
 
-def _temperature(channel: Channel) -> Iterator[Finding]:
+def _temperature(channel: Channel) -> Iterator[LogFinding]:
     text = f"{channel.low:.4g} K to {channel.high:.4g} K"
     if channel.low < 60.0:
-        yield Finding("error", channel.name, text, 'no gas is so cold: unit = "degC" would add 273.15 K')
+        yield LogFinding("error", channel.name, text, 'no gas is so cold: unit = "degC" would add 273.15 K')
     elif channel.low > 480.0:
-        yield Finding("error", channel.name, text, 'no hose is so hot: unit = "K" would take 273.15 K away')
+        yield LogFinding("error", channel.name, text, 'no hose is so hot: unit = "K" would take 273.15 K away')
 
 
-def _demanded(joint: str | None, bench: Bench) -> Iterator[Finding]:
+def _demanded(joint: str | None, bench: Bench) -> Iterator[LogFinding]:
     """An angle that follows its demand, but in another unit."""
     angle, demand = bench.of("angle", joint), bench.of("demand", joint)
     if angle is None or demand is None:
@@ -186,4 +186,4 @@ def _demanded(joint: str | None, bench: Bench) -> Iterator[Finding]:
     ratio = float(np.std(y) / np.std(x))
     if np.corrcoef(x, y)[0, 1] > 0.8 and not 1.0 / 20.0 < ratio < 20.0:
         text = f"moves {ratio:.3g} times as far as {demand.name} asks"
-        yield Finding("error", angle.name, text, "one of them is in deg and the other in rad: check both units")
+        yield LogFinding("error", angle.name, text, "one of them is in deg and the other in rad: check both units")

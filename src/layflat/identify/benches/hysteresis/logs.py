@@ -1,0 +1,168 @@
+"""What logs of hysteresis curves have in common, of a joint or of a rod: motion is given, effort is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from layflat.errors import InputError
+from layflat.identify.benches.contract import Logs
+from layflat.identify.model import FITTED, Array, Flags, Output
+from layflat.identify.unknown import Unknown
+
+if TYPE_CHECKING:
+    import xarray
+
+SIZE = 0.03
+"""How large an error of an effort matters, as a share of its range in the log where that is greatest.
+
+It is the same for all logs, and well above the noise: what these laws leave over is mostly shape that they do not
+model, as large in newtons at any pressure, and no log is to count more because its curve is lower.
+"""
+
+LEAST, MOST = 1e-6, 2.0
+"""An element slips after so much of the longest travel in the logs: it is Coulomb friction below, a spring above.
+
+The least is far below what any log shows, so that friction which slips at once does not hit a bound.
+"""
+
+DECIMALS = 6
+"""Of weights in a description."""
+
+NOISES = 6.0
+"""A brake gives by so many standard deviations of the motion's noise."""
+
+
+def signal(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array:
+    """A signal of a log, of a joint where it has several, gaps interpolated; (samples,).
+
+    Raises:
+        InputError: it is not there.
+    """
+    if name not in log:
+        raise InputError(f"has no {name}", where=where, right=f"map a column to the signal {name}")
+    found = _values(log, name, joint)
+    known = np.isfinite(found)
+    if not known.any():
+        raise InputError(f"{name} has no numbers", where=where, right="leave the log out")
+    time = log["time"].to_numpy()
+    return np.asarray(np.interp(time, time[known], found[known]))
+
+
+def moving(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array:
+    """A motion, without spikes.
+
+    Raises:
+        InputError: it is not there, or never changes.
+    """
+    found = without_spikes(signal(log, name, where, joint))
+    if not np.ptp(found) > 0.0:
+        raise InputError(f"the {name} never changes", where=where, right="leave the log out")
+    return found
+
+
+def without_spikes(values: Array) -> Array:
+    """Every sample replaced by the median of itself and its neighbours.
+
+    A steady rise or fall stays as it is, and single samples far off go: an element that slips would take a spike for
+    a motion to and fro, and forget where the motion reversed.
+    """
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    return np.asarray(np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
+
+
+def noise(values: Array) -> float:
+    """Standard deviation of what differs from sample to sample, quantisation included: from second differences."""
+    second = np.abs(np.diff(values, 2))
+    return float(np.percentile(second, 90.0) / 1.645 / np.sqrt(6.0)) if len(second) else 0.0
+
+
+def rate(time: Array, values: Array, window: float = 0.1) -> Array:
+    """Rate of a measured motion, averaged over a window (s)."""
+    from scipy.ndimage import uniform_filter1d  # noqa: PLC0415  # scipy takes long to import
+
+    samples = max(1, round(window / float(np.median(np.diff(time)))))
+    return np.asarray(np.gradient(uniform_filter1d(values, samples), time))
+
+
+def first_of(output: Output) -> float:
+    """The first measured sample that is a number."""
+    return float(output.measured[np.isfinite(output.measured)][0])
+
+
+def outputs(logs: Logs, validation: Logs | None, name: str, unit: str, joint: str = "") -> tuple[Output, ...]:
+    """The measured effort of all logs, those for validation last, with errors that count alike.
+
+    Raises:
+        InputError: there is no log, or an effort is missing or never changes.
+    """
+    found = [_output(log, name, unit, where, bool(validation), joint) for where, log in logs.items()]
+    found += [_output(log, name, unit, where, None, joint) for where, log in (validation or {}).items()]
+    if not found:
+        raise InputError("there is no log", where="logs", right="give one or more")
+    scale = max(one.scale for one in found)
+    return tuple(replace(one, scale=scale) for one in found)
+
+
+def _output(log: xarray.Dataset, name: str, unit: str, where: str, whole: bool | None, joint: str) -> Output:
+    """The measured effort of a log: all of it is fitted, or its first two thirds; None if it is only predicted."""
+    reach = float(np.ptp(signal(log, name, where, joint)))
+    if reach == 0.0:
+        raise InputError(f"{name} never changes", where=where, right="leave the log out")
+    time = np.array(log["time"].to_numpy(), dtype=np.float64)
+    end = {None: -np.inf, True: np.inf, False: time[0] + FITTED * (time[-1] - time[0])}[whole]
+    fitted: Flags = time <= end
+    return Output(name, unit, where, time, _values(log, name, joint), fitted, SIZE * reach)
+
+
+def _values(log: xarray.Dataset, name: str, joint: str) -> Array:
+    values = log[name].sel(joint=joint) if "joint" in log[name].dims else log[name]
+    return np.array(values.to_numpy(), dtype=np.float64)
+
+
+def within(path: str, unit: str, guess: float, low: float, high: float, excitation: str, *, log: bool = False) -> Unknown:
+    """An unknown with bounds that come from the logs; the search begins at the guess as far as it lies inside."""
+    return Unknown(path, unit, float(np.clip(guess, low, high)), low, high, log=log, excitation=excitation)
+
+
+def element_unknowns(
+    where: str, unit: str, deflections: Sequence[float], weights: Sequence[float], travel: float
+) -> list[Unknown]:
+    """Deflections of elements, and how they share the friction (see `shares_of`), as unknowns.
+
+    Args:
+        where: path of the table that they stand in.
+        unit: of the motion.
+        deflections: described.
+        weights: described.
+        travel: longest in all logs.
+    """
+    fine = "reversals, sampled finely where the motion reverses"
+    low, high = LEAST * travel, MOST * travel
+    found = [within(f"{where}.deflections.{j}", unit, d, low, high, fine, log=True) for j, d in enumerate(deflections)]
+    split = split_of(np.array(weights))
+    return found + [within(f"{where}.split.{j}", "1", float(part), 0.0, 1.0, fine) for j, part in enumerate(split)]
+
+
+def shares_of(split: Array) -> Array:
+    """Weights that add up to 1, (..., n + 1), from what each element takes of what those before it leave, (..., n)."""
+    left = np.cumprod(1.0 - split, axis=-1)
+    one = np.ones((*split.shape[:-1], 1))
+    return np.asarray(np.concatenate([split, one], axis=-1) * np.concatenate([one, left], axis=-1))
+
+
+def rounded(weights: Array) -> tuple[float, ...]:
+    """Weights with six decimals that still add up to 1, as they can stand in a file."""
+    found = np.round(weights, DECIMALS)
+    largest = int(np.argmax(found))
+    found[largest] = round(1.0 - float(np.delete(found, largest).sum()), DECIMALS)
+    return tuple(float(one) for one in found)
+
+
+def split_of(weights: Array) -> Array:
+    """What each element but the last takes of what those before it leave: the inverse of `shares_of`."""
+    left = 1.0 - np.concatenate([[0.0], np.cumsum(weights)[:-1]])
+    return np.asarray([w / rest if rest > 0.0 else 0.5 for w, rest in zip(weights[:-1], left[:-1], strict=True)])

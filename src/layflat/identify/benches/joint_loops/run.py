@@ -1,0 +1,84 @@
+"""Torque of a joint that is turned slowly through a measured motion: the laws of slow sweeps (sim/slow.py)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify.benches.hysteresis.start import share_carried
+from layflat.identify.benches.parallel import on_all_cores
+from layflat.jit import kernel, law
+from layflat.physics.joint import Hose
+from layflat.physics.loss import slip
+from layflat.lanes import mapped
+from layflat.sim.slow import UNTURNED, Slow, turned
+
+Array = NDArray[np.float64]
+
+
+class TurnedLog(NamedTuple):
+    """What is given of a joint's log: angle (rad), gauge pressures (Pa), the brake's share, and the first torque (N m).
+
+    `give` is the rotation after which the brake slips (rad); without any, a brake would follow the angle's noise.
+    """
+
+    angle: Array
+    pressure_a: Array
+    pressure_b: Array
+    brake: Array
+    first: float
+    give: float
+
+
+@law
+def _limits(loss, p_g, share):  # type: ignore[no-untyped-def]
+    """What the elements of a hose carry at a share of their limits, N m."""
+    p_g = max(p_g, 0.0)
+    return (
+        share * (loss.base_1 + loss.slope_1 * p_g),
+        share * (loss.base_2 + loss.slope_2 * p_g),
+        share * (loss.base_3 + loss.slope_3 * p_g),
+    )
+
+
+@kernel
+def _torque(hose_a, hose_b, brake, first, log, torque):  # type: ignore[no-untyped-def]
+    q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
+    slow = turned(UNTURNED, hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
+    a, b = _limits(hose_a.loss, p_a[0], 1.0), _limits(hose_b.loss, p_b[0], 1.0)
+    held = brake * log.brake[0]
+    share = share_carried(slow.lossless - first, a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + held)
+    slow = Slow(1.0, _limits(hose_a.loss, p_a[0], share), _limits(hose_b.loss, p_b[0], share), 0.0, 0.0)
+    held *= share
+    for i in range(len(q)):
+        turn = q[i] - q[i - 1] if i > 0 else 0.0
+        slow = turned(slow, hose_a, hose_b, q[i], turn, p_a[i], p_b[i], 0.0)
+        most = brake * log.brake[i]
+        held = slip(held, most / log.give, most, turn)
+        torque[i] = slow.torque - held
+
+
+def turned_torques(hose_a: Hose, hose_b: Hose, brake: Array, first: Array, log: TurnedLog) -> Array:
+    """Torque of a joint through a log, (candidates, samples), N m.
+
+    Args:
+        hose_a: hose A; its numbers may be arrays, an item a candidate.
+        hose_b: hose B, likewise.
+        brake: torque of the brake, an item a candidate, N m.
+        first: torque that the log begins with, an item a candidate, N m.
+        log: what is given.
+    """
+    torques = np.empty((len(brake), len(log.angle)))
+
+    def run(i: int) -> None:
+        _torque(_item(hose_a, i), _item(hose_b, i), float(brake[i]), float(first[i]), log, torques[i])
+
+    on_all_cores(run, range(len(brake)))
+    return torques
+
+
+def _item(parameters: Any, i: int) -> Any:
+    """Parameters of one candidate."""
+    return mapped(parameters, lambda leaf: float(leaf[i] if np.ndim(leaf) else leaf))

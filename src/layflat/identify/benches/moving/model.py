@@ -1,0 +1,151 @@
+"""A machine that moves: from the voltages of its valves to pressures and angles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from layflat.errors import InputError
+from layflat.identify.benches.contract import Bench, Logs, has_samples
+from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.log import Record, sensor_offset
+from layflat.identify.model import Array, Model
+from layflat.identify.unknown import Unknown
+from layflat.machine import Machine, parameters
+from layflat.physics.joint import FILLED
+from layflat.physics.step import STEP
+
+REFERENCE_PRESSURE = 1e5
+"""Of the air that a sonic conductance is given for, Pa (ISO 6358)."""
+
+
+class Stage(NamedTuple):
+    """A stage of the continuation.
+
+    Args:
+        feedback: rate at which the simulated angle is drawn to the measured one, 1/s (output injection).
+        step: of the simulation, s.
+        share: of what is fitted, from the start of each log on.
+    """
+
+    feedback: float
+    step: float
+    share: float = 1.0
+
+
+FEEDBACKS, BEGINNING, COARSE = (4.0, 8.0, 12.0), 0.35, 2.0 * STEP
+"""First the beginning of the logs with strong feedback: which rate finds its way depends on where the search begins."""
+
+STAGES = (Stage(2.0, STEP), Stage(0.5, STEP))
+"""Then as exactly as a run is simulated, with weak feedback in the end.
+
+Feedback brings the angle's noise along, which widens errors more than a free run's roughness does: the less the better.
+"""
+
+FREE = Stage(0.0, STEP)
+"""Without feedback: how a fitted machine is validated."""
+
+
+class ArmModel(Model):
+    """Angles and pressures of every joint, from the voltages in the logs.
+
+    Args:
+        machine: where the search begins, and what is held.
+        logs: to fit, by name: uniform in time at the machine's control cycle, from rest.
+        blocks: what to fit, of `BLOCKS`.
+        validation: logs that are only predicted; without any, the last third of each log is.
+
+    Raises:
+        InputError: a log lacks what is needed, or a block is unknown.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        logs: Logs,
+        blocks: Sequence[str],
+        validation: Logs | None = None,
+    ) -> None:
+        self.machine, self.stage = machine, FREE
+        found = unknowns(machine, blocks)
+        known = {unknown.path for unknown in found}
+        self.records = [Record(machine, name, log, bool(validation), known) for name, log in logs.items()]
+        self.records += [Record(machine, name, log, None, known) for name, log in (validation or {}).items()]
+        nuisances = [unknown for record in self.records for unknown in record.nuisances]
+        self.unknowns = (*found, *_nulls(machine, known), *nuisances)
+        self.outputs = tuple(output for record in self.records for output in record.outputs)
+
+    def continuation(self) -> Sequence[Model]:
+        """The same with feedback of the measured angles, less and less.
+
+        A joint integrates what its valve lets through: over a whole log, a small error of a parameter becomes a large
+        one of the angle, and one more of stick and slip with it. With feedback at 0.5/s it forgets in two seconds,
+        which is hundreds of samples: errors stay small, and the right values still leave none.
+        """
+        return self.continuations()[0]
+
+    def continuations(self) -> Sequence[Sequence[Model]]:
+        """Continuations that begin with more or less feedback."""
+        return [[self._at(stage) for stage in (Stage(rate, COARSE, BEGINNING), *STAGES)] for rate in FEEDBACKS]
+
+    def _at(self, stage: Stage) -> ArmModel:
+        easier = copy(self)
+        easier.stage = stage
+        ends = {record.name: stage.share * record.fitted.sum() for record in self.records}
+        early = {o.log: np.arange(len(o.time)) < ends[o.log] for o in self.outputs}
+        easier.outputs = tuple(replace(o, fitted=o.fitted & early[o.log]) for o in self.outputs)
+        vars(easier).pop("used", None)
+        return easier
+
+    @cached_property
+    def _feedback_gains(self) -> dict[str, float]:
+        """Voltage per error of the angle that makes each joint follow at 1/s, V/rad."""
+        valve = self.machine.valve
+        if valve is None:
+            return {}
+        flow = valve.conductance * REFERENCE_PRESSURE / FILLED
+        joints = self.machine.joints.items()
+        return {name: valve.volts_to_full * parameters.torque_constant(joint) / flow for name, joint in joints}
+
+    def simulate(self, values: Array) -> Array:
+        """All logs from their starts, whatever the candidates' values say."""
+        given = {unknown.path: values[:, i] for i, unknown in enumerate(self.unknowns)}
+        offset = given.get("pressure_sensor.offset", sensor_offset(self.machine))
+        shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
+        gains = self._feedback_gains
+        shared |= {f"scenario.lead.{name}": np.full(len(values), self.stage.feedback * v) for name, v in gains.items()}
+        shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
+        share = None if self.stage is FREE else self.stage.share
+        found = [record.simulate(shared, given, np.asarray(offset), len(values), self.stage.step, share) for record in self.records]
+        return np.concatenate(found, axis=1)
+
+
+def _nulls(machine: Machine, known: set[str]) -> list[Unknown]:
+    """A valve's null differs from joint to joint: what those after the first have on top."""
+    if "valve.centre_voltage" not in known or machine.valve is None:
+        return []
+    reach = 0.1 * machine.valve.volts_to_full
+    later = list(machine.joints)[1:]
+    return [Unknown(f"log.drift.{name}", "V", 0.0, -reach, reach, log=False, nuisance=True) for name in later]
+
+
+def _model(machine: Machine, logs: Logs, blocks: Sequence[str], validation: Logs) -> Model:
+    if machine.valve is None:
+        right = "give a machine with a valve; or logs with torque and without voltage, of a joint that is moved slowly"
+        raise InputError("has no valve", where=machine.origin, right=right)
+    if "sensors" in blocks and machine.pressure_sensor is None:
+        raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
+    for name, log in (*logs.items(), *validation.items()):
+        for signal in ("angle", "voltage"):
+            for joint in machine.joints:
+                if not has_samples(log, signal, joint):
+                    right = f"map a column to the signal {signal} of every joint: {', '.join(machine.joints)}"
+                    raise InputError(f"has no {signal} of joint {joint!r}", where=name, right=right)
+    return ArmModel(machine, logs, blocks, validation)
+
+
+BENCH = Bench(BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), _model, even=True)

@@ -1,0 +1,134 @@
+"""A rotary joint between two air chambers, each held by a pressure-regulating valve.
+
+| symbol | meaning | unit |
+|---|---|---|
+| q, v | joint angle from the middle of the stroke, and velocity | rad, rad/s |
+| K | torque per pressure = volume that a chamber gains per radian | m3/rad |
+| V_0 | volume of a chamber in the middle of the stroke | m3 |
+| I, c | moment of inertia, damping | kg m2, N m s/rad |
+| T_0, k | load torque in the middle of the stroke, and stiffness | N m, N m/rad |
+| F | level of the friction (lagging_friction.py) | N m |
+| h | step | s |
+
+I v' = K (p_a - p_b) - c v - T_0 - k q - friction, V_a = V_0 + K q, V_b = V_0 - K q. One K for torque and volume, so
+that the air does no other work than on the joint. Chamber A turns the joint forward.
+"""
+
+from typing import NamedTuple
+
+from layflat.jit import law
+from layflat.lanes import select
+from layflat.physics.chamber import (
+    Chamber,
+    air_mass,
+    energy,
+    pressure_after_swelling,
+    temperature_both_ways,
+    wall_heat,
+)
+from layflat.physics.flow import warmth
+from layflat.physics.friction import brake_one
+from layflat.identify.benches.regulated.friction import LaggingFriction, next_level, settled_level
+from layflat.identify.benches.regulated.regulator import Regulator, regulator_conductances, share_in
+from layflat.physics.valve import chamber_flow
+
+
+class Air(NamedTuple):
+    """Around both chambers: absolute pressures (Pa) and the one temperature of supply and surroundings (K)."""
+
+    supply_pressure: float
+    ambient_pressure: float
+    temperature: float
+
+
+class RegulatedJoint(NamedTuple):
+    """Parameters; both chambers and both valves are alike."""
+
+    valve: Regulator
+    chamber: Chamber
+    torque_per_pressure: float
+    inertia: float
+    damping: float
+    load_torque: float
+    stiffness: float
+    friction: LaggingFriction
+    lower_stop: float
+    upper_stop: float
+
+
+class Shares(NamedTuple):
+    """How far each lag goes in a step."""
+
+    set_point: float
+    friction: float
+
+
+class ChamberState(NamedTuple):
+    """Set-point that the valve works towards (Pa), energy (J), mass (kg), volume (m3), absolute pressure (Pa)."""
+
+    set_point: float
+    energy: float
+    mass: float
+    volume: float
+    pressure: float
+
+
+class JointState(NamedTuple):
+    """Angle (rad), velocity (rad/s) and level of the friction (N m)."""
+
+    angle: float
+    velocity: float
+    friction: float
+
+
+@law
+def lag_shares(joint, h):
+    """How far each lag goes in a step of h seconds."""
+    return Shares(share_in(h, joint.valve.lag), share_in(h, joint.friction.lag))
+
+
+@law
+def chamber_at_rest(joint, travel, p, air):
+    """A chamber whose valve holds it at pressure p; `travel` is q for chamber A, -q for chamber B."""
+    volume = joint.chamber.dead_volume + joint.torque_per_pressure * travel
+    stored = energy(joint.chamber, p, volume, air.ambient_pressure)
+    mass = air_mass(joint.chamber, p, air.temperature, volume, air.ambient_pressure)
+    return ChamberState(p, stored, mass, volume, p)
+
+
+@law
+def at_rest(joint, q):
+    """A joint that has been at rest at q for long."""
+    return JointState(q, 0.0, settled_level(joint.friction, q))
+
+
+@law
+def move(joint, state, p_a, p_b, shares, h):
+    """State of the joint after a step at these pressures; a held joint has velocity 0.0."""
+    F = next_level(joint.friction, state.friction, state.angle, shares.friction)
+    load = joint.load_torque + joint.stiffness * state.angle
+    momentum = joint.inertia * state.velocity + h * (joint.torque_per_pressure * (p_a - p_b) - load)
+    v, _ = brake_one(joint.inertia + h * joint.damping, momentum, h * F)
+    q = state.angle + h * v
+    held = min(max(q, joint.lower_stop), joint.upper_stop)
+    return JointState(held, select(held == q, v, 0.0), F)
+
+
+@law
+def exchange_gas(joint, state, travel, asked, air, shares, h):
+    """State of a chamber after a step in which it swells to its volume at `travel`, and air flows.
+
+    `asked` is the set-point that its valve goes for, Pa: see regulator.py.
+    """
+    p_a, supply = air.ambient_pressure, warmth(air.temperature, 1.0 / air.temperature)
+    s = state.set_point + shares.set_point * (asked - state.set_point)
+    C_in, C_out = regulator_conductances(joint.valve, s, state.pressure)
+    volume = joint.chamber.dead_volume + joint.torque_per_pressure * travel
+    # Half of the work at the pressure before, half at that after: no damping by the step.
+    half = 0.5 * (volume - state.volume)
+    stored = state.energy - state.pressure * half
+    p, stiffness = pressure_after_swelling(joint.chamber, stored, volume, half, state.pressure, p_a)
+    T, per_T = temperature_both_ways(joint.chamber, p, state.mass, volume, p_a)
+    flow, heat, _ = chamber_flow(joint.valve, C_in, C_out, p, warmth(T, per_T), air.supply_pressure, supply, p_a)
+    gained = h * (heat + wall_heat(joint.chamber, T, air.temperature))
+    return ChamberState(s, stored - p * half + gained, state.mass + h * flow, volume, p + gained * stiffness)

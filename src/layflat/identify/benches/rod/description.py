@@ -1,0 +1,57 @@
+"""A linear friction rig: the rod of a small cylinder is pushed and pulled while its chamber is held at a pressure."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from layflat.description import units as u
+from layflat.identify.benches.contract import BenchDescription
+from layflat.description import Part
+
+
+class Piston(Part):
+    """What pressure and position do to the force; position is zero where the log says so."""
+
+    area: u.Area = Field(description="force per gauge pressure at position zero")
+    area_slope: u.AreaPerLength = Field(default=0.0, description="growth of the area with position")
+    spring: u.SpringRate = Field(default=0.0, description="force per position without pressure: a spring, or a tilt")
+    offset: u.Force = Field(
+        default=0.0, description="force at position zero without pressure: weight, or a sensor's zero"
+    )
+
+
+class Friction(Part):
+    """Elasto-slip elements side by side, as in the losses of a joint: they slip one after the other."""
+
+    base: u.ForceOrZero = Field(description="friction without pressure")
+    slope: u.ForcePerPressure = Field(description="friction added per gauge pressure")
+    reference_pressure_gauge: u.PositivePressure = Field(description="where the deflections hold")
+    deflections: Annotated[tuple[u.Length, ...], Field(min_length=1)] = Field(
+        description="travel after which each element slips, at reference pressure"
+    )
+    weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
+        description="share of each element in the friction"
+    )
+    viscous: u.LinearDamping = Field(default=0.0, description="force per speed")
+
+    @model_validator(mode="after")
+    def _adds_up(self) -> Friction:
+        if len(self.weights) != len(self.deflections):
+            raise ValueError("weights must be as many as deflections")
+        if abs(sum(self.weights) - 1.0) > 1e-9:
+            raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
+        return self
+
+
+class RodBench(BenchDescription):
+    """A friction rig: motion is imposed, force and chamber pressure are measured."""
+
+    kind: Literal["friction rig"]
+    ambient_pressure: u.PositivePressure = Field(description="absolute")
+    piston: Piston
+    friction: Friction
+
+
+DESCRIPTION = RodBench

@@ -1,0 +1,110 @@
+"""A vessel that fills or empties through one path: rates of its energy, its mass and its wall's temperature.
+
+| symbol | meaning | unit |
+|---|---|---|
+| E, m | energy and mass of the gas | J, kg |
+| T_w | temperature of the wall | K |
+| C, b, s | of the path: see flow.py | |
+| w | mass flow in | kg/s |
+"""
+
+from typing import NamedTuple
+
+from layflat.jit import law
+from layflat.physics.air import GAMMA, REFERENCE_DENSITY
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import effective_area, effective_pressure
+from layflat.identify.benches.vessel.gas import state_of, stream
+from layflat.identify.benches.vessel.wall import Wall, forced_convection, jet_diameter, natural_convection
+
+
+class Path(NamedTuple):
+    """What joins the vessel to the place beyond."""
+
+    conductance: float
+    critical_ratio: float
+    laminar_slope: float
+
+
+class Vessel(NamedTuple):
+    """Gas space, wall and path."""
+
+    chamber: Chamber
+    wall: Wall
+    path: Path
+
+
+class Outside(NamedTuple):
+    """Beyond the path, and around the vessel."""
+
+    pressure: float
+    temperature: float
+    ambient_pressure: float
+    ambient_temperature: float
+
+
+class Filling(NamedTuple):
+    """State of a vessel, or its rates."""
+
+    energy: float
+    mass: float
+    wall_temperature: float
+
+
+class Exchange(NamedTuple):
+    """What passes between a vessel, the place beyond and the wall."""
+
+    flow: float
+    """Mass flow in, kg/s."""
+    enthalpy: float
+    """That it carries, J/kg."""
+    temperature: float
+    """Of the gas, K."""
+    heat: float
+    """Heat flow from the wall per kelvin, W/K."""
+    steepest: float
+    """Greatest change of the mass flow by the pressure inside, kg/(s Pa)."""
+    specific_heat: float
+    """Of the thin gas at constant pressure, J/(kg K)."""
+
+
+@law
+def exchange(gas, vessel, state, outside, opening):
+    """What passes while the path is open by `opening`, 0..1 of its conductance."""
+    chamber, wall, path = vessel.chamber, vessel.wall, vessel.path
+    p, T = state_of(gas, chamber, state.energy, state.mass, outside.ambient_pressure)
+    factor, h, rho, c_p = stream(gas, p, T)
+    fills = outside.pressure > p
+    if fills:
+        factor, h, _, _ = stream(gas, outside.pressure, outside.temperature)
+    upper, lower = max(p, outside.pressure), min(p, outside.pressure)
+    reach = effective_pressure(upper, lower, path.critical_ratio, path.laminar_slope)
+    per_reach = opening * path.conductance * REFERENCE_DENSITY * factor
+    w = per_reach * reach if fills else -per_reach * reach
+    T_w = state.wall_temperature
+    jet = jet_diameter(effective_area(path.conductance))
+    film = natural_convection(wall.natural, gas, rho, c_p, T, T_w)
+    film += forced_convection(wall.forced, gas, w, jet, wall.diameter, T, T_w)
+    heat = chamber.wall_conductance + film * wall.area
+    return Exchange(w, h, T, heat, per_reach * path.laminar_slope, c_p)
+
+
+@law
+def rates(vessel, state, outside, passes):
+    """Rates of change of a state, given what passes."""
+    wall = vessel.wall
+    inward = passes.heat * (state.wall_temperature - passes.temperature)
+    outer = wall.outer_conductance * (outside.ambient_temperature - state.wall_temperature)
+    return Filling(passes.flow * passes.enthalpy + inward, passes.flow, (outer - inward) / wall.heat_capacity)
+
+
+@law
+def fastest_rates(vessel, state, passes):
+    """Bounds, 1/s, of the rates at which flow would end a difference of pressure, and of the rest.
+
+    The first is that next to equal pressures. The second is that at which gas is renewed, and at which heat would end
+    differences of temperature.
+    """
+    flow = (GAMMA - 1.0) * passes.specific_heat * passes.temperature * passes.steepest / vessel.chamber.dead_volume
+    renewed = GAMMA * (abs(passes.flow) + passes.heat / passes.specific_heat) / state.mass
+    return flow, renewed + (passes.heat + vessel.wall.outer_conductance) / vessel.wall.heat_capacity

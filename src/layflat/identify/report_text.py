@@ -1,0 +1,144 @@
+"""What a fit says, as tables and sentences: the same on a terminal and on a page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+from layflat.identify.fit import Fit, Quality
+from layflat.identify.identified_file import Written
+from layflat.identify.logs import LogFinding
+from layflat.identify.logs.finding import SEVERITIES, several
+
+SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", 0.017453292519943295), "m": ("mm", 1e-3), "N*m": ("N m", 1.0)}
+"""Units in which people read what is SI inside, and their size."""
+
+Row = list[str]
+
+
+class Section(NamedTuple):
+    """A table of a report."""
+
+    title: str
+    columns: Row
+    rows: list[Row]
+
+
+def sections(found: Fit, values: Sequence[Written]) -> list[Section]:
+    """The tables about a fit, those without any row left out."""
+    identified = [[v.path, short(v.value), v.interval, short(v.before)] for v in values if v.identified]
+    doubtful = [[v.path, short(v.value), v.interval, _why(v)] for v in values if not v.identified]
+    errors = ["log", "signal", "", "rms error", "% range", "fit %", "bias", "white", "driven"]
+    every = [
+        Section("Identified parameters", ["parameter", "found", "95 %", "before"], identified),
+        Section("Parameters that are not identifiable", ["parameter", "best fit", "95 %", "why"], doubtful),
+        Section("Suggested experiments", ["record", "to identify"], experiment_rows(values)),
+        Section("Prediction errors", errors, [_quality_row(one) for one in found.qualities()]),
+    ]
+    return [section for section in every if section.rows]
+
+
+def finding_section(findings: Mapping[str, Sequence[LogFinding]]) -> Section:
+    """What is doubtful in the logs, the worst first; what is alike in several logs is said once, as of the first."""
+    together: dict[tuple[str, str, str], list[tuple[str, LogFinding]]] = {}
+    for name, found in findings.items():
+        for finding in found:
+            together.setdefault((finding.severity, finding.channel, finding.right), []).append((name, finding))
+    ordered = sorted(together.values(), key=lambda alike: SEVERITIES.index(alike[0][1].severity))
+    rows = [
+        [several([log for log, _ in alike]), first.severity, first.channel, first.text, first.right]
+        for alike in ordered
+        for _, first in alike[:1]
+    ]
+    return Section("Findings in the logs", ["log", "severity", "channel", "found", "action"], rows)
+
+
+def experiment_rows(values: Sequence[Written]) -> list[Row]:
+    """What to record, and the parameters that it would identify."""
+    missed: dict[str, list[str]] = {}
+    for value in values:
+        if not value.identified and value.excitation:
+            missed.setdefault(value.excitation, []).append(value.path)
+    return [[excitation, ", ".join(paths)] for excitation, paths in missed.items()]
+
+
+def prediction(found: Fit) -> str:
+    """How well what was not fitted is predicted, in one sentence: of every fitted signal, its worst."""
+    fitted = {output.name for output in found.model.outputs if output.fitted.any()}
+    checked = [one for one in found.qualities() if one.validation and one.output in fitted]
+    if not checked:
+        return "No samples were kept for validation."
+    parts = []
+    for name in dict.fromkeys(one.output for one in checked):
+        mine = [one for one in checked if one.output == name]
+        worst = max(mine, key=lambda one: one.rms)
+        where = f" at worst, in {worst.log}" if len(mine) > 1 else ""
+        parts.append(f"{name} within {_rms(worst)} rms ({percent(worst.share)} % of its range){where}")
+    return f"Validation: what was not fitted is predicted, {'; '.join(parts)}."
+
+
+def count_identified(values: Sequence[Written]) -> str:
+    """How many parameters are identified, in one sentence."""
+    sure = sum(value.identified for value in values)
+    counted = {0: "None", len(values): "All"}.get(sure, str(sure))
+    return f"{counted} of {len(values)} parameters {'is' if sure == 1 else 'are'} identified by the logs."
+
+
+def untrusted(found: Fit, values: Sequence[Written]) -> str | None:
+    """Why a fit is not to be trusted; None if it is."""
+    if found.trusted:
+        return None
+    at = [value.path for value in values if value.at_bound]
+    nuisances = [one.unknown.path for one in found.estimates if one.at_bound and one.unknown.nuisance]
+    if at or nuisances:
+        return f"{(at or nuisances)[0]} hit its bound: the description or the log is far off"
+    missed = found.mispredicted
+    if missed is not None:
+        error = f"{missed.output} is missed by {percent(missed.share)} % of its range where it was not fitted"
+        return f"{error}: begin with a description that is closer, or record slower moves within the stroke"
+    return "the search was stopped" if found.partial else "the search did not converge"
+
+
+def shown(unit: str) -> tuple[str, float]:
+    """The unit in which people read one of SI, and its size."""
+    return SHOWN.get(unit, ("" if unit == "1" else unit, 1.0))
+
+
+def short(value: str | float | None) -> str:
+    """A value with five digits, empty for None."""
+    if value is None:
+        return ""
+    number, _, unit = str(value).partition(" ")
+    return f"{float(number):.5g} {unit}".rstrip()
+
+
+def percent(share: float) -> str:
+    """A share in per cent with three digits, the same wherever it stands."""
+    return f"{100.0 * share:.3g}"
+
+
+def _why(value: Written) -> str:
+    """Why a parameter is not identified."""
+    if value.at_bound:
+        return "hit its bound"
+    return f"only together with {value.partner}" if value.partner else "the interval is too wide"
+
+
+def _rms(quality: Quality) -> str:
+    unit, size = shown(quality.unit)
+    return f"{quality.rms / size:.3g} {unit}".rstrip()
+
+
+def _quality_row(quality: Quality) -> Row:
+    """Log, signal, fitted or validation, rms and bias in units, fit in %, and the tests of the residuals."""
+    return [
+        quality.log,
+        quality.output,
+        "validation" if quality.validation else "fitted",
+        _rms(quality),
+        percent(quality.share),
+        f"{100 * quality.fit:.1f}",
+        f"{quality.bias / shown(quality.unit)[1]:.2g}",
+        f"{100 * quality.white:.0f} %",
+        "" if quality.driven is None else f"{quality.driven:.2f}",
+    ]

@@ -1,0 +1,177 @@
+"""Machines identified from logs of motion, the truth known."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from numpy.typing import NDArray
+
+from layflat.description.change import value_at
+from layflat.errors import InputError
+from layflat.identify import fit
+from layflat.identify.benches.moving.model import ArmModel
+from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.fit.scaled import Scaled
+from layflat.machine import Machine, changed, load
+from layflat.machine.parameters import arm
+from layflat.physics.arm import OneLink
+from layflat.sim import rollout
+
+SMALL, ARM = load("paper-small-joint"), load("paper-arm")
+TRUTH = {
+    "valve.conductance": 2.3e-8,
+    "valve.overlap": 0.04,
+    "valve.centre_voltage": 5.15,
+    "valve.delay": 1.5e-3,
+    "joint.small.hose.dead_volume": 7e-5,
+    "joint.small.brake.torque": 2.6,
+}
+
+
+def as_described(machine: Machine, values: dict[str, float]) -> Machine:
+    for path, value in values.items():
+        machine = changed(machine, path, value)
+    return machine
+
+
+def demand(t: float) -> list[float]:
+    steps = [0.0, 0.3, -0.2, 0.45, -0.4, 0.1]
+    return [steps[int(t / 0.75) % 6] + (0.1 * np.sin(6.0 * t * t / 3.0) if 1.5 < t < 4.0 else 0.0)]
+
+
+def log_of(machine: Machine, duration: float = 6.0, **changes: Any) -> xarray.Dataset:
+    """What the sensors of a machine see."""
+    run = rollout(machine, demand, duration=duration, start=0.0, **changes)
+    return run[["voltage", "measured_pressure"]].assign(angle=run["measured_angle"])
+
+
+def without_true_angle(log: xarray.Dataset, name: str, values: NDArray[np.float64]) -> xarray.Dataset:
+    return log.assign({name: (log[name].dims, values)})
+
+
+def test_a_valve_a_hose_and_a_brake_are_found() -> None:
+    log = log_of(as_described(SMALL, TRUTH), seed=3)
+    found = fit(ArmModel(SMALL, {"log": log}, ["valve", "hose", "friction"]), starts=4)
+    assert found.converged
+    for path, value in TRUTH.items():
+        estimate = found.of(path)
+        assert estimate.identified, path
+        assert estimate.low <= value <= estimate.high, path
+        assert estimate.value == pytest.approx(value, rel=0.03), path
+    # Judged by the last third, from the log's start on with nothing but the voltages.
+    validation = {quality.output: quality for quality in found.qualities() if quality.validation}
+    assert validation["angle"].rms < np.radians(0.2)
+    assert validation["measured_pressure"].rms < 500.0
+
+
+def test_the_truth_leaves_nothing_but_noise() -> None:
+    machine = as_described(SMALL, TRUTH)
+    log = log_of(machine, seed=1)
+    model = ArmModel(machine, {"log": log}, ["valve"])
+    begun = [u.path for u in model.unknowns if u.nuisance]
+    truth = [0.0 if "angle" in path else 0.75 * machine.supply.pressure for path in begun]
+    values = np.array([[*(value_at(machine, u.path) for u in model.unknowns if not u.nuisance), *truth]])
+    for place, output in zip(model.slices, model.outputs, strict=True):
+        error = model.simulate(values)[0][place] - output.measured
+        assert np.sqrt(np.mean(error**2)) < 1.3 * output.scale
+
+
+GROW = (
+    "valve.conductance", "valve.leakage", "joint.small.hose.torque_factor", "joint.small.hose.dead_volume",
+    "joint.small.hose.compliance", "joint.small.hose.wall_conductance", "joint.small.brake.torque",
+    "joint.small.brake.viscous",
+)  # fmt: skip
+"""What grows with a joint that is larger throughout."""
+
+
+def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
+    """Only known masses tell how large a joint is: differences along a bent valley would take its sides for that."""
+    model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, ["valve", "hose", "friction", "inertia"])
+    paths, scaled = [unknown.path for unknown in model.unknowns], Scaled(model.unknowns)
+    inertia = paths.index("joint.small.link.inertia")
+    masses = arm(SMALL)
+    assert isinstance(masses, OneLink)
+    known = masses.inertia + SMALL.arm.payload * masses.length**2
+    factor = 1.0 + model.guess[inertia] / known
+    values = np.tile(model.guess, (3, 1))
+    values[1, [paths.index(path) for path in GROW]] *= factor
+    values[1, inertia] += (factor - 1.0) * known
+    values[2] = scaled.values(scaled.shares(values[:2]).mean(axis=0))
+    small, large, between = model.simulate(values) / np.repeat(
+        [o.scale for o in model.outputs], len(model.measured) // 2
+    )
+    noise = np.sqrt(small.size)
+    assert np.linalg.norm(large - small) < 0.01 * noise
+    assert np.linalg.norm(between - small) < 0.01 * noise
+
+
+def test_a_joint_that_is_led_forgets_where_it_began() -> None:
+    log = log_of(SMALL, 3.0)
+    model = ArmModel(SMALL, {"log": log}, ["valve"])
+    _, far, near = model.continuation()
+    off = model.guess.copy()
+    off[[u.path for u in model.unknowns].index("valve.centre_voltage")] += 0.1
+    last = np.flatnonzero(model.outputs[0].fitted)[-1]
+
+    def error(one: Any) -> float:
+        return float(abs(one.simulate(off[None])[0][last] - model.measured[last]))
+
+    assert error(far) < error(near) < error(model)
+
+
+def test_the_first_rung_sees_the_beginning_alone() -> None:
+    model = ArmModel(SMALL, {"log": log_of(SMALL, 3.0)}, ["valve"])
+    first, second, _ = model.continuation()
+    assert 0 < first.used.sum() < 0.5 * second.used.sum()
+    assert np.isfinite(first.simulate(model.guess[None])[0][first.used]).all()
+    assert second.used.sum() == model.used.sum()
+
+
+def test_each_pressure_by_itself_tells_more_than_their_difference() -> None:
+    run = rollout(SMALL, demand, duration=4.0, start=0.0)
+    pressures = run[["voltage", "pressure_a", "pressure_b"]].assign(angle=run["measured_angle"])
+    model = ArmModel(SMALL, {"log": pressures}, ["valve"])
+    assert [output.name for output in model.outputs] == ["angle", "pressure_a", "pressure_b"]
+    found = fit(model, starts=0)
+    assert found.of("valve.conductance").value == pytest.approx(1.99e-8, rel=0.01)
+
+
+def test_another_log_judges_and_all_of_the_first_is_fitted() -> None:
+    first, second = log_of(SMALL, 2.0), log_of(SMALL, 1.0, seed=5)
+    model = ArmModel(SMALL, {"first": first}, ["friction"], {"second": second})
+    assert [bool(output.fitted.all()) for output in model.outputs] == [True, True, False, False]
+    assert not any(output.fitted.any() for output in model.outputs[2:])
+    assert {u.path for u in model.unknowns if u.nuisance} == {
+        "start.first.angle.small", "start.first.pressure_a.small", "start.first.pressure_b.small"
+    }  # fmt: skip
+
+
+def test_gaps_in_what_was_measured_do_no_harm() -> None:
+    log = log_of(SMALL, 3.0)
+    angle = log["angle"].to_numpy().copy()
+    angle[100:140] = np.nan
+    found = fit(ArmModel(SMALL, {"log": without_true_angle(log, "angle", angle)}, ["friction"]), starts=0)
+    assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
+
+
+def test_every_block_has_a_range_around_the_description_in_every_machine() -> None:
+    for name in ("paper-arm", "paper-small-joint", "paper-arm-switching"):
+        machine = load(name)
+        for unknown in unknowns(machine, BLOCKS):
+            assert unknown.low <= unknown.guess <= unknown.high, unknown.path
+            assert unknown.low < unknown.high, unknown.path
+            assert unknown.guess == value_at(machine, unknown.path)
+            assert unknown.excitation
+
+
+@pytest.mark.parametrize(("blocks", "told"), [(["wings"], "'wings' is no block"), ([], "names no block")])
+def test_unknown_blocks_are_refused(blocks: list[str], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        unknowns(SMALL, blocks)
+
+
+@pytest.mark.parametrize("missing", ["voltage", "angle"])
+def test_a_log_that_lacks_what_is_needed_is_refused(missing: str) -> None:
+    with pytest.raises(InputError, match=f"log: has no {missing}"):
+        ArmModel(SMALL, {"log": log_of(SMALL, 0.5).drop_vars(missing)}, ["valve"])

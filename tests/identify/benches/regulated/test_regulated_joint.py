@@ -1,0 +1,100 @@
+"""One joint, stepped by hand."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from layflat.physics.air import GAMMA
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import laminar_slope
+from layflat.identify.benches.regulated.friction import LaggingFriction
+from layflat.identify.benches.regulated.joint import (
+    Air,
+    ChamberState,
+    RegulatedJoint,
+    JointState,
+    exchange_gas,
+    chamber_at_rest,
+    at_rest,
+    lag_shares,
+    move,
+)
+from layflat.identify.benches.regulated.regulator import Regulator
+
+AIR = Air(7e5, 101325.0, 293.15)
+K = 6e-6
+
+
+def joint(*, conductance: float = 2e-10, friction: float = 0.1, damping: float = 0.1) -> RegulatedJoint:
+    valve = Regulator(1.0, 0.0, 0.03, conductance, conductance, 5e4, 5e4, 0.3, laminar_slope(0.3))
+    chamber = Chamber(2e-5, 0.0, 0.0)
+    return RegulatedJoint(valve, chamber, K, 0.005, damping, 0.0, 0.0, LaggingFriction(friction, 0.0, 2.0), -1.0, 1.0)
+
+
+def run(
+    made: RegulatedJoint, q: float, p: tuple[float, float], asked: tuple[float, float], h: float, seconds: float
+) -> Iterator[tuple[JointState, ChamberState, ChamberState]]:
+    shares = lag_shares(made, h)
+    motion, a, b = at_rest(made, q), chamber_at_rest(made, q, p[0], AIR), chamber_at_rest(made, -q, p[1], AIR)
+    yield motion, a, b
+    for _ in range(round(seconds / h)):
+        motion = move(made, motion, a.pressure, b.pressure, shares, h)
+        a = exchange_gas(made, a, motion.angle, asked[0], AIR, shares, h)
+        b = exchange_gas(made, b, -motion.angle, asked[1], AIR, shares, h)
+        yield motion, a, b
+
+
+def test_friction_holds_the_joint_exactly_and_the_valves_hold_their_pressures() -> None:
+    # 10 kPa on 6 ml/rad are 0.06 N m, less than the friction.
+    for motion, a, b in run(joint(), 0.3, (4.1e5, 4.0e5), (4.1e5, 4.0e5), 1e-3, 5.0):
+        assert (motion.angle, motion.velocity) == (0.3, 0.0)
+        assert a.pressure == pytest.approx(4.1e5, rel=1e-9)
+        assert b.pressure == pytest.approx(4.0e5, rel=1e-9)
+
+
+def test_chambers_come_to_their_set_points() -> None:
+    *_, (_, a, b) = run(joint(friction=10.0), 0.0, (1.01325e5, 6.6e5), (4.5e5, 3.5e5), 1e-3, 4.0)
+    assert a.pressure == pytest.approx(4.5e5, rel=1e-3)
+    assert b.pressure == pytest.approx(3.5e5, rel=1e-3)
+
+
+def test_pressure_ends_at_the_supply_and_at_ambient() -> None:
+    *_, (_, a, b) = run(joint(friction=10.0), 0.0, (3e5, 3e5), (9e5, 0.5e5), 1e-3, 4.0)
+    assert a.pressure == pytest.approx(AIR.supply_pressure, rel=5e-3)
+    assert b.pressure == pytest.approx(AIR.ambient_pressure, rel=5e-3)
+
+
+def test_shut_chambers_without_losses_conserve_energy() -> None:
+    made = joint(conductance=0.0, friction=1e-9, damping=0.0)
+    energies = [
+        a.energy + b.energy + 0.5 * made.inertia * motion.velocity**2
+        for motion, a, b in run(made, 0.0, (5e5, 4e5), (5e5, 4e5), 1e-4, 1.0)
+    ]
+    assert max(energies) - min(energies) < 2e-3 * K * 1e5  # of the work that these pressures do in a radian
+
+
+def test_a_stop_ends_the_motion_and_lets_go_again() -> None:
+    made = joint(friction=0.01)
+    *_, (motion, _, _) = run(made, 0.9, (5e5, 3e5), (5e5, 3e5), 1e-3, 1.0)
+    assert (motion.angle, motion.velocity) == (1.0, 0.0)
+    *_, (motion, _, _) = run(made, 1.0, (5e5, 3e5), (3e5, 5e5), 1e-3, 1.0)
+    assert motion.angle < 0.9
+
+
+def test_motion_between_shut_chambers_is_that_of_an_adiabatic_spring() -> None:
+    made = joint(conductance=0.0, friction=1e-9)
+
+    def rates(_: float, x: np.ndarray) -> list[float]:
+        q, v = x
+        p_a, p_b = (p * (2e-5 / (2e-5 + K * s * q)) ** GAMMA for p, s in ((5e5, 1), (4e5, -1)))
+        return [v, (K * (p_a - p_b) - made.damping * v) / made.inertia]
+
+    exact = solve_ivp(rates, (0.0, 0.5), [0.0, 0.0], rtol=1e-10, atol=1e-12).y[0, -1]
+    errors = []
+    for h in (2e-3, 1e-3, 5e-4):
+        *_, (motion, _, _) = run(made, 0.0, (5e5, 4e5), (5e5, 4e5), h, 0.5)
+        errors.append(abs(motion.angle - exact))
+    assert errors[-1] < 1e-3
+    assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]

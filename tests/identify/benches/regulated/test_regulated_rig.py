@@ -1,0 +1,49 @@
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.errors import MachineError
+from layflat.description.provenance import split
+from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.regulated.description import friction_law
+
+TEXT = (files("layflat.identify.benches.loader") / "builtin" / "regulated-elbow.toml").read_text(encoding="utf-8")
+
+
+def changed(folder: Path, before: str, after: str) -> Path:
+    assert before in TEXT
+    path = folder / "elbow.toml"
+    path.write_text(TEXT.replace(before, after), encoding="utf-8")
+    return path
+
+
+def test_every_value_of_the_built_in_elbow_says_where_it_comes_from() -> None:
+    plain, sources = split(tomllib.loads(TEXT), "elbow")
+    keys = {f"{part}.{key}" for part, table in plain.items() if isinstance(table, dict) for key in table}
+    assert {path for path, source in sources.items() if source.source == "assumed" and source.note} == keys
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told"),
+    [
+        ('value = "20 ml"', 'value = "5 ml"', "chamber.volume"),
+        ('value = "-60 deg"', 'value = "-50 deg"', "stops lie inside"),
+        ('"0.1 N m s/rad"', '"0.1 N m"', "load.damping"),
+        ("critical_ratio =", "critical =", "critical_ratio"),
+        ("value = 0.3,", "value = 1.3,", "critical_ratio"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, before: str, after: str, told: str) -> None:
+    with pytest.raises(MachineError) as error:
+        load_bench(changed(tmp_path, before, after))
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_friction_is_given_at_both_ends() -> None:
+    reading = 2.0
+    torque, fade = friction_law(np.array([0.3]), np.array([0.05]), reading)
+    assert torque * np.exp(-fade * np.array([-1.0, 1.0])) == pytest.approx([0.3, 0.05])

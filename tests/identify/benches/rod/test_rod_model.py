@@ -1,0 +1,148 @@
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+import pytest
+import xarray
+
+from layflat.errors import InputError
+from layflat.identify import fit
+from layflat.identify.benches.hysteresis.errors import loop_errors
+from layflat.identify.benches.hysteresis.logs import noise, rounded, shares_of, split_of, without_spikes
+from layflat.identify.benches.rod.model import RodModel
+from layflat.identify.benches.loader import RodBench, load_bench
+
+RIG = cast(RodBench, load_bench("friction-rig"))
+DATA = Path(__file__).parents[3].parent / "shared" / "data" / "zillen"
+
+REAL = RIG.model_copy(
+    update={
+        "piston": RIG.piston.model_copy(update={"area": 1.2e-3, "area_slope": -2e-3, "spring": 90.0, "offset": -8.0}),
+        "friction": RIG.friction.model_copy(
+            update={"base": 11.0, "slope": 4e-5, "deflections": (1e-4, 1e-3, 4e-3), "weights": (0.5, 0.2, 0.3)}
+        ),
+    }
+)
+"""Four times the area, and several times the friction, of what the search begins with."""
+
+
+def pushed(rig: RodBench, gauge: float, noisy: float = 0.0, spikes: int = 0, seed: int = 0) -> xarray.Dataset:
+    rng = np.random.default_rng(seed)
+    time = np.linspace(0.0, 40.0, 4000)
+    position = 0.02 - 0.02 * np.cos(2 * np.pi * time / 8.0) * np.where(time < 32.0, 1.0, 0.5)
+    pressure = gauge + 3e3 * np.sign(np.sin(2 * np.pi * time / 8.0)) + 101325.0
+    log = xarray.Dataset(
+        {"position": ("time", position), "pressure": ("time", pressure), "force": ("time", np.cos(time))},
+        {"time": time},
+    )
+    force = RodModel(rig, {"": log}, blocks=()).simulate(np.empty((1, 0)))[0] + rng.normal(0.0, noisy, len(time))
+    position[rng.choice(np.arange(10, 3990, 4), spikes, replace=False)] += 5e-4
+    return log.assign(force=("time", force), position=("time", position))
+
+
+def test_what_a_rig_shows_is_found_again() -> None:
+    logs = {f"{bar} bar": pushed(REAL, bar * 1e5, noisy=0.2, seed=bar) for bar in (1, 3, 6)}
+    model = RodModel(RIG, logs, {"5 bar": pushed(REAL, 5e5)})
+    found = fit(model, starts=8)
+    described = model.described(found.values)
+    assert described.piston.area == pytest.approx(1.2e-3, rel=1e-3)
+    assert described.piston.area_slope == pytest.approx(-2e-3, rel=0.05)
+    assert described.friction.base == pytest.approx(11.0, rel=0.02)
+    assert described.friction.slope == pytest.approx(4e-5, rel=0.02)
+    found_elements = sorted(zip(described.friction.deflections, described.friction.weights, strict=True))
+    deflections, weights = zip(*found_elements, strict=True)
+    assert deflections == pytest.approx(REAL.friction.deflections, rel=0.15)
+    assert weights == pytest.approx(REAL.friction.weights, abs=0.03)
+    assert model.written(found.values)["friction.weights.2"] == described.friction.weights[2]
+    assert found.trusted
+    assert loop_errors(model, found.simulated)[-1].raw < 0.005
+
+
+def test_spikes_of_the_position_do_not_make_the_friction_forget() -> None:
+    plain, spiked = pushed(REAL, 3e5), pushed(REAL, 3e5, spikes=80)
+    assert np.abs(plain["position"] - spiked["position"]).max() > 4e-4
+    error = RodModel(REAL, {"": spiked}, blocks=()).simulate(np.empty((1, 0)))[0] - plain["force"].to_numpy()
+    assert np.sqrt(np.mean(error**2)) < 0.02 * 23.0
+
+
+def test_the_last_third_is_judged_where_there_is_no_other_log() -> None:
+    model = RodModel(RIG, {"log": pushed(REAL, 3e5)})
+    assert model.outputs[0].fitted.mean() == pytest.approx(2 / 3, abs=0.01)
+
+
+def test_gaps_of_the_force_are_not_fitted_and_do_not_hinder() -> None:
+    log = pushed(REAL, 3e5)
+    log["force"][:50] = np.nan
+    model = RodModel(RIG, {"log": log})
+    assert not model.used[:50].any()
+    assert np.isfinite(model.simulate(model.guess[None])).all()
+
+
+def test_viscous_friction_is_found_where_it_is_asked_for() -> None:
+    real = REAL.model_copy(update={"friction": REAL.friction.model_copy(update={"viscous": 150.0})})
+    logs = {"slow": pushed(real, 2e5), "fast": _hurried(real, 2e5)}
+    model = RodModel(REAL, logs, blocks=("viscous",))
+    assert fit(model, starts=0).of("friction.viscous").value == pytest.approx(150.0, rel=0.05)
+
+
+def _hurried(rig: RodBench, gauge: float) -> xarray.Dataset:
+    log = pushed(rig, gauge).assign_coords(time=np.linspace(0.0, 8.0, 4000))
+    return log.assign(force=("time", RodModel(rig, {"": log}, blocks=()).simulate(np.empty((1, 0)))[0]))
+
+
+def test_a_log_that_is_at_rest_is_refused() -> None:
+    log = pushed(REAL, 3e5)
+    log["position"][:] = 0.01
+    with pytest.raises(InputError, match="tuesday: the position never changes"):
+        RodModel(RIG, {"tuesday": log})
+
+
+def test_weights_and_how_they_are_split() -> None:
+    rng = np.random.default_rng(0)
+    for count in (1, 2, 5):
+        weights = rng.dirichlet(np.ones(count))
+        assert shares_of(split_of(weights)) == pytest.approx(weights)
+    assert shares_of(split_of(np.array([1.0, 0.0, 0.0]))) == pytest.approx([1.0, 0.0, 0.0])
+
+
+def test_rounded_weights_add_up_to_one() -> None:
+    rng = np.random.default_rng(0)
+    for count in (1, 2, 3, 7):
+        for _ in range(50):
+            weights = rounded(rng.dirichlet(np.ones(count)))
+            assert abs(sum(weights) - 1.0) < 1e-12
+            assert [float(f"{weight:.7g}") for weight in weights] == list(weights)
+
+
+def test_a_median_of_three_leaves_a_way_as_it_is() -> None:
+    way = np.sort(np.random.default_rng(0).random(50))
+    np.testing.assert_array_equal(without_spikes(way), way)
+    spiked = way.copy()
+    spiked[20] = 9.0
+    assert np.abs(without_spikes(spiked) - way).max() <= np.diff(way).max()
+
+
+def test_noise_of_a_smooth_motion() -> None:
+    rng = np.random.default_rng(0)
+    assert noise(np.sin(np.linspace(0, 9, 3000)) + rng.normal(0.0, 0.01, 3000)) == pytest.approx(0.01, rel=0.1)
+
+
+@pytest.mark.skipif(not DATA.exists(), reason="measured loops are not here: ../shared/data/zillen")
+@pytest.mark.parametrize("seal", ["KDN", "Kidney_lc", "O-ring", "PK"])
+def test_measured_loops_are_predicted_at_a_pressure_that_was_not_fitted(seal: str) -> None:
+    def read(bar: int) -> xarray.Dataset:
+        time, position, pressure, force = np.loadtxt(DATA / f"{seal}_{bar}bar.csv", usecols=(0, 4, 5, 6), unpack=True)
+        return xarray.Dataset(
+            {
+                "position": ("time", 1e-3 * position),
+                "pressure": ("time", 1e5 * pressure + 101325.0),
+                "force": ("time", force),
+            },
+            {"time": 1e-3 * time},
+        )
+
+    model = RodModel(RIG, {f"{bar} bar": read(bar) for bar in (1, 3, 7)}, {"5 bar": read(5)})
+    error = loop_errors(model, fit(model, starts=0).simulated)[-1]
+    assert error.validation
+    assert error.raw <= 0.06
+    assert error.friction <= error.raw
