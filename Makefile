@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+BENCH_LAWS := $(addprefix tests/identify/benches/,vessel/test_wall.py vessel/test_real_gas.py rod/test_rod.py \
+	regulated/test_lagging_friction.py regulated/test_regulator.py regulated/test_regulated_joint.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help install wheel reproduce questions test test-nojit lint bench calibrate clean
@@ -29,7 +31,7 @@ questions: $(READY)  ## the same with the paper's open questions, studies of tho
 test: $(READY)  ## run the tests: side by side, those in real time alone, and the laws' own without compiler
 	$(BIN)/python -m pytest -n 2 --dist loadscope -m "not realtime"
 	$(BIN)/python -m pytest -m realtime
-	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadscope tests/physics tests/control
+	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadscope tests/physics tests/control $(BENCH_LAWS)
 
 lint: $(READY)  ## style, types, import contracts
 	$(BIN)/ruff check .

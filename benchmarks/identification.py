@@ -18,8 +18,8 @@ import numpy as np
 import xarray
 
 from layflat.identify import Fit, Unknown, fit
-from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.benches.moving.blocks import unknowns
+from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.excite import sequence
 from layflat.machine import Machine, changed, load
 from layflat.sim import rollout

@@ -1,6 +1,6 @@
 """What explains the elbow of a pneumatic android: fit its logs together, predict others from their commands alone.
 
-    python examples/identify_affetto.py FOLDER [--judge 006,010] [--out build/examples]
+    python examples/identify_affetto.py FOLDER [--validate 006,010] [--out build/examples]
 
 FOLDER holds motion_data_*.csv of the project affetto-nn-ctrl (Osaka University, MIT licence); logs/affetto.toml says
 what their columns are. Writes a figure, and all errors and values as JSON.
@@ -20,9 +20,9 @@ from rich.table import Table
 from layflat.errors import InputError, LayflatError
 from layflat.files import whole_file
 from layflat.identify import Fit, fit
+from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.regulated.model import RegulatedModel
 from layflat.identify.logs import read_log
-from layflat.identify.benches.loader import load_bench
 from layflat.plot.free_run import Shown, free_runs
 from layflat.plot.style import save
 
@@ -69,7 +69,7 @@ def main() -> None:
     """Fit, tell, draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--judge", default="006,010", help="logs that are only predicted, by their numbers")
+    parser.add_argument("--validate", default="006,010", help="logs that are only predicted, by their numbers")
     parser.add_argument("--out", type=Path, default=Path("build/examples"))
     given = parser.parse_args()
     rig = load_bench("regulated-elbow")
@@ -77,7 +77,7 @@ def main() -> None:
     if not paths:
         raise InputError("holds no motion_data_*.csv", where=str(given.folder), right="give the folder of the logs")
     logs = {path.stem.rsplit("_", 1)[-1]: read_log(path, MAPPING) for path in paths}
-    validation = given.judge.split(",") if given.judge else []
+    validation = given.validate.split(",") if given.validate else []
     model = RegulatedModel(rig, logs, validation=validation)
     began = time.perf_counter()
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
@@ -89,7 +89,7 @@ def main() -> None:
     for table in tables(by_log, found):
         console.print(table)
     titles = {
-        name: f"{name}, {'predicted' if name in validation else 'fitted'}: {by_log[name]['angle_percent']:.1f} % of range"
+        name: f"{name}, {'predicted' if name in validation else 'fitted'}: {by_log[name]['angle_percent']:.1f} %"
         for name in validation or list(logs)[:2]
     }
     picture = free_runs(

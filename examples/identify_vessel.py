@@ -15,9 +15,9 @@ import numpy as np
 import xarray
 
 from layflat.identify import Fit, fit
-from layflat.identify.benches.vessel.hyddown import read_hyddown_log, read_hyddown_rig
-from layflat.identify.benches.vessel.model import vessel_model
 from layflat.identify.benches.loader import VesselBench, load_bench
+from layflat.identify.benches.vessel.hyddown import read_hyddown_log
+from layflat.identify.benches.vessel.model import vessel_model
 from layflat.physics.flow import effective_area
 from layflat.plot.style import LINES, QUIET, figure, save
 
@@ -63,15 +63,25 @@ def figures(found: Fit, rig: VesselBench) -> dict[str, Any]:
     """Values with their intervals, and rms errors."""
     values = {
         one.unknown.path: {
-            "value": one.value, "low": one.low, "high": one.high, "unit": one.unknown.unit, "identified": bool(one.identified),
+            "value": one.value,
+            "low": one.low,
+            "high": one.high,
+            "unit": one.unknown.unit,
+            "identified": bool(one.identified),
         }
         for one in found.estimates
-    }  # fmt: skip
+    }
     if rig.path.hole is not None:
         C = found.of("path.conductance")
         of_hole = pi / 4 * rig.path.hole**2
         low, value, high = (float(effective_area(one) / of_hole) for one in (C.low, C.value, C.high))
-        values["discharge coefficient"] = {"value": value, "low": low, "high": high, "unit": "1", "identified": bool(C.identified)}
+        values["discharge coefficient"] = {
+            "value": value,
+            "low": low,
+            "high": high,
+            "unit": "1",
+            "identified": bool(C.identified),
+        }
     quality = {
         f"{one.output} {'validation' if one.validation else 'fitted'}": {
             "rms": one.rms,
@@ -90,7 +100,7 @@ def main(folder: Path | None) -> None:
         cases = {rig.name: (rig, simulated(rig))}
     else:
         pairs = [(path, path.with_name(f"{path.stem}.rig.yml")) for path in sorted(folder.glob("*.csv"))]
-        cases = {p.stem: (read_hyddown_rig(rig), read_hyddown_log(p)) for p, rig in pairs if rig.exists()}
+        cases = {p.stem: (load_bench(rig), read_hyddown_log(p)) for p, rig in pairs if rig.exists()}
     told = {}
     for name, (rig, log) in cases.items():
         whole = fit(vessel_model(rig, {name: log}))
@@ -102,7 +112,7 @@ def main(folder: Path | None) -> None:
         for found, text in ((whole, "fitted to all"), (early, "fitted to the first two thirds")):
             print(f"  {text}: {', '.join(rms_errors(found))} (rms)")
         for path, one in told[name]["all"]["values"].items():
-            known = "" if one["told"] else "  not told by this log"
+            known = "" if one["identified"] else "  not identifiable from this log"
             print(f"    {path:32s} {one['value']:10.4g} ({one['low']:.4g} to {one['high']:.4g}) {one['unit']}{known}")
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "identify_vessel.json").write_text(json.dumps(told, indent=2))

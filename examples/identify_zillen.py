@@ -1,6 +1,6 @@
 """Friction of a small cylinder from its force loops, fitted at some pressures and validation at another.
 
-    python examples/identify_zillen.py FOLDER [--judge 5bar]
+    python examples/identify_zillen.py FOLDER [--validate 5bar]
 
 FOLDER holds logs named SEAL_PRESSURE.csv (such as KDN_5bar.csv), with tab-separated columns without a header: time
 (ms), laser (V), pressure (V), force (V), position (mm), pressure (bar, gauge), force (N). Each seal is fitted at all
@@ -17,8 +17,8 @@ import xarray
 from layflat.errors import InputError
 from layflat.identify import Fit, fit
 from layflat.identify.benches.hysteresis.errors import loop_errors
-from layflat.identify.benches.rod.model import RodModel
 from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.rod.model import RodModel
 from layflat.plot.style import LINES, figure, save
 
 OUT = Path("build/examples")
@@ -67,20 +67,22 @@ def main() -> None:
     """Fit, judge, draw."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--judge", default="5bar", help="the pressure that is not fitted, as in the names")
+    parser.add_argument("--validate", default="5bar", help="the pressure that is not fitted, as in the names")
     given = parser.parse_args()
     logs: dict[str, dict[str, Path]] = {}
     for path in sorted(given.folder.glob("*_*bar.csv")):
         seal, _, pressure = path.stem.rpartition("_")
         logs.setdefault(seal, {})[pressure] = path
-    logs = {seal: paths for seal, paths in logs.items() if given.judge in paths and len(paths) > 1}
+    logs = {seal: paths for seal, paths in logs.items() if given.validate in paths and len(paths) > 1}
     if not logs:
         right = "give a folder with logs of a seal at that pressure and at others"
-        parser.exit(2, f"{InputError(f'no SEAL_{given.judge}.csv to judge', where=str(given.folder), right=right)}\n")
+        parser.exit(
+            2, f"{InputError(f'no SEAL_{given.validate}.csv to judge', where=str(given.folder), right=right)}\n"
+        )
     fits, figures = {}, {}
     for seal, paths in logs.items():
-        validation = read(paths.pop(given.judge))
-        model = RodModel(RIG, {pressure: read(path) for pressure, path in paths.items()}, {given.judge: validation})
+        validation = read(paths.pop(given.validate))
+        model = RodModel(RIG, {pressure: read(path) for pressure, path in paths.items()}, {given.validate: validation})
         fits[seal] = found = fit(model)
         figures[seal] = {
             "errors": [vars(error) for error in loop_errors(model, found.simulated)],
@@ -89,12 +91,12 @@ def main() -> None:
         }
         error = loop_errors(model, found.simulated)[-1]
         print(
-            f"{seal:12s} {given.judge}: rms error {error.raw:.1%} of the height {error.height:.1f} N; "
+            f"{seal:12s} {given.validate}: rms error {error.raw:.1%} of the height {error.height:.1f} N; "
             f"{error.friction:.1%} without the mean error"
         )
     OUT.mkdir(parents=True, exist_ok=True)
     (OUT / "zillen.json").write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
-    draw(fits, given.judge)
+    draw(fits, given.validate)
 
 
 if __name__ == "__main__":

@@ -94,7 +94,9 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     assert source.source == "identified"
     assert "95 %" in source.note
     assert f"real (sha256 {values['logs']['real'][:16]})" in source.note
-    line = next(line for line in listing(*tables(bench / "first" / names[2])) if line.path == "joint.small.brake.torque")
+    line = next(
+        line for line in listing(*tables(bench / "first" / names[2])) if line.path == "joint.small.brake.torque"
+    )
     assert (line.source, line.note) == (source.source, source.note)
 
     # Another run: voltages that the fit never saw, from the same start.

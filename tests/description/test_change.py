@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from layflat.description.change import annotation_at, changed_all, paths, quantity_of, value_at
 from layflat.errors import InputError
+from layflat.identify.benches.loader import load_bench
 from layflat.machine import build, changed, load
-from layflat.machine.rigs import load_rig
 
 ARM = load("paper-arm")
 
@@ -119,7 +119,7 @@ def test_a_number_is_taken_where_a_file_would_take_it(path: str, value: float) -
 
 
 def test_a_bench_is_changed_alike() -> None:
-    rig = load_rig("friction-rig")
+    rig = load_bench("friction-rig")
     assert changed(rig, "friction.base", "3 N").friction.base == 3.0
     with pytest.raises(InputError, match=r"friction-rig: piston\.area: '3 m' is not an area"):
         changed(rig, "piston.area", "3 m")

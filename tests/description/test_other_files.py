@@ -12,7 +12,7 @@ import pytest
 from layflat.cell.vision.calibration import load_calibration
 from layflat.design import read_characteristic
 from layflat.errors import LayflatError
-from layflat.identify.benches.hyddown import read_hyddown_rig
+from layflat.identify.benches.loader import load_bench
 from layflat.identify.logs.mapping import read_mapping
 from layflat.identify.logs.table import read_table
 from layflat.machine import load
@@ -29,7 +29,7 @@ READERS: list[tuple[str, Callable[[Path], Any]]] = [
     ("log.mcap", read_table),
     ("log.nc", read_table),
     ("demand.csv", lambda path: read_demand(load("paper-arm"), path, 0.005)),
-    ("bench.yml", read_hyddown_rig),
+    ("bench.yml", load_bench),
     ("measured.csv", read_characteristic),
 ]
 

@@ -14,7 +14,7 @@ from benchlogs import Array, columns, written
 from layflat.errors import InputError
 from layflat.identify.identification import begin
 from layflat.identify.page import write_page
-from layflat.identify.identified import distrusted, finding_rows, predicted, record_rows, told
+from layflat.identify.report_text import count_identified, experiment_rows, issue_section, prediction, untrusted
 from layflat.machine import load
 
 SMALL = "paper-small-joint"
@@ -49,7 +49,7 @@ SPOILT: dict[str, tuple[Callable[[Table], Table], str]] = {
     "four samples": (rows(slice(0, 4)), r"holds 4 samples"),
     "a machine at rest": (
         at_rest,
-        r"can't tell joint.small.brake.torque, joint.small.brake.viscous; record slow ramps .*chirps.*layflat excite",
+        r"can't identify joint.small.brake.torque, joint.small.brake.viscous; record slow ramps .*chirps.*excite",
     ),
 }
 
@@ -112,7 +112,7 @@ def test_a_log_of_another_bench(machine: str, expected: str, tmp_path: Path) -> 
 
 @pytest.mark.parametrize("blocks", ["bogus", "", "valve,,hose"])
 def test_an_unknown_block(blocks: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"--fit: '.*' is no block of this bench; choose of valve, hose, losses"):
+    with pytest.raises(InputError, match=r"--fit: unknown block '.*'; choose from valve, hose, losses"):
         begin([written(tmp_path / "log.csv", columns())], SMALL, tmp_path, blocks=blocks)
 
 
@@ -152,7 +152,7 @@ def test_a_late_signal_is_waited_for_and_told(tmp_path: Path) -> None:
     assert float(log["time"][0]) == 0.0
     assert log.sizes["time"] == len(table["time"]) - 60
     assert np.isfinite(log["angle"][0].item())
-    row = next(row for row in finding_rows(session.findings) if "left out" in row[3])
+    row = next(row for row in issue_section(session.issues).rows if "left out" in row[3])
     assert row[:3] == ["log", "warning", "angle.small"]
     assert "first 0.3 s" in row[3]
 
@@ -168,7 +168,7 @@ def test_logs_of_loops_keep_their_stamps(tmp_path: Path) -> None:
     assert session.blocks == ["torque", "losses"]
     assert session.logs["log"]["time"].to_numpy() == pytest.approx(time - time[0], abs=1e-6)
     assert session.logs["log"]["angle"].to_numpy().ravel() == pytest.approx(np.radians(turn), abs=1e-7)
-    assert not [row for row in finding_rows(session.findings) if row[1] == "error" or "command" in row[3]]
+    assert not [row for row in issue_section(session.issues).rows if row[1] == "error" or "command" in row[3]]
 
 
 def test_a_short_log_says_what_it_does_not_tell_and_what_to_record(tmp_path: Path) -> None:
@@ -177,13 +177,13 @@ def test_a_short_log_says_what_it_does_not_tell_and_what_to_record(tmp_path: Pat
     found = session.fit(starts=0)
     values = session.values(found)
     doubtful = [value for value in values if not value.identified]
-    assert told(values) == f"The logs tell {len(values) - len(doubtful) or 'none'} of 2 values."
-    assert [path for _, path in record_rows(values)] == [value.path for value in doubtful]
-    assert any("shorter than a move" in row[3] for row in finding_rows(session.findings))
+    assert count_identified(values).startswith("None of 2" if len(doubtful) == 2 else f"{2 - len(doubtful)} of 2")
+    assert [path for _, path in experiment_rows(values)] == [value.path for value in doubtful]
+    assert any("shorter than a move" in row[3] for row in issue_section(session.issues).rows)
     session.keep(found)
     source = load(session.path).provenance[doubtful[0].path]
     assert source.source == "assumed"
-    assert source.note.startswith(("not told by log (sha256", "at the end of its range by log (sha256"))
+    assert source.note.startswith(("not identifiable from log (sha256", "at its bound from log (sha256"))
 
 
 def test_the_page_says_first_what_was_fitted_and_how_well_it_predicts(tmp_path: Path) -> None:
@@ -191,14 +191,14 @@ def test_the_page_says_first_what_was_fitted_and_how_well_it_predicts(tmp_path: 
     other = written(tmp_path / "other.csv", columns(seed=3))
     session = begin([log], SMALL, tmp_path, blocks="friction", validate=[other])
     found = session.fit(starts=0)
-    assert distrusted(found, session.values(found)) is None
+    assert untrusted(found, session.values(found)) is None
     session.keep(found)
     text = write_page(session, found, tmp_path / "page.html").read_text(encoding="utf-8")
     start = text[text.index("<h1>") : text.index("<h2>")]
     assert "Friction of paper-small-joint fitted to one log" in start
-    assert "validation by other" in start
-    assert predicted(found) in start.replace("&#39;", "'")
-    assert "The logs tell" in start
+    assert "validated with other" in start
+    assert prediction(found) in start.replace("&#39;", "'")
+    assert "identified by the logs" in start
     assert text.count("<figure") == 2
     assert "None of it was fitted: all is predicted." in text
     kept = json.loads(session.path.with_suffix(".json").read_text(encoding="utf-8"))
@@ -215,7 +215,7 @@ def test_a_fit_that_goes_astray_where_it_was_not_fitted_is_not_to_be_trusted(tmp
     simulated[place.stop - 50 : place.stop] += 2.0
     lost = replace(found, simulated=simulated)
     assert not lost.trusted
-    text = distrusted(lost, session.values(lost))
+    text = untrusted(lost, session.values(lost))
     assert text is not None
     assert text.startswith("angle is missed by ")
     session.keep(lost)

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from layflat.description.change import value_at
 from layflat.identify import Fit, Model, Output, Unknown
+from layflat.identify.benches.loader import bench_names, load_bench, load_described
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.fit import Estimate
-from layflat.identify.identified_file import described_by, identified_path, write_identified
+from layflat.identify.identified_file import identified_path, write_identified
 from layflat.identify.model import Array
 from layflat.machine import Machine, load
 from layflat.machine.loader import tables
-from layflat.identify.benches.loader import load_bench, bench_names
 
 SMALL = load("paper-small-joint")
 SHARES = st.floats(0.02, 0.98)
@@ -85,15 +85,15 @@ def test_units_of_the_base_are_kept_and_sources_say_how_sure(tmp_path: Path) -> 
     assert low < float(after["valve"]["conductance"].partition(" ")[0]) < high
 
 
-def test_what_is_not_told_and_what_is_at_a_bound_are_marked(tmp_path: Path) -> None:
+def test_what_is_not_identifiable_and_what_is_at_a_bound_are_marked(tmp_path: Path) -> None:
     sought = tuple(unknowns(SMALL, ["friction"]))
     vague = small(found(sought, [0.5, 0.5], sure=0.6), tmp_path / "vague.toml")
     assert vague.provenance["joint.small.brake.torque"].source == "assumed"
-    assert vague.provenance["joint.small.brake.torque"].note.startswith("not told by log")
+    assert vague.provenance["joint.small.brake.torque"].note.startswith("not identifiable from log")
     assert vague.title.endswith(", identified")
     ended = small(found(sought, [0.5, 0.5], at_bound=True), tmp_path / "end.toml")
     assert ended.title.startswith("not to be trusted: ")
-    assert ended.provenance["joint.small.brake.torque"].note.startswith("at the end of its range by log")
+    assert ended.provenance["joint.small.brake.torque"].note.startswith("at its bound from log")
 
 
 @pytest.mark.parametrize("name", bench_names())
@@ -109,4 +109,4 @@ def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     out = identified_path(name, rig, tmp_path)
     kept = write_identified(name, rig, found(sought, [0.5]), {"log": "ab" * 32}, out)
     assert value_at(cast(Any, kept), path) == pytest.approx(1.5 * value, rel=1e-6)
-    assert type(described_by(str(out))) is type(rig)
+    assert type(load_described(str(out))) is type(rig)

@@ -16,10 +16,10 @@ import pytest
 from layflat.cell.file import loader as cells
 from layflat.cell.file.model import Cell
 from layflat.errors import InputError
+from layflat.identify.benches.loader import bench_names, bench_tables, build_bench
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import build
 from layflat.machine.loader import tables
-from layflat.machine.rigs import build_rig, rig_names, rig_tables
 
 ODD: list[Any] = [
     None, True, 0, -1, 3, 1e14, -1e300, 1e300, 5e-324, inf, nan, "", "x", "3", "1 kg", "1 m", "-1 Pa", "1e300 m",
@@ -72,9 +72,9 @@ def test_machines(name: str) -> None:
     assert refused(lambda plain: build(plain, {}, "f.toml"), tables(name)[0], every=13) > 300
 
 
-@pytest.mark.parametrize("name", rig_names())
+@pytest.mark.parametrize("name", bench_names())
 def test_benches(name: str) -> None:
-    assert refused(lambda plain: build_rig(plain, "f.toml"), rig_tables(name)[0]) > 300
+    assert refused(lambda plain: build_bench(plain, "f.toml"), bench_tables(name)[0]) > 300
 
 
 def test_cells() -> None:

@@ -42,8 +42,8 @@ def show(
 @app.command()
 def check(machine: MachineName) -> None:
     """Check a description: every value, and whether it can be made."""
+    from layflat.identify.benches.loader import load_described  # noqa: PLC0415
     from layflat.machine import Machine  # noqa: PLC0415
-    from layflat.machine.rigs import load_described  # noqa: PLC0415
 
     described = load_described(machine)
     if not isinstance(described, Machine):

@@ -84,14 +84,14 @@ def _print(session: Identification, found: Fit) -> str | None:
     """Print all that the page says, and return why it is not to be trusted."""
     from layflat.identify.report_text import (  # noqa: PLC0415
         count_identified,
-        finding_section,
+        issue_section,
         prediction,
         sections,
         untrusted,
     )
 
     values = session.values(found)
-    for title, columns, rows in (finding_section(session.findings), *sections(found, values)):
+    for title, columns, rows in (issue_section(session.issues), *sections(found, values)):
         if rows:
             print_table(columns, rows, title)
             typer.echo()

@@ -43,7 +43,7 @@ def check_log(
     log: LogFile,
     mapping: MappingFile = None,
     machine: OfMachine = None,
-    cycle: Annotated[str | None, typer.Option(help="period to resample to; the log's own where not given")] = None,
+    cycle: Annotated[str | None, typer.Option(help="period to resample to; default: the log's own")] = None,
 ) -> None:
     """Check a log: its channels, and what is wrong with them. Exit status 2 if no fit would make sense."""
     from layflat.identify.logs import check, read_log, refuse  # noqa: PLC0415
@@ -51,16 +51,18 @@ def check_log(
     described = _machine(machine)
     with busy("reading"):
         data = read_log(log, mapping, joints=_joints(described), cycle=cycle)
-        findings = check(data, described)
+        issues = check(data, described)
     period = data.attrs["log_period"]
     title = f"{log.name}: {data.sizes['time']} instants, one every {period * 1e3:.4g} ms"
-    print_table(["signal", "joint", "column", "unit", "from", "to", "samples", "missing"], _channels(data), title)
-    if findings:
+    print_table(
+        ["signal", "joint", "column", "unit", "from", "to", "samples", "filled", "missing"], _channels(data), title
+    )
+    if issues:
         typer.echo()
-        rows = [[f.severity, f.channel, f.text, f.right] for f in findings]
-        print_table(["severity", "channel", "found", "what is right, or follows"], rows)
-    refuse(findings, str(log))
-    typer.echo(f"{log}: sound" if not findings else f"{log}: no errors")
+        rows = [[f.severity, f.channel, f.text, f.right] for f in issues]
+        print_table(["severity", "channel", "found", "action"], rows)
+    refuse(issues, str(log))
+    typer.echo(f"{log}: sound" if not issues else f"{log}: no errors")
 
 
 @logs.command("map")
@@ -99,16 +101,16 @@ def _joints(machine: Machine | None) -> list[str] | None:
 
 
 def _channels(data: xarray.Dataset) -> list[list[str]]:
-    """A row for each channel: where it comes from, and its range in units that people read."""
-    from layflat.identify.logs.checks.bench import SHOWN, bench_of  # noqa: PLC0415
+    """A row for each channel: where it comes from, its range in units that people read, and how its instants add up."""
+    from layflat.identify.logs.checks.channels import SHOWN, checked_log  # noqa: PLC0415
 
     rows = []
-    for channel in bench_of(data, None).channels.values():
+    for channel in checked_log(data, None).channels.values():
         factor, unit = SHOWN.get(channel.signal.kind, (1.0, channel.signal.unit))
         known = channel.known / factor
         ends = [f"{known.min():.4g}", f"{known.max():.4g}"] if known.size else ["", ""]
-        absent = channel.values.size - known.size
-        share = f"{100 * absent / channel.values.size:.2g} %" if absent else ""
-        column, samples = str(channel.told.get("column", "")), str(channel.told.get("samples", ""))
-        rows.append([channel.signal.name, channel.joint or "", column, unit, *ends, samples, share])
+        missing = channel.values.size - known.size
+        samples = channel.source.get("samples", known.size)
+        counts = [str(samples), *(str(n) if n > 0 else "" for n in (known.size - samples, missing))]
+        rows.append([channel.signal.name, channel.joint or "", channel.source.get("column", ""), unit, *ends, *counts])
     return rows

@@ -36,6 +36,7 @@ def reproduce(
     from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine.listing import listing  # noqa: PLC0415
+    from layflat.machine.loader import tables  # noqa: PLC0415
 
     on = bench(machine)
     check_folder(out)
@@ -44,7 +45,8 @@ def reproduce(
     with steps_bar("claims", len(ORDER)) as advance:
         found = reproduce(on, advance)
     write_claims(found, out / "claims.json")
-    assumed = [line for line in listing(machine) if line.source in {"assumed", "calibrated", "identified", "given"}]
+    every = listing(*tables(machine))
+    assumed = [line for line in every if line.source in {"assumed", "calibrated", "identified", "given"}]
     answered = answers(out / "questions")
     report = write_report(found, assumed, out / "report.html", answered)
     print_table(list(COLUMNS), table(found.claims))

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from layflat.files import check_folder, whole_file
-from layflat.identify.fit import Fit, fit
-from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.benches.contract import BenchDescription
 from layflat.identify.benches.loader import described_tables, load_described
+from layflat.identify.fit import Fit, fit
+from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
-from layflat.identify.logs import LogFinding
+from layflat.identify.logs import Issue
 from layflat.identify.model import Model
 from layflat.identify.reading import recorded
 from layflat.machine import Machine
@@ -33,7 +33,7 @@ class Identification:
         described: what it says.
         logs: to fit, by name.
         validation: logs that are only predicted.
-        findings: what is doubtful in each log.
+        issues: what is doubtful in each log.
         blocks: what is fitted.
         model: that is fitted.
         path: where the description that is found is put.
@@ -43,7 +43,7 @@ class Identification:
     described: Machine | BenchDescription
     logs: Mapping[str, xarray.Dataset]
     validation: Mapping[str, xarray.Dataset]
-    findings: Mapping[str, Sequence[LogFinding]]
+    issues: Mapping[str, Sequence[Issue]]
     blocks: Sequence[str]
     model: Model
     path: Path
@@ -126,5 +126,5 @@ def begin(
     found = recorded(start, list(map(Path, logs)), list(map(Path, validate)), blocks, mapping)
     model = found.bench.model(start, found.fitted, found.blocks, found.validation)
     return Identification(
-        str(described), start, found.fitted, found.validation, found.findings, found.blocks, model, path
+        str(described), start, found.fitted, found.validation, found.issues, found.blocks, model, path
     )

@@ -7,17 +7,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from layflat.description import units as u
+from layflat.description.provenance import Provenance
+from layflat.description.tables import Plain
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.identify.benches.contract import BenchDescription
-from layflat.identify.benches.loader import bench_tables, described_tables, load_bench
+from layflat.identify.benches.loader import described_tables, load_bench
 from layflat.identify.fit import Estimate, Fit
 from layflat.machine import Machine
-from layflat.description import units as u
 from layflat.machine.derived import at_path, derived_path, with_value, write_derived
 from layflat.machine.listing import to_toml
-from layflat.machine.loader import Plain
-from layflat.description.provenance import Provenance
 
 SUFFIX = "identified"
 

@@ -10,7 +10,7 @@ import layflat
 from layflat.files import whole_file
 from layflat.identify.fit import Fit
 from layflat.identify.identification import Identification
-from layflat.identify.report_text import count_identified, finding_section, prediction, sections, shown, untrusted
+from layflat.identify.report_text import count_identified, issue_section, prediction, sections, shown, untrusted
 from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
@@ -37,7 +37,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         untrusted=untrusted(found, values),
         summary=f"{prediction(found)} {count_identified(values)}",
         sections=sections(found, values),
-        findings=finding_section(session.findings),
+        issues=issue_section(session.issues),
         left=max(len({output.log for output in found.model.outputs}) - MOST, 0),
         drawn=drawn(found),
     )

@@ -12,9 +12,9 @@ import numpy as np
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, BenchDescription
 from layflat.identify.benches.kinds import bench_of, chosen_blocks
-from layflat.identify.logs import LogFinding, Table, check, read_log, read_table, refuse
+from layflat.identify.logs import Issue, Table, check, read_log, read_table, refuse
 from layflat.identify.logs.checks.excited import NOTHING_MOVES
-from layflat.identify.logs.finding import ordered, several
+from layflat.identify.logs.issue import ordered, several
 from layflat.machine import Machine
 
 if TYPE_CHECKING:
@@ -33,14 +33,14 @@ class Recorded:
         blocks: what is fitted.
         fitted: logs to fit, by name.
         validation: logs that are only predicted.
-        findings: what is doubtful in each log.
+        issues: what is doubtful in each log.
     """
 
     bench: Bench
     blocks: Sequence[str]
     fitted: Mapping[str, xarray.Dataset]
     validation: Mapping[str, xarray.Dataset]
-    findings: Mapping[str, Sequence[LogFinding]]
+    issues: Mapping[str, Sequence[Issue]]
 
 
 def recorded(
@@ -62,17 +62,17 @@ def recorded(
     whole = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
     bench = bench_of(described, {name: whole[name] for name in list(files)[: len(logs)]})
     fitted = chosen_blocks(bench, blocks)
-    given, findings = {}, {}
+    given, issues = {}, {}
     for name, table in tables.items():
         found = check(whole[name], machine)
-        if [finding for finding in found if finding.severity == "error"] == [NOTHING_MOVES]:
-            _refuse_rest(described, bench, fitted, name, whole[name], str(table.path))
+        if [issue for issue in found if issue.severity == "error"] == [NOTHING_MOVES]:
+            _refuse_rest(described, bench, fitted, whole[name], str(table.path))
         refuse(found, str(table.path))
         given[name], late = _for(bench, machine, table, mapping)
-        findings[name] = ordered([*found, *late])
+        issues[name] = ordered([*found, *late])
     count = len(logs)
     names = list(files)
-    return Recorded(bench, fitted, {n: given[n] for n in names[:count]}, {n: given[n] for n in names[count:]}, findings)
+    return Recorded(bench, fitted, {n: given[n] for n in names[:count]}, {n: given[n] for n in names[count:]}, issues)
 
 
 def named(files: Sequence[Path]) -> dict[str, Path]:
@@ -92,7 +92,7 @@ def named(files: Sequence[Path]) -> dict[str, Path]:
 
 def _for(
     bench: Bench, machine: Machine | None, table: Table, mapping: str | Path | None
-) -> tuple[xarray.Dataset, list[LogFinding]]:
+) -> tuple[xarray.Dataset, list[Issue]]:
     """A log over the clock of its bench, and what there is to say of that."""
     if not bench.even:
         return read_log(table, mapping, joints=list(machine.joints) if machine else None, as_recorded=True), []
@@ -101,7 +101,7 @@ def _for(
     return _begun(read_log(table, mapping, joints=list(machine.joints), cycle=machine.cycle))
 
 
-def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[LogFinding]]:
+def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Issue]]:
     """A log from the first instant on at which every signal is known: a simulation begins with all of them."""
     columns = {
         f"{name}.{values['joint'].values[j]}" if values.ndim > 1 else str(name): column
@@ -119,18 +119,22 @@ def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[LogFinding]]:
     rest = rest.assign_coords(time=("time", rest["time"].to_numpy() - left, log["time"].attrs))
     rest.attrs["log_start"] = float(log.attrs["log_start"]) + left
     text = f"is not known from the log's start on; its first {left:.3g} s are left out"
-    return rest, [LogFinding("warning", several(late), text, "a simulation begins with all signals")]
+    return rest, [Issue("warning", several(late), text, "a simulation begins with all signals")]
 
 
 def _refuse_rest(
-    described: Machine | BenchDescription, bench: Bench, blocks: Sequence[str], name: str, log: xarray.Dataset, file: str
+    described: Machine | BenchDescription,
+    bench: Bench,
+    blocks: Sequence[str],
+    log: xarray.Dataset,
+    file: str,
 ) -> None:
     """Refuse a log in which nothing moves: say what it can't identify, and what to record.
 
     Raises:
         InputError: always.
     """
-    unknowns = [one for one in bench.model(described, {name: log}, blocks, {}).unknowns if not one.nuisance]
+    unknowns = [one for one in bench.model(described, {"log": log}, blocks, {}).unknowns if not one.nuisance]
     excitations = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
     what = f"{NOTHING_MOVES.text}: it can't identify {_first([one.path for one in unknowns])}"
     sequence = " (`layflat excite` writes such a sequence)" if isinstance(described, Machine) else ""

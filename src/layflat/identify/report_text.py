@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from layflat.identify.fit import Fit, Quality
 from layflat.identify.identified_file import Written
-from layflat.identify.logs import LogFinding
-from layflat.identify.logs.finding import SEVERITIES, several
+from layflat.identify.logs import Issue
+from layflat.identify.logs.issue import SEVERITIES, several
 
 SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", 0.017453292519943295), "m": ("mm", 1e-3), "N*m": ("N m", 1.0)}
 """Units in which people read what is SI inside, and their size."""
@@ -38,19 +38,19 @@ def sections(found: Fit, values: Sequence[Written]) -> list[Section]:
     return [section for section in every if section.rows]
 
 
-def finding_section(findings: Mapping[str, Sequence[LogFinding]]) -> Section:
+def issue_section(issues: Mapping[str, Sequence[Issue]]) -> Section:
     """What is doubtful in the logs, the worst first; what is alike in several logs is said once, as of the first."""
-    together: dict[tuple[str, str, str], list[tuple[str, LogFinding]]] = {}
-    for name, found in findings.items():
-        for finding in found:
-            together.setdefault((finding.severity, finding.channel, finding.right), []).append((name, finding))
+    together: dict[tuple[str, str, str], list[tuple[str, Issue]]] = {}
+    for name, found in issues.items():
+        for issue in found:
+            together.setdefault((issue.severity, issue.channel, issue.right), []).append((name, issue))
     ordered = sorted(together.values(), key=lambda alike: SEVERITIES.index(alike[0][1].severity))
     rows = [
         [several([log for log, _ in alike]), first.severity, first.channel, first.text, first.right]
         for alike in ordered
         for _, first in alike[:1]
     ]
-    return Section("Findings in the logs", ["log", "severity", "channel", "found", "action"], rows)
+    return Section("Issues in the logs", ["log", "severity", "channel", "found", "action"], rows)
 
 
 def experiment_rows(values: Sequence[Written]) -> list[Row]:

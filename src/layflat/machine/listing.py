@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from layflat.description.provenance import SOURCES, Provenance, Sources
 from layflat.description.tables import Plain, leaves
-from layflat.machine.loader import tables
 from layflat.machine.model import Machine
-from layflat.machine.rigs.loader import is_rig, rig_tables
 
 
 @dataclass(frozen=True)
@@ -24,9 +21,8 @@ class Line:
     note: str
 
 
-def listing(machine: str | Path) -> list[Line]:
+def listing(plain: Plain, sources: Sources) -> list[Line]:
     """Every value of a description that its arm uses, as written, with its source."""
-    plain, sources = rig_tables(machine) if is_rig(machine) else tables(machine)
     used = {f"joint.{name}" for name in plain.get("arm", {}).get("joints", [])}
     lines = []
     for path, value in leaves(plain):
@@ -37,12 +33,6 @@ def listing(machine: str | Path) -> list[Line]:
         source = sources.get(path, Provenance())
         lines.append(Line(path, text, source.source, source.note))
     return lines
-
-
-def description_toml(machine: str | Path) -> str:
-    """A complete description, with sources, that stands on its own."""
-    plain, sources = rig_tables(machine) if is_rig(machine) else tables(machine)
-    return to_toml(plain, sources)
 
 
 def to_toml(plain: Plain, sources: Sources) -> str:

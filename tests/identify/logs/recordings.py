@@ -79,7 +79,7 @@ def changed(columns: dict[str, Array], name: str, change: Callable[[Array], Arra
     return {**columns, name: change(columns[name].copy())}
 
 
-def told(findings: Sequence[Any], severity: str, channel: str) -> str:
-    """The texts of the findings of one severity about a channel."""
-    mine = [f for f in findings if f.severity == severity and channel in f.channel]
+def told(issues: Sequence[Any], severity: str, channel: str) -> str:
+    """The texts of the issues of one severity about a channel."""
+    mine = [f for f in issues if f.severity == severity and channel in f.channel]
     return " | ".join(f"{f.text}; {f.right}" for f in mine)

@@ -9,7 +9,7 @@ import pytest
 from recordings import Array, changed, mapping, recorded, run, told, write_csv
 
 from layflat.errors import InputError
-from layflat.identify.logs import Finding, check, read_log, refuse, save
+from layflat.identify.logs import Issue, check, read_log, refuse, save
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import load
 
@@ -17,7 +17,7 @@ SMALL = load("paper-small-joint")
 Change = Callable[[Array], Array]
 
 
-def checked(folder: Path, columns: dict[str, Array], plan: Any = None, *, known: bool = True) -> list[Finding]:
+def checked(folder: Path, columns: dict[str, Array], plan: Any = None, *, known: bool = True) -> list[Issue]:
     log = read_log(write_csv(folder / "rig.csv", columns), plan or mapping(), joints=["small"])
     return check(log, SMALL if known else None)
 
@@ -25,8 +25,8 @@ def checked(folder: Path, columns: dict[str, Array], plan: Any = None, *, known:
 @pytest.mark.parametrize("changes", [{}, {"brake": 0.0}, {"payload": "4 kg"}, {"noise": False}, {"supply": "3 bar"}])
 @pytest.mark.parametrize("known", [True, False])
 def test_a_good_log_passes_without_a_word(tmp_path: Path, changes: dict[str, Any], known: bool) -> None:
-    findings = checked(tmp_path, recorded(**changes), known=known)
-    assert [f for f in findings if f.severity != "note"] == []
+    issues = checked(tmp_path, recorded(**changes), known=known)
+    assert [f for f in issues if f.severity != "note"] == []
 
 
 def test_a_simulated_run_passes(tmp_path: Path) -> None:
@@ -61,8 +61,8 @@ PSI = 14.50377
 )
 def test_slips_of_pressure_units(tmp_path: Path, label: str, factor: float, severity: str, right: str) -> None:
     plan = mapping(pA={"unit": label}, pB={"unit": label})
-    findings = checked(tmp_path, both(recorded(), scaled(factor)), plan)
-    assert right in told(findings, severity, "pressure_a.small")
+    issues = checked(tmp_path, both(recorded(), scaled(factor)), plan)
+    assert right in told(issues, severity, "pressure_a.small")
 
 
 def vented(x: Array) -> Array:
@@ -76,26 +76,26 @@ def test_gauge_and_absolute(tmp_path: Path) -> None:
     as_absolute = mapping(pA={"gauge": False}, pB={"gauge": False})
     for known in (True, False):
         assert not [f for f in checked(tmp_path, gauge, known=known) if f.severity == "error"]
-        findings = checked(tmp_path, gauge, as_absolute, known=known)
+        issues = checked(tmp_path, gauge, as_absolute, known=known)
         assert "below ambient; it counts from ambient pressure: gauge = true would fit" in told(
-            findings, "error", "pressure_a.small"
+            issues, "error", "pressure_a.small"
         )
-    findings = checked(tmp_path, absolute)
+    issues = checked(tmp_path, absolute)
     expected = "where the supply has 5.01 bar; it is absolute already: gauge = false would fit"
-    assert expected in told(findings, "error", "pressure_b.small")
-    findings = checked(tmp_path, absolute, known=False)
+    assert expected in told(issues, "error", "pressure_b.small")
+    issues = checked(tmp_path, absolute, known=False)
     expected = "its lowest level is twice ambient pressure; if that is vented air, it is absolute already"
-    assert expected in told(findings, "warning", "pressure_b.small")
+    assert expected in told(issues, "warning", "pressure_b.small")
 
 
 def test_slips_of_angle_units(tmp_path: Path) -> None:
     wrong = mapping(theta={"unit": "rad"})
     for known in (True, False):
-        findings = checked(tmp_path, recorded(), wrong, known=known)
+        issues = checked(tmp_path, recorded(), wrong, known=known)
         expected = 'unit = "deg" instead of "rad" would fit (factor 0.01745)'
-        assert expected in told(findings, "error", "angle.small")
-    findings = checked(tmp_path, changed(recorded(), "theta", np.radians))
-    assert 'unit = "rad" instead of "deg" would fit (factor 57.3)' in told(findings, "warning", "angle.small")
+        assert expected in told(issues, "error", "angle.small")
+    issues = checked(tmp_path, changed(recorded(), "theta", np.radians))
+    assert 'unit = "rad" instead of "deg" would fit (factor 57.3)' in told(issues, "warning", "angle.small")
     shifted = checked(tmp_path, changed(recorded(), "theta", lambda x: x + 60.0))
     assert "zero is the middle of the stroke: set offset" in told(shifted, "error", "angle.small")
 
@@ -103,10 +103,10 @@ def test_slips_of_angle_units(tmp_path: Path) -> None:
 def test_an_angle_in_another_unit_than_its_demand(tmp_path: Path) -> None:
     time = 0.01 * np.arange(500)
     columns = {"time": time, "angle": 0.01 * np.sin(time), "demand": 0.5 * np.sin(time + 0.1)}
-    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
     expected = "moves 0.0"
-    assert expected in told(findings, "error", "angle")
-    assert "one of them is in deg and the other in rad" in told(findings, "error", "angle")
+    assert expected in told(issues, "error", "angle")
+    assert "one of them is in deg and the other in rad" in told(issues, "error", "angle")
 
 
 @pytest.mark.parametrize(
@@ -138,22 +138,22 @@ def test_swapped_set_points(tmp_path: Path) -> None:
                "setpoint_a": asked, "setpoint_b": 5e5 - asked}  # fmt: skip
     assert not check(read_log(write_csv(tmp_path / "x.csv", columns)))
     columns["setpoint_a"], columns["setpoint_b"] = columns["setpoint_b"], columns["setpoint_a"]
-    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
-    assert "falls when setpoint_a rises" in told(findings, "error", "pressure_a")
+    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert "falls when setpoint_a rises" in told(issues, "error", "pressure_a")
 
 
 def test_units_of_voltage_temperature_brake_and_time(tmp_path: Path) -> None:
-    findings = checked(tmp_path, changed(recorded(), "valve", scaled(1e3)))
-    assert 'unit = "mV" instead of "V" would fit' in told(findings, "error", "voltage.small")
-    findings = checked(tmp_path, recorded(), mapping(valve={"unit": "mV"}))
-    assert 'unit = "V" instead of "mV" would fit' in told(findings, "warning", "voltage.small")
-    findings = checked(tmp_path, recorded(), mapping(time="s"))
-    assert "check the unit of time: a factor of 0.001 would fit" in told(findings, "error", "log")
+    issues = checked(tmp_path, changed(recorded(), "valve", scaled(1e3)))
+    assert 'unit = "mV" instead of "V" would fit' in told(issues, "error", "voltage.small")
+    issues = checked(tmp_path, recorded(), mapping(valve={"unit": "mV"}))
+    assert 'unit = "V" instead of "mV" would fit' in told(issues, "warning", "voltage.small")
+    issues = checked(tmp_path, recorded(), mapping(time="s"))
+    assert "check the unit of time: a factor of 0.001 would fit" in told(issues, "error", "log")
     time = 0.1 * np.arange(100)
     columns = {"time": time, "temperature": 20.0 + np.sin(time), "brake": 50.0 + 50.0 * np.sin(time)}
-    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
-    assert 'unit = "degC" would add 273.15 K' in told(findings, "error", "temperature")
-    assert 'unit = "%" instead of "1" would fit (factor 0.01)' in told(findings, "error", "brake")
+    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert 'unit = "degC" would add 273.15 K' in told(issues, "error", "temperature")
+    assert 'unit = "%" instead of "1" would fit (factor 0.01)' in told(issues, "error", "brake")
 
 
 def frozen(x: Array) -> Array:
@@ -161,11 +161,11 @@ def frozen(x: Array) -> Array:
 
 
 def test_dead_channels(tmp_path: Path) -> None:
-    findings = checked(tmp_path, changed(recorded(), "theta", frozen))
-    assert "a dead sensor: leave the channel out" in told(findings, "error", "angle.small")
+    issues = checked(tmp_path, changed(recorded(), "theta", frozen))
+    assert "a dead sensor: leave the channel out" in told(issues, "error", "angle.small")
     still = changed(changed(changed(recorded(), "theta", frozen), "valve", frozen), "ref", frozen)
-    findings = checked(tmp_path, both(still, frozen))
-    assert told(findings, "error", "log").startswith("nothing in it moves more than its noise")
+    issues = checked(tmp_path, both(still, frozen))
+    assert told(issues, "error", "log").startswith("nothing in it moves more than its noise")
 
 
 def test_what_is_clipped_and_what_only_rests(tmp_path: Path) -> None:
@@ -182,9 +182,9 @@ def test_missing_samples(tmp_path: Path) -> None:
         x[300:310] = np.nan
         return x
 
-    findings = checked(tmp_path, changed(recorded(), "theta", holes))
-    expected = "6.7 % is missing, in 2 runs, the longest 0.15 s from 0.500 s"
-    assert expected in told(findings, "warning", "angle.small")
+    issues = checked(tmp_path, changed(recorded(), "theta", holes))
+    expected = "40 of 601 instants (6.7 %) are missing, in 2 gaps, the longest 0.15 s from 0.500 s"
+    assert expected in told(issues, "warning", "angle.small")
 
     def most(x: Array) -> Array:
         x[200:] = np.nan
@@ -200,10 +200,10 @@ def test_missing_samples(tmp_path: Path) -> None:
 def test_missing_channels_and_joints(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "rig.csv", recorded())
     log = read_log(path, mapping("theta", "valve", "ref"), joints=["large", "small"])
-    findings = check(log, load("paper-arm"))
-    assert told(findings, "warning", "large").startswith("has no channel in this log")
-    assert "has no angle; map its angle" in told(findings, "warning", "small")
-    assert "has no command; map voltage" in told(findings, "warning", "small")
+    issues = check(log, load("paper-arm"))
+    assert told(issues, "warning", "large").startswith("has no channel in this log")
+    assert "has no angle; map its angle" in told(issues, "warning", "small")
+    assert "has no command; map voltage" in told(issues, "warning", "small")
     other = check(read_log(path, mapping(theta={"joint": "elbow"})), SMALL)
     assert "is no joint of the machine; its joints are small" in told(other, "error", "elbow")
     commands = check(read_log(path, mapping("theta", "pA", "pB")), SMALL)
@@ -223,14 +223,14 @@ def test_what_does_not_move(tmp_path: Path) -> None:
     time = 0.01 * np.arange(1000)
     columns = {"time": time, "force": 5.0 + 0.1 * rng.normal(size=1000), "position": 0.1 * np.sin(time),
                "voltage": np.full(1000, 5.0)}  # fmt: skip
-    findings = check(read_log(write_csv(tmp_path / "x.csv", columns)))
-    assert "moves no more than its noise" in told(findings, "warning", "force")
-    assert "moves" not in told(findings, "warning", "position")
-    assert "voltage never change" in told(findings, "warning", "voltage")
+    issues = check(read_log(write_csv(tmp_path / "x.csv", columns)))
+    assert "moves no more than its noise" in told(issues, "warning", "force")
+    assert "moves" not in told(issues, "warning", "position")
+    assert "voltage never change" in told(issues, "warning", "voltage")
 
 
 def test_errors_refuse_a_log_in_one_line_and_the_rest_does_not() -> None:
-    worst = [Finding("error", "angle.a", "is dead", "repair it"), Finding("error", "b", "x"), Finding("note", "c", "y")]
+    worst = [Issue("error", "angle.a", "is dead", "repair it"), Issue("error", "b", "x"), Issue("note", "c", "y")]
     with pytest.raises(InputError) as caught:
         refuse(worst, "rig.csv")
     assert str(caught.value) == "rig.csv: angle.a: is dead (and 1 more error); repair it"

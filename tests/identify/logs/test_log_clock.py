@@ -108,26 +108,26 @@ def rig(folder: Path, time: Array, **more: Array) -> Path:
 
 def clock_told(folder: Path, time: Array) -> tuple[dict[str, object], list[str]]:
     log = read_log(rig(folder, time))
-    findings = check(log)
-    return json.loads(log.attrs["log_clocks"])[0], [f"{f.severity}: {f.text}" for f in findings if "force" in f.channel]
+    issues = check(log)
+    return json.loads(log.attrs["log_clocks"])[0], [f"{f.severity}: {f.text}" for f in issues if "force" in f.channel]
 
 
 def test_of_doubled_stamps_the_last_sample_is_used_and_it_is_told(tmp_path: Path) -> None:
     time = ticks(0.01, 300)
     time[[50, 120]] = time[[51, 121]]
-    told, findings = clock_told(tmp_path, time)
+    told, issues = clock_told(tmp_path, time)
     assert told["duplicates"] == 2
-    assert findings == ["note: 2 samples with the stamp of the next one; the last of each is used"]
-    coarse, findings = clock_told(tmp_path, np.floor(ticks(0.01, 300) / 0.02) * 0.02)
+    assert issues == ["note: 2 samples with the stamp of the next one; the last of each is used"]
+    coarse, issues = clock_told(tmp_path, np.floor(ticks(0.01, 300) / 0.02) * 0.02)
     assert coarse["duplicates"] == 150
-    assert findings[0].startswith("warning: 150 samples with the stamp of the next one")
+    assert issues[0].startswith("warning: 150 samples with the stamp of the next one")
 
 
 def test_one_reset_of_the_clock_is_cut_and_told(tmp_path: Path) -> None:
     time = np.append(ticks(0.01, 100), ticks(0.01, 250))
-    told, findings = clock_told(tmp_path, time)
+    told, issues = clock_told(tmp_path, time)
     assert told["cut"] == 100
-    assert findings == ["warning: the clock jumps back from 0.99 s to 0 s; 100 samples are cut"]
+    assert issues == ["warning: the clock jumps back from 0.99 s to 0 s; 100 samples are cut"]
 
 
 def test_time_that_goes_backwards_more_than_once_is_refused(tmp_path: Path) -> None:
@@ -141,10 +141,10 @@ def test_jitter_and_gaps_are_told(tmp_path: Path) -> None:
     rng = np.random.default_rng(2)
     time = np.sort(0.01 * (ticks(1.0, 300) + rng.uniform(-0.45, 0.45, 300)))
     time[150:] += 0.5
-    told, findings = clock_told(tmp_path, time)
+    told, issues = clock_told(tmp_path, time)
     assert told["jitter"] == pytest.approx(np.std(rng.uniform(-0.45, 0.45, 100000) * np.sqrt(2)) * 0.01, rel=0.3)
-    assert findings[0].startswith("warning: 1 gap, the longest of 0.5")
-    assert any(text.startswith("note: stamps jitter by 0.00") for text in findings)
+    assert issues[0].startswith("warning: 1 gap, the longest of 0.5")
+    assert any(text.startswith("note: stamps jitter by 0.00") for text in issues)
 
 
 def test_a_command_with_a_gap_is_held_and_told(tmp_path: Path) -> None:
@@ -161,6 +161,6 @@ def test_a_command_with_a_gap_is_held_and_told(tmp_path: Path) -> None:
 def test_undated_samples_are_left_out(tmp_path: Path) -> None:
     time = ticks(0.01, 300)
     time[10:12] = np.nan
-    told, findings = clock_told(tmp_path, time)
+    told, issues = clock_told(tmp_path, time)
     assert told["undated"] == 2
-    assert findings == ["note: 2 samples without stamp are left out"]
+    assert issues == ["note: 2 samples without stamp are left out"]

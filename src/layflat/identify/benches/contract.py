@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
+from layflat.description import Part
+from layflat.description.names import Name
 from layflat.errors import InputError
 from layflat.identify.model import Model
-from layflat.description import Part
 
 if TYPE_CHECKING:
     import xarray
@@ -19,7 +20,7 @@ class BenchDescription(Part):
     """A test bench that is not a machine of ours; the `kind` at the top of its file says which."""
 
     kind: str
-    name: str
+    name: Name
     title: str
 
 

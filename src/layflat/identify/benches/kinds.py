@@ -1,14 +1,12 @@
 """The table of test benches: a kind is one folder beside this file, and one line here.
 
-A folder has a `description` with the class `DESCRIPTION`, a `model` with the `BENCH` that fits its logs, and the
-built-in descriptions as TOML files. Machines of ours are described elsewhere; two kinds of bench take their logs.
+A folder has a `description` with the class `DESCRIPTION`, and a `model` with the `BENCH` that fits its logs; `builtin`
+holds descriptions. Machines are described in a room of their own; two kinds of bench take their logs.
 """
 
 from __future__ import annotations
 
-from functools import cache
 from importlib import import_module
-from pathlib import Path
 
 from layflat.identify.benches.contract import Bench, BenchDescription, Logs, check_known
 from layflat.machine import Machine
@@ -23,13 +21,6 @@ MOVING, TURNED = "moving", "joint_loops"
 def description_class(kind: str) -> type[BenchDescription]:
     """The class that validates descriptions of a kind."""
     return _part(KINDS[kind], "description").DESCRIPTION  # type: ignore[no-any-return]
-
-
-@cache
-def built_in() -> dict[str, Path]:
-    """Files of the built-in test benches by name."""
-    files = (file for folder in KINDS.values() for file in (Path(__file__).parent / folder).glob("*.toml"))
-    return {file.stem: file for file in sorted(files)}
 
 
 def bench_of(described: Machine | BenchDescription, logs: Logs) -> Bench:

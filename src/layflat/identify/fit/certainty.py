@@ -18,7 +18,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.fit.residuals import STEP, PRIOR_WIDTH
+from layflat.identify.fit.residuals import PRIOR_WIDTH, STEP
 from layflat.identify.model import Model
 
 Array = NDArray[np.float64]

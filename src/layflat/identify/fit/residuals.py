@@ -67,7 +67,7 @@ class Residuals:
         """How the residuals of the data change, (fitted samples, unknowns).
 
         A joint that sticks and slips makes residuals rough. Differences are therefore taken along the principal axes of
-        the last Jacobian, and the wider the less an axis changes: what the log hardly identifies is then seen to be so, and
+        the last Jacobian, and the wider the less an axis changes: what the log hardly identifies then shows, and is
         not covered by roughness. They end at the bounds, where they are one-sided.
         """
         widths = np.clip(NOTICED / self.strengths, STEP, WIDEST)

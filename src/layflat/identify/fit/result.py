@@ -15,7 +15,7 @@ from layflat.identify.unknown import Unknown
 Array = NDArray[np.float64]
 
 SURE = 0.2
-"""A parameter is identified if its interval reaches less than this beyond its value: of itself, or of half its range."""
+"""A parameter is identified if its interval reaches less than this beyond it: of itself, or of half its range."""
 
 ALIKE = 0.95
 """Correlation from which on two parameters are identified only together."""
@@ -82,7 +82,9 @@ class Fit:
     @property
     def trusted(self) -> bool:
         """Whether it converged with no value at a bound, and predicts."""
-        return self.converged and not any(estimate.at_bound for estimate in self.estimates) and self.mispredicted is None
+        return (
+            self.converged and not any(estimate.at_bound for estimate in self.estimates) and self.mispredicted is None
+        )
 
     @cached_property
     def mispredicted(self) -> Quality | None:

@@ -49,7 +49,7 @@ EDGE = 2e-3
 """A share within this of 0 or 1 is at its bound."""
 
 TOLERANCE, ROUGH = 1e-6, 1e-4
-"""The search ends where the cost falls by less than this in a step, relative; before the last model by less than that."""
+"""The search ends where the cost falls by less than this in a step, relative: the last model, and those before it."""
 
 
 def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:

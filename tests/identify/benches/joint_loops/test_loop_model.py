@@ -7,9 +7,11 @@ from bouc_wen import AMBIENT, BoucWen, measured
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.kinds import MOVING, TURNED, bench_of
 from layflat.identify.benches.hysteresis.errors import loop_errors
+from layflat.identify.benches.joint_loops.model import BENCH as TURNED
 from layflat.identify.benches.joint_loops.model import LoopModel
+from layflat.identify.benches.kinds import bench_of
+from layflat.identify.benches.moving.model import BENCH as MOVING
 from layflat.machine import Machine, changed, load
 
 RIG = load("rig-shell-steel")
@@ -104,8 +106,8 @@ def test_an_offset_of_the_sensor_moves_the_torque_and_nothing_else() -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"joint": "elbow"}, "'elbow' is no joint; use"),
-        ({"blocks": ("losses", "colour")}, "'colour' is no block; use torque"),
+        ({"joint": "elbow"}, "unknown joint 'elbow'; use"),
+        ({"blocks": ("losses", "colour")}, "unknown block 'colour'; choose from torque"),
     ],
 )
 def test_a_wrong_option_is_named(change: dict[str, object], said: str) -> None:

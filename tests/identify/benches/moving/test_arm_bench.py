@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.fit.scaled import Scaled
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import arm
@@ -165,7 +165,7 @@ def test_every_block_has_a_range_around_the_description_in_every_machine() -> No
             assert unknown.excitation
 
 
-@pytest.mark.parametrize(("blocks", "told"), [(["wings"], "'wings' is no block"), ([], "names no block")])
+@pytest.mark.parametrize(("blocks", "told"), [(["wings"], "unknown block 'wings'"), ([], "names no block")])
 def test_unknown_blocks_are_refused(blocks: list[str], told: str) -> None:
     with pytest.raises(InputError, match=told):
         unknowns(SMALL, blocks)

@@ -9,10 +9,11 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
+from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.regulated.description import RegulatedJointBench
 from layflat.identify.benches.regulated.model import RegulatedModel, candidates_of
-from layflat.identify.identification import begin
-from layflat.identify.benches.loader import RegulatedJointBench, load_bench
 from layflat.identify.benches.regulated.run import NOTHING, Course, simulate_regulated
+from layflat.identify.identification import begin
 
 TRUTH = {
     "load.inertia": 0.004,
@@ -181,7 +182,7 @@ def test_unknown_logs_and_blocks_are_refused() -> None:
 @pytest.mark.slow
 def test_the_elbow_of_an_android_is_predicted_from_its_commands(measured_data: Path, tmp_path: Path) -> None:
     """The example, fitted on six runs together and validation on others; 1 % is how well the rig repeats itself."""
-    script = Path(__file__).parents[3] / "examples" / "identify_affetto.py"
+    script = Path(__file__).parents[4] / "examples" / "identify_affetto.py"
     folder = measured_data / "affetto"
     subprocess.run([sys.executable, str(script), str(folder), "--out", str(tmp_path)], check=True, timeout=600)
     found = json.loads((tmp_path / "identify_affetto.json").read_text(encoding="utf-8"))
@@ -196,7 +197,7 @@ def test_the_elbow_of_an_android_is_predicted_from_its_commands(measured_data: P
 
 
 def test_the_example_tells_in_one_line_what_is_missing(tmp_path: Path) -> None:
-    script = Path(__file__).parents[3] / "examples" / "identify_affetto.py"
+    script = Path(__file__).parents[4] / "examples" / "identify_affetto.py"
     (tmp_path / "motion_data_000.csv").write_text("t,rq5\n0,1\n1,2\n", encoding="utf-8")
     for folder, told in ((tmp_path / "nowhere", "nowhere"), (tmp_path, "rpa5")):
         command = [sys.executable, str(script), str(folder)]

@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from layflat.physics.air import GAMMA
-from layflat.physics.chamber import Chamber
-from layflat.physics.flow import laminar_slope
 from layflat.identify.benches.regulated.friction import LaggingFriction
 from layflat.identify.benches.regulated.joint import (
     Air,
     ChamberState,
-    RegulatedJoint,
     JointState,
-    exchange_gas,
-    chamber_at_rest,
+    RegulatedJoint,
     at_rest,
+    chamber_at_rest,
+    exchange_gas,
     lag_shares,
     move,
 )
 from layflat.identify.benches.regulated.regulator import Regulator
+from layflat.physics.air import GAMMA
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import laminar_slope
 
 AIR = Air(7e5, 101325.0, 293.15)
 K = 6e-6

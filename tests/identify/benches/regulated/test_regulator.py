@@ -2,7 +2,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.flow import laminar_slope
 from layflat.identify.benches.regulated.regulator import (
     Regulator,
     asked_set_point,
@@ -10,6 +9,7 @@ from layflat.identify.benches.regulated.regulator import (
     regulator_opening,
     share_in,
 )
+from layflat.physics.flow import laminar_slope
 
 VALVE = Regulator(1.05, -2e4, 0.04, 2e-10, 3e-10, 5e4, 8e4, 0.3, laminar_slope(0.3))
 pressures = st.floats(1e5, 8e5)

@@ -9,11 +9,12 @@ from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.hysteresis.errors import loop_errors
 from layflat.identify.benches.hysteresis.logs import noise, rounded, shares_of, split_of, without_spikes
+from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.model import RodModel
-from layflat.identify.benches.loader import RodBench, load_bench
 
 RIG = cast(RodBench, load_bench("friction-rig"))
-DATA = Path(__file__).parents[3].parent / "shared" / "data" / "zillen"
+DATA = Path(__file__).parents[4].parent / "shared" / "data" / "zillen"
 
 REAL = RIG.model_copy(
     update={

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from layflat.errors import InputError
-from layflat.identify.benches.vessel.hyddown import read_hyddown_log, read_hyddown_rig
+from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.vessel.hyddown import read_hyddown_log
 from layflat.physics.flow import sonic_conductance
 
 RIG = """
@@ -32,7 +33,7 @@ def rig_file(folder: Path, text: str = RIG) -> Path:
 
 
 def test_a_rig_is_read_with_its_wall(tmp_path: Path) -> None:
-    rig = read_hyddown_rig(rig_file(tmp_path))
+    rig = load_bench(rig_file(tmp_path))
     assert (rig.name, rig.gas.name) == ("mine", "nitrogen")
     assert rig.space.volume == pytest.approx(pi / 4 * 0.04)
     assert rig.space.area == pytest.approx(pi * 0.2 + pi / 2 * 0.04)
@@ -45,11 +46,9 @@ def test_a_rig_is_read_with_its_wall(tmp_path: Path) -> None:
 
 def test_round_ends_and_control_valves(tmp_path: Path) -> None:
     round_ends = RIG.replace("orientation: vertical", "type: hemispherical")
-    assert read_hyddown_rig(rig_file(tmp_path, round_ends)).space.volume == pytest.approx(
-        pi / 4 * 0.04 + pi / 6 * 0.008
-    )
+    assert load_bench(rig_file(tmp_path, round_ends)).space.volume == pytest.approx(pi / 4 * 0.04 + pi / 6 * 0.008)
     valve = RIG.replace("type: orifice, diameter: 0.003, discharge_coef: 0.8", "type: controlvalve, Cv: 2")
-    rig = read_hyddown_rig(rig_file(tmp_path, valve))
+    rig = load_bench(rig_file(tmp_path, valve))
     # IEC 60534-2-1: choked air, 1 bar and 1.185 kg/m3, x_T = 0.7, in kg/h.
     flow = 27.3 * 2.0 * (2.0 / 3.0) * np.sqrt(0.7 * 1.0 * 1.185) / 3600.0
     assert rig.path.conductance == pytest.approx(flow / 1.185 / 1e5, rel=0.01)
@@ -59,8 +58,8 @@ def test_round_ends_and_control_valves(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("fluid: N2", "fluid: steam", "initial.fluid: 'steam' is no gas here; use air, argon"),
-        ("diameter: 0.2,", "", "vessel.diameter: None is no number"),
+        ("fluid: N2", "fluid: steam", "initial.fluid: 'steam' is an unknown gas; use air, argon"),
+        ("diameter: 0.2,", "", "vessel.diameter: None is not a number"),
         ("type: orifice", "type: mdot", "valve.type: 'mdot' has no conductance"),
         ("initial:", "first:", "has no initial"),
         ("orientation: vertical", "type: cube", "vessel.type: 'cube' is not known"),
@@ -70,7 +69,7 @@ def test_round_ends_and_control_valves(tmp_path: Path) -> None:
 )
 def test_a_field_that_cannot_be_used_is_one_line(old: str, new: str, said: str, tmp_path: Path) -> None:
     with pytest.raises(InputError) as caught:
-        read_hyddown_rig(rig_file(tmp_path, RIG.replace(old, new)))
+        load_bench(rig_file(tmp_path, RIG.replace(old, new)))
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -90,9 +89,9 @@ def test_a_log_is_read_in_si_with_curves_of_a_kind_averaged(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("bar_abs", "furlong", "'furlong' is no unit here"),
+        ("bar_abs", "furlong", "unknown unit 'furlong'"),
         ("time_s", "time", "columns are signal, time_s, value, unit"),
-        ("9.8", "nine", "is no such log"),
+        ("9.8", "nine", "can't be used; give a table"),
         ("gas_pressure", "pressure", "has no gas_pressure"),
     ],
 )
@@ -106,6 +105,6 @@ def test_a_log_that_cannot_be_used_is_one_line(old: str, new: str, said: str, tm
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
-    for read in (read_hyddown_log, read_hyddown_rig):
+    for read in (read_hyddown_log, load_bench):
         with pytest.raises(InputError, match="can't be read"):
-            read(tmp_path / "none")
+            read(tmp_path / "none.yml")

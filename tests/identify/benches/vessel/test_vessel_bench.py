@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from layflat.errors import InputError
 from layflat.identify import Fit, fit
-from layflat.identify.benches.vessel.hyddown import read_hyddown_log, read_hyddown_rig
+from layflat.identify.benches.loader import build_bench, load_bench
+from layflat.identify.benches.vessel.description import Gas, Place, VesselBench
+from layflat.identify.benches.vessel.hyddown import read_hyddown_log
 from layflat.identify.benches.vessel.model import vessel_model
-from layflat.identify.benches.loader import VesselBench, build_bench, load_bench
-from layflat.identify.benches.vessel.description import Gas, Place
 
 pytestmark = pytest.mark.compiled
 
@@ -140,11 +140,11 @@ def test_what_is_judged_does_not_act_on_the_fit() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"find": ["flows"]}, "find: 'flows' is not known; use flow, gas"),
-        ({"added_volumes": {"other": 1e-3}}, "added_volumes: 'other' is not known; use log"),
+        ({"blocks": ["flows"]}, "blocks: unknown block 'flows'; choose from flow, gas"),
+        ({"added_volumes": {"other": 1e-3}}, "added_volumes: unknown log 'other'; choose from log"),
         ({"fitted_share": 1.5}, "fitted_share: 1.5 is out of range"),
-        ({"fitted_signals": ["force"]}, "fitted_signals: 'force' is not known"),
-        ({"validation": ["other"]}, "validation: 'other' is not known"),
+        ({"fitted_signals": ["force"]}, "fitted_signals: unknown signal 'force'"),
+        ({"validation": ["other"]}, "validation: unknown log 'other'"),
     ],
 )
 def test_a_wrong_option_is_one_line(options: dict[str, object], said: str) -> None:
@@ -177,7 +177,7 @@ def test_a_gas_that_condenses_is_one_line() -> None:
 def measured(folder: Path, name: str, **options: float) -> Fit:
     base = folder / "vessel" / name
     logs = {name: read_hyddown_log(base.with_name(f"{name}.csv"))}
-    model = vessel_model(read_hyddown_rig(base.with_name(f"{name}.rig.yml")), logs, **options)  # type: ignore[arg-type]
+    model = vessel_model(load_bench(base.with_name(f"{name}.rig.yml")), logs, **options)  # type: ignore[arg-type]
     return fit(model)
 
 

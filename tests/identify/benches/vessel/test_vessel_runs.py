@@ -7,13 +7,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
+from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, exchange, rates
+from layflat.identify.benches.vessel.run import Candidates, Course, simulate_vessels
+from layflat.identify.benches.vessel.wall import Wall
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
-from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
-from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, exchange, rates
-from layflat.identify.benches.vessel.wall import Wall
-from layflat.identify.benches.vessel.run import Candidates, Course, simulate_vessels
 
 pytestmark = pytest.mark.compiled
 

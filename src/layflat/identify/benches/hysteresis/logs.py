@@ -123,7 +123,9 @@ def _values(log: xarray.Dataset, name: str, joint: str) -> Array:
     return np.array(values.to_numpy(), dtype=np.float64)
 
 
-def within(path: str, unit: str, guess: float, low: float, high: float, excitation: str, *, log: bool = False) -> Unknown:
+def within(
+    path: str, unit: str, guess: float, low: float, high: float, excitation: str, *, log: bool = False
+) -> Unknown:
     """An unknown with bounds that come from the logs; the search begins at the guess as far as it lies inside."""
     return Unknown(path, unit, float(np.clip(guess, low, high)), low, high, log=log, excitation=excitation)
 

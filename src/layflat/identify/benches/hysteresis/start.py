@@ -8,6 +8,6 @@ from layflat.jit import law
 
 
 @law
-def share_carried(wanted, limit):  # type: ignore[no-untyped-def]
+def share_carried(wanted, limit):
     """Share of their limits that elements carry so that `wanted` is met, -1..1."""
     return min(max(wanted / limit, -1.0), 1.0) if limit > 0.0 else 0.0

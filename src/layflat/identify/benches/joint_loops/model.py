@@ -8,10 +8,11 @@ at two pressures or more separate what of the losses does not grow with pressure
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat.description.change import changed_all, value_at
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, has_samples
 from layflat.identify.benches.hysteresis import logs as curves
@@ -20,7 +21,6 @@ from layflat.identify.benches.joint_loops.run import TurnedLog, turned_torques
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Joint, Machine, changed, parameters
-from layflat.machine.change import value_at
 
 if TYPE_CHECKING:
     import xarray
@@ -110,16 +110,17 @@ class LoopModel(Model):
 
     def _with(self, columns: Array | list[float]) -> Machine:
         """The machine with a number, or an array of all candidates, for each unknown."""
-        machine, split = self.machine, []
+        found: dict[str, Any] = {}
+        split = []
         for unknown, column in zip(self.unknowns, columns, strict=True):
             if ".split." in unknown.path:
                 split.append(column)
             elif not unknown.nuisance:
-                machine = changed(machine, unknown.path, column)
+                found[unknown.path] = column
         if split:
             weights = tuple(np.moveaxis(shares_of(np.stack(split, axis=-1)), -1, 0))
-            machine = changed(machine, f"{self._at}.losses.weights", weights)
-        return machine
+            found[f"{self._at}.losses.weights"] = weights
+        return changed_all(self.machine, found, together=False)  # a search goes where no machine could
 
     def _unknowns(self) -> list[Unknown]:
         described: Joint = self.machine.joint[self.joint]
@@ -131,9 +132,7 @@ class LoopModel(Model):
         share = f"{self._at}.hose.loss_share"
         blocks = {
             "torque": [
-                within(
-                    f"{self._at}.hose.torque_factor", "1", hose.torque_factor, 1.0 / SCALES, SCALES, apart, log=True
-                )
+                within(f"{self._at}.hose.torque_factor", "1", hose.torque_factor, 1.0 / SCALES, SCALES, apart, log=True)
             ],
             "losses": [
                 within(share, "1", hose.loss_share, LEAST_SHARE, 1.0, "motion to and fro", log=True),

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.identify.benches.parallel import on_all_cores
 from layflat.jit import kernel, law
+from layflat.lanes import mapped
 from layflat.physics.joint import Hose
 from layflat.physics.loss import slip
-from layflat.lanes import mapped
 from layflat.sim.slow import UNTURNED, Slow, turned
 
 Array = NDArray[np.float64]
@@ -33,7 +33,7 @@ class TurnedLog(NamedTuple):
 
 
 @law
-def _limits(loss, p_g, share):  # type: ignore[no-untyped-def]
+def _limits(loss, p_g, share):
     """What the elements of a hose carry at a share of their limits, N m."""
     p_g = max(p_g, 0.0)
     return (
@@ -44,7 +44,7 @@ def _limits(loss, p_g, share):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _torque(hose_a, hose_b, brake, first, log, torque):  # type: ignore[no-untyped-def]
+def _torque(hose_a, hose_b, brake, first, log, torque):
     q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
     slow = turned(UNTURNED, hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
     a, b = _limits(hose_a.loss, p_a[0], 1.0), _limits(hose_b.loss, p_b[0], 1.0)

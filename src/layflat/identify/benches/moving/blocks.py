@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.identify.benches.contract import check_known
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine
-from layflat.machine.change import value_at
 from layflat.machine.model import SwitchingValves
 from layflat.physics.delay import LONGEST
 
@@ -87,7 +87,9 @@ VALVE = (
 )
 SPOOL = (
     ParameterSpec("overlap", "1", fixed_range(0.0, 0.3), CENTRE),
-    ParameterSpec("natural_frequency", "Hz", factor_range(4.0), "steps, with the pressure sampled every few milliseconds"),
+    ParameterSpec(
+        "natural_frequency", "Hz", factor_range(4.0), "steps, with the pressure sampled every few milliseconds"
+    ),
 )
 SWITCHING = (
     ParameterSpec("dead_band", "1", fixed_range(0.0, 0.3), CENTRE),

@@ -159,7 +159,7 @@ class Record:
 
     @cached_property
     def nuisances(self) -> list[Unknown]:
-        """What a log begins with, to be found along with the rest; of a log for validation, what was first measured holds."""
+        """What a log begins with, to be fitted along with the rest; for validation the first measured samples hold."""
         if self.whole is None:
             return []
         _, angle, _ = parameters.drive_parts(self.machine)

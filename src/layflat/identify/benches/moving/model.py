@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, has_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
@@ -120,7 +121,10 @@ class ArmModel(Model):
         shared |= {f"scenario.lead.{name}": np.full(len(values), self.stage.feedback * v) for name, v in gains.items()}
         shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
         share = None if self.stage is FREE else self.stage.share
-        found = [record.simulate(shared, given, np.asarray(offset), len(values), self.stage.step, share) for record in self.records]
+        found = [
+            record.simulate(shared, given, np.asarray(offset), len(values), self.stage.step, share)
+            for record in self.records
+        ]
         return np.concatenate(found, axis=1)
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
-from layflat.description import Part
 
 Array = NDArray[np.float64]
 

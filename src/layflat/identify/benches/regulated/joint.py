@@ -16,6 +16,8 @@ that the air does no other work than on the joint. Chamber A turns the joint for
 
 from typing import NamedTuple
 
+from layflat.identify.benches.regulated.friction import LaggingFriction, next_level, settled_level
+from layflat.identify.benches.regulated.regulator import Regulator, regulator_conductances, share_in
 from layflat.jit import law
 from layflat.lanes import select
 from layflat.physics.chamber import (
@@ -28,8 +30,6 @@ from layflat.physics.chamber import (
 )
 from layflat.physics.flow import warmth
 from layflat.physics.friction import brake_one
-from layflat.identify.benches.regulated.friction import LaggingFriction, next_level, settled_level
-from layflat.identify.benches.regulated.regulator import Regulator, regulator_conductances, share_in
 from layflat.physics.valve import chamber_flow
 
 

@@ -19,10 +19,10 @@ import numpy as np
 
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, check_logs
-from layflat.identify.benches.regulated.unknowns import BLOCKS, unknowns_of
-from layflat.identify.model import FITTED, Array, Model, Output
 from layflat.identify.benches.regulated.description import RegulatedJointBench, friction_law
 from layflat.identify.benches.regulated.run import MOTION, NOTHING, PRESSURES, Candidates, Course, simulate_regulated
+from layflat.identify.benches.regulated.unknowns import BLOCKS, unknowns_of
+from layflat.identify.model import FITTED, Array, Model, Output
 
 if TYPE_CHECKING:
     import xarray
@@ -107,7 +107,9 @@ class RegulatedModel(Model):
         return np.concatenate(columns, axis=1)
 
 
-def candidates_of(bench: RegulatedJointBench, logs: Sequence[Log], found: Mapping[str, Array], count: int) -> Candidates:
+def candidates_of(
+    bench: RegulatedJointBench, logs: Sequence[Log], found: Mapping[str, Array], count: int
+) -> Candidates:
     """Parameters of candidates: those of the description, but for what was found, by its path."""
 
     def at(path: str) -> Array:

@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify.benches.parallel import on_all_cores, parts
-from layflat.jit import kernel, law
-from layflat.physics.chamber import Chamber
-from layflat.physics.flow import laminar_slope
 from layflat.identify.benches.regulated.friction import LaggingFriction
 from layflat.identify.benches.regulated.joint import (
     Air,
-    RegulatedJoint,
     JointState,
-    exchange_gas,
-    chamber_at_rest,
+    RegulatedJoint,
     at_rest,
+    chamber_at_rest,
+    exchange_gas,
     lag_shares,
     move,
 )
 from layflat.identify.benches.regulated.regulator import Regulator, asked_set_point
+from layflat.jit import kernel, law
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import laminar_slope
 
 Array = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ supply is known from its gauge.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
 from layflat.identify.benches.regulated.description import RegulatedJointBench, least_volume
 from layflat.identify.unknown import Unknown

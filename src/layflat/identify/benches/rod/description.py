@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
-from layflat.description import Part
 
 
 class Piston(Part):

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from layflat.description.change import changed_all, value_at
 from layflat.identify.benches.contract import Bench, Logs, check_known
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.logs import element_unknowns, rounded, shares_of, within
@@ -20,7 +21,6 @@ from layflat.identify.benches.rod.laws import Rod
 from layflat.identify.benches.rod.run import RodLog, rod_forces
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import Unknown
-from layflat.machine.change import changed, value_at
 
 if TYPE_CHECKING:
     import xarray
@@ -115,11 +115,8 @@ class RodModel(Model):
 
     def described(self, values: Array) -> RodBench:
         """The description with values of the unknowns (SI) in their places."""
-        bench = self.bench
-        for path, place in self._place.items():
-            if ".split." not in path:
-                bench = _changed(bench, path, float(values[place]))
-        return _changed(bench, "friction.weights", rounded(self._weights(values[None])[0]))
+        found = {path: float(values[place]) for path, place in self._place.items() if ".split." not in path}
+        return changed_all(self.bench, found | {"friction.weights": rounded(self._weights(values[None])[0])})
 
     def written(self, values: Array) -> dict[str, float]:
         """What was found, by its path in the description: weights in place of how they are split."""
@@ -127,7 +124,7 @@ class RodModel(Model):
         paths = [path for path in self._place if ".split." not in path]
         if "friction.base" in self._place:
             paths += [f"friction.weights.{j}" for j in range(len(bench.friction.weights))]
-        return {path: float(value_at(cast(Any, bench), path)) for path in paths}
+        return {path: float(value_at(bench, path)) for path in paths}
 
     @property
     def motions(self) -> tuple[Array, ...]:
@@ -141,7 +138,7 @@ class RodModel(Model):
     def _column(self, values: Array, path: str) -> Array:
         """A parameter of every candidate."""
         place = self._place.get(path)
-        return np.full(len(values), value_at(cast(Any, self.bench), path)) if place is None else values[:, place]
+        return np.full(len(values), value_at(self.bench, path)) if place is None else values[:, place]
 
     def _weights(self, values: Array) -> Array:
         """Weights of the elements, (candidates, elements)."""
@@ -194,13 +191,7 @@ class RodModel(Model):
     def _viscous(self) -> list[Unknown]:
         size = self._scales
         most = size.reach / size.speed
-        return [
-            within("friction.viscous", "N*s/m", self.bench.friction.viscous, 0.0, most, SPEEDS)
-        ]
-
-
-def _changed(bench: RodBench, path: str, value: Any) -> RodBench:
-    return cast(RodBench, changed(cast(Any, bench), path, value))
+        return [within("friction.viscous", "N*s/m", self.bench.friction.viscous, 0.0, most, SPEEDS)]
 
 
 def _given(bench: RodBench, log: xarray.Dataset, out: Output) -> RodLog:

@@ -27,7 +27,7 @@ class RodLog(NamedTuple):
 
 
 @kernel
-def _force(rod, weights, stiffness, log, force):  # type: ignore[no-untyped-def]
+def _force(rod, weights, stiffness, log, force):
     x, v, p = log.position, log.speed, log.pressure
     f = np.empty(len(weights))
     level = slip_force(rod, p[0])

@@ -94,13 +94,26 @@ def gas_energy(gas, T, rho):
 
 
 @law
+def _below_temperature(c_v, w, u):
+    # A temperature at or below the root of c_v T - w/sqrt(T) = u, however small or negative u is: see gas_temperature.
+    if w <= 0.0:
+        return u / c_v
+    balance = (w / c_v) ** (2.0 / 3.0)
+    lack = max(-u / (c_v * balance), 0.0)
+    return max(u / c_v, balance / ((1.0 + lack) * (1.0 + lack)))
+
+
+@law
 def gas_temperature(gas, u, rho):
     """Temperature from specific energy and density, K: the inverse of `gas_energy`.
 
-    Newton's steps rise to the root from below, as energy is concave in temperature; six leave nothing.
+    Newton's steps rise to the root from below, as energy is concave in temperature. In a thin gas u/c_v is close below
+    the root. In a cold dense one u is small or negative. With T_0 from c_v T_0 = w/sqrt(T_0), w/sqrt(T) the energy of
+    attraction, the root is above T_0 for u >= 0, and above T_0/(1 - u/(c_v T_0))^2 for u < 0. From the highest of
+    these bounds six steps leave nothing.
     """
     c_v, w = gas.constant / (gas.gamma - 1.0), 1.5 * _attracted(gas, rho)
-    T = u / c_v
+    T = _below_temperature(c_v, w, u)
     for _ in range(6):
         T -= (c_v * T - w / sqrt(T) - u) / (c_v + 0.5 * w / (T * sqrt(T)))
     return T
@@ -118,11 +131,26 @@ def gas_stiffness(gas, T, rho):
 
 @law
 def gas_density(gas, p, T):
-    """Density from pressure and temperature, kg/m3: the inverse of `gas_pressure`, on the side of the gas."""
+    """Density from pressure and temperature, kg/m3: the inverse of `gas_pressure`, on the side of the gas.
+
+    Newton's steps rise to the root from below where pressure is concave in density. Next to the critical point it is
+    flat and they can miss the root; there it is found by bisection.
+    """
     rho = min(p / (gas.constant * T), 0.5 / gas.covolume)
     for _ in range(8):
         rho -= (gas_pressure(gas, T, rho) - p) / gas_stiffness(gas, T, rho)[0]
-    return rho
+    inside = 0.0 < rho < 1.0 / gas.covolume
+    return rho if inside and abs(gas_pressure(gas, T, rho) - p) <= 1e-11 * p else _bisected_density(gas, p, T)
+
+
+@law
+def _bisected_density(gas, p, T):
+    low, high = 0.0, 1.0 / gas.covolume
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        below = gas_pressure(gas, T, middle) < p
+        low, high = (middle, high) if below else (low, middle)
+    return low
 
 
 @law

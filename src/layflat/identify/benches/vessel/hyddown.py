@@ -211,7 +211,8 @@ def _curves(path: Path) -> dict[str, tuple[Array, Array]]:
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(path), right="give a CSV file") from None
     except (KeyError, TypeError, ValueError, AttributeError):
-        raise InputError("is not such a log", where=str(path), right="columns are signal, time_s, value, unit") from None
+        right = "give a table of numbers; its columns are signal, time_s, value, unit"
+        raise InputError("can't be used", where=str(path), right=right) from None
     if "gas_pressure" not in points:
         raise InputError("has no gas_pressure", where=str(path), right="signals are gas_pressure, T_gas, T_wall")
     ordered = {name: np.array(sorted(of)) for name, of in points.items()}

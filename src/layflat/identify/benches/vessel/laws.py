@@ -10,12 +10,12 @@
 
 from typing import NamedTuple
 
+from layflat.identify.benches.vessel.gas import state_of, stream
+from layflat.identify.benches.vessel.wall import Wall, forced_convection, jet_diameter, natural_convection
 from layflat.jit import law
 from layflat.physics.air import GAMMA, REFERENCE_DENSITY
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import effective_area, effective_pressure
-from layflat.identify.benches.vessel.gas import state_of, stream
-from layflat.identify.benches.vessel.wall import Wall, forced_convection, jet_diameter, natural_convection
 
 
 class Path(NamedTuple):

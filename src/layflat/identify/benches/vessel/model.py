@@ -5,28 +5,28 @@ A log is a data set over `time` (s) with `pressure` (absolute, Pa) and, where me
 pressure on the other side of the path, and `opening` of the path, 0..1; without them the path is open from the log's
 start on, to the pressure that the description gives. Gas and wall are at rest, and of one temperature, when it begins.
 
-A log of one vessel identifies C/V, not C and V: pressures do not change where conductances, volume, area and heat capacity
-all grow alike. A second log, with a known volume joined to the vessel, separates them.
+A log of one vessel identifies C/V, not C and V: pressures do not change where conductances, volume, area and heat
+capacity all grow alike. A second log, with a known volume joined to the vessel, separates them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, check_logs
-from layflat.identify.model import FITTED, Array, Model, Output
-from layflat.identify.unknown import Unknown
-from layflat.machine.change import value_at
 from layflat.identify.benches.vessel.description import Place, VesselBench
-from layflat.physics.flow import sonic_conductance
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
 from layflat.identify.benches.vessel.run import Candidates, Course, simulate_vessels
+from layflat.identify.model import FITTED, Array, Model, Output
+from layflat.identify.unknown import Unknown
+from layflat.physics.flow import sonic_conductance
 
 if TYPE_CHECKING:
     import xarray
@@ -101,7 +101,7 @@ class VesselModel(Model):
         place = {unknown.path: i for i, unknown in enumerate(self.unknowns)}
         columns = {}
         for column, path in COLUMNS.items():
-            own, given = place.get(path, place.get(f"{path}.{log.name}")), value_at(cast(Any, self.bench), path)
+            own, given = place.get(path, place.get(f"{path}.{log.name}")), value_at(self.bench, path)
             usual = np.inf if given is None else given
             columns[column] = np.full(len(values), usual) if own is None else values[:, own].copy()
         columns["volume"] += log.added_volume

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from layflat.identify.logs.checks.bench import Array, Bench, Channel, noise, quantum, runs
-from layflat.identify.logs.finding import LogFinding
 from layflat.description import units as u
+from layflat.identify.logs.checks.channels import Array, Channel, CheckedLog, noise, quantum, runs
+from layflat.identify.logs.issue import Issue
 
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8
@@ -19,34 +19,34 @@ ABRUPT = 0.25
 """Speed of arriving at it, as a share of a fast speed of the signal: what comes to rest by itself slows down before."""
 
 
-def findings(bench: Bench) -> Iterator[LogFinding]:
+def issues(log: CheckedLog) -> Iterator[Issue]:
     """Constant channels and rails, of what was measured."""
-    for channel in bench.filled:
+    for channel in log.filled:
         if channel.signal.held or channel.name == "supply":
             continue
         if np.ptp(channel.known) == 0.0:
-            yield _constant(channel, bench)
+            yield _constant(channel, log)
         else:
-            yield from _rails(channel, bench)
+            yield from _rails(channel, log)
 
 
-def _constant(channel: Channel, bench: Bench) -> LogFinding:
-    beside = [other for other in bench.filled if other.joint == channel.joint and other is not channel]
+def _constant(channel: Channel, log: CheckedLog) -> Issue:
+    beside = [other for other in log.filled if other.joint == channel.joint and other is not channel]
     moving = next((other for other in beside if _moves(other)), None)
     text = f"is exactly {channel.shown(float(channel.known[0]))} all the time"
     if moving is None:
-        return LogFinding("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
+        return Issue("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
     effort = any(other.signal.name in {"torque", "force"} for other in beside)
     if channel.signal.kind == u.PRESSURE and effort and not any(other.signal.held for other in beside):
-        return LogFinding("note", channel.name, text, "right for a loop at constant pressure; else a dead sensor")
-    return LogFinding("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
+        return Issue("note", channel.name, text, "right for a loop at constant pressure; else a dead sensor")
+    return Issue("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
 
 
 def _moves(channel: Channel) -> bool:
     return bool(np.ptp(channel.known) > 10.0 * noise(channel.known)) and quantum(channel.known) > 0.0
 
 
-def _rails(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
+def _rails(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
     values = channel.values
     if np.unique(channel.known).size < 20:
         return
@@ -61,10 +61,10 @@ def _rails(channel: Channel, bench: Bench) -> Iterator[LogFinding]:
         first = stays[0][0]
         text = (
             f"stands at its {word}est value, {channel.shown(float(extreme))}, for {100 * count / values.size:.2g} % "
-            f"of the samples, first from {bench.time[first]:.3f} s"
+            f"of the samples, first from {log.time[first]:.3f} s"
         )
         right = "a sensor at its rail, or a joint at its stop: use a wider range, or leave these times out"
-        yield LogFinding("warning", channel.name, text, right)
+        yield Issue("warning", channel.name, text, right)
 
 
 def _abrupt(values: Array, first: int, length: int) -> bool:

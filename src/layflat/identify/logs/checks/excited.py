@@ -6,21 +6,21 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from layflat.identify.logs.checks.bench import Bench, Channel, noise
-from layflat.identify.logs.finding import LogFinding
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, noise
+from layflat.identify.logs.issue import Issue
 
 STILL = 6.0
 """Range in standard deviations of the noise below which a signal does not move."""
 
-NOTHING_MOVES = LogFinding("error", "log", "nothing in it moves more than its noise", "record a motion")
+NOTHING_MOVES = Issue("error", "log", "nothing in it moves more than its noise", "record a motion")
 
 STEADY = ("supply", "payload", "brake")
 """What is usually constant."""
 
 
-def findings(bench: Bench) -> Iterator[LogFinding]:
+def issues(log: CheckedLog) -> Iterator[Issue]:
     """Signals and commands that stand still."""
-    measured = [c for c in bench.filled if not c.signal.held and c.signal.name not in STEADY]
+    measured = [c for c in log.filled if not c.signal.held and c.signal.name not in STEADY]
     still = [channel for channel in measured if not moves(channel)]
     if measured and len(still) == len(measured):
         yield NOTHING_MOVES
@@ -30,13 +30,13 @@ def findings(bench: Bench) -> Iterator[LogFinding]:
             continue  # said to be dead
         text = f"moves no more than its noise, about {channel.shown(channel.high)}"
         driven = channel.signal.name in {"angle", "position", "force"}
-        yield LogFinding("warning" if driven else "note", channel.name, text, "nothing can be told from it")
-    commands = [c for c in bench.filled if c.signal.held and c.signal.name not in STEADY]
+        yield Issue("warning" if driven else "note", channel.name, text, "nothing can be told from it")
+    commands = [c for c in log.filled if c.signal.held and c.signal.name not in STEADY]
     for joint in dict.fromkeys(channel.joint for channel in commands):
         mine = [channel for channel in commands if channel.joint == joint]
         if all(np.ptp(channel.known) == 0.0 for channel in mine):
             names = " and ".join(channel.name for channel in mine)
-            yield LogFinding("warning", mine[0].name, f"{names} never change", "command a motion: steps, sweeps or noise")
+            yield Issue("warning", mine[0].name, f"{names} never change", "command a motion: steps, sweeps or noise")
 
 
 def moves(channel: Channel) -> bool:

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.logs.checks.bench import Array, Bench, noise, smoothed
-from layflat.identify.logs.finding import LogFinding
+from layflat.identify.logs.checks.channels import Array, CheckedLog, noise, smoothed
+from layflat.identify.logs.issue import Issue
 
 SMOOTH = 0.04
 """Time of averaging, s: two periods of a dither."""
@@ -25,49 +25,49 @@ LEAST = 30
 """Samples that a correlation needs."""
 
 
-def findings(bench: Bench) -> Iterator[LogFinding]:
+def issues(log: CheckedLog) -> Iterator[Issue]:
     """Signs of angle, pressures, voltage and set-points of each joint."""
-    for joint in bench.joints or (None,):
-        yield from _joint(joint, bench)
+    for joint in log.joints or (None,):
+        yield from _joint(joint, log)
 
 
-def _joint(joint: str | None, bench: Bench) -> Iterator[LogFinding]:
-    angle, voltage, demand = (bench.of(signal, joint) for signal in ("angle", "voltage", "demand"))
-    difference = bench.difference(joint)
-    turned = difference is not None and angle is not None and _turn(angle.values, difference, bench.period) < CLEAR
+def _joint(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
+    angle, voltage, demand = (log.of(signal, joint) for signal in ("angle", "voltage", "demand"))
+    difference = log.difference(joint)
+    turned = difference is not None and angle is not None and _turn(angle.values, difference, log.period) < CLEAR
     filled = None
     if voltage is not None and difference is not None:
-        speed = np.gradient(angle.values, bench.period) if angle is not None else None
-        filled = _drive(voltage.values, difference, bench.period, speed)
+        speed = np.gradient(angle.values, log.period) if angle is not None else None
+        filled = _drive(voltage.values, difference, log.period, speed)
     pressures = " and ".join(
-        c.name for s in ("measured_pressure", "pressure_a", "pressure_b") if (c := bench.of(s, joint)) is not None
+        c.name for s in ("measured_pressure", "pressure_a", "pressure_b") if (c := log.of(s, joint)) is not None
     )
     swap = "turn the differential pressure round with sign = -1, or swap hoses A and B"
     if filled is not None and filled < CLEAR and voltage is not None:
         if turned:
             text = "rise when the voltage falls, and the joint turns against them"
-            yield LogFinding("error", pressures, text, swap)
+            yield Issue("error", pressures, text, swap)
             turned = False
         else:
             text = f"rises when {pressures} fall (correlation {filled:.2f})"
             right = "turn it round with sign = -1 and offset = twice the valve's centre, or swap hoses A and B"
-            yield LogFinding("error", voltage.name, text, right)
+            yield Issue("error", voltage.name, text, right)
     if turned and angle is not None:
         known = "turn it round with sign = -1" if filled is not None else f"turn it round with sign = -1, or {swap}"
-        yield LogFinding("error", angle.name, "turns against the pressure difference", known)
+        yield Issue("error", angle.name, "turns against the pressure difference", known)
     if angle is not None and demand is not None:
         followed = _correlation(demand.values, angle.values)
         if followed < 2.0 * CLEAR:
             text = f"goes against {demand.name} (correlation {followed:.2f})"
-            yield LogFinding("error", angle.name, text, "turn one of them round with sign = -1")
+            yield Issue("error", angle.name, text, "turn one of them round with sign = -1")
     for hose in ("a", "b"):
-        pressure, setpoint = bench.of(f"pressure_{hose}", joint), bench.of(f"setpoint_{hose}", joint)
+        pressure, setpoint = log.of(f"pressure_{hose}", joint), log.of(f"setpoint_{hose}", joint)
         if pressure is None or setpoint is None:
             continue
-        drive = _drive(setpoint.values, pressure.values, bench.period, None)
+        drive = _drive(setpoint.values, pressure.values, log.period, None)
         if drive is not None and drive < CLEAR:
             text = f"falls when {setpoint.name} rises (correlation {drive:.2f})"
-            yield LogFinding("error", pressure.name, text, "swap hoses A and B of the pressures or of the set-points")
+            yield Issue("error", pressure.name, text, "swap hoses A and B of the pressures or of the set-points")
 
 
 def _turn(angle: Array, difference: Array, period: float) -> float:

@@ -14,7 +14,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 
 @dataclass(frozen=True)
-class LogFinding:
+class Issue:
     """Something in a log that is wrong, doubtful or worth knowing.
 
     Attributes:
@@ -30,13 +30,13 @@ class LogFinding:
     right: str = ""
 
 
-def ordered(findings: Iterable[LogFinding]) -> list[LogFinding]:
+def ordered(issues: Iterable[Issue]) -> list[Issue]:
     """The worst first; what is the same of several channels is said once."""
-    together: dict[LogFinding, list[str]] = {}
-    for finding in findings:
-        together.setdefault(replace(finding, channel=""), []).append(finding.channel)
-    merged = [replace(finding, channel=several(channels)) for finding, channels in together.items()]
-    return sorted(merged, key=lambda finding: SEVERITIES.index(finding.severity))
+    together: dict[Issue, list[str]] = {}
+    for issue in issues:
+        together.setdefault(replace(issue, channel=""), []).append(issue.channel)
+    merged = [replace(issue, channel=several(channels)) for issue, channels in together.items()]
+    return sorted(merged, key=lambda issue: SEVERITIES.index(issue.severity))
 
 
 def several(channels: Sequence[str]) -> str:
@@ -44,13 +44,13 @@ def several(channels: Sequence[str]) -> str:
     return " and ".join(channels) if len(channels) <= 2 else f"{channels[0]} and {len(channels) - 1} more"
 
 
-def refuse(findings: Sequence[LogFinding], where: str = "log") -> None:
+def refuse(issues: Sequence[Issue], where: str = "log") -> None:
     """Stop at a log with errors.
 
     Raises:
         InputError: the first error, and how many there are.
     """
-    errors = [finding for finding in findings if finding.severity == "error"]
+    errors = [issue for issue in issues if issue.severity == "error"]
     if errors:
         first, more = errors[0], len(errors) - 1
         told = f" (and {more} more error{'s' if more > 1 else ''})" if more else ""

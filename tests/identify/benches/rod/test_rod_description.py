@@ -3,9 +3,11 @@ from pathlib import Path
 import pytest
 
 from layflat.errors import MachineError
-from layflat.identify.benches.loader import RodBench, load_bench
+from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.rod.description import RodBench
+from layflat.machine.libraries import BENCHES
 
-TEXT = (Path(__file__).parents[3] / "src/layflat/machine/rigs/builtin/friction-rig.toml").read_text(encoding="utf-8")
+TEXT = BENCHES.text("friction-rig")
 
 
 def broken(tmp_path: Path, old: str, new: str) -> str:
@@ -36,7 +38,7 @@ def test_every_value_says_where_it_comes_from() -> None:
         ('"314 mm^2"', '"314 mm"', "is not an area"),
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3]", "as many as deflections"),
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3, 0.2]", "add up to 1"),
-        ('kind = "friction rig"', 'kind = "fiction rig"', 'did you mean "friction rig"?'),
+        ('kind = "friction rig"', 'kind = "fiction rig', 'did you mean "friction rig"?'),
         ('slope = { value = "0.5', 'slop = { value = "0.5', "unknown key"),
     ],
 )

@@ -34,14 +34,14 @@ class Channel:
     Attributes:
         name: signal and joint in one word.
         values: (samples,), SI, NaN where there is none.
-        told: what the log's attributes say of its column.
+        source: what the log's attributes say of its column.
     """
 
     name: str
     signal: Signal
     joint: str | None
     values: Array
-    told: dict[str, Any]
+    source: dict[str, Any]
 
     @property
     def known(self) -> Array:
@@ -65,7 +65,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Bench:
+class CheckedLog:
     """A log, and what is known of where it was made.
 
     Attributes:
@@ -97,7 +97,7 @@ class Bench:
         """Absolute, Pa."""
         if self.machine is not None:
             return self.machine.supply.ambient_pressure
-        told = [float(c.identified["ambient"]) for c in self.channels.values() if "ambient" in c.identified]
+        told = [float(c.source["ambient"]) for c in self.channels.values() if "ambient" in c.source]
         return told[0] if told else AMBIENT
 
     @property
@@ -118,7 +118,7 @@ class Bench:
         return measured.values if measured is not None else None
 
 
-def bench_of(log: xarray.Dataset, description: object | None) -> Bench:
+def checked_log(log: xarray.Dataset, description: object | None) -> CheckedLog:
     """Channels of a log with what its attributes and a description say."""
     told = json.loads(log.attrs.get("log_columns", "{}"))
     joints = tuple(str(name) for name in log["joint"].values) if "joint" in log.coords else ()
@@ -139,7 +139,7 @@ def bench_of(log: xarray.Dataset, description: object | None) -> Bench:
     time = np.asarray(log["time"].values, dtype=np.float64)
     period = float(log.attrs.get("log_period", np.median(np.diff(time)) if time.size > 1 else 0.0))
     machine = description if isinstance(description, Machine) else None
-    return Bench(channels, time, period, joints, json.loads(log.attrs.get("log_clocks", "[]")), machine)
+    return CheckedLog(channels, time, period, joints, json.loads(log.attrs.get("log_clocks", "[]")), machine)
 
 
 def smoothed(values: Array, samples: int) -> Array:

@@ -1,16 +1,16 @@
 import tomllib
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from layflat.errors import MachineError
 from layflat.description.provenance import split
+from layflat.errors import MachineError
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.regulated.description import friction_law
+from layflat.machine.libraries import BENCHES
 
-TEXT = (files("layflat.identify.benches.loader") / "builtin" / "regulated-elbow.toml").read_text(encoding="utf-8")
+TEXT = BENCHES.text("regulated-elbow")
 
 
 def changed(folder: Path, before: str, after: str) -> Path:
