@@ -80,3 +80,16 @@ def test_help_of_the_group_loads_nothing_heavy() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip().splitlines()[-1] == "[]"
     assert "check" in done.stdout
+
+
+def test_counts_of_a_channel_add_up_to_the_instants_of_the_log(tmp_path: Path) -> None:
+    """A signal that is sampled half as often is filled in between: samples, filled and missing are all instants."""
+    time = np.arange(600) * 0.005
+    rows = [
+        f"{t:.3f},{np.sin(t):.6f},{f'{2e5 + 1e5 * np.cos(t):.6f}' if i % 2 == 0 else ''}" for i, t in enumerate(time)
+    ]
+    (tmp_path / "half.csv").write_text("time,angle.small,pressure_a.small\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    done = layflat("log", "check", "half.csv", cwd=tmp_path)
+    assert "half.csv: 600 instants" in done.stdout
+    assert "300 + 299" in done.stdout
+    assert "1 of 600 instants (0.17 %) are" in " ".join(done.stdout.replace("│", " ").split())

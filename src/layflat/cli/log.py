@@ -54,9 +54,10 @@ def check_log(
         issues = check(data, described)
     period = data.attrs["log_period"]
     title = f"{log.name}: {data.sizes['time']} instants, one every {period * 1e3:.4g} ms"
-    print_table(
-        ["signal", "joint", "column", "unit", "from", "to", "samples", "filled", "missing"], _channels(data), title
-    )
+    rows, filled = _channels(data)
+    print_table(["signal", "joint", "column", "unit", "from", "to", "samples", "missing"], rows, title)
+    if filled:
+        typer.echo("samples: those of the log + instants between them that are filled in")
     if issues:
         typer.echo()
         rows = [[f.severity, f.channel, f.text, f.right] for f in issues]
@@ -100,17 +101,19 @@ def _joints(machine: Machine | None) -> list[str] | None:
     return list(machine.joints) if machine is not None else None
 
 
-def _channels(data: xarray.Dataset) -> list[list[str]]:
-    """A row for each channel: where it comes from, its range in units that people read, and how its instants add up."""
+def _channels(data: xarray.Dataset) -> tuple[list[list[str]], bool]:
+    """A row for each channel with its source, range and samples, in units that people read; whether any is filled."""
     from layflat.identify.logs.checks.channels import SHOWN, checked_log  # noqa: PLC0415
 
-    rows = []
+    rows, any_filled = [], False
     for channel in checked_log(data, None).channels.values():
         factor, unit = SHOWN.get(channel.signal.kind, (1.0, channel.signal.unit))
         known = channel.known / factor
         ends = [f"{known.min():.4g}", f"{known.max():.4g}"] if known.size else ["", ""]
         missing = channel.values.size - known.size
         samples = channel.source.get("samples", known.size)
-        counts = [str(samples), *(str(n) if n > 0 else "" for n in (known.size - samples, missing))]
+        filled = known.size - samples
+        any_filled |= filled > 0
+        counts = [f"{samples} + {filled}" if filled > 0 else str(samples), str(missing or "")]
         rows.append([channel.signal.name, channel.joint or "", channel.source.get("column", ""), unit, *ends, *counts])
-    return rows
+    return rows, any_filled

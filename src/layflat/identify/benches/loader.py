@@ -12,6 +12,7 @@ from layflat.description.hints import nearest
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.description.text import exists
+from layflat.description.wrong import shown
 from layflat.errors import MachineError
 from layflat.identify.benches.contract import BenchDescription
 from layflat.identify.benches.kinds import KINDS, description_class
@@ -93,7 +94,7 @@ def build_bench(plain: Plain, where: str) -> Any:
         near = nearest(kind, KINDS)
         hint = f'did you mean "{near}"? ' if near else ""
         right = f"{hint}known kinds are {', '.join(KINDS)}"
-        raise MachineError(f"unknown kind of test bench {kind!r}", where=f"{where}: kind", right=right)
+        raise MachineError(f"unknown kind of test bench {shown(kind)}", where=f"{where}: kind", right=right)
     described = description_class(str(kind))
     try:
         return described.model_validate(plain)

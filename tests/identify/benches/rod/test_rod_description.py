@@ -38,7 +38,7 @@ def test_every_value_says_where_it_comes_from() -> None:
         ('"314 mm^2"', '"314 mm"', "is not an area"),
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3]", "as many as deflections"),
         ("[0.4, 0.3, 0.3]", "[0.4, 0.3, 0.2]", "add up to 1"),
-        ('kind = "friction rig"', 'kind = "fiction rig', 'did you mean "friction rig"?'),
+        ('kind = "friction rig"', 'kind = "fiction rig"', 'did you mean "friction rig"?'),
         ('slope = { value = "0.5', 'slop = { value = "0.5', "unknown key"),
     ],
 )

@@ -76,7 +76,7 @@ class VesselLog:
 
 
 class VesselModel(Model):
-    """Vessels by the laws of physics/vessel.py: see `vessel_model`."""
+    """Vessels by the laws of laws.py: see `vessel_model`."""
 
     def __init__(
         self,
