@@ -83,10 +83,11 @@ def test_what_no_longer_fits_is_told(tmp_path: Path, text: str, stale: list[str]
 
 
 def test_a_copy_that_was_edited_is_told(tmp_path: Path) -> None:
-    from layflat.machine.listing import description_toml
+    from layflat.machine.listing import to_toml
+    from layflat.machine.loader import tables
 
     path = tmp_path / "copy.toml"
-    text = description_toml("paper-arm")
+    text = to_toml(*tables("paper-arm"))
     before = text.index("[joint.large.link.length]\n")
     edited = text[:before] + text[before:].replace('"400 mm"', '"700 mm"', 1)
     path.write_text(edited, encoding="utf-8")
