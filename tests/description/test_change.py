@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from layflat.machine.rigs import load_rig
 
 from layflat.description.change import annotation_at, changed_all, paths, quantity_of, value_at
 from layflat.errors import InputError

@@ -90,7 +90,7 @@ def build_bench(plain: Plain, where: str) -> Any:
         MachineError: naming `where`, the key and the value.
     """
     kind = plain.get("kind")
-    if kind not in KINDS:
+    if str(kind) not in KINDS:
         near = nearest(kind, KINDS)
         hint = f'did you mean "{near}"? ' if near else ""
         right = f"{hint}known kinds are {', '.join(KINDS)}"
