@@ -107,11 +107,19 @@ class Quantity:
         Raises:
             QuantityError: its magnitude is too large or too small.
         """
-        if not math.isfinite(number):
-            raise QuantityError("is not finite", self.right)
-        if number != 0.0 and not self.least <= abs(number) <= self.most:
+        if self.finite(number) != 0.0 and not self.least <= abs(number) <= self.most:
             right = f"give {self.article} between {self.least:g} and {self.most:g} {self.unit}"
             raise QuantityError("is out of range", right)
+        return number
+
+    def finite(self, number: float) -> float:
+        """Return an SI float if it is finite.
+
+        Raises:
+            QuantityError: it is not.
+        """
+        if not math.isfinite(number):
+            raise QuantityError("is not finite", self.right)
         return number
 
     def text(self, value: float, unit: str) -> str:

@@ -107,15 +107,14 @@ Ratio = Annotated[float, Ge(1e-6), Le(1e6)]
 
 
 def quantity(value: str | float, kind: Quantity, where: str) -> float:
-    """SI float of a text with a unit given by a person, or of a float given by code.
+    """SI float of a text with a unit given by a person, or of a float given by code, which only has to be finite.
 
     Raises:
         InputError: naming `where` the value was given.
     """
     try:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
-            tiny = abs(value) < kind.least  # what code computes may be zero but for rounding
-            return float(value) if tiny else kind.within(float(value))
+            return kind.finite(float(value))
         return kind.parse(value)
     except QuantityError as error:
         raise InputError(f"{shown(value)} {error.what}", where=where, right=error.right) from None
