@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import xarray
 
-from layflat.errors import InputError, OutputError
-from layflat.files import check_folder, file_name, whole_file
+from layflat.errors import OutputError
+from layflat.files import check_folder, whole_file
 from layflat.sim.dataset import save
 
 
@@ -47,22 +47,6 @@ def test_a_place_that_can_not_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(OutputError, match="can't write here"):
         check_folder(tmp_path / "file" / "out")
-
-
-@pytest.mark.parametrize("name", ["paper-arm", "My arm 2", "Gelenk_ü", "a.b", "v1.2+3"])
-def test_names_that_files_can_bear(name: str, tmp_path: Path) -> None:
-    (tmp_path / f"{file_name(name, 'name')}.toml").write_text("", encoding="utf-8")
-    assert [path.name for path in tmp_path.iterdir()] == [f"{name}.toml"]
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["", " ", "/abs/path", "../evil", "..", ".", ".hidden", "-rf", "a\0b", "a\nb", "a\\b", "c:d", "a ", "nul", "LPT1.x",
-     "a" * 101, "ü" * 60, "end.", "what?", "\x7f"],
-)  # fmt: skip
-def test_names_that_they_can_not(name: str) -> None:
-    with pytest.raises(InputError, match=r"--name: .*give a name such as"):
-        file_name(name, "--name")
 
 
 @pytest.fixture

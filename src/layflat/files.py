@@ -4,53 +4,18 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from layflat.errors import InputError, LayflatError, OutputError
-
-LONGEST_NAME = 100
-"""Bytes that a name may have in UTF-8: the longest suffix still fits into what file systems allow."""
+from layflat.errors import LayflatError, OutputError
 
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """The disk, the file or the user's share is at its limit."""
 
 TRIAL = bytes(1 << 16)
 """Enough to see that nothing more can be written."""
-
-_FORBIDDEN = re.compile(r'[\x00-\x1f\x7f/\\:*?"<>|]')
-_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
-
-
-def file_name(name: str, where: str) -> str:
-    """Check a name that files will bear, on any operating system; return it unchanged.
-
-    Args:
-        name: of a machine, a cell, a study, a design.
-        where: the option or key that gives it.
-
-    Raises:
-        InputError: it is empty, too long, begins with a dot or dash, holds a path or a control character, or is
-            reserved.
-    """
-    found = _FORBIDDEN.search(name)
-    if not name.strip():
-        problem = "is empty"
-    elif found:
-        problem = f"has {found[0]!r} in it"
-    elif name != name.strip() or name.startswith((".", "-")) or name.endswith("."):
-        problem = "begins or ends with a space, dot or dash"
-    elif _RESERVED.fullmatch(name):
-        problem = "is a reserved name"
-    elif len(name.encode(errors="replace")) > LONGEST_NAME:
-        problem = f"is longer than {LONGEST_NAME} bytes"
-    else:
-        return name
-    shown = name if len(name) <= LONGEST_NAME else f"{name[:20]}..."
-    raise InputError(f"{shown!r} {problem}", where=where, right='results are named so; give a name such as "my-arm"')
 
 
 @contextmanager

@@ -10,7 +10,6 @@ import typer
 
 from layflat.cli.app import WIDTH, app, print_table
 from layflat.cli.bars import steps_bar
-from layflat.files import file_name
 
 if TYPE_CHECKING:
     from layflat.study import Study
@@ -51,7 +50,7 @@ def study(
     from layflat.study.picture import write_picture  # noqa: PLC0415
 
     described = read(file)
-    place = out or Path("build/study") / file_name(described.name, f"{file}: name")
+    place = out or Path("build/study") / described.name
     try:
         with steps_bar("runs") as advance:
             table = run(described, place, scheduler=scheduler, progress=advance)

@@ -11,7 +11,7 @@ from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
 
 LONGEST = 100
-"""Characters; file systems take 255 bytes."""
+"""Bytes in UTF-8; file systems take 255, suffixes included."""
 
 _FILE = re.compile(r"[^\W_][\w +()\[\].,=@-]*(?<![ .])")
 _KEY = re.compile(r"[^\W_][\w +()-]*(?<! )")
@@ -24,8 +24,8 @@ def problem(name: str, *, key: bool = False) -> str | None:
     """Return what is wrong with a name that becomes a file's name or, as a `key`, part of a dotted path."""
     if not name:
         return "is empty"
-    if len(name) > LONGEST:
-        return f"has more than {LONGEST} characters"
+    if len(name.encode(errors="replace")) > LONGEST:
+        return f"has more than {LONGEST} bytes"
     if not name.isprintable() or not (_KEY if key else _FILE).fullmatch(name):
         return "can't be a name"
     return "is reserved by some systems" if _RESERVED.fullmatch(name) else None
