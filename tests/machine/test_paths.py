@@ -72,3 +72,11 @@ def test_a_path_below_a_number_is_not_there() -> None:
     for path in ("arm.payload.kg", "joint.small.losses.weights.3", "joint.small.losses.weights.-1", "", "."):
         with pytest.raises(InputError):
             changed(ARM, path, 1.0)
+
+
+def test_a_number_may_be_zero_but_for_rounding_where_zero_may_stand() -> None:
+    assert value_at(changed(ARM, "valve.delay", 1.6e-24), "valve.delay") == 1.6e-24
+    many = value_at(changed(ARM, "valve.delay", np.array([1.6e-24, 0.0, 2e-3])), "valve.delay")
+    assert many.tolist() == [1.6e-24, 0.0, 2e-3]
+    with pytest.raises(InputError, match="out of range"):
+        changed(ARM, "joint.small.hose.width", 1.6e-24)

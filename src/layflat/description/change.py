@@ -208,10 +208,14 @@ def _checked(value: Any, annotation: Any, where: str) -> Any:
         value = value.item()
     if isinstance(value, float) and is_whole(annotation) and value.is_integer():
         value = int(value)
+    kind = quantity_of(annotation)
+    # What code computes may be zero but for rounding, where zero may stand.
+    tiny = kind is not None and isinstance(value, float) and 0.0 < abs(value) < kind.least
     try:
-        return _adapter(annotation).validate_python(value, context=SI)
+        found = _adapter(annotation).validate_python(0.0 if tiny else value, context=SI)
     except ValidationError as error:
-        raise explained_value(error, where, quantity_of(annotation)) from None
+        raise explained_value(error, where, kind) from None
+    return value if tiny else found
 
 
 def _checked_array(values: np.ndarray[Any, Any], annotation: Any, where: str) -> np.ndarray[Any, Any]:
