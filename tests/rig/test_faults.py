@@ -204,6 +204,7 @@ def test_a_bad_voltage_never_leaves(bad: float) -> None:
     core.between = None
     rig.seconds(0.5)
     assert rig.shows(ValveMode.HOLD)
+    assert core.law is not None
     assert np.isfinite(core.law.memory.array).all()
     assert all(0.0 <= v <= 10.0 for command in rig.driver.commands for v in command.voltages)
 

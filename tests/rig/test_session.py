@@ -52,7 +52,7 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
         with pytest.raises(LoopError, match="another loop runs this rig"):
             Session(ARM, drivers.simulated, "test-moves")
     assert rig.process.exitcode == 0
-    assert any("cycles, late by" in line for line in rig.told)
+    assert any("cycles, late by" in line for line in rig.messages)
     assert "moving -> stopped" in (tmp_path / "lines").read_text()
     with lock("test-moves"):
         pass

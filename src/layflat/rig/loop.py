@@ -173,7 +173,7 @@ class Loop:
         )  # fmt: skip
         demand, voltage, angle, pressure = self._written
         demand[:], voltage[:], angle[:], pressure[:] = core.demands, core.voltages, reading.angles, reading.pressures
-        self._estimates[:], self._report[:] = core.estimates, core.law.report.array
+        self._estimates[:], self._report[:] = core.estimates, core.report
         self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))] if ledger.worst else 0.0
         self.recorder.push(row)
         self.host.publish(row)

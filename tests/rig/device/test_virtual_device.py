@@ -111,13 +111,14 @@ def test_the_watchdog_bites_to_the_instant_however_long_nobody_looks(
         clock.wait(heard + look)
         device.tick()
     clock.wait(heard + gap)
-    assert device.reading().device is (
+    state = device.reading().device
+    assert state is (
         DeviceState.RUNNING if gap < 20 * MS else DeviceState.CENTRED if gap < 200 * MS else DeviceState.DUMPED
     )
     due = [(at, voltages) for at, voltages in ((0.02, CENTRE), (0.5, OPEN)) if gap >= round(at * SECOND)]
     assert drives(plant)[begin:] == [(pytest.approx(since + at, abs=1e-9), voltages) for at, voltages in due]
     assert plant.time == pytest.approx(since + gap / SECOND)
-    if device is DeviceState.DUMPED and gap > 600 * MS:
+    if state is DeviceState.DUMPED and gap > 600 * MS:
         assert plant.supply == AMBIENT
 
 

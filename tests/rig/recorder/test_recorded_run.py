@@ -98,7 +98,7 @@ def test_figures_take_it_and_mark_what_went_wrong(recorded: Path) -> None:
         (shade,) = (one for one in axes.collections if one.get_label() == "fault")
         begin, end = shade.get_paths()[0].get_extents().intervalx
         assert (begin, end) == pytest.approx((faulty[0], faulty[-1]), abs=0.011)
-    for figure in (made, arm_steps(run), angles({"rig": run}, "small")):
+    for figure in (made, arm_steps(run, band=radians(0.5)), angles({"rig": run}, "small")):
         assert to_png(figure)
 
 

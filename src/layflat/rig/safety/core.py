@@ -142,6 +142,12 @@ class Core:
         return Fault(int(self.inputs["fault"][0])), [Fault(int(fault)) for fault in self.faults.tolist()]
 
     @property
+    def report(self) -> Array:
+        """What the control law told last, (joints, signals)."""
+        assert self.law is not None  # who asks has given one
+        return self.law.report.array
+
+    @property
     def lead(self) -> float:
         """How far any demand is ahead of its reference at most, rad."""
         return float(np.abs(self.demands - self.memory["demand.reference"]).max())

@@ -20,7 +20,7 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """Samples outside."""
 
-    count: float
+    run: float
 
 
 FRESH = Memory(0.0)
@@ -29,6 +29,6 @@ FRESH = Memory(0.0)
 @law
 def find(limits, memory, rails, sample):
     """Count samples outside. Past the stroke comes the sensor's rail: a joint that gets there is still outside."""
-    beyond = abs(sample.angle) > limits.stroke if rail.sound(rails, sample.angle) else memory.count > 0.0
-    count = counted(memory.count, sample.level >= MOTION and beyond)
+    beyond = abs(sample.angle) > limits.stroke if rail.sound(rails, sample.angle) else memory.run > 0.0
+    count = counted(memory.run, sample.level >= MOTION and beyond)
     return Memory(count), FAULT if count >= limits.samples else 0

@@ -19,7 +19,7 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """Samples beyond the limit."""
 
-    count: float
+    run: float
 
 
 FRESH = Memory(0.0)
@@ -28,5 +28,5 @@ FRESH = Memory(0.0)
 @law
 def find(limits, memory, sample):
     """Count samples beyond the limit, with or without air."""
-    count = counted(memory.count, not (-limits.pressure < sample.pressure < limits.pressure))
+    count = counted(memory.run, not (-limits.pressure < sample.pressure < limits.pressure))
     return Memory(count), FAULT if count >= limits.samples else 0

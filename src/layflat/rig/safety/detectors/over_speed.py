@@ -20,7 +20,7 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """Samples that were too fast."""
 
-    count: float
+    run: float
 
 
 FRESH = Memory(0.0)
@@ -34,5 +34,5 @@ def find(limits, memory, rails, trace, sample):
     gained = 0.5 * (step - trace.step)
     speed = (step + (gained if gained > 0.0 else 0.0)) / sample.elapsed
     both_sound = rail.sound(rails, sample.angle) and rail.sound(rails, trace.angle)
-    count = counted(memory.count, sample.level >= MOTION and both_sound and speed > limits.speed)
+    count = counted(memory.run, sample.level >= MOTION and both_sound and speed > limits.speed)
     return Memory(count), FAULT if count >= limits.samples else 0

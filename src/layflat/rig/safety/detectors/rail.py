@@ -20,7 +20,7 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """Samples at the rail."""
 
-    count: float
+    run: float
 
 
 FRESH = Memory(0.0)
@@ -35,5 +35,5 @@ def sound(limits, angle):
 @law
 def find(limits, memory, sample):
     """Count samples at the rail, with or without air."""
-    count = counted(memory.count, not sound(limits, sample.angle))
+    count = counted(memory.run, not sound(limits, sample.angle))
     return Memory(count), FAULT if count >= limits.samples else 0
