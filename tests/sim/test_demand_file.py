@@ -34,6 +34,12 @@ def test_a_demand_holds_until_the_next(tmp_path: Path) -> None:
     assert np.degrees(read_demand(SMALL, path, 0.005)[:, 0]) == pytest.approx([0.0, 0.0, 0.0, 10.0, -5.0])
 
 
+def test_joints_that_a_file_does_not_name_are_held(tmp_path: Path) -> None:
+    path = tmp_path / "small.csv"
+    path.write_text(HEADER + "0,0\n0.01,10\n", encoding="utf-8")
+    assert np.degrees(read_demand(ARM, path, 0.005)) == pytest.approx(np.array([[0.0, 0.0], [0.0, 0.0], [0.0, 10.0]]))
+
+
 def test_a_machine_follows_it(tmp_path: Path) -> None:
     path = write_demand(
         SMALL,
@@ -50,7 +56,11 @@ def test_a_machine_follows_it(tmp_path: Path) -> None:
     ("text", "expected"),
     [
         ("", r"has other columns; give 'time \[s\]', 'demand.small \[deg\]'"),
-        ("time [s],demand.large [deg]\n0,1\n1,2\n", r"has other columns; give .*demand.small"),
+        (
+            "time [s],demand.large [deg]\n0,1\n1,2\n",
+            r"column 'demand.large \[deg\]' of no joint .*demand.small",
+        ),
+        ("time [s]\n0\n1\n", r"has other columns; give .*demand.small"),
         (HEADER + "0,0\n", r"holds 1 rows of numbers; give two or more"),
         (HEADER + "0,0\n1,\n", r"line 3: is not a row of numbers; give 2"),
         (HEADER + "0,0\n1,2,3\n", r"line 3: is not a row of numbers; give 2"),

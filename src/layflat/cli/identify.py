@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName, Out, app, print_table
+from layflat.errors import StoppedError
 
 if TYPE_CHECKING:
     from layflat.identify.fit import Fit
@@ -61,7 +62,8 @@ def identify(
 ) -> None:
     """Find the parameters that explain bench logs: a fitted description, and a page with what it is worth.
 
-    Exit status 3 if a parameter hit its bound or the search did not converge: the file says so too.
+    Exit status 3 if a parameter hit its bound or the search did not converge: the file says so too. Ctrl-C ends the
+    search: the best values so far are written and marked as partial.
     """
     from layflat.identify.identification import begin  # noqa: PLC0415
     from layflat.identify.page import write_page  # noqa: PLC0415
@@ -75,6 +77,8 @@ def identify(
     why = _print(session, found)
     typer.echo(f"wrote {session.path}")
     typer.echo(f"wrote {page}")
+    if found.partial:
+        raise StoppedError(f"{found.simulations} simulated runs of the search", session.path)
     if why:
         typer.echo(f"layflat: not to be trusted: {why}; the file says so", err=True)
         raise typer.Exit(NOT_TRUSTED)

@@ -32,7 +32,9 @@ def write_demand(machine: Machine, time: Array, demand: Array, path: Path) -> Pa
 
 
 def read_demand(machine: Machine, path: Path, cycle: float) -> Array:
-    """Demands at every control cycle, rad, (cycles, joints); each holds until the next.
+    """Read demands at every control cycle, rad, (cycles, joints); each holds until the next.
+
+    Joints that the file does not name are held at zero, the middle of their stroke.
 
     Raises:
         InputError: the file, its columns, or a value in it.
@@ -44,9 +46,13 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Array:
             rows = list(csv.reader(file))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"can't be read ({error})", where=where, right="give a CSV file") from None
-    header = _header(machine)
-    if not rows or [name.strip() for name in rows[0]] != header:
-        raise InputError("has other columns", where=where, right=f"give {', '.join(map(repr, header))}")
+    known, header = _header(machine), [name.strip() for name in rows[0]] if rows else []
+    if len(header) < 2 or header[0] != known[0] or len(set(header)) < len(header):
+        raise InputError("has other columns", where=where, right=f"give {', '.join(map(repr, known))}")
+    unknown = next((name for name in header if name not in known), None)
+    if unknown is not None:
+        right = f"give some of {', '.join(map(repr, known[1:]))}; `layflat excite` writes them for a machine"
+        raise InputError(f"has a column {unknown!r} of no joint of {machine.name}", where=where, right=right)
     if len(rows) < 3:
         raise InputError(f"holds {len(rows) - 1} rows of numbers", where=where, right="give two or more")
     values = np.array([_numbers(row, len(header), f"{where}: line {line}") for line, row in enumerate(rows[1:], 2)])
@@ -54,7 +60,11 @@ def read_demand(machine: Machine, path: Path, cycle: float) -> Array:
     if np.any(np.diff(time) <= 0.0) or time[0] != 0.0:
         raise InputError("does not grow from zero", where=f"{where}: {header[0]}", right="give times 0, 0.005, ...")
     at = cycle * np.arange(round(time[-1] / cycle) + 1)
-    return np.asarray(np.radians(values[np.searchsorted(time, at + 1e-9, side="right") - 1, 1:]), dtype=np.float64)
+    named = values[np.searchsorted(time, at + 1e-9, side="right") - 1]
+    demand = np.zeros((len(at), len(machine.joints)))
+    for column, name in enumerate(header[1:], 1):
+        demand[:, known.index(name) - 1] = np.radians(named[:, column])
+    return demand
 
 
 def _numbers(row: list[str], count: int, where: str) -> list[float]:

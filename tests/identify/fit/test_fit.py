@@ -104,3 +104,20 @@ def test_bounds_without_room_are_refused() -> None:
     model.unknowns = (replace(model.unknowns[0], guess=9.0), *model.unknowns[1:])
     with pytest.raises(InputError, match="height: 9 V: lies outside what is searched"):
         fit(model)
+
+
+def test_ctrl_c_keeps_the_best_values_so_far() -> None:
+    model, calls = Decay(TRUTH, 0.05, 0), 0
+
+    def stop(_: float, text: str) -> None:
+        nonlocal calls
+        calls += text == "fitting"
+        if text == "fitting" and calls == 5:
+            raise KeyboardInterrupt
+
+    found = fit(model, starts=0, progress=stop)
+    assert found.partial
+    assert not found.trusted
+    start, end = (np.linalg.norm((values - TRUTH) / TRUTH) for values in (model.guess, found.values))
+    assert end < 0.2 * start
+    assert not fit(model, starts=0).partial

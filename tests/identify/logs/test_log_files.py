@@ -218,3 +218,28 @@ def test_a_cycle_that_is_none(tmp_path: Path) -> None:
     for cycle, expected in (("0 s", "cycle: 0 s is out of range"), ("5", "cycle: '5' is a bare number")):
         with pytest.raises(InputError, match=expected):
             read_log(path, cycle=cycle)
+
+
+@pytest.mark.parametrize("kind", ["nc", "parquet"])
+def test_a_damaged_file_is_refused_in_one_line(kind: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Flipped bits, anywhere: what can still be read is read, all else is one line, and nothing else is said."""
+    time = np.arange(40) * 0.01
+    whole = tmp_path / f"whole.{kind}"
+    if kind == "nc":
+        signals = {"angle": ("time", np.sin(time), {"units": "rad"}), "voltage": ("time", np.cos(time))}
+        xarray.Dataset(signals, {"time": ("time", time, {"units": "s"})}).to_netcdf(whole, engine="h5netcdf")
+    else:
+        pytest.importorskip("pandas").DataFrame({"time": time, "angle": np.sin(time)}).to_parquet(whole)
+    content, random, lines = whole.read_bytes(), np.random.default_rng(0), list[str]()
+    for _ in range(60):
+        flipped = bytearray(content)
+        flipped[random.integers(len(content))] ^= 1 << int(random.integers(8))
+        damaged = tmp_path / f"damaged.{kind}"
+        damaged.write_bytes(flipped)
+        try:
+            read_table(damaged)
+        except InputError as error:
+            lines.append(str(error))
+    assert len(lines) > 2
+    assert all(str(damaged) in line and "\n" not in line for line in lines)
+    assert capfd.readouterr().err == ""

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import gc
+import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from layflat import extras
 from layflat.errors import InputError
 from layflat.identify.logs.table import Array, Cells
+
+T = TypeVar("T")
+
+LONGEST = 120
+"""Characters of a library's own message that are passed on."""
 
 
 def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
@@ -22,11 +30,7 @@ def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     import pyarrow  # noqa: PLC0415
     from pyarrow import parquet  # noqa: PLC0415
 
-    try:
-        table = parquet.read_table(path)
-    except (pyarrow.ArrowException, OSError) as error:
-        text = str(error).splitlines()[0]
-        raise InputError(f"can't be read as Parquet ({text})", where=str(path), right="give a Parquet file") from None
+    table = _attempt(lambda: parquet.read_table(path), path, "Parquet")
     cells: dict[str, Cells] = {}
     units = {}
     for field in table.schema:
@@ -43,6 +47,25 @@ def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
         if said is not None:
             units[field.name] = said
     return cells, units
+
+
+def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
+    """Read a file; whatever a library raises becomes one line, as a damaged file can make it raise nearly anything.
+
+    Raises:
+        InputError: the file can't be read as one of this kind.
+    """
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda _: None  # files that were half opened complain when they are dropped
+    try:
+        return read()
+    except Exception as error:
+        what = " ".join(str(error).split())[:LONGEST] or type(error).__name__
+    finally:
+        gc.collect()
+        sys.unraisablehook = hook
+    right = f"give a whole {kind} file: this one is damaged, cut off, or of another kind"
+    raise InputError(f"can't be read as {kind} ({what})", where=str(path), right=right)
 
 
 def _seconds(dates: Any) -> Array:
@@ -62,11 +85,11 @@ def read_netcdf(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     """
     import xarray  # noqa: PLC0415  # takes long to import
 
-    try:
+    def read() -> xarray.Dataset:
         with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as opened:
-            data = opened.load()
-    except (OSError, ValueError) as error:
-        raise InputError(f"can't be read as NetCDF ({error})", where=str(path), right="give a NetCDF file") from None
+            return opened.load()
+
+    data = _attempt(read, path, "NetCDF")
     if "time" not in data.dims:
         raise InputError("has no dimension time", where=str(path), right="give a file with variables over time")
     cells: dict[str, Cells] = {}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import struct
 from array import array
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from layflat import extras
-from layflat.errors import InputError
+from layflat.errors import InputError, LayflatError
 from layflat.identify.logs.headers import Header, header_of
 from layflat.identify.logs.table import Column
 
@@ -42,8 +41,6 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
         InputError: it is none, nothing in it can be decoded, or the packages are not installed.
     """
     extras.require("logs", "mcap", where=str(path))
-    from mcap.exceptions import McapError  # noqa: PLC0415
-
     samples: dict[str, tuple[list[int], list[float]]] = {}
     try:
         if _is_of_a_rig(path):
@@ -53,7 +50,9 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
                 stamps, values = samples.setdefault(f"{topic}.{field}" if field else topic, ([], []))
                 stamps.append(stamp)
                 values.append(value)
-    except (McapError, ValueError, NotImplementedError, struct.error) as error:
+    except LayflatError:
+        raise
+    except Exception as error:  # a damaged file can make the decoders raise nearly anything
         what = " ".join(str(error).split()) or type(error).__name__
         right = "give a whole MCAP file; `layflat log repair` keeps what is whole of this one"
         raise InputError(f"can't be read as MCAP ({what})", where=str(path), right=right) from None
