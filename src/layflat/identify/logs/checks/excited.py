@@ -1,4 +1,4 @@
-"""Does anything move? What does not move more than its noise tells nothing."""
+"""Does anything move? What does not move more than its noise identifies nothing."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def issues(log: CheckedLog) -> Iterator[Issue]:
             continue  # said to be dead
         text = f"moves no more than its noise, about {channel.shown(channel.high)}"
         driven = channel.signal.name in {"angle", "position", "force"}
-        yield Issue("warning" if driven else "note", channel.name, text, "nothing can be told from it")
+        yield Issue("warning" if driven else "note", channel.name, text, "nothing is identifiable from it")
     commands = [c for c in log.filled if c.signal.held and c.signal.name not in STEADY]
     for joint in dict.fromkeys(channel.joint for channel in commands):
         mine = [channel for channel in commands if channel.joint == joint]

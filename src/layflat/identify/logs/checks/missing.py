@@ -36,13 +36,13 @@ def _joints(log: CheckedLog) -> Iterator[Issue]:
             yield Issue("error", name, "is no joint of the machine", f"its joints are {', '.join(known)}")
     for name in known:
         if not any(channel.joint == name for channel in log.channels.values()):
-            yield Issue("warning", name, "has no channel in this log", "nothing can be told of this joint")
+            yield Issue("warning", name, "has no channel in this log", "nothing of this joint is identifiable")
             continue
         wanted = {"no angle": ("angle",), "no command": COMMANDS, "no pressure": PRESSURES}
         follows = {
-            "no angle": "map its angle; nothing that moves can be told without",
+            "no angle": "map its angle; nothing that moves is identifiable without it",
             "no command": "map voltage, demand or set-points: a simulation is driven by them",
-            "no pressure": "losses and valve are hard to tell apart without",
+            "no pressure": "losses and valve are hard to separate without it",
         }
         for what, signals in wanted.items():
             if what == "no command" and log.of("torque", name) is not None:
