@@ -39,10 +39,10 @@ def measure() -> dict[str, float | str]:
 
     scipy_seconds = median_seconds(lambda: scipy_plant.run(machine, SCIPY_SECONDS), rounds=3) / SCIPY_SECONDS
 
-    gains = tuple(parameters.gains(machine, name) for name in machine.arm.joints)
+    settings = parameters.control(machine)
     noise = np.random.default_rng(5).standard_normal((3, 256))
     samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
-    controller = median_seconds(lambda: control_cycles(gains, *samples, CYCLES)) / CYCLES
+    controller = median_seconds(lambda: control_cycles(settings, *samples, CYCLES)) / CYCLES
     return {
         "rollout_ns_per_step": 1e9 * rollout,
         "mujoco_arm_ns_per_step": 1e9 * mujoco,

@@ -13,12 +13,12 @@ from scipy.integrate import solve_ivp
 
 from layflat.jit import kernel, law
 from layflat.machine import Machine, parameters
-from layflat.physics.arm import two_link_coriolis, two_link_mass
+from layflat.physics.arms.planar import two_link_coriolis, two_link_mass
 from layflat.physics.chamber import air_mass, energy, pressure, temperature, wall_heat
 from layflat.physics.flow import warmth
 from layflat.physics.hose import swept_volume, torque_per_pressure
-from layflat.physics.spool_valve import path_conductance
-from layflat.physics.valve import chamber_flow
+from layflat.physics.valves import chamber_flow
+from layflat.physics.valves.spool import path_conductance
 
 STATES = 14
 """Per joint: q, v, x, x', then E, m and three element torques of each hose."""

@@ -74,6 +74,10 @@ class CameraError(InputError):
     """The camera is not where its calibration says, or can't be calibrated with what was given."""
 
 
+class KindError(InputError):
+    """A kind of control law, valve, hysteresis or arm is unknown, not whole, or its law fails."""
+
+
 class CompilerError(LayflatError):
     """The installed compiler (numba, llvmlite) is not one that layflat knows."""
 

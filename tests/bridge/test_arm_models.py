@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from layflat.bridge import arm_spec, to_mjcf, to_urdf
 from layflat.machine import Machine, changed, load, parameters
-from layflat.physics.arm import OneLink, one_link_mass, two_link_gravity, two_link_mass, two_link_tip
+from layflat.physics.arms import tip
+from layflat.physics.arms.planar import OneLink, one_link_mass, two_link_gravity, two_link_mass
 
 mujoco: Any = pytest.importorskip("mujoco")
 
@@ -56,7 +57,7 @@ def test_gravity_and_tip_are_those_of_our_laws() -> None:
     turned = POSTURE[1] + arm.elbow
     own = two_link_gravity(arm, TILTED.arm.payload, sin(POSTURE[0]), cos(POSTURE[0]), sin(turned), cos(turned))
     assert -data.qfrc_bias == pytest.approx(own, rel=1e-6)
-    assert data.site("tip").xpos[:2] == pytest.approx(two_link_tip(arm, *POSTURE))
+    assert data.site("tip").xpos[:2] == pytest.approx(tip(arm, POSTURE))
     assert np.linalg.norm(model.opt.gravity) == pytest.approx(9.80665)
 
 

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from layflat.control.paper import PaperGainsPart
 from layflat.design import HOSE_WIDTHS, SizingRequest, design_joint, size_joint
 from layflat.errors import DesignError, InputError, OutputError
 from layflat.machine import load
 from layflat.machine.parameters import full_travel, torque_constant
-from layflat.machine.parts import JointGains
 from layflat.sim import rollout
 from layflat.sim.metrics import moves_of
 
@@ -120,7 +120,7 @@ def test_what_is_given_is_kept() -> None:
     assert sized.machine.arm.payload * described.link.length**2 == pytest.approx(0.5, rel=1e-3)
 
 
-def gains_of(request: SizingRequest) -> tuple[JointGains, JointGains]:
+def gains_of(request: SizingRequest) -> tuple[PaperGainsPart, PaperGainsPart]:
     """Gains of the model, and of what is sized."""
     model, own = load("paper-small-joint").joint["small"].gains, size_joint(request).design.joint.gains
     assert model is not None

@@ -7,7 +7,7 @@ from numpy.polynomial import Polynomial
 from layflat.errors import MachineError
 from layflat.experiments.bench import alone
 from layflat.machine import changed, load, parameters
-from layflat.physics.arm import LevelTwoLink, OneLink, TwoLink
+from layflat.physics.arms.planar import LevelTwoLink, OneLink, TwoLink
 from layflat.physics.hose import Stroke, roller_torque
 
 ARM = load("paper-arm")
@@ -41,7 +41,8 @@ def test_strokes_of_the_paper() -> None:
 def test_a_single_acting_joint_has_no_second_hose() -> None:
     rig = load("rig-polyester").model_copy(update={"valve": ARM.valve})
     (joint,) = parameters.joints(rig)
-    assert joint.hose_b == parameters.NO_HOSE._replace(stroke=Stroke(0.0, 0.0, 0.0, 0.0, 0.0))
+    nothing = parameters.no_hose(joint.hose_a)._replace(stroke=Stroke(0.0, 0.0, 0.0, 0.0, 0.0))
+    assert joint.hose_b == nothing
 
 
 def test_a_joint_with_a_cam_beside_one_with_a_roller_has_a_stroke_of_the_same_kind() -> None:
@@ -96,7 +97,7 @@ def test_rigs_without_valve_say_what_they_are_for() -> None:
 def test_missing_gains_are_named() -> None:
     bare = changed(ARM, "joint.large.gains", None)
     with pytest.raises(MachineError, match=r"joint\.large\.gains: has no controller gains"):
-        parameters.gains(bare, "large")
+        parameters.control(bare)
 
 
 def test_angles_outside_the_stroke() -> None:

@@ -32,8 +32,10 @@ def varied(name: str) -> list[tuple[str, Machine]]:
 
 def numbers(machine: Machine) -> list[Any]:
     """All parameters of the laws."""
-    gains = tuple(parameters.gains(machine, joint) for joint in machine.joints)
-    return list(leaves((parameters.arm(machine), parameters.joints(machine), gains, parameters.surroundings(machine))))
+    settings = parameters.control(machine)
+    return list(
+        leaves((parameters.arm(machine), parameters.joints(machine), settings, parameters.surroundings(machine)))
+    )
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -6,28 +6,29 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.gains import Gains, Phase
-from layflat.physics.arm import OneLink, TwoLink
+from layflat.control.paper.settings import Gains, Phase, Report, Settings
+from layflat.physics.arms.planar import OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 from layflat.physics.hose import Stroke
+from layflat.physics.hysteresis.elasto_slip import ElastoSlip
 from layflat.physics.joint import Hose, Joint, Surroundings
-from layflat.physics.loss import Loss
 from layflat.physics.sensor import Sensor
-from layflat.physics.spool import Spool
-from layflat.physics.spool_valve import SpoolValve
 from layflat.physics.stop import Stops
-from layflat.physics.switching_valve import Switch, SwitchingPair
+from layflat.physics.valves.spool import SpoolValve
+from layflat.physics.valves.spool_motion import Spool
+from layflat.physics.valves.switching import Switch, SwitchingPair
 from layflat.sim.kernel import Sample, Signals, Timing, run_cycles
 
 Floats = NDArray[np.float64]
 
 CYCLE = 0.005
-DEFAULT = Timing(CYCLE, 20, 1, False)
+SIGNALS = len(Report._fields)
+DEFAULT = Timing(CYCLE, 20, 1)
 AROUND = Surroundings(5.01e5, 293.15, 1.013e5, 293.15, 0.0)
 FREE = Stops(radians(66.5), 50.0, radians(70.0), 2000.0, 5.0)
 NO_STOPS = Stops(1e3, 0.0, 1e3, 0.0, 0.0)
-NO_LOSS = Loss(*[0.0] * 9)
+NO_LOSS = ElastoSlip(*[0.0] * 9)
 RIGID = Chamber(1.2e-4, 0.0, 1.0)
 VALVE = SpoolValve(
     Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0, 0.0
@@ -46,11 +47,11 @@ ONE_LINK = OneLink(0.32, 1.0, 0.4, 0.0, 0.0)
 TWO_LINKS = TwoLink(0.46, 0.04, 0.025, 1.0, 0.1, 0.4, 0.4, radians(90.0), 0.0, 0.0)
 
 
-def losses(torque: float) -> Loss:
+def losses(torque: float) -> ElastoSlip:
     """Three elements that slip at `torque` N m in all at 4 bar, a quarter of it without pressure."""
     share = torque / 3.0
     stiffness = [share / radians(angle) for angle in (2.0, 6.0, 15.0)]
-    return Loss(*stiffness, *[0.25 * share] * 3, *[0.75 * share / 4e5] * 3)
+    return ElastoSlip(*stiffness, *[0.25 * share] * 3, *[0.75 * share / 4e5] * 3)
 
 
 def joint(K: float, dead_volume: float, compliance: float = 0.0) -> Joint:
@@ -106,7 +107,8 @@ def run(
     n = len(joints)
     start = np.array(np.broadcast_to(angles, n), float)
     filled = np.array(np.broadcast_to(pressure, (n, 2)), float)
-    records, rows, diverged = run_cycles(arm, joints, (GAINS,) * n, AROUND, start, filled, acting, timing)
+    settings = Settings((GAINS,) * n)
+    records, _, rows, diverged = run_cycles(arm, joints, settings, AROUND, start, filled, acting, timing, SIGNALS)
     assert diverged == -1
     return Run(records[:rows])
 

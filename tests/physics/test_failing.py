@@ -5,12 +5,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.jit import kernel
+from layflat.lanes import leaves
 from layflat.machine import load, parameters
 from layflat.physics.chamber import Chamber, air_mass, energy, temperature
 from layflat.physics.chamber import pressure as pressure_of
-from layflat.physics.failing import held_at, kinked, seized, through_hole
+from layflat.physics.failing import kinked, through_hole
 from layflat.physics.joint import Hose, HoseState, hose_at_rest
-from layflat.physics.valve import move, net_opening, start_wave
+from layflat.physics.valves import held_at, move, net_opening, seized, start_wave
 
 HOSE: Hose = parameters.joints(load("paper-small-joint"))[0].hose_a
 P_A = 101325.0
@@ -25,14 +26,14 @@ def test_a_hole_lets_out_air_as_warm_as_it_is(p: float, T: float, share: float) 
     assert pressure_of(chamber, after.energy, after.volume, P_A) == pytest.approx(after.pressure)
     assert temperature(chamber, after.pressure, after.mass, after.volume, P_A) == pytest.approx(T)
     assert after.mass <= before.mass * (1.0 + 1e-12)
-    assert (after.volume, after.loss_1) == (before.volume, before.loss_1)
+    assert (after.volume, after.loss) == (before.volume, before.loss)
 
 
 def test_a_hole_without_a_share_changes_next_to_nothing() -> None:
     p, T = 3e5, 293.0
     before: HoseState = hose_at_rest(HOSE, 0.5, p, T, P_A)
     after: HoseState = through_hole(HOSE, before, 0.0, P_A)
-    assert tuple(after) == pytest.approx(tuple(before))
+    assert list(leaves(after)) == pytest.approx(list(leaves(before)))
     assert before.mass == air_mass(HOSE.chamber, p, T, before.volume, P_A)
     assert before.energy == energy(HOSE.chamber, p, before.volume, P_A)
 
@@ -42,7 +43,7 @@ def opening_after(valve: Any, state: Any, command: float, steps: int) -> Any:
     h = 0.25e-3
     for i in range(steps):
         state, fills, vents = move(valve, state, command, start_wave(valve, i * h, h), h)
-    return net_opening(state), fills, vents
+    return net_opening(valve, state), fills, vents
 
 
 @pytest.mark.parametrize("name", ["paper-small-joint", "paper-small-joint-switching"])

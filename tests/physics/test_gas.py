@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from layflat.physics.chamber import Chamber
 from layflat.physics.hose import Stroke, swept_volume
 from layflat.physics.joint import Joint
-from layflat.physics.spool import Spool
+from layflat.physics.valves.spool_motion import Spool
 from layflat.sim.kernel import Timing
 
 pytestmark = pytest.mark.compiled
@@ -29,7 +29,7 @@ def locked_joint(conductance: float, compliance: float = 0.0) -> Joint:
 
 def locked_run(joint: Joint, opening: Floats, steps: int = 20) -> Run:
     acting = signals(len(opening), 1, opening=opening[:, None], brake=LOCKED)
-    done = run(ONE_LINK, (joint,), acting, Timing(CYCLE, steps, 1, False), pressure=2e5)
+    done = run(ONE_LINK, (joint,), acting, Timing(CYCLE, steps, 1), pressure=2e5)
     assert np.all(done.column("angle") == 0.0)
     return done
 

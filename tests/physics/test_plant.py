@@ -33,7 +33,7 @@ def sines(brakes: bool, cycles: int = 800) -> Signals:
 
 
 def swing(brakes: bool, steps: int) -> Run:
-    return run(TWO_LINKS, JOINTS, sines(brakes), Timing(CYCLE, steps, 1, False))
+    return run(TWO_LINKS, JOINTS, sines(brakes), Timing(CYCLE, steps, 1))
 
 
 def miss(ours: Run, reference: Run) -> float:
@@ -61,7 +61,7 @@ def test_pulses_meet_no_step_and_cost_no_accuracy() -> None:
     joints = tuple(one._replace(valve=PAIR) for one in JOINTS)
 
     def swing(steps: int) -> Run:
-        return run(TWO_LINKS, joints, sines(True), Timing(CYCLE, steps, 1, False))
+        return run(TWO_LINKS, joints, sines(True), Timing(CYCLE, steps, 1))
 
     reference = swing(2000)
     assert np.degrees(np.ptp(reference.column("angle"), axis=0)).min() > 5.0
@@ -90,7 +90,7 @@ def test_an_hour_at_rest_moves_nothing() -> None:
         TWO_LINKS,
         JOINTS,
         signals(3600, 2, brake=BRAKES, load=0.6 * BRAKES, payload=PAYLOAD),
-        Timing(1.0, 4000, 1, False),
+        Timing(1.0, 4000, 1),
         angles=(0.2, -0.3),
     )
     assert np.all(hour.column("angle") == [0.2, -0.3])
@@ -124,7 +124,7 @@ def test_mirrored_machines_move_alike_but_for_the_dither() -> None:
 @pytest.mark.parametrize("records", [2, 4])
 def test_looking_more_often_changes_no_bit(records: int) -> None:
     coarse = run(TWO_LINKS, JOINTS, sines(True, 8)).records
-    fine = run(TWO_LINKS, JOINTS, sines(True, 8), Timing(CYCLE, 20, records, False)).records
+    fine = run(TWO_LINKS, JOINTS, sines(True, 8), Timing(CYCLE, 20, records)).records
     assert np.array_equal(coarse, fine[::records])
 
 

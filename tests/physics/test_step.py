@@ -8,8 +8,8 @@ from layflat.jit import composition, kernel
 from layflat.lanes import halves, join
 from layflat.physics.dither import Dither
 from layflat.physics.joint import joint_at_rest
-from layflat.physics.step import at_hand, finish, middle, set_running
-from layflat.physics.valve import Valve, start_wave, turn_wave
+from layflat.physics.step import finish, midpoint, pack, unpack
+from layflat.physics.valves import start_wave, turn_wave
 
 H = 2.5e-4
 STILL = Dither(0.0, 1.0, 0.0, 1.0)
@@ -18,12 +18,12 @@ STILL = Dither(0.0, 1.0, 0.0, 1.0)
 @composition
 def advanced(joint: Any, state: Any, opening: Any, v: Any, around: Any) -> Any:
     """A few steps with the velocities prescribed."""
-    running, wave = set_running(state), start_wave(joint.valve, 0.0, H)
+    running, wave = pack(state), start_wave(joint.valve, 0.0, H)
     for _ in range(20):
-        mid = middle(joint, running, opening, wave, around, H)
+        mid = midpoint(joint, running, opening, wave, around, H)
         running = finish(joint, running, mid, v, 0.0 * v, 0.0 * v, H)
-        wave = turn_wave(wave)
-    return at_hand(running)
+        wave = turn_wave(joint.valve, wave)
+    return unpack(running)
 
 
 @kernel
@@ -41,7 +41,7 @@ def alone(joint: Any, state: Any, opening: float, v: float, around: Any) -> Any:
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("valve", [VALVE, PAIR], ids=["spool", "switching"])
-def test_joints_side_by_side_are_bit_for_bit_joints_alone(valve: Valve) -> None:
+def test_joints_side_by_side_are_bit_for_bit_joints_alone(valve: Any) -> None:
     large, small = LARGE._replace(valve=valve), SMALL._replace(valve=valve)
     state_1, state_2 = joint_at_rest(large, 0.3, 4e5, 3e5, AROUND), joint_at_rest(small, -0.2, 2e5, 3.5e5, AROUND)
     first, second = side_by_side(large, small, state_1, state_2, AROUND)
@@ -53,9 +53,9 @@ def test_joints_side_by_side_are_bit_for_bit_joints_alone(valve: Valve) -> None:
 @composition
 def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, around: Any) -> Any:
     """One step with the velocity prescribed: the state after it, and the torques in its middle."""
-    running = set_running(state)
-    mid = middle(joint, running, 0.0, STILL, around, H)
-    return at_hand(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
+    running = pack(state)
+    mid = midpoint(joint, running, 0.0, STILL, around, H)
+    return unpack(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
 
 
 def test_a_step_drifts_and_books_what_it_did() -> None:
@@ -71,7 +71,7 @@ def test_a_step_drifts_and_books_what_it_did() -> None:
 
 @composition
 def joined_and_parted(state: Any) -> Any:
-    return at_hand(set_running(state))
+    return unpack(pack(state))
 
 
 def test_parting_undoes_joining() -> None:

@@ -13,7 +13,7 @@ from layflat.physics.delay import NOTHING_ASKED, delayed
 from layflat.physics.joint import Drive, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.sensor import read_sensor
-from layflat.physics.valve import commanded_opening, start_wave
+from layflat.physics.valves import commanded_opening, start_wave
 
 Array = NDArray[np.float64]
 

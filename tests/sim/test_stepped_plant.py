@@ -2,12 +2,11 @@ from math import exp
 
 import numpy as np
 import pytest
+from controllers import Controller
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.physics.failing import BURST_TIME
@@ -34,14 +33,12 @@ EVENTFUL = Scenario(
 def one_by_one(machine: Machine, acting: Signals, seed: int) -> dict[str, NDArray[np.float64]]:
     """What a loop in Python makes of what acts on a machine: columns by name, (instants, joints)."""
     plant, calm = (SteppedPlant(machine, start=0.0, seed=seed, noise=noisy) for noisy in (True, False))
-    gains = [parameters.gains(machine, name) for name in plant.joints]
-    memories = [start(Measurement(float(x), float(dp), CYCLE)) for x, dp in zip(*calm.sense(), strict=True)]
-    rows, voltages, cycles = [], np.zeros(len(gains)), len(acting.demand)
+    controller = Controller(parameters.control(machine), *calm.sense())
+    rows, voltages, cycles = [], np.zeros(len(plant.joints)), len(acting.demand)
     for k in range(cycles + 1):
         angles, pressures = plant.sense()
-        for j in range(len(gains) if k < cycles else 0):
-            measured = Measurement(angles[j], pressures[j], CYCLE)
-            memories[j], voltages[j], _ = step(gains[j], memories[j], measured, acting.demand[k, j])
+        if k < cycles:
+            voltages = controller.voltages(angles, pressures, CYCLE, acting.demand[k])
         rows.append([plant.angles, plant.velocities, *plant.pressures.T, voltages.copy(), angles, pressures])
         if k < cycles:
             plant.payload, plant.supply, plant.load[:] = acting.payload[k], acting.supply[k], acting.load[k]

@@ -7,7 +7,7 @@ from studies import SMALL, written
 from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.machine.model import SpoolValve
+from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
 
@@ -37,7 +37,7 @@ def test_a_variant_is_the_machine_with_what_differs(tmp_path: Path) -> None:
     usual = load("paper-small-joint")
     one, big, smooth = (variant.machine for variant in read(written(tmp_path, SMALL + VARIANTS)).variants)
     assert one == usual
-    assert isinstance(usual.valve, SpoolValve)
+    assert isinstance(usual.valve, SpoolValvePart)
     assert value_at(big, "valve.conductance") == pytest.approx(2.0 * usual.valve.conductance)
     assert value_at(big, "valve.friction") == usual.valve.friction
     assert (value_at(smooth, "valve.friction"), value_at(smooth, "valve.dither.amplitude")) == (0.0, 0.0)

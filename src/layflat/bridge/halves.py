@@ -19,11 +19,11 @@ from layflat.physics.delay import Line
 from layflat.physics.failing import through_hole
 from layflat.physics.joint import JointState, Motion, Surroundings, is_sound
 from layflat.physics.sensor import read_sensor
-from layflat.physics.step import Running, at_hand, finish, middle, set_running
-from layflat.physics.valve import driven, start_wave, turn_wave
+from layflat.physics.step import Running, finish, midpoint, pack, unpack
+from layflat.physics.valves import driven, start_wave, turn_wave
 
 
-class Kept(NamedTuple):
+class Carry(NamedTuple):
     """What is kept of a joint from step to step."""
 
     state: JointState
@@ -40,7 +40,7 @@ class Span(NamedTuple):
     before: float
 
 
-class Seen(NamedTuple):
+class Outputs(NamedTuple):
     """Where a joint is: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
 
     angle: float
@@ -50,7 +50,7 @@ class Seen(NamedTuple):
 
 
 class Kernels(NamedTuple):
-    """Compiled for a kind of joint. The first arguments are rows of numbers: of `Joint`, and of `Kept`.
+    """Compiled for a kind of joint. The first arguments are rows of numbers: of `Joint`, and of `Carry`.
 
     MuJoCo's arrays are handed over whole, with the places and degrees of freedom of the joints in them.
     """
@@ -64,7 +64,7 @@ class Kernels(NamedTuple):
     settle: Callable[..., int]
     """`settle(joints, kept, around, span, places, dofs, qpos, qvel, q, v, after, impulses, loads, holes, seen)`: stop
     the joints of which the brakes left the velocity 0.0 (`after`) where they were, and move on through the step; the
-    brakes' impulses (N m s) and outer loads are booked, hoses lose air through holes. Writes rows of `Seen`; returns
+    brakes' impulses (N m s) and outer loads are booked, hoses lose air through holes. Writes rows of `Outputs`; returns
     the joint that diverged (-1: none)."""
     sample: Callable[..., None]
     """`sample(joints, seen, noise, out)`: what the sensors say, angles and differential pressures, (2, n)."""
@@ -73,7 +73,7 @@ class Kernels(NamedTuple):
 @composition
 def _coast(joint, running, opening, wave, around, h):
     # A step with the velocity that is there.
-    mid = middle(joint, running, opening, wave, around, h)
+    mid = midpoint(joint, running, opening, wave, around, h)
     motion = running.motion
     after = finish(joint, running, mid, motion.velocity, 0.0, 0.0, h)
     kept = Motion(after.motion.angle, motion.velocity, motion.velocity_change)
@@ -83,14 +83,14 @@ def _coast(joint, running, opening, wave, around, h):
 @composition
 def _to_kick(joint, kept, around, span, q, v):
     # Up to the kick at angle q: the state before the step in the middle, that step's wave, and its middle.
-    h, running = span.step, set_running(kept.state)
+    h, running = span.step, pack(kept.state)
     wave = start_wave(joint.valve, span.time, h)
     begin = Motion(q - (span.before + 0.5) * h * v, v, running.motion.velocity_change)
     running = Running(begin, running.valve, running.hoses, running.ledger)
     for _ in range(int(span.before)):
         running = _coast(joint, running, kept.opening, wave, around, h)
-        wave = turn_wave(wave)
-    return running, wave, middle(joint, running, kept.opening, wave, around, h)
+        wave = turn_wave(joint.valve, wave)
+    return running, wave, midpoint(joint, running, kept.opening, wave, around, h)
 
 
 @composition
@@ -99,9 +99,9 @@ def _through(joint, kept, around, span, q, v, after, impulse, load):
     running = finish(joint, running, mid, after, impulse, load, span.step)
     # What the velocity changed by leads the damping of the next step.
     for _ in range(int(span.before)):
-        wave = turn_wave(wave)
+        wave = turn_wave(joint.valve, wave)
         running = _coast(joint, running, kept.opening, wave, around, span.step)
-    return at_hand(running)
+    return unpack(running)
 
 
 @composition
@@ -127,7 +127,7 @@ def lead(dofs, v, bias, led, applied, qvel):
 _known: dict[str, Kernels] = {}
 
 
-def halves_of(joint: Any, kept: Kept) -> Kernels:
+def halves_of(joint: Any, kept: Carry) -> Kernels:
     """Kernels for joints whose numbers make up such tuples (of plain floats)."""
     # By text: tuples of different classes are equal where their items are.
     kind = repr((_zeros(joint), _zeros(kept)))
@@ -153,7 +153,7 @@ def _compiled(joint_like, kept_like):
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
             opening, line = driven(joint.valve, before.line, voltages[j], cycle)
-            write_numbers(kept[j], Kept(before.state, line, opening))
+            write_numbers(kept[j], Carry(before.state, line, opening))
 
     @kernel
     def push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, q, v, torques):
@@ -178,9 +178,9 @@ def _compiled(joint_like, kept_like):
             state = _leaked(joint, state, holes[j, 0], holes[j, 1], air.ambient_pressure)
             if not is_sound(state):
                 diverged = j
-            write_numbers(kept[j], Kept(state, before.line, before.opening))
+            write_numbers(kept[j], Carry(state, before.line, before.opening))
             motion = state.motion
-            write_numbers(seen[j], Seen(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure))
+            write_numbers(seen[j], Outputs(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure))
         return diverged
 
     @kernel

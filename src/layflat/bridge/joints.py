@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from layflat.bridge.brake import Brakes
 from layflat.bridge.engine import engine
-from layflat.bridge.halves import Kept, Seen, halves_of, lead
+from layflat.bridge.halves import Carry, Outputs, halves_of, lead
 from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, read_numbers, write_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.delay import NOTHING_ASKED
-from layflat.physics.failing import BURST_TIME, held_at, kinked, seized
+from layflat.physics.failing import BURST_TIME, kinked
 from layflat.physics.joint import FILLED, Ledger, Surroundings, joint_at_rest
 from layflat.physics.step import STEP
+from layflat.physics.valves import held_at, seized
 
 Array = NDArray[np.float64]
 
@@ -79,9 +80,9 @@ class PneumaticJoints:
         self._seized: dict[int, float] = {}
         self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
         self._shares, self._due = np.ones(n), 0.0
-        self._seen = np.zeros((n, len(Seen._fields)))
+        self._seen = np.zeros((n, len(Outputs._fields)))
         self._rest(model.qpos0[self._qpos])
-        self._like: Kept = self._at_rest(0, 0.0)
+        self._like: Carry = self._at_rest(0, 0.0)
         self._laws = np.array([list(leaves(joint)) for joint in self._healthy])
         self._kernels = halves_of(self._healthy[0], self._like)
         self._compile()
@@ -173,7 +174,7 @@ class PneumaticJoints:
         self._seized.pop(joint, None)
         if opening is not None:
             self._seized[joint] = opening
-            kept: Kept = read_numbers(self._like, self._kept[joint])
+            kept: Carry = read_numbers(self._like, self._kept[joint])
             valve = held_at(self._healthy[joint].valve, opening)
             write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
         self._set(joint)
@@ -213,12 +214,12 @@ class PneumaticJoints:
             self._new = False
             self._kernels.command(self._laws, self._kept, self._voltages, self._cycle)
 
-    def _at_rest(self, j: int, angle: float) -> Kept:
+    def _at_rest(self, j: int, angle: float) -> Carry:
         joint, air = self._healthy[j], Surroundings(*self._around)
         state = joint_at_rest(joint, angle, *self._pressures, air)
         if j in self._seized:
             state = state._replace(valve=held_at(joint.valve, self._seized[j]))
-        return Kept(state, NOTHING_ASKED, 0.0)
+        return Carry(state, NOTHING_ASKED, 0.0)
 
     def _rest(self, angles: Array) -> None:
         kept = [self._at_rest(j, float(angle)) for j, angle in enumerate(angles)]

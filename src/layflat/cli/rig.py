@@ -65,8 +65,7 @@ def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str
     from layflat.cli.virtual_rig import SimulatedRig  # noqa: PLC0415
     from layflat.machine import parameters  # noqa: PLC0415
 
-    for name in machine.joints:
-        parameters.gains(machine, name)
+    parameters.control(machine)
     if address == SIMULATED:
         return SimulatedRig(machine), f"{SIMULATED} by process {os.getpid()}"
     factory = DriverOf(address, machine)

@@ -1,1 +1,23 @@
-"""What the controller does every 5 ms."""
+"""Control laws, of any kind, for the whole arm. A new kind is one folder and one line here; see docs/kinds.md."""
+
+from layflat.control import paper
+from layflat.control.kind import Command, ControlKind, ControllerPart, Demand, Sensed
+from layflat.kinds import Table
+
+CONTROL_LAWS: Table[ControlKind] = Table("control law", paper.KIND)
+
+wake = CONTROL_LAWS.law("wake")
+step = CONTROL_LAWS.law("step")
+centre_shift = CONTROL_LAWS.law("centre_shift")
+
+__all__ = [
+    "CONTROL_LAWS",
+    "Command",
+    "ControlKind",
+    "ControllerPart",
+    "Demand",
+    "Sensed",
+    "centre_shift",
+    "step",
+    "wake",
+]

@@ -9,6 +9,14 @@ from math import sqrt
 
 from layflat.jit import law
 
+SIGNALS = {
+    "averaged_angle": ("rad", "angle averaged over the dither period"),
+    "averaged_velocity": ("rad/s", "velocity from the averaged angle"),
+    "averaged_pressure": ("Pa", "differential pressure averaged over the dither period"),
+    "ripple": ("Pa", "amplitude of the pressure at the dither frequency"),
+}
+"""Unit and meaning of what averages yield, under the names that laws and rigs give them."""
+
 
 @law
 def mean4(x_0, x_1, x_2, x_3):

@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from math import ceil, degrees, sqrt
 from typing import Any
 
+from layflat.control.paper import PaperGainsPart
 from layflat.design.request import SizingRequest
 from layflat.machine import Joint, Machine
 from layflat.machine.parameters import torque_constant, travel_volume
-from layflat.machine.parts import JointGains, Link
+from layflat.machine.parts import Link
 
 Tables = dict[str, Any]
 
@@ -195,7 +196,7 @@ def _slowness(sized: SizedJoint, model: Machine, base: Joint, ratios: _Ratios) -
     return min(1.0, sqrt(ratios.torque * models / own))
 
 
-def _gains(gains: JointGains, ratios: _Ratios, slowness: float) -> Tables:
+def _gains(gains: PaperGainsPart, ratios: _Ratios, slowness: float) -> Tables:
     """What differs from the model's gains; those of the error and the integral do not."""
     by_supply = f"the paper's small joint over {ratios.supply:.3g}: its share of the supply pressure"
     by_speed = f"the paper's small joint times {slowness:.3g}: sqrt of torque per inertia, relative to it, at most 1"

@@ -75,7 +75,7 @@ def limit_within(times: dict[float, float], allowed: float) -> float:
 def _settled(prepared: Prepared, payload: float) -> float:
     """Settling time of a prepared step with another payload (kg), s."""
     signals = prepared.signals._replace(payload=np.full_like(prepared.signals.payload, payload))
-    rows, diverged = replace(prepared, signals=signals).run()
+    rows, _, diverged = replace(prepared, signals=signals).run()
     cycle = prepared.timing.cycle
     error = rows[round(AT / cycle) :, 0, 0] - STEP / 2
     return inf if diverged >= 0 else settling_time(cycle * np.arange(len(error)), error, BAND)

@@ -7,8 +7,8 @@ from functools import cached_property
 
 from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
-from layflat.machine.model import SpoolValve
 from layflat.machine.parts import Joint
+from layflat.physics.valves.spool import SpoolValvePart
 
 RIGS = (
     "rig-polyester",
@@ -55,13 +55,13 @@ class Bench:
         return self.arm.joints[name]
 
     @property
-    def valve(self) -> SpoolValve:
+    def valve(self) -> SpoolValvePart:
         """The spool valve of the machine under test.
 
         Raises:
             MachineError: it has none.
         """
-        if not isinstance(self.arm.valve, SpoolValve):
+        if not isinstance(self.arm.valve, SpoolValvePart):
             raise MachineError("has no spool valve", where=self.arm.origin, right='add a valve of kind "spool"')
         return self.arm.valve
 

@@ -96,14 +96,14 @@ def _step(machine: Machine, step: float, inertia: float, brake: float) -> Scenar
 
 def swing(machine: Machine, inertia: float) -> float:
     """How far a joint without brake swings about its demand in the end, deg rms."""
-    rows, _ = prepare(machine, _step(machine, 40, inertia, 0.0)).run()
+    rows, _, _ = prepare(machine, _step(machine, 40, inertia, 0.0)).run()
     last = rows[int(0.7 * len(rows)) :, 0, 0] - radians(20.0)
     return degrees(float(np.sqrt(np.mean(np.square(last)))))
 
 
 def _judge(machine: Machine, case: Scenario, joint: int, goal: float, since: float, until: float) -> float:
     prepared = prepare(machine, case)
-    rows, diverged = prepared.run()
+    rows, _, diverged = prepared.run()
     return 20.0 if diverged >= 0 else _verdict(rows, prepared.timing.cycle, joint, goal, since, until)
 
 
@@ -172,7 +172,7 @@ def arm_cost(knobs: list[Knob], arm: Machine, values: Array) -> float:
             seed=2,
         )
         prepared = prepare(tried, case)
-        rows, diverged = prepared.run()
+        rows, _, diverged = prepared.run()
         if diverged >= 0:
             return 1e3
         cycle = prepared.timing.cycle

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement
+from layflat.control.paper.law import step_joint, wake_joint
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import sweep_spool
 from layflat.machine import Machine, parameters
-from layflat.machine.model import SpoolValve
+from layflat.physics.valves import VALVES
+from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim import rollout
 
 SETTLED = 1.0
@@ -63,9 +63,9 @@ def ripple(machine: Machine, brake: float, frequency: float) -> tuple[dict[str, 
     return angle, pressure
 
 
-def sweep_valve(valve: SpoolValve, amplitude: float, frequency: float) -> ValveSweep:
+def sweep_valve(valve: SpoolValvePart, amplitude: float, frequency: float) -> ValveSweep:
     """Sweep a valve's command slowly up and down over a fifth of its stroke."""
-    law = parameters.spool_valve(valve)
+    law = VALVES.parameters(valve)
     command = np.linspace(-0.2, 0.2, 81)
     both = np.concatenate([command, command[::-1]])
     lap = np.concatenate([both, both])
@@ -86,11 +86,11 @@ def frequency_response(frequency: NDArray[np.float64], cycle: float) -> NDArray[
 
 def followed(gains: Any, cycle: float, signal: NDArray[Any]) -> NDArray[np.float64]:
     """Return the angle that a controller uses where its sensor gives `signal`."""
-    memory = start(Measurement(float(signal[0]), 0.0, cycle))
+    memory = wake_joint(gains, float(signal[0]), 0.0)
     out = np.empty_like(signal)
     for i, value in enumerate(signal):
-        memory, _, status = step(gains, memory, Measurement(float(value), 0.0, cycle), 0.0)
-        out[i] = status.angle
+        memory, _, report = step_joint(gains, memory, float(value), 0.0, 0.0, cycle)
+        out[i] = report.averaged_angle
     return out
 
 
@@ -157,7 +157,7 @@ class Dither(Experiment):
     )
     def averaging(self) -> Evaluated:
         """Probe the angle that the controller uses with the dither's frequency and with a ramp."""
-        gains, cycle = parameters.gains(self.bench.arm, self.bench.arm.arm.joints[-1]), self.bench.arm.cycle
+        gains, cycle = parameters.control(self.bench.arm).joints[-1], self.bench.arm.cycle
         t = cycle * np.arange(200)
         swing = followed(gains, cycle, np.sin(2 * pi * self.bench.valve.dither.frequency * t + 0.3))[20:]
         suppression = float(-20.0 * np.log10(max(float(np.abs(swing).max()), 1e-12)))

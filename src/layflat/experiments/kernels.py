@@ -6,23 +6,29 @@ from math import pi
 
 import numpy as np
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement
+from layflat.control import Demand, Sensed, step, wake
 from layflat.jit import kernel
-from layflat.physics.spool import advance_spool
-from layflat.physics.spool_valve import path_conductance
+from layflat.lanes import gather, slots
+from layflat.physics.valves.spool import path_conductance
+from layflat.physics.valves.spool_motion import advance_spool
 
 
 @kernel
-def control_cycles(gains, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
-    """Run the controllers of all axes over many cycles of given samples; returns the sum of their voltages."""
-    total = 0.0
-    memories = [start(Measurement(angle[0], pressure[0], 0.005)) for _ in range(len(gains))]
+def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[no-untyped-def]
+    """Run the control law of all axes over many cycles of given samples; returns the sum of their voltages."""
+    like, total = settings.joints, 0.0
+    angles, pressures, demands = slots(like, angle[0]), slots(like, pressure[0]), slots(like, demand[0])
+    memory = wake(settings, Sensed(gather(like, angles), gather(like, pressures)))
+    still = gather(like, slots(like, 0.0))
     for i in range(cycles):
-        for j in range(len(gains)):
+        for j in range(len(like)):
             k = (i + j) % len(angle)
-            memories[j], voltage, _ = step(gains[j], memories[j], Measurement(angle[k], pressure[k], 0.005), demand[k])
-            total += voltage
+            angles[j], pressures[j], demands[j] = angle[k], pressure[k], demand[k]
+        sensed = Sensed(gather(like, angles), gather(like, pressures))
+        memory, command, _ = step(settings, memory, sensed, Demand(gather(like, demands), still, still), 0.005)
+        voltages = slots(command.voltage)
+        for j in range(len(like)):
+            total += voltages[j]
     return total
 
 

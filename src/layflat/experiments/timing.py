@@ -21,14 +21,14 @@ class Timing(Experiment):
     @cached_property
     def all_axes(self) -> float:
         """Median time of one cycle of all axes, s."""
-        gains = tuple(parameters.gains(self.bench.arm, name) for name in self.bench.arm.joints)
+        settings = parameters.control(self.bench.arm)
         noise = np.random.default_rng(5).standard_normal((3, 256))
         samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
-        control_cycles(gains, *samples, CYCLES)
+        control_cycles(settings, *samples, CYCLES)
         times = []
         for _ in range(BATCHES):
             begin = time.perf_counter()
-            control_cycles(gains, *samples, CYCLES)
+            control_cycles(settings, *samples, CYCLES)
             times.append((time.perf_counter() - begin) / CYCLES)
         return float(np.median(times))
 

@@ -9,7 +9,8 @@ it would write `and` and `or`.
 `write_row` is the way out of named tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named
 tuples and back, which costs far less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead
 from arrays into lanes and back: an item of a named tuple is a row there, a lane is a column. `slots` are lists without
-a heap, `gather` makes a tuple of what they hold, and `each` calls a law for every item of tuples.
+a heap, `gather` makes a tuple of what they hold, `total` adds the items of one, and `each` calls a law
+for every item of tuples.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.
@@ -31,6 +32,7 @@ from layflat.lanes.interpreted import (
     read_numbers,
     select,
     slots,
+    total,
     width,
     write_lanes,
     write_numbers,
@@ -51,6 +53,7 @@ __all__ = [
     "read_numbers",
     "select",
     "slots",
+    "total",
     "width",
     "write_lanes",
     "write_numbers",

@@ -181,12 +181,22 @@ def gather(like: Any, items: Any) -> Any:
     return tuple(items[i] for i in range(len(like)))
 
 
-def each(law: Callable[..., Any], *columns: tuple[Any, ...]) -> Any:
+def total(numbers: tuple[Any, ...]) -> Any:
+    """The sum of a tuple's items, one after the other."""
+    first, *others = numbers
+    for number in others:
+        first = first + number
+    return first
+
+
+def each(law: Callable[..., Any], *args: Any) -> Any:
     """A law called with the first items of some tuples, with the second ones and so on: the tuple of what it returns.
 
-    Of a law that returns several things (a plain tuple), a tuple of each: `memory, voltage = each(step, ...)`.
+    What is no plain tuple is given to every call as it is. Of a law that returns several things (a plain tuple), a
+    tuple of each: `memory, voltage = each(step, ...)`.
     """
-    found = [law(*items) for items in zip(*columns, strict=True)]
+    count = next(len(arg) for arg in args if type(arg) is tuple)
+    found = [law(*(arg[i] if type(arg) is tuple else arg for arg in args)) for i in range(count)]
     return tuple(zip(*found, strict=True)) if type(found[0]) is tuple else tuple(found)
 
 

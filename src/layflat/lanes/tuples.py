@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from typing import Any
 
 from numba.core import cgutils, types
@@ -13,7 +14,7 @@ from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import each, gather
+from layflat.lanes.interpreted import each, gather, total
 from layflat.lanes.slotting import SlotsType
 
 
@@ -41,9 +42,26 @@ def _gather_array(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.make_tuple(builder, sig.return_type, found)
 
 
-def _columns(law: Any, tuples: Any, context: Any) -> Any:
-    """Signature of a law for the first items of tuples; the types of all items of a tuple are one."""
-    return law.get_call_type(context, tuple(column.types[0] for column in tuples), {})
+@infer_global(total)
+class _Total(AbstractTemplate):
+    key = total
+
+    def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
+        return signature(args[0].types[0], args[0])
+
+
+@lower_builtin(total, types.BaseTuple)
+def _total(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    return reduce(builder.fadd, cgutils.unpack_tuple(builder, args[0]))
+
+
+def _plain(kind: Any) -> bool:
+    return isinstance(kind, types.BaseTuple) and not isinstance(kind, types.BaseNamedTuple)
+
+
+def _called(law: Any, args: Any, context: Any) -> Any:
+    """Signature of a law for the first items of plain tuples, which stand for all, and for what is none."""
+    return law.get_call_type(context, tuple(arg.types[0] if _plain(arg) else arg for arg in args), {})
 
 
 @infer_global(each)
@@ -51,26 +69,30 @@ class _Each(AbstractTemplate):
     key = each
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
-        law, *tuples = args
-        found, count = _columns(law, tuples, self.context).return_type, len(tuples[0])
-        if isinstance(found, types.BaseTuple) and not isinstance(found, types.BaseNamedTuple):
-            several = types.Tuple([types.UniTuple(item, count) for item in found.types])
-            return signature(several, *args)
+        law, *others = args
+        found = _called(law, others, self.context).return_type
+        count = next(len(arg) for arg in others if _plain(arg))
+        if _plain(found):
+            return signature(types.Tuple([types.UniTuple(item, count) for item in found.types]), *args)
         return signature(types.UniTuple(found, count), *args)
 
 
 @lower_builtin(each, types.Any, types.VarArg(types.Any))
 def _each(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    law, *tuples = sig.args
-    called = _columns(law, tuples, context.typing_context)
+    law, *others = sig.args
+    called = _called(law, others, context.typing_context)
     run = context.get_function(law, called)
     context.add_linking_libs(getattr(run, "libs", ()))
-    columns = [cgutils.unpack_tuple(builder, value) for value in args[1:]]
-    found = [run(builder, items) for items in zip(*columns, strict=True)]
-    if isinstance(called.return_type, types.BaseTuple) and not isinstance(called.return_type, types.BaseNamedTuple):
+    several, count = _plain(called.return_type), 0
+    columns = []
+    for kind, value in zip(others, args[1:], strict=True):
+        columns.append(cgutils.unpack_tuple(builder, value) if _plain(kind) else value)
+        count = len(kind) if _plain(kind) else count
+    found = [
+        run(builder, [column[i] if isinstance(column, list) else column for column in columns]) for i in range(count)
+    ]
+    if several:
         parts = zip(*(cgutils.unpack_tuple(builder, value) for value in found), strict=True)
-        made = [
-            context.make_tuple(builder, kind, list(part)) for kind, part in zip(sig.return_type, parts, strict=True)
-        ]
+        made = [context.make_tuple(builder, kind, part) for kind, part in zip(sig.return_type, parts, strict=True)]
         return context.make_tuple(builder, sig.return_type, made)
     return context.make_tuple(builder, sig.return_type, found)

@@ -13,7 +13,10 @@ from pydantic import AfterValidator, Field, model_validator
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.wrong import INPUT, wrong
+from layflat.kinds import AnyOf
+from layflat.machine.gains import Gains
 from layflat.machine.mass import body_mass
+from layflat.physics.hysteresis import HYSTERESIS, LossesPart
 
 
 def _at_most_half_round(wrap: float) -> float:
@@ -101,25 +104,6 @@ class DeflectingRoller(Part):
     bending_share: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
 
 
-class Losses(Part):
-    """How the losses of hose and strap depend on pressure and on the size of the motion."""
-
-    reference_pressure_gauge: u.PositivePressure
-    pressure_free: u.Share = Field(
-        description="part of the loss at reference pressure that does not grow with pressure"
-    )
-    deflections: tuple[u.PositiveAngle, u.PositiveAngle, u.PositiveAngle] = Field(
-        description="turn after which each of three elements slips, at reference pressure"
-    )
-    weights: tuple[u.Share, u.Share, u.Share] = Field(description="share of each element in the loss")
-
-    @model_validator(mode="after")
-    def _adds_up(self) -> Losses:
-        if abs(sum(self.weights) - 1.0) > 1e-9:
-            raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
-        return self
-
-
 class Brake(Part):
     """Friction on the output shaft: the brake that is put there, and what the bearings drag."""
 
@@ -184,13 +168,13 @@ class Joint(Part):
     output: Output
     strap: Strap
     cover: Cover
-    losses: Losses
+    losses: Annotated[LossesPart, AnyOf(HYSTERESIS)]
     brake: Brake
     stops: Stops
     link: Link
     body: Body
     deflecting_roller: DeflectingRoller | None = None
-    gains: JointGains | None = None
+    gains: Gains | None = None
 
     @model_validator(mode="after")
     def _derive(self) -> Joint:
@@ -207,32 +191,3 @@ class Joint(Part):
         if self.hose.width * 4 <= self.cylinder.diameter * (self.hose.wrap - self.hose.contact_end):
             raise ValueError("hose.width is too small for this cylinder and wrap: Eq. (1) would give no torque")
         return self
-
-
-class PhaseGains(Part):
-    """Gains of one phase of a move."""
-
-    error: u.ErrorGain
-    pressure: u.PressureGain
-
-
-class Threshold(Part):
-    """A phase holds below this error and this speed."""
-
-    error: u.PositiveAngle
-    speed: u.PositiveSpeed
-
-
-class JointGains(Part):
-    """Eq. (2) for one joint: three phases, where they begin, and the short-term integral."""
-
-    far: PhaseGains
-    near: PhaseGains
-    close: PhaseGains
-    near_below: Threshold
-    close_below: Threshold
-    integral: u.IntegralGain
-    integral_limit: u.VoltageOrZero
-
-
-Joint.model_rebuild()

@@ -1,4 +1,7 @@
-"""What is known of a machine in motion: the signals' names, units and meanings, simulated or recorded alike."""
+"""What is known of a machine in motion: the signals' names, units and meanings, simulated or recorded alike.
+
+What a control law reports is named by the law (see control/kind.py).
+"""
 
 SIGNALS: dict[str, tuple[str, str]] = {
     "demand": ("rad", "angle asked for"),
@@ -12,14 +15,6 @@ SIGNALS: dict[str, tuple[str, str]] = {
     "voltage": ("V", "control voltage"),
     "measured_angle": ("rad", "angle as sampled"),
     "measured_pressure": ("Pa", "differential pressure as sampled"),
-    "averaged_angle": ("rad", "angle averaged over the dither period"),
-    "averaged_velocity": ("rad/s", "velocity from the averaged angle"),
-    "averaged_pressure": ("Pa", "differential pressure averaged over the dither period"),
-    "ripple": ("Pa", "amplitude of the pressure at the dither frequency"),
-    "phase": ("1", "phase of the controller"),
-    "short_term": ("V", "short-term integral F"),
-    "long_term": ("V", "long-term integral FL"),
-    "learning": ("1", "1 while the long-term integral may build"),
     "hose_torque": ("N m", "torque lost in hose and strap"),
     "gas_work": ("J", "work of the air on the joint since the start"),
     "load_work": ("J", "work of external torques and gravity since the start"),

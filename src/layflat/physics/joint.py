@@ -3,15 +3,15 @@
 Hose A turns the joint forward, hose B back. How a joint moves stands in step.py.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from layflat.jit import law
 from layflat.physics.chamber import Chamber, air_mass, energy
 from layflat.physics.hose import EvenStroke, Stroke, swept_volume
-from layflat.physics.loss import Loss
+from layflat.physics.hysteresis import at_rest as relaxed
 from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
-from layflat.physics.valve import Valve, ValveState, at_rest
+from layflat.physics.valves import at_rest
 
 FILLED = 0.75
 """Pressure over that of the supply at the start, where equal leaks to supply and exhaust balance when choked."""
@@ -22,7 +22,7 @@ class Hose(NamedTuple):
 
     stroke: EvenStroke | Stroke
     chamber: Chamber
-    loss: Loss
+    loss: Any
     neutral: float
 
 
@@ -31,7 +31,7 @@ class Joint(NamedTuple):
 
     hose_a: Hose
     hose_b: Hose
-    valve: Valve
+    valve: Any
     stops: Stops
     viscous_friction: float
     brake_torque: float
@@ -61,7 +61,7 @@ class Drive(NamedTuple):
 
 
 class HoseState(NamedTuple):
-    """Energy (J), mass (kg), geometric volume (m3), pressure (Pa), last changes of both, element torques (N m)."""
+    """Energy (J), mass (kg), geometric volume (m3), pressure (Pa), last changes of both, state of the losses."""
 
     energy: float
     mass: float
@@ -69,9 +69,8 @@ class HoseState(NamedTuple):
     pressure: float
     pressure_change: float
     mass_change: float
-    loss_1: float
-    loss_2: float
-    loss_3: float
+    loss: Any
+    """Of the hysteresis (see hysteresis/kind.py)."""
 
 
 class Motion(NamedTuple):
@@ -103,7 +102,7 @@ class JointState(NamedTuple):
     """All that changes in a joint."""
 
     motion: Motion
-    valve: ValveState
+    valve: Any
     hose_a: HoseState
     hose_b: HoseState
     ledger: Ledger | AirTaken
@@ -114,7 +113,7 @@ def hose_at_rest(hose, travel, p, T, p_a):
     """State of a hose at a travel (rad), pressure (Pa) and temperature (K)."""
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     stored = energy(hose.chamber, p, volume, p_a)
-    return HoseState(stored, air_mass(hose.chamber, p, T, volume, p_a), volume, p, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return HoseState(stored, air_mass(hose.chamber, p, T, volume, p_a), volume, p, 0.0, 0.0, relaxed(hose.loss))
 
 
 @law

@@ -1,58 +1,20 @@
-"""The whole plant: an arm with its joints, advanced by a number of steps under constant drives.
+"""The whole plant: an arm with its joints, advanced by a number of steps under constant drives."""
 
-The arms differ only in how torques become velocities; `advance` picks the right one by the kind of arm.
-"""
-
-import numpy as np
-
-from layflat.jit import by_kind, composition, kernel
-from layflat.lanes import halves, join
-from layflat.physics.arm import (
-    LevelTwoLink,
-    OneLink,
-    TwoLink,
-    one_link_gravity,
-    one_link_mass,
-    one_link_tip,
-    two_link_coriolis,
-    two_link_gravity,
-    two_link_mass,
-    two_link_tip,
-)
+from layflat.jit import Law, composition, kernel
+from layflat.lanes import gather, halves, join, slots
+from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.friction import brake_one, brake_two
-from layflat.physics.step import at_hand, finish, middle, set_running
-from layflat.physics.trig import sincos
-from layflat.physics.valve import turn_wave
-
-
-@composition
-def _posture(arm, payload, q_1, q_2):
-    """M_11, M_12, M_22, the Coriolis coefficient, and the torques of gravity, at these angles."""
-    sines, cosines = sincos(join(q_1, q_2 + arm.elbow))
-    (sin_1, sin_2), (cos_1, cos_2) = halves(sines), halves(cosines)
-    M_11, M_12, M_22, coupling = two_link_mass(arm, payload, sin_2, cos_2)
-    g_1, g_2 = two_link_gravity(arm, payload, sin_1, cos_1, sin_2, cos_2)
-    return M_11, M_12, M_22, coupling, g_1, g_2
-
-
-@composition
-def _level_posture(arm, payload, q_1, q_2):  # noqa: ARG001  (as all postures)
-    sin_2, cos_2 = sincos(q_2 + arm.elbow)
-    M_11, M_12, M_22, coupling = two_link_mass(arm, payload, sin_2, cos_2)
-    return M_11, M_12, M_22, coupling, 0.0, 0.0
-
-
-posture = by_kind({TwoLink: _posture, LevelTwoLink: _level_posture})
+from layflat.physics.step import finish, midpoint, pack, unpack
+from layflat.physics.valves import turn_wave
 
 
 @composition
 def _step_two(arm, joints, running, drives, waves, around, h):
-    mid = middle(joints, running, drives.opening, waves, join(around, around), h)
-    (q_1, q_2), (led_1, led_2), (torque_1, torque_2) = halves(mid.angle), halves(mid.velocity), halves(mid.torque)
+    mid = midpoint(joints, running, drives.opening, waves, join(around, around), h)
+    torque_1, torque_2 = halves(mid.torque)
     v_1, v_2 = halves(running.motion.velocity)
     drive_1, drive_2 = halves(drives)
-    M_11, M_12, M_22, coupling, g_1, g_2 = posture(arm, around.payload, q_1, q_2)
-    c_1, c_2 = two_link_coriolis(coupling, led_1, led_2)
+    (M_11, M_12, M_22), (c_1, c_2), (g_1, g_2) = dynamics(arm, around.payload, halves(mid.angle), halves(mid.velocity))
     load_1, load_2 = drive_1.load_torque + g_1, drive_2.load_torque + g_2
     # The air's torques come last: all else is ready before them.
     p_1 = M_11 * v_1 + M_12 * v_2 + h * (c_1 + load_1) + h * torque_1
@@ -63,57 +25,53 @@ def _step_two(arm, joints, running, drives, waves, around, h):
 
 @composition
 def advance_two(arm, joints, states, drives, waves, around, h, n):
-    """Advance states and waves (lists) of both joints by n steps of h; each sequence holds one item a joint."""
+    """Advance states and waves (slots) of both joints by n steps of h; each sequence holds one item a joint."""
     both, drive, wave = join(joints[0], joints[1]), join(drives[0], drives[1]), join(waves[0], waves[1])
-    running = set_running(join(states[0], states[1]))
+    running = pack(join(states[0], states[1]))
     for _ in range(n):
         running = _step_two(arm, both, running, drive, wave, around, h)
-        wave = turn_wave(wave)
-    states[0], states[1] = halves(at_hand(running))
+        wave = turn_wave(both.valve, wave)
+    states[0], states[1] = halves(unpack(running))
     waves[0], waves[1] = halves(wave)
 
 
 @composition
 def _step_one(arm, joint, running, drive, wave, around, h):
-    mid = middle(joint, running, drive.opening, wave, around, h)
-    M = one_link_mass(arm, around.payload)
-    load = drive.load_torque + one_link_gravity(arm, around.payload, mid.angle)
-    v, J = brake_one(M, M * running.motion.velocity + h * load + h * mid.torque, h * drive.brake_torque)
+    mid = midpoint(joint, running, drive.opening, wave, around, h)
+    (M,), (c,), (g,) = dynamics(arm, around.payload, (mid.angle,), (mid.velocity,))
+    load = drive.load_torque + g
+    v, J = brake_one(M, M * running.motion.velocity + h * (c + load) + h * mid.torque, h * drive.brake_torque)
     return finish(joint, running, mid, v, J, load, h)
 
 
 @composition
 def advance_one(arm, joints, states, drives, waves, around, h, n):
-    """Advance state and wave (lists of one) of the only joint by n steps of h."""
-    joint, drive, wave, running = joints[0], drives[0], waves[0], set_running(states[0])
+    """Advance state and wave (slots of one) of the only joint by n steps of h."""
+    joint, drive, wave, running = joints[0], drives[0], waves[0], pack(states[0])
     for _ in range(n):
         running = _step_one(arm, joint, running, drive, wave, around, h)
-        wave = turn_wave(wave)
-    states[0], waves[0] = at_hand(running), wave
+        wave = turn_wave(joint.valve, wave)
+    states[0], waves[0] = unpack(running), wave
 
 
-advance = by_kind({OneLink: advance_one, TwoLink: advance_two, LevelTwoLink: advance_two})
-"""Advance an arm of any kind, in place: `advance(arm, joints, states, drives, waves, around, h, n)`."""
+_advance = ARMS.law(lambda laws: advance_one if laws.joints == 1 else advance_two)
 
 
-@composition
-def _tip_of_one(arm, angles):
-    return one_link_tip(arm, angles[0])
-
-
-@composition
-def _tip_of_two(arm, angles):
-    return two_link_tip(arm, angles[0], angles[1])
-
-
-tip = by_kind({OneLink: _tip_of_one, TwoLink: _tip_of_two, LevelTwoLink: _tip_of_two})
-"""Position of the tip (m), x along link 1 at mid-stroke, from the joints' angles (a list): `tip(arm, angles)`."""
+def _inlined(arm, joints, states, drives, waves, around, h, n):
+    """Advance an arm of any kind, in place: states and waves are slots with an item a joint."""
+    _advance(arm, joints, states, drives, waves, around, h, n)
 
 
 @kernel
-def tips_along(arm, q):
-    """Positions of the tip, (instants, 2), m, from angles (instants, joints), rad."""
-    tips = np.empty((len(q), 2))
-    for i in range(len(q)):
-        tips[i, 0], tips[i, 1] = tip(arm, q[i])
-    return tips
+def _advanced(arm, joints, states, drives, waves, around, h, n):
+    after, wave = slots(states), slots(waves)
+    _advance(arm, slots(joints), after, slots(drives), wave, around, h, n)
+    return gather(joints, after), gather(joints, wave)
+
+
+def _from_python(arm, joints, states, drives, waves, around, h, n):
+    # Steps are too many to be interpreted: they are compiled even where a loop in Python calls them.
+    states[:], waves[:] = _advanced(arm, tuple(joints), tuple(states), tuple(drives), tuple(waves), around, h, n)
+
+
+advance = Law(_inlined, _from_python)

@@ -14,17 +14,17 @@ Here a joint may be lanes of several joints. Its hoses are lanes in any case: al
 | h | step | s |
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from layflat.jit import by_kind, composition, law
-from layflat.lanes import halves, join
+from layflat.lanes import halves, join, total
 from layflat.physics.chamber import pressure_after_swelling, temperature_both_ways, wall_heat
 from layflat.physics.flow import warmth
 from layflat.physics.hose import swept_volume, torque_per_pressure
+from layflat.physics.hysteresis import torques, turned
 from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion
-from layflat.physics.loss import slip_all
 from layflat.physics.stop import stop_damping, stop_torque
-from layflat.physics.valve import ValveState, chamber_flow, move
+from layflat.physics.valves import chamber_flow, move
 
 STEP = 0.25e-3
 """Default step, s."""
@@ -34,7 +34,7 @@ class Running(NamedTuple):
     """State of a joint between the steps of a run, its hoses joined."""
 
     motion: Motion
-    valve: ValveState
+    valve: Any
     hoses: HoseState
     ledger: Ledger
 
@@ -44,7 +44,7 @@ class Middle(NamedTuple):
 
     angle: float
     velocity: float
-    valve: ValveState
+    valve: Any
     hoses: HoseState
     gas_torque: float
     loss_torque: float
@@ -54,20 +54,20 @@ class Middle(NamedTuple):
 
 
 @composition
-def set_running(state):
+def pack(state):
     """Join the hoses of a state."""
     return Running(state.motion, state.valve, join(state.hose_a, state.hose_b), state.ledger)
 
 
 @composition
-def at_hand(running):
-    """Part the hoses of a state: undoes `set_running`."""
+def unpack(running):
+    """Part the hoses of a state: undoes `pack`."""
     a, b = halves(running.hoses)
     return JointState(running.motion, running.valve, a, b, running.ledger)
 
 
 @law
-def _breathe(hose, state, travel, turn, valve, C_in, C_out, around, h):
+def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, air taken.
     p_a = around.ambient_pressure
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
@@ -82,10 +82,10 @@ def _breathe(hose, state, travel, turn, valve, C_in, C_out, around, h):
     stored = state.energy - p_0 * swell + h * heat
     p_1 = p_0 + h * heat * stiffness
     p_g = 0.5 * (p_0 + p_1) - p_a
-    f_1, f_2, f_3 = slip_all(hose.loss, state.loss_1, state.loss_2, state.loss_3, turn, p_g)
+    loss = turned(hose.loss, state.loss, turn, p_g, h)
     change = h * flow
-    after = HoseState(stored, state.mass + change, volume, p_1, p_1 - p_0, change, f_1, f_2, f_3)
-    return after, torque_per_pressure(hose.stroke, travel) * p_g, f_1 + f_2 + f_3, h * taken
+    after = HoseState(stored, state.mass + change, volume, p_1, p_1 - p_0, change, loss)
+    return after, torque_per_pressure(hose.stroke, travel) * p_g, total(torques(hose.loss, loss)), h * taken
 
 
 @law
@@ -99,14 +99,12 @@ def _swell(hose, state, travel):
         state.pressure,
         state.pressure_change,
         state.mass_change,
-        state.loss_1,
-        state.loss_2,
-        state.loss_3,
+        state.loss,
     )
 
 
 @composition
-def middle(joint, running, command, wave, around, h):
+def midpoint(joint, running, command, wave, around, h):
     """First half of a step: drift to the middle, move the valve, let the air flow, gather the torques."""
     motion = running.motion
     q = motion.angle + 0.5 * h * motion.velocity
@@ -115,7 +113,7 @@ def middle(joint, running, command, wave, around, h):
     valve, fills, vents = move(joint.valve, running.valve, command, wave, h)
     # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
     turn = h * motion.velocity
-    hoses, gas, loss, taken = _breathe(
+    hoses, gas, loss, taken = _exchange_gas(
         join(joint.hose_a, joint.hose_b),
         running.hoses,
         join(joint.hose_a.neutral + q, joint.hose_b.neutral - q),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine.model import SpoolValve
 from layflat.machine.parameters.drives import drive_parts
 from layflat.rig.driver import Capabilities
 
@@ -30,7 +29,7 @@ def check_capabilities(machine: Machine, found: Capabilities) -> None:
             abs(found.centre_voltage - valve.centre_voltage) > 1e-3 * valve.volts_to_full,
             f"it falls back to {found.centre_voltage:g} V, the valves are closed at {valve.centre_voltage:g} V",
         ),
-        (isinstance(valve, SpoolValve) and not found.dithers, "it does not add the dither"),
+        (valve.dithered is not None and not found.dithers, "it does not add the dither"),
         (
             found.shortest_cycle > cycle,
             f"its shortest cycle is {1000 * found.shortest_cycle:g} ms, the controller's {1000 * cycle:g} ms",

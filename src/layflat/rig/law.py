@@ -1,40 +1,48 @@
-"""The control law of a rig's joints, as its loop has it: numbers by name, and the signals that it tells."""
+"""The control law of a rig's joints, as its loop has it: numbers by name, and the signals that it reports."""
 
 from __future__ import annotations
 
-from layflat.control.controller import start
-from layflat.control.gains import Measurement
+from collections.abc import Sequence
+
+from layflat.control import CONTROL_LAWS, Sensed, wake
+from layflat.control.average import SIGNALS as AVERAGED
 from layflat.machine import Machine, parameters
-from layflat.machine.signals import SIGNALS
+from layflat.outside import blame_outside
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
-from layflat.rig.safety.cycle import Report
 
 
-class JointLaws:
-    """The law of every joint.
+class ArmLaw:
+    """The law of the whole arm.
 
     Args:
-        machine: with a controller and gains.
+        machine: with a controller.
 
     Raises:
-        MachineError: it has none.
+        MachineError: it has none, or a joint lacks gains.
     """
 
     def __init__(self, machine: Machine) -> None:
-        n = len(machine.joints)
-        self.settings = NamedRows([parameters.gains(machine, name) for name in machine.joints])
-        self.memory = NamedRows([start(Measurement(0.0, 0.0, 1.0))] * n)
-        self.memory.array[:] = 0.0
-        self.report = NamedRows([blank(Report)] * n)
+        settings, nothing = parameters.control(machine), (0.0,) * len(machine.joints)
+        self.kind = CONTROL_LAWS.of(settings)
+        with blame_outside():
+            memory = wake(settings, Sensed(nothing, nothing))
+        self.settings_as_given = settings
+        self.settings, self.memory = NamedRows([settings]), NamedRows([memory])
+        self.report = NamedRows([blank(self.kind.report)] * len(nothing))
         self.layout = layout_of(machine)
         """Of the rows that a loop with it records."""
+        self.told = [i for i, name in enumerate(self.kind.signals) if name not in AVERAGED]
+        """Columns of its report that stand in these rows."""
 
-    def wake(self, j: int, angle: float, pressure: float) -> None:
-        """Let a joint's law begin at this measurement, rad and Pa."""
-        self.memory.put(j, start(Measurement(angle, pressure, 1.0)))
+    def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:
+        """Let it begin at these measurements, rad and Pa, (joints,)."""
+        with blame_outside():
+            self.memory.put(0, wake(self.settings_as_given, Sensed(tuple(angles), tuple(pressures))))
 
 
 def layout_of(machine: Machine) -> Layout:
     """Where everything stands in the rows that a loop of a machine records."""
-    return Layout.of(list(machine.joints), {name: SIGNALS[name] for name in Report._fields})
+    signals = machine.control_law.signals
+    # What the rig estimates by itself is not told twice.
+    return Layout.of(list(machine.joints), {name: about for name, about in signals.items() if name not in AVERAGED})

@@ -15,7 +15,7 @@ from layflat.machine import Machine
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
-from layflat.rig.law import JointLaws
+from layflat.rig.law import ArmLaw
 from layflat.rig.record import RIG_SIGNALS, SHARED
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
@@ -93,7 +93,7 @@ class Loop:
     def __init__(
         self, machine: Machine, driver: Driver, clock: Clock, host: Host, recorder: Recorder | None = None
     ) -> None:
-        law = JointLaws(machine)
+        law = ArmLaw(machine)
         self.driver, self.clock, self.host = driver, clock, host
         self.recorder: Recorder = recorder if recorder is not None else NoRecorder()
         self.supervisor = Supervisor(machine, machine.cycle, law)

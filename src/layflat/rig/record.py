@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.control.average import SIGNALS as AVERAGED
 from layflat.machine.signals import SIGNALS
 
 SHARED: dict[str, tuple[str, str]] = {
@@ -32,12 +33,9 @@ SHARED: dict[str, tuple[str, str]] = {
 """Unit and meaning of what there is once."""
 
 RIG_SIGNALS: dict[str, tuple[str, str]] = {
-    name: SIGNALS[name]
-    for name in (
-        "demand", "voltage", "measured_angle", "measured_pressure", "averaged_angle", "averaged_velocity",
-        "averaged_pressure", "ripple",
-    )
-}  # fmt: skip
+    **{name: SIGNALS[name] for name in ("demand", "voltage", "measured_angle", "measured_pressure")},
+    **AVERAGED,
+}
 """Unit and meaning of what there is of every joint, whatever law controls it; behind it stands what the law tells."""
 
 JOINT_FAULT = {"joint_fault": ("1", "number of the joint's worst fault, 0 for none")}

@@ -11,24 +11,30 @@ import xarray
 from numpy.typing import NDArray
 
 import layflat
+from layflat.control import CONTROL_LAWS
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
 from layflat.machine.signals import attributes
-from layflat.sim.kernel import Sample, Signals, Timing
+from layflat.sim.kernel import Sample
 from layflat.sim.kinematics import tip_position
+from layflat.sim.run import Prepared
 from layflat.sim.scenario import Scenario
 
 
 def dataset(
-    machine: Machine, scenario: Scenario, acting: Signals, rows: NDArray[np.float64], timing: Timing
+    machine: Machine, scenario: Scenario, prepared: Prepared, rows: NDArray[np.float64], shown: NDArray[np.float64]
 ) -> xarray.Dataset:
-    """Name the columns of a run and lay demand and tip position beside them."""
+    """Name the columns of a run, those of the control law's report among them, and lay demand and tip beside them."""
+    acting, timing, law = prepared.signals, prepared.timing, CONTROL_LAWS.of(prepared.settings)
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
     names = list(machine.joints)
     run = xarray.Dataset(coords={"time": ("time", time, {"units": "s"}), "joint": names})
     for column, name in enumerate(Sample._fields):
         run[name] = (("time", "joint"), rows[:, :, column], attributes(name))
+    for column, name in enumerate(law.report._fields):  # type: ignore[attr-defined]  # a named tuple
+        unit, meaning = law.signals[name]
+        run[name] = (("time", "joint"), shown[:, :, column], {"units": unit, "long_name": meaning})
     cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.demand) - 1)
     run["demand"] = (("time", "joint"), acting.demand[cycle], attributes("demand"))
     run["payload"] = (("time",), acting.payload[cycle], attributes("payload"))

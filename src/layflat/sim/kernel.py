@@ -1,29 +1,28 @@
 """The compiled time loop of a run: sense, control, advance, record, one control cycle after the other."""
 
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement, Status
-from layflat.jit import kernel, law
-from layflat.lanes import write_row
+from layflat.control import wake
+from layflat.jit import composition, kernel, law
+from layflat.lanes import in_lanes, slots, total, write_row
 from layflat.physics.chamber import temperature
 from layflat.physics.delay import NOTHING_ASKED
+from layflat.physics.hysteresis import stored, torques
 from layflat.physics.joint import Drive, Surroundings, is_sound, joint_at_rest
-from layflat.physics.loss import stored_energy
 from layflat.physics.plant import advance
-from layflat.physics.sensor import read_sensor
-from layflat.physics.valve import driven, net_opening, start_wave
+from layflat.physics.valves import net_opening, start_wave
+from layflat.sim.cycle import Acting, Loop, control_cycle, sense_all
 
 
 class Timing(NamedTuple):
-    """How a run is cut: cycle (s), steps of the plant per cycle, records per cycle, 1 if the controller drives."""
+    """How a run is cut: cycle (s), steps of the plant per cycle, records per cycle."""
 
     cycle: float
     steps: int
     records: int
-    closed_loop: bool
 
 
 class Signals(NamedTuple):
@@ -32,7 +31,7 @@ class Signals(NamedTuple):
     demand: np.ndarray
     """rad, (cycles, joints)"""
     opening: np.ndarray
-    """Valve opening in an open-loop run, -1..1, (cycles, joints)"""
+    """Valve opening in an open-loop run, -1..1, (cycles, joints); not a number where the controller drives."""
     brake: np.ndarray
     """Torque at which the brake slips, N m, (cycles, joints)"""
     load: np.ndarray
@@ -60,14 +59,6 @@ class Sample(NamedTuple):
     voltage: float
     measured_angle: float
     measured_pressure: float
-    averaged_angle: float
-    averaged_velocity: float
-    averaged_pressure: float
-    ripple: float
-    phase: float
-    short_term: float
-    long_term: float
-    learning: float
     hose_torque: float
     gas_work: float
     load_work: float
@@ -82,10 +73,9 @@ COLUMNS = len(Sample._fields)
 
 
 @law
-def _sample(joint, state, around, measured, voltage, memory, status):
+def _sample(joint, state, around, measured_angle, measured_pressure, voltage):
     motion, a, b, ledger = state.motion, state.hose_a, state.hose_b, state.ledger
-    loss_a, loss_b = joint.hose_a.loss, joint.hose_b.loss
-    p_a = around.ambient_pressure
+    loss_a, loss_b, p_a = joint.hose_a.loss, joint.hose_b.loss, around.ambient_pressure
     return Sample(
         motion.angle,
         motion.velocity,
@@ -93,94 +83,105 @@ def _sample(joint, state, around, measured, voltage, memory, status):
         b.pressure,
         temperature(joint.hose_a.chamber, a.pressure, a.mass, a.volume, p_a),
         temperature(joint.hose_b.chamber, b.pressure, b.mass, b.volume, p_a),
-        net_opening(state.valve),
+        net_opening(joint.valve, state.valve),
         voltage,
-        measured.angle,
-        measured.differential_pressure,
-        status.angle,
-        status.velocity,
-        status.differential_pressure,
-        status.ripple,
-        status.phase,
-        memory.short_term,
-        memory.long_term,
-        status.drift_learnt,
-        a.loss_1 + a.loss_2 + a.loss_3 + b.loss_1 + b.loss_2 + b.loss_3,
+        measured_angle,
+        measured_pressure,
+        total(torques(loss_a, a.loss) + torques(loss_b, b.loss)),
         ledger.gas_work,
         ledger.load_work,
         ledger.hose_work,
-        stored_energy(loss_a, a.loss_1, a.loss_2, a.loss_3) + stored_energy(loss_b, b.loss_1, b.loss_2, b.loss_3),
+        stored(loss_a, a.loss) + stored(loss_b, b.loss),
         ledger.brake_heat,
         ledger.damping_heat,
         ledger.air_taken,
     )
 
 
-@law
-def sense(joint, state, noise_angle, noise_pressure, elapsed):
-    """What the controller is given of a joint."""
-    return Measurement(
-        read_sensor(joint.angle_sensor, state.motion.angle, noise_angle),
-        read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise_pressure),
-        elapsed,
+@composition
+def _record(out, shown, row, joints, states, around, sensed, voltages, report):
+    angles, pressures, reports = slots(sensed.angle), slots(sensed.differential_pressure), slots(report)
+    for j in range(len(sensed.angle)):
+        write_row(out, row, j, _sample(joints[j], states[j], around, angles[j], pressures[j], voltages[j]))
+        write_row(shown, row, j, reports[j])
+
+
+@composition
+def _acting(signals, k, j):
+    return Acting(
+        signals.demand[k, j],
+        signals.opening[k, j],
+        nan,
+        0.0,
+        signals.brake[k, j],
+        signals.load[k, j],
+        signals.drift[k, j],
+        signals.noise[k, j, 0],
+        signals.noise[k, j, 1],
+    )
+
+
+@composition
+def _surroundings(air, signals, k):
+    return Surroundings(
+        signals.supply[k],
+        air.supply_temperature,
+        air.ambient_pressure,
+        air.ambient_temperature,
+        signals.payload[k],
     )
 
 
 @kernel
-def run_cycles(arm, joints, gains, around, angles, pressures, signals, timing):
+def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, reported):
     """Run all cycles of a scenario from rest.
 
-    Args: parameter tuples of `physics` and `control`, start angles (joints,) in rad, start pressures (joints, 2) in Pa,
-    `Signals`, `Timing`. Returns the records (instants, joints, columns of `Sample`), how many instants are
-    valid, and the joint that diverged (-1: none).
+    Args: parameter tuples of `physics` and `control`: of the arm, of the joints, of the control law, of the air; start
+    angles (joints,) in rad; start pressures (joints, 2) in Pa; `Signals`; `Timing`; how many signals the law reports of
+    a joint. Returns the records (instants, joints, columns of `Sample`), those of the law's report (instants, joints,
+    reported), how many instants are valid, and the joint that diverged (-1: none).
     """
     cycles, n = signals.demand.shape
     rows = cycles * timing.records + 1
-    out = np.empty((rows, n, COLUMNS))
-    sub = timing.steps // timing.records
-    h = timing.cycle / timing.steps
-    around = Surroundings(
-        signals.supply[0], around.supply_temperature, around.ambient_pressure, around.ambient_temperature, 0.0
+    out, shown = np.empty((rows, n, COLUMNS)), np.empty((rows, n, reported))
+    sub, h = timing.steps // timing.records, timing.cycle / timing.steps
+    around = _surroundings(air, signals, 0)
+    joints = slots(like)
+    states = slots(like, joint_at_rest(joints[0], angles[0], pressures[0, 0], pressures[0, 1], around))
+    calm = _acting(signals, 0, 0)
+    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    for j in range(1, n):
+        states[j] = joint_at_rest(joints[j], angles[j], pressures[j, 0], pressures[j, 1], around)
+    loop = Loop(
+        acting,
+        slots(like, Drive(0.0, 0.0, 0.0)),
+        slots(like, NOTHING_ASKED),
+        slots(like, start_wave(joints[0].valve, 0.0, h)),
+        slots(like, 0.0),
     )
-    joints, gains = list(joints), list(gains)
-    states = [joint_at_rest(joints[j], angles[j], pressures[j, 0], pressures[j, 1], around) for j in range(n)]
-    measured = [sense(joints[j], states[j], 0.0, 0.0, timing.cycle) for j in range(n)]
-    memories = [start(measured[j]) for j in range(n)]
-    statuses = [Status(angles[j], 0.0, 0.0, 0.0, 0.0, 0.0) for j in range(n)]
-    voltages = [gains[j].null for j in range(n)]
-    drives = [Drive(0.0, 0.0, 0.0) for j in range(n)]
-    lines = [NOTHING_ASKED for j in range(n)]
-    waves = [start_wave(joints[j].valve, 0.0, h) for j in range(n)]
+    sensed = sense_all(joints, like, states, acting)
+    memory = in_lanes(wake(settings, sensed), 0.0)
     row = 0
     for k in range(cycles):
-        around = Surroundings(
-            signals.supply[k],
-            around.supply_temperature,
-            around.ambient_pressure,
-            around.ambient_temperature,
-            signals.payload[k],
-        )
+        around = _surroundings(air, signals, k)
         for j in range(n):
-            measured[j] = sense(joints[j], states[j], signals.noise[k, j, 0], signals.noise[k, j, 1], timing.cycle)
-            memories[j], voltages[j], statuses[j] = step(gains[j], memories[j], measured[j], signals.demand[k, j])
-            valve = joints[j].valve
-            if not timing.closed_loop:
-                voltages[j] = valve.centre_voltage + valve.volts_to_full * signals.opening[k, j]
-            opening, lines[j] = driven(valve, lines[j], voltages[j] - signals.drift[k, j], timing.cycle)
-            drives[j] = Drive(opening, signals.brake[k, j], signals.load[k, j])
-            waves[j] = start_wave(valve, timing.cycle * k, h)
+            acting[j] = _acting(signals, k, j)
+        sensed, memory, report = control_cycle(
+            joints, like, settings, memory, states, loop, timing.cycle * k, timing.cycle, h
+        )
         for _ in range(timing.records):
-            for j in range(n):
-                sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
-                write_row(out, row, j, sample)
+            _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
             row += 1
-            advance(arm, joints, states, drives, waves, around, h, sub)
+            advance(arm, joints, states, loop.drives, loop.waves, around, h, sub)
             for j in range(n):
                 if not is_sound(states[j]):
-                    return out, row, j
+                    return out, shown, row, j
     for j in range(n):
-        noise = signals.noise[cycles, j]
-        measured[j] = sense(joints[j], states[j], noise[0], noise[1], timing.cycle)
-        sample = _sample(joints[j], states[j], around, measured[j], voltages[j], memories[j], statuses[j])
-        write_row(out, row, j, sample)
-    return out, row + 1, -1
+        last = acting[j]
+        acting[j] = Acting(
+            last.demand, last.opening, last.voltage, last.lead, last.brake, last.load, last.drift,
+            signals.noise[cycles, j, 0], signals.noise[cycles, j, 1],
+        )  # fmt: skip
+    sensed = sense_all(joints, like, states, acting)
+    _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
+    return out, shown, row + 1, -1

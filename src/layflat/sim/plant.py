@@ -12,13 +12,14 @@ from layflat.description import units as u
 from layflat.errors import DivergedError
 from layflat.lanes import leaves, read_numbers, write_numbers
 from layflat.machine import Machine, parameters
-from layflat.physics.failing import BURST_TIME, held_at, kinked, seized
+from layflat.physics.failing import BURST_TIME, kinked
 from layflat.physics.joint import FILLED, Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
+from layflat.physics.valves import held_at, seized
 from layflat.sim.run import start_angles, start_pressures, timing_of
 from layflat.sim.scenario import Angles, Pair, Scenario, Value
-from layflat.sim.stepping import Given, Kept, Seen, Setting, kept_at_rest, stepping
+from layflat.sim.stepping import Carry, Inputs, Outputs, Setting, kept_at_rest, stepping
 
 Array = NDArray[np.float64]
 
@@ -55,7 +56,7 @@ class SteppedPlant:
         payload: Value | None = None,
     ) -> None:
         cycle = machine.cycle
-        timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
+        timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), 1)
         scenario, n = Scenario(start=start, pressures=pressures), len(machine.joints)
         self.joints = tuple(machine.joints)
         self._steps, self._h = timing.steps, cycle / timing.steps
@@ -68,7 +69,7 @@ class SteppedPlant:
         self._kernels, self._like = stepping(self._healthy, kept[0]), kept[0]
         self._setting, self._kept = np.array(list(leaves(self._healthy))), np.array([list(leaves(one)) for one in kept])
         self._around = self._setting[-len(Surroundings._fields) :]
-        self._given, self._seen = np.zeros((n, len(Given._fields))), np.zeros((n, len(Seen._fields)))
+        self._given, self._seen = np.zeros((n, len(Inputs._fields))), np.zeros((n, len(Outputs._fields)))
         self._given[:, 0] = [joint.valve.centre_voltage for joint in self._healthy.joints]
         self._at, self._due = 0, -1
         self._seized: dict[int, float] = {}
@@ -162,7 +163,7 @@ class SteppedPlant:
             self._seized.pop(joint, None)
         else:
             self._seized[joint] = opening
-            kept: Kept = read_numbers(self._like, self._kept[joint])
+            kept: Carry = read_numbers(self._like, self._kept[joint])
             valve = held_at(self._healthy.joints[joint].valve, opening)
             write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
         self._set_joints()

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.gains import Gains
+from layflat.control import CONTROL_LAWS
+from layflat.control.running import running
 from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load, parameters
@@ -59,8 +60,8 @@ def rollout(
         )
     case = replace(scenario, **changes) if scenario is not None else Scenario(demand=demand, **changes)
     prepared = prepare(described, case, step=step, records=records)
-    rows, diverged = prepared.run()
-    run = dataset(described, case, prepared.signals, rows, prepared.timing)
+    rows, shown, diverged = prepared.run()
+    run = dataset(described, case, prepared, rows, shown)
     if diverged >= 0:
         names = list(described.joints)
         raise DivergedError(float(run.time[-1]), names[diverged], run)
@@ -79,21 +80,27 @@ def rollout_as_far(machine: str | Path | Machine, demand: Any = 0.0, **options: 
 class Prepared:
     """A run ready for the compiled loop: its arguments, in order."""
 
-    arm: parameters.Arm
+    arm: Any
     joints: tuple[Joint, ...]
-    gains: tuple[Gains, ...]
+    settings: Any
     around: Surroundings
     angles: NDArray[np.float64]
     pressures: NDArray[np.float64]
     signals: Signals
     timing: Timing
 
-    def run(self) -> tuple[NDArray[np.float64], int]:
-        """Records (instants, joints, columns of `Sample`) up to where it diverged, and in which joint (-1: none)."""
-        rows, valid, diverged = run_cycles(
-            self.arm, self.joints, self.gains, self.around, self.angles, self.pressures, self.signals, self.timing
+    def run(self) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+        """Records up to where it diverged, and in which joint that was (-1: none).
+
+        Returns:
+            (instants, joints, columns of `Sample`), (instants, joints, signals of the control law), and the joint.
+        """
+        law = CONTROL_LAWS.of(self.settings)
+        rows, shown, valid, diverged = running(law, run_cycles)(
+            *(self.arm, self.joints, self.settings, self.around, self.angles, self.pressures),
+            *(self.signals, self.timing, len(law.signals)),
         )
-        return rows[:valid], int(diverged)
+        return rows[:valid], shown[:valid], int(diverged)
 
 
 def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1) -> Prepared:
@@ -103,13 +110,13 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
         InputError: a machine, scenario or option is wrong.
     """
     cycle = machine.cycle
-    timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records, scenario.closed_loop)
+    timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records)
     joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)
     return Prepared(
         parameters.arm(machine),
         joints,
-        tuple(gains_of(machine, name, closed_loop=timing.closed_loop) for name in machine.joints),
+        parameters.control(machine, closed_loop=scenario.closed_loop),
         parameters.surroundings(machine),
         start_angles(scenario, machine, acting.demand),
         start_pressures(scenario, machine, FILLED * acting.supply[0]),
@@ -118,7 +125,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
     )
 
 
-def timing_of(cycle: float, step: float, records: int, closed_loop: bool) -> Timing:
+def timing_of(cycle: float, step: float, records: int) -> Timing:
     """How a run is cut into steps of about `step` seconds.
 
     Raises:
@@ -129,14 +136,7 @@ def timing_of(cycle: float, step: float, records: int, closed_loop: bool) -> Tim
     if records < 1:
         raise InputError(f"{records} is out of range", where="records", right="give 1 or more per cycle")
     per_record = max(1, round(cycle / step / records))
-    return Timing(cycle, per_record * records, records, closed_loop)
-
-
-def gains_of(machine: Machine, name: str, *, closed_loop: bool) -> Gains:
-    """Settings of a joint's controller; one that only watches where an open-loop run needs no more."""
-    if closed_loop or machine.joint[name].gains is not None:
-        return parameters.gains(machine, name)
-    return parameters.idle_gains(machine)
+    return Timing(cycle, per_record * records, records)
 
 
 def start_angles(scenario: Scenario, machine: Machine, demand: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -163,7 +163,7 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     gauge = np.where(np.isnan(own.supply), machine.supply.pressure_gauge, own.supply)
     return Signals(
         own.demand,
-        np.nan_to_num(_opening(own, machine)),
+        _opening(own, machine),
         own.brake * brakes,
         own.load,
         own.drift,

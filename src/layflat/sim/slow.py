@@ -1,46 +1,51 @@
 """A joint that is turned slowly at constant pressure, without inertia or air flow: torque = K p - losses - brake."""
 
-from typing import NamedTuple
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from layflat.jit import kernel, law
-from layflat.lanes import in_lanes, read_lanes, select, width, write_lanes
+from layflat.lanes import in_lanes, read_lanes, select, total, width, write_lanes
 from layflat.physics.hose import torque_per_pressure
-from layflat.physics.loss import slip_all
+from layflat.physics.hysteresis import at_rest, torques
+from layflat.physics.hysteresis import turned as losses_turned
 
 
 class Slow(NamedTuple):
-    """A joint on a slow sweep: its way, the torques of the slipping elements, torque without losses, and with (N m)."""
+    """A joint on a slow sweep: its way, the states of its losses, torque without losses, and with (N m)."""
 
     way: float
-    slip_a: tuple[float, float, float]
-    slip_b: tuple[float, float, float]
+    loss_a: Any
+    loss_b: Any
     lossless: float
     torque: float
 
 
-UNTURNED = Slow(1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0)
+@law
+def unturned(hose_a, hose_b):
+    """A joint before its first turn."""
+    return Slow(1.0, at_rest(hose_a.loss), at_rest(hose_b.loss), 0.0, 0.0)
 
 
 @law
 def turned(slow, hose_a, hose_b, q, turn, p_a, p_b, brake):
     """The joint turned by `turn` to angle q, at constant gauge pressures."""
     way = select(turn > 0.0, 1.0, select(turn < 0.0, -1.0, slow.way))
-    slip_a = slip_all(hose_a.loss, slow.slip_a[0], slow.slip_a[1], slow.slip_a[2], turn, p_a)
-    slip_b = slip_all(hose_b.loss, slow.slip_b[0], slow.slip_b[1], slow.slip_b[2], turn, p_b)
+    loss_a = losses_turned(hose_a.loss, slow.loss_a, turn, p_a, inf)
+    loss_b = losses_turned(hose_b.loss, slow.loss_b, turn, p_b, inf)
     pull = torque_per_pressure(hose_a.stroke, hose_a.neutral + q) * p_a
     push = torque_per_pressure(hose_b.stroke, hose_b.neutral - q) * p_b
     lossless = pull - push
-    lost = slip_a[0] + slip_a[1] + slip_a[2] + slip_b[0] + slip_b[1] + slip_b[2]
-    return Slow(way, slip_a, slip_b, lossless, lossless - lost - way * brake)
+    lost = total(torques(hose_a.loss, loss_a) + torques(hose_b.loss, loss_b))
+    return Slow(way, loss_a, loss_b, lossless, lossless - lost - way * brake)
 
 
 @kernel
 def sweep_joint(hose_a, hose_b, q, p_a, p_b, brake):
     """Torques with and without losses and brake along angles q (rad), N m, at constant gauge pressures."""
     torque, lossless = np.empty_like(q), np.empty_like(q)
-    slow = UNTURNED
+    slow = unturned(hose_a, hose_b)
     for i in range(len(q)):
         turn = q[i] - q[i - 1] if i > 0 else 0.0
         slow = turned(slow, hose_a, hose_b, q[i], turn, p_a, p_b, brake)
@@ -59,7 +64,7 @@ def sweep_many(like, numbers, forward, found):
     for first in range(0, len(found[0]), width()):
         hose_a, hose_b, brake, p, stroke = read_lanes(like, numbers[:, first:])
         zero = 0.0 * p
-        slow, q = in_lanes(UNTURNED, zero), -0.5 * stroke
+        slow, q = in_lanes(unturned(hose_a, hose_b), zero), -0.5 * stroke
         height, most = zero, zero
         for i in range(4 * points):
             lap, k = i // points, i % points

@@ -14,8 +14,8 @@ from layflat.physics.delay import NOTHING_ASKED, Line
 from layflat.physics.failing import through_hole
 from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound, joint_at_rest
 from layflat.physics.plant import advance
-from layflat.physics.valve import driven, start_wave
-from layflat.sim.kernel import sense
+from layflat.physics.valves import driven, start_wave
+from layflat.sim.cycle import sense
 
 
 class Setting(NamedTuple):
@@ -28,7 +28,7 @@ class Setting(NamedTuple):
     around: Surroundings
 
 
-class Kept(NamedTuple):
+class Carry(NamedTuple):
     """What is kept of a joint from call to call."""
 
     state: JointState
@@ -39,7 +39,7 @@ class Kept(NamedTuple):
     """To which the valve is driven, -1..1."""
 
 
-class Given(NamedTuple):
+class Inputs(NamedTuple):
     """What acts on a joint from outside."""
 
     voltage: float
@@ -50,7 +50,7 @@ class Given(NamedTuple):
     hole_b: float
 
 
-class Seen(NamedTuple):
+class Outputs(NamedTuple):
     """Where a joint is: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
 
     angle: float
@@ -65,7 +65,7 @@ class Stepping(NamedTuple):
     move: Callable[..., tuple[int, int]]
     """`move(setting, kept, given, seen, steps, at, last, due)` moves on from step `at` to step `last`.
 
-    Args: the numbers of a `Setting`; those of `Kept`, `Given` and `Seen`, a row a joint; steps per control cycle;
+    Args: the numbers of a `Setting`; those of `Carry`, `Inputs` and `Outputs`, a row a joint; steps per control cycle;
     steps until the voltages are handed on (the valves' delay counts these), below zero if they are new.
     Returns what is then left of these steps, and the joint that diverged (-1: none).
     """
@@ -74,17 +74,17 @@ class Stepping(NamedTuple):
     out (2, joints); noise: standard normal samples, (joints, 2)."""
 
 
-def kept_at_rest(setting: Setting, j: int, angle: float, pressures: Sequence[float], h: float) -> Kept:
+def kept_at_rest(setting: Setting, j: int, angle: float, pressures: Sequence[float], h: float) -> Carry:
     """A joint at rest at an angle (rad), with absolute pressures in hoses A and B (Pa), for steps of h (s)."""
     joint = setting.joints[j]
     state = joint_at_rest(joint, angle, *pressures, setting.around)
-    return Kept(state, start_wave(joint.valve, 0.0, h), NOTHING_ASKED, 0.0)
+    return Carry(state, start_wave(joint.valve, 0.0, h), NOTHING_ASKED, 0.0)
 
 
 _known: dict[str, Stepping] = {}
 
 
-def stepping(setting: Setting, kept: Kept) -> Stepping:
+def stepping(setting: Setting, kept: Carry) -> Stepping:
     """Kernels for machines whose numbers make up such tuples."""
     setting, kept = (mapped(like, lambda _: 0.0) for like in (setting, kept))
     # By text: tuples of different classes are equal where their items are.
@@ -95,7 +95,7 @@ def stepping(setting: Setting, kept: Kept) -> Stepping:
 
 
 def _mover(setting_like, kept_like):
-    given_like = Given(0.0, 0.0, 0.0, 0.0)
+    given_like = Inputs(0.0, 0.0, 0.0, 0.0)
 
     @kernel
     def move(setting, kept, given, seen, steps, at, last, due):
@@ -133,9 +133,9 @@ def _mover(setting_like, kept_like):
                     diverged = j
         for j in range(n):
             state = states[j]
-            write_numbers(kept[j], Kept(state, waves[j], lines[j], drives[j].opening))
+            write_numbers(kept[j], Carry(state, waves[j], lines[j], drives[j].opening))
             a, b = state.hose_a.pressure, state.hose_b.pressure
-            write_numbers(seen[j], Seen(state.motion.angle, state.motion.velocity, a, b))
+            write_numbers(seen[j], Outputs(state.motion.angle, state.motion.velocity, a, b))
         return due, diverged
 
     return move
@@ -155,11 +155,9 @@ def _leaked(joint, state, given, p_a):
 def _sampler(setting_like, kept_like):
     @kernel
     def sample(setting, kept, noise, out):
-        cycle = read_numbers(setting_like, setting).cycle
         joints = slots(read_numbers(setting_like, setting).joints)
         for j in range(len(kept)):
             state = read_numbers(kept_like, kept[j]).state
-            measured = sense(joints[j], state, noise[j, 0], noise[j, 1], cycle)
-            out[0, j], out[1, j] = measured.angle, measured.differential_pressure
+            out[0, j], out[1, j] = sense(joints[j], state, noise[j, 0], noise[j, 1])
 
     return sample

@@ -74,7 +74,7 @@ def sweep(
     """
     described = machine.joint[joint]
     hose_a = parameters.hose(described)
-    hose_b = hose_a if described.acting == "double" else parameters.NO_HOSE
+    hose_b = hose_a if described.acting == "double" else parameters.no_hose(hose_a)
     reach = described.stops.working_stroke if stroke is None else stroke
     if not 0.0 < pressure <= HIGHEST:
         right = f'pressure must be positive and at most {HIGHEST / 1e5:g} bar, such as "3 bar"'

@@ -35,7 +35,7 @@ def check(machine: Machine, scenarios: Sequence[Scenario], drawn: Samples, step:
         with _inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
             cases(machine, [scenario], {}, 1).runs(np.array([0]))
     with _inside(f"{where}: ", {"scenario", "step"}):
-        timing_of(cases(machine, list(scenarios), {}, 1).cycle, step, 1, closed_loop=True)
+        timing_of(cases(machine, list(scenarios), {}, 1).cycle, step, 1)
     _check_settings(scenarios, drawn, where)
     _check_bounds(machine, drawn, where)
     _check_together(machine, drawn, where)

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.control.paper import PaperGainsPart
 from layflat.description.change import changed, value_at
 from layflat.errors import MachineError
 from layflat.machine import Machine
-from layflat.machine.parts import JointGains
 
 Array = NDArray[np.float64]
 
@@ -122,5 +122,5 @@ def with_gains(machine: Machine) -> Machine:
         (neutral.setdefault(table, {}) if table else neutral)[key] = f"{gain.neutral:g} {gain.unit}"
     for name, joint in machine.joints.items():
         if joint.gains is None:
-            machine = changed(machine, f"joint.{name}.gains", JointGains.model_validate(neutral))
+            machine = changed(machine, f"joint.{name}.gains", PaperGainsPart.model_validate(neutral))
     return machine

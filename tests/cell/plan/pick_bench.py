@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from controllers import Controller
 from numpy.typing import NDArray
 
 from layflat.cell.plan.limits import MotionLimits
@@ -12,9 +13,6 @@ from layflat.cell.plan.motion import LEAD, Path, move_arm, travel
 from layflat.cell.plan.pick import Command, Phase, Readings, Rules, State, Task
 from layflat.cell.plan.pick_machine import begun, step
 from layflat.cell.reach import Reach
-from layflat.control.controller import start as woken
-from layflat.control.controller import step as controlled
-from layflat.control.gains import Measurement, Status
 from layflat.machine import Machine, parameters
 from layflat.sim.plant import SteppedPlant
 
@@ -48,12 +46,9 @@ class Bench:
     def __init__(self, machine: Machine, start: Array, seed: int = 0) -> None:
         self.machine, self.reach = machine, Reach(machine)
         self.rules = Rules(tip=self.reach.tip, clear=(0.9, 0.5))
-        n = len(machine.joints)
         self.plant = SteppedPlant(machine, start=start.tolist(), seed=seed, payload=1.2)
-        self.gains = [parameters.gains(machine, name) for name in machine.joints]
-        self.memory = [woken(Measurement(*sensed, 1.0)) for sensed in zip(*self.plant.sense(), strict=True)]
-        self.status = [Status(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)] * n
-        self.voltages, self.demands = np.zeros(n), start.copy()
+        self.controller = Controller(parameters.control(machine), *self.plant.sense())
+        self.demands = start.copy()
         self.rows: list[Array] = []
         self.height, self.lift_speed, self.vacuum, self.cycles = 0.15, 0.0, 0.0, 0
         self.sealed, self.fruit_height = False, 0.0
@@ -78,8 +73,9 @@ class Bench:
 
     def measure(self) -> Readings:
         """As the controllers and switches tell."""
-        angles = tuple(float(status.angle) for status in self.status)
-        velocities = tuple(float(status.velocity) for status in self.status)
+        report = self.controller.report
+        angles = tuple(float(joint.averaged_angle) for joint in report) or (0.0,) * len(self.demands)
+        velocities = tuple(float(joint.averaged_velocity) for joint in report) or (0.0,) * len(self.demands)
         return Readings(CYCLE * self.cycles, angles, velocities, self.vacuum, self.height, self.lift_speed)
 
     def turn(self, command: Command | None) -> None:
@@ -89,11 +85,7 @@ class Bench:
         if self.rows:
             self.demands = self.rows.pop(0)
         angles, pressures = self.plant.sense()
-        for j, gains in enumerate(self.gains):
-            measured = Measurement(angles[j], pressures[j], CYCLE)
-            found = controlled(gains, self.memory[j], measured, self.demands[j])
-            self.memory[j], self.voltages[j], self.status[j] = found
-        self.plant.drive(self.voltages)
+        self.plant.drive(self.controller.voltages(angles, pressures, CYCLE, self.demands))
         self.cycles += 1
         self.plant.advance(CYCLE * self.cycles + 1e-9)
 

@@ -78,7 +78,7 @@ def test_the_tip_stands_where_the_arm_says(scene: Scene, packing: Cell) -> None:
 
 def test_the_arm_weighs_what_the_machine_says(scene: Scene, packing: Cell) -> None:
     from layflat.machine import parameters
-    from layflat.physics.arm import two_link_mass
+    from layflat.physics.arms.planar import two_link_mass
 
     dofs = [int(scene.model.joint(name).dofadr[0]) for name in packing.machine.joints]
     elbow = packing.mount.home["small"] + packing.machine.arm.elbow

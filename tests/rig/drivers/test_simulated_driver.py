@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
+from controllers import Controller
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement
 from layflat.machine import Machine, load, parameters
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.device.link import Spoil
@@ -31,15 +30,11 @@ def test_a_loop_over_it_is_the_rollout_bit_for_bit(name: str) -> None:
     run = rollout(machine, "20 deg", start=0.0, duration=0.3, seed=9)
     driver, clock = driver_of(machine, seed=9)
     n, begin = len(machine.joints), clock.now()
-    gains = [parameters.gains(machine, joint) for joint in machine.joints]
-    memories = [start(Measurement(0.0, 0.0, 0.005))] * n
+    controller = Controller(parameters.control(machine), np.zeros(n), np.zeros(n))
     for k in range(60):
         clock.wait(begin + k * CYCLE)
         reading = driver.read()
-        voltages = np.zeros(n)
-        for j in range(n):
-            measured = Measurement(reading.angles[j], reading.pressures[j], 0.005)
-            memories[j], voltages[j], _ = step(gains[j], memories[j], measured, np.radians(20.0))
+        voltages = controller.voltages(reading.angles, reading.pressures, 0.005, np.full(n, np.radians(20.0)))
         driver.write(Command(voltages, air=True))
         assert np.array_equal(reading.angles, run["measured_angle"][k])
         assert np.array_equal(reading.pressures, run["measured_pressure"][k])

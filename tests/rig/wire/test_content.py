@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat import changed, load
-from layflat.machine.parameters import gains, joints
+from layflat.machine.parameters import control, joints
 from layflat.physics.sensor import read_sensor
 from layflat.rig.driver import Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire
@@ -73,7 +73,7 @@ def test_the_centre_is_met_exactly() -> None:
     for machine in ("paper-arm", "paper-small-joint", "paper-arm-switching"):
         described = load(machine)
         wire = Wire.of(described)
-        assert wire.voltage.value(wire.centre) == gains(described, described.arm.joints[0]).null
+        assert wire.voltage.value(wire.centre) == control(described).joints[0].null
         words = wire.command_words(Command(np.array([nan] * wire.joints), air=False))
         assert words == wire.command_words(Command(np.array([inf] * wire.joints), air=False))
         assert words[1:] == [wire.centre] * wire.joints

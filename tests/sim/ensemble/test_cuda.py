@@ -87,7 +87,7 @@ def assembled(name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[bytes, str]:
     opening = None if all(joint.gains for joint in machine.joint.values()) else 0.0
     prepared = cases(machine, [Scenario(duration="0.1 s", opening=opening)], {"seed": np.arange(3.0)}, None)
     block = block_of(prepared, np.arange(3), (1e-3, 1e-3), room_for_results(prepared, np.array([0]), 1))
-    timing = timing_of(prepared.cycle, STEP, 1, closed_loop=True)
+    timing = timing_of(prepared.cycle, STEP, 1)
     types = tuple(map(numba.typeof, ours.kernel_arguments(prepared, block, timing)))
     device_kernel(ours.run_each)
     ptx, _ = compiler.compile_ptx(ours.run_each, types, cc=(8, 0))

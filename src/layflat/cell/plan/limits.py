@@ -18,7 +18,6 @@ second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import remainder, tau
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,17 +25,8 @@ from numpy.typing import NDArray
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import REFERENCE_PRESSURE
-from layflat.physics.arm import (
-    OneLink,
-    TwoLink,
-    one_link_gravity,
-    one_link_mass,
-    two_link_gravity,
-    two_link_mass,
-)
 from layflat.physics.flow import effective_pressure, laminar_slope
 from layflat.physics.joint import FILLED
-from layflat.physics.trig import sincos
 
 Array = NDArray[np.float64]
 
@@ -135,19 +125,8 @@ def _together(inertia: Array, ability: Array) -> Array:
 def _worst(machine: Machine, start: Array, end: Array, payload: float) -> tuple[Array, Array]:
     """Return the greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way."""
     arm = parameters.arm(machine)
-    if isinstance(arm, OneLink):
-        angles = np.linspace(start[0], end[0], _POSTURES)
-        pull = max(abs(float(one_link_gravity(arm, payload, q))) for q in angles)
-        return np.array([[float(one_link_mass(arm, payload))]]), np.array([pull])
-    inertias, pulls = [], []
-    for q_1, q_2 in zip(
-        np.linspace(start[0], end[0], _POSTURES), np.linspace(start[1], end[1], _POSTURES), strict=True
-    ):
-        sin_2, cos_2 = sincos(remainder(q_2 + arm.elbow, tau))
-        M_11, M_12, M_22, _ = two_link_mass(arm, payload, sin_2, cos_2)
-        inertias.append([[M_11, M_12], [M_12, M_22]])
-        level = not isinstance(arm, TwoLink)
-        pulls.append((0.0, 0.0) if level else two_link_gravity(arm, payload, *sincos(q_1), sin_2, cos_2))
+    found = [parameters.mass_and_pull(arm, payload, angles) for angles in np.linspace(start, end, _POSTURES)]
+    inertias, pulls = zip(*found, strict=True)
     return np.abs(inertias).max(axis=0), np.abs(pulls).max(axis=0)
 
 

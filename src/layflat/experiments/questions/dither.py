@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.experiments.questions.tables import Array, listed, moves_of
-from layflat.machine.model import SpoolValve
+from layflat.physics.valves.spool import SpoolValvePart
 from layflat.plot.maps import draw_map, edges
 from layflat.plot.style import LINES, QUIET
 from layflat.plot.style import figure as new_figure
@@ -61,7 +61,7 @@ def _enough(amplitudes: Array, errors: Array) -> float:
 def figure(study: Study, frame: pandas.DataFrame) -> Figure:
     """Error and ripple by amplitude; a map of the error over frequency and amplitude."""
     runs, valve = _measured(frame), study.machine.valve
-    assert isinstance(valve, SpoolValve)
+    assert isinstance(valve, SpoolValvePart)
     with new_figure(1, 3, width=10.4, height=4.0, above=0.62) as (made, (error, ripple, both)):
         for order, friction in enumerate(np.sort(frame[FRICTION].unique())):
             style = {**LINES[order], "marker": "os^D"[order % 4], "ms": 3.5, "label": f"{100 * friction:g} %"}
@@ -98,7 +98,7 @@ def _nearest(column: pandas.Series, value: float) -> float:
 def finding(study: Study, frame: pandas.DataFrame) -> str:
     """What dither gains, how much of it is enough, at which frequency, and what air it takes."""
     runs, valve = _measured(frame), study.machine.valve
-    assert isinstance(valve, SpoolValve)
+    assert isinstance(valve, SpoolValvePart)
     frictions = np.sort(frame[FRICTION].unique())
     worst = float(frictions[-1])
     (_, errors), (_, ripples) = (_by_amplitude(runs, column, worst) for column in ("error", "ripple"))

@@ -3,15 +3,15 @@
 A number of the machine may be an array, an item a run (see sim/ensemble); then so are the parameters it decides.
 """
 
-from layflat.machine.parameters.arms import Arm, arm, surroundings
-from layflat.machine.parameters.controllers import gains, idle_gains
-from layflat.machine.parameters.drives import drive_parts, spool_valve
+from layflat.machine.parameters.arms import arm, mass_and_pull, surroundings
+from layflat.machine.parameters.controllers import control
+from layflat.machine.parameters.drives import drive_parts
 from layflat.machine.parameters.hoses import (
-    NO_HOSE,
     full_travel,
     hose,
     loss,
     loss_share,
+    no_hose,
     stroke,
     torque_constant,
     travel_volume,
@@ -20,20 +20,18 @@ from layflat.machine.parameters.joints import check_inside_stroke, joints
 from layflat.machine.parameters.watches import air_parts
 
 __all__ = [
-    "NO_HOSE",
-    "Arm",
     "air_parts",
     "arm",
     "check_inside_stroke",
+    "control",
     "drive_parts",
     "full_travel",
-    "gains",
     "hose",
-    "idle_gains",
     "joints",
     "loss",
     "loss_share",
-    "spool_valve",
+    "mass_and_pull",
+    "no_hose",
     "stroke",
     "surroundings",
     "torque_constant",

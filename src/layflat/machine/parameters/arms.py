@@ -2,43 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.machine.model import Machine
-from layflat.physics.arm import LevelTwoLink, OneLink, TwoLink
+from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.joint import Surroundings
 
-Arm = OneLink | TwoLink | LevelTwoLink
+Array = NDArray[np.float64]
 
 
-def arm(machine: Machine) -> Arm:
-    """Masses of the arm, without payload."""
-    g_x = machine.arm.gravity * np.cos(machine.arm.gravity_direction)
-    g_y = machine.arm.gravity * np.sin(machine.arm.gravity_direction)
-    joints = list(machine.joints.values())
-    first = joints[0].link
-    own_1 = first.rotor_inertia + first.inertia + first.mass * first.centre**2
-    if len(joints) == 1:
-        return OneLink(own_1, first.mass * first.centre, first.length, g_x, g_y)
-    second, carried = joints[1].link, joints[1].body.mass
-    own_2 = second.rotor_inertia + second.inertia + second.mass * second.centre**2
-    masses = (
-        own_1 + own_2 + (carried + second.mass) * first.length**2,
-        second.mass * first.length * second.centre,
-        own_2,
-    )
-    if np.all(machine.arm.gravity == 0.0):
-        return LevelTwoLink(*masses, first.length, second.length, machine.arm.elbow)
-    return TwoLink(
-        *masses,
-        first.mass * first.centre + (carried + second.mass) * first.length,
-        second.mass * second.centre,
-        first.length,
-        second.length,
-        machine.arm.elbow,
-        g_x,
-        g_y,
-    )
+def arm(machine: Machine) -> Any:
+    """Masses of the arm, without payload: parameters of its kind."""
+    return ARMS.parameters(machine.arm, list(machine.joints.values()))
+
+
+def mass_and_pull(arm: Any, payload: float, angles: Sequence[float]) -> tuple[Array, Array]:
+    """Mass matrix (joints, joints), kg m2, and torques that come of the angles (joints,), N m, of an arm at rest.
+
+    Args:
+        arm: parameters of a kind of arm.
+        payload: kg.
+        angles: rad, (joints,).
+    """
+    n = len(angles)
+    upper, _, pulls = dynamics(arm, payload, tuple(map(float, angles)), (0.0,) * n)
+    mass = np.zeros((n, n))
+    mass[np.triu_indices(n)] = upper
+    return mass + np.triu(mass, 1).T, np.array(pulls)
 
 
 def surroundings(machine: Machine) -> Surroundings:

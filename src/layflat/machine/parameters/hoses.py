@@ -9,41 +9,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from math import pi
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
 
+from layflat.lanes import mapped
 from layflat.machine import parts
+from layflat.physics.arrays import itemwise
 from layflat.physics.chamber import Chamber
 from layflat.physics.hose import EvenStroke, Stroke, peeled_volume, roller_torque, roller_travel
+from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.joint import Hose
-from layflat.physics.loss import Loss
-
-NO_HOSE = Hose(EvenStroke(0.0), Chamber(1e-5, 0.0, 0.0), Loss(*([0.0] * 9)), 0.0)
-"""In place of the second hose of a single-acting joint: it turns nothing."""
 
 
 def full_travel(joint: parts.Joint) -> float:
     """S: output angle between the collapsed hose and its end of travel, rad."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    return each(roller_travel, R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio)
+    return itemwise(roller_travel, R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio)
 
 
 def travel_volume(joint: parts.Joint) -> float:
     """Volume that one hose sweeps over its full travel, m3."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    swept = each(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
+    swept = itemwise(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
     return hose.torque_factor * swept
-
-
-def each(law: Callable[..., float], *args: float) -> float:
-    """A law of numbers, or of arrays item by item."""
-    if any(isinstance(arg, np.ndarray) for arg in args):
-        return np.vectorize(law, otypes=[float])(*args)  # type: ignore[no-any-return]
-    return float(law(*args))
 
 
 def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
@@ -54,7 +46,7 @@ def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
     hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
     t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
     alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
-    one = partial(each, roller_torque, 1.0, R, r, hose.width / pi, hose.wrap)
+    one = partial(itemwise, roller_torque, 1.0, R, r, hose.width / pi, hose.wrap)
     K = np.array([hose.torque_factor * one(alpha) for alpha in alphas])
     return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
 
@@ -78,21 +70,23 @@ def loss_share(joint: parts.Joint) -> float:
     return share
 
 
-def loss(joint: parts.Joint) -> Loss:
-    """Elasto-slip elements of one hose with its strap."""
+def loss(joint: parts.Joint) -> Any:
+    """Parameters of the hysteresis of one hose with its strap."""
     at = joint.losses.reference_pressure_gauge
     # A loop is twice as high as the torque that opposes either way.
     limit = 0.5 * loss_share(joint) * torque_constant(joint) * at
-    limits = [weight * limit for weight in joint.losses.weights]
-    free = joint.losses.pressure_free
-    stiffness = [y / d for y, d in zip(limits, joint.losses.deflections, strict=True)]
-    return Loss(*stiffness, *(free * y for y in limits), *((1.0 - free) * y / at for y in limits))
+    return HYSTERESIS.parameters(joint.losses, limit)
 
 
 def hose(joint: parts.Joint) -> Hose:
     """One hose in its joint."""
     chamber = Chamber(joint.hose.dead_volume, joint.hose.compliance, joint.hose.wall_conductance)
     return Hose(stroke(joint), chamber, loss(joint), full_travel(joint) / 2)
+
+
+def no_hose(hose: Hose) -> Hose:
+    """In place of the second hose of a single-acting joint that has this one: it turns nothing."""
+    return Hose(EvenStroke(0.0), Chamber(1e-5, 0.0, 0.0), mapped(hose.loss, lambda _: 0.0), 0.0)
 
 
 def long_stroke(stroke: EvenStroke | Stroke) -> Stroke:

@@ -9,10 +9,11 @@ import numpy as np
 from layflat.errors import MachineError
 from layflat.machine import parts
 from layflat.machine.model import Machine
-from layflat.machine.parameters.drives import drive_parts, sensor, valve
-from layflat.machine.parameters.hoses import NO_HOSE, full_travel, hose, long_stroke
+from layflat.machine.parameters.drives import drive_parts, sensor
+from layflat.machine.parameters.hoses import full_travel, hose, long_stroke, no_hose
 from layflat.physics.joint import Joint
 from layflat.physics.stop import Stops
+from layflat.physics.valves import VALVES
 
 
 def joints(machine: Machine) -> tuple[Joint, ...]:
@@ -23,13 +24,14 @@ def joints(machine: Machine) -> tuple[Joint, ...]:
 
 def _joint(machine: Machine, described: parts.Joint, *, even: bool) -> Joint:
     valve_part, angle_sensor, pressure_sensor = drive_parts(machine)
-    pulling, pushing = hose(described), hose(described) if described.acting == "double" else NO_HOSE
+    pulling = hose(described)
+    pushing = pulling if described.acting == "double" else no_hose(pulling)
     if not even:
         pulling, pushing = (h._replace(stroke=long_stroke(h.stroke)) for h in (pulling, pushing))
     return Joint(
         pulling,
         pushing,
-        valve(valve_part),
+        VALVES.parameters(valve_part),
         stops(described),
         described.brake.viscous,
         described.brake.torque,

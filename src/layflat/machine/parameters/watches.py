@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from layflat.machine.model import Machine, SpoolValve
+from layflat.machine.model import Machine
 from layflat.machine.parameters.drives import drive_parts
 from layflat.machine.parameters.hoses import full_travel, travel_volume
 from layflat.physics.air_balance import AirParts
@@ -31,8 +31,8 @@ def air_parts(machine: Machine, name: str) -> AirParts:
         valve.leakage,
         valve.critical_ratio,
         float(laminar_slope(valve.critical_ratio)),
-        valve.overlap if isinstance(valve, SpoolValve) else 0.0,
-        valve.dither.amplitude if isinstance(valve, SpoolValve) else 0.0,
+        valve.covered,
+        valve.dithered.amplitude if valve.dithered is not None else 0.0,
         FOLLOW,
         SMOOTHING,
         machine.safety.speed,

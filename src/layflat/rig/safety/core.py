@@ -12,7 +12,7 @@ from layflat.machine import Machine
 from layflat.physics.air_balance import AirEstimate
 from layflat.physics.joint import FILLED
 from layflat.rig.driver import Reading
-from layflat.rig.law import JointLaws
+from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
 from layflat.rig.safety import estimator
 from layflat.rig.safety.cycle import CALM, CONTROL, FOUND, GATE, INPUTS, JOINT_INPUTS, MEMORY, cycle_with, judge
@@ -41,7 +41,7 @@ class Core:
         MachineError: the machine has no valve or sensors.
     """
 
-    def __init__(self, machine: Machine, cycle: float, law: JointLaws | None = None) -> None:
+    def __init__(self, machine: Machine, cycle: float, law: ArmLaw | None = None) -> None:
         names = list(machine.joints)
         self.rig = NamedRows([rig_settings(machine, cycle)])
         self.settings = NamedRows([joint_settings(machine, name, cycle) for name in names])
@@ -50,8 +50,12 @@ class Core:
         self._coupling = coupling(machine) if len(names) > 1 else None
         self._head = self.inputs.array[0]
         arrays = (self.rig.array[0], self.settings.array, self._head, self._given, self.memory.array)
-        self._perform: Callable[..., int] = judge if law is None else cycle_with(law.settings.like, law.memory.like)
-        self._arrays = arrays if law is None else (*arrays, law.settings.array, law.memory.array, law.report.array)
+        self._perform: Callable[..., int] = judge
+        self._arrays: tuple[Array, ...] = arrays
+        if law is not None:
+            likes = law.settings.like, law.memory.like, len(names)
+            self._perform = cycle_with(*likes, compiled=law.kind.compiled)
+            self._arrays = (*arrays, law.settings.array[0], law.memory.array[0], law.report.array)
         self.angles, self.pressures, self.asked = self._given[:, 0], self._given[:, 1], self._given[:, 2]
         """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
         self.between: Callable[[], object] | None = None
@@ -83,10 +87,11 @@ class Core:
 
     def wake(self, reading: Reading) -> None:
         """Let control law and estimators begin at this reading."""
-        for j, (angle, pressure) in enumerate(zip(reading.angles.tolist(), reading.pressures.tolist(), strict=True)):
+        angles, pressures = reading.angles.tolist(), reading.pressures.tolist()
+        for j, (angle, pressure) in enumerate(zip(angles, pressures, strict=True)):
             self.memory.replace("estimator", estimator.woken(angle, pressure), j)
-            if self.law is not None:
-                self.law.wake(j, angle, pressure)
+        if self.law is not None:
+            self.law.wake(angles, pressures)
 
     def take(self, reading: Reading) -> None:
         """Take in what was sampled."""
@@ -145,7 +150,7 @@ class Core:
     def report(self) -> Array:
         """What the control law told last, (joints, signals)."""
         assert self.law is not None  # who asks has given one
-        return self.law.report.array
+        return self.law.report.array[:, self.law.told]
 
     @property
     def lead(self) -> float:

@@ -8,10 +8,9 @@ from collections.abc import Callable
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Measurement
-from layflat.jit import kernel, law
-from layflat.lanes import read_numbers, write_numbers
+from layflat.control import Demand, Sensed, centre_shift, step, wake
+from layflat.jit import composition, kernel, law
+from layflat.lanes import gather, in_lanes, mapped, read_numbers, slots, write_numbers
 from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
 from layflat.rig.named import blank, places
 from layflat.rig.safety import demands, estimator
@@ -111,15 +110,6 @@ class JointInputs(NamedTuple):
 
 
 JOINT_INPUTS = len(JointInputs._fields)
-
-
-class Report(NamedTuple):
-    """What the control law tells of a joint."""
-
-    phase: float
-    short_term: float
-    long_term: float
-    learning: float
 
 
 RIG, SETTINGS, MEMORY, INPUTS, JOINT = (blank(kind) for kind in (Rig, Settings, Memory, Inputs, JointInputs))
@@ -240,15 +230,37 @@ Cycle = Callable[..., int]
 _known: dict[str, Cycle] = {}
 
 
-def cycle_with(settings: Any, memory: Any) -> Cycle:
-    """The cycle with a control law whose settings and memory are such tuples."""
+def cycle_with(settings: Any, memory: Any, joints: int, *, compiled: bool) -> Cycle:
+    """The cycle with a control law whose settings and memory are such tuples.
+
+    A law that is plain Python is called between the parts that are compiled in any case.
+    """
+    settings, memory = (mapped(like, lambda _: 0.0) for like in (settings, memory))
     kind = repr((settings, memory))
     if kind not in _known:
-        _known[kind] = _compiled(settings, memory)
+        made = _made(settings, memory, (0.0,) * joints)
+        _known[kind] = made if compiled else getattr(made, "py_func", made)
     return _known[kind]
 
 
-def _compiled(settings_like, memory_like):
+@composition
+def _control(settings_like, memory_like, joints, inputs, given, memory, law_settings, law_memory, report):
+    now, settings = read_numbers(INPUTS, inputs), read_numbers(settings_like, law_settings)
+    sensed = Sensed(gather(joints, given[:, 0]), gather(joints, given[:, 1]))
+    before = read_numbers(memory_like, law_memory)
+    if now.wake > 0.0:
+        before = in_lanes(wake(settings, sensed), 0.0)
+    demand = Demand(gather(joints, memory[:, IN_MEMORY.demand]), joints, joints)
+    after, command, shown = step(settings, before, sensed, demand, now.elapsed)
+    write_numbers(law_memory, in_lanes(after, 0.0))
+    voltages, reports = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(shown, 0.0))
+    shifts = slots(in_lanes(centre_shift(settings, after, joints), 0.0))
+    for j in range(len(joints)):
+        write_numbers(report[j], reports[j])
+        memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltages[j], shifts[j]
+
+
+def _made(settings_like, memory_like, joints):
     @kernel
     def cycle(rig, settings, inputs, given, memory, law_settings, law_memory, report, stages):
         came = 0
@@ -261,17 +273,7 @@ def _compiled(settings_like, memory_like):
         if stages & ESTIMATE:
             estimate(settings, inputs, given, memory)
         if stages & CONTROL:
-            now = read_numbers(INPUTS, inputs)
-            for j in range(len(settings)):
-                sensed, before = read_numbers(JOINT, given[j]), read_numbers(memory_like, law_memory[j])
-                measured = Measurement(sensed.angle, sensed.pressure, now.elapsed)
-                if now.wake > 0.0:
-                    before = start(measured)
-                gains, demand = read_numbers(settings_like, law_settings[j]), memory[j, IN_MEMORY.demand]
-                after, voltage, status = step(gains, before, measured, demand)
-                write_numbers(law_memory[j], after)
-                write_numbers(report[j], Report(status.phase, after.short_term, after.long_term, status.drift_learnt))
-                memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltage, after.long_term
+            _control(settings_like, memory_like, joints, inputs, given, memory, law_settings, law_memory, report)
         if stages & GATE:
             came |= gate(rig, memory)
         return came

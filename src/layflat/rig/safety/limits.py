@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import cos, inf, isfinite
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.machine import Machine, parameters
-from layflat.machine.model import SpoolValve
 from layflat.machine.parameters.drives import drive_parts
 from layflat.machine.parameters.drives import sensor as sensor_law
-from layflat.physics.arm import OneLink, two_link_mass
 from layflat.rig.safety.cycle import Rig, Settings
 from layflat.rig.safety.demands import Gate
 from layflat.rig.safety.detectors import (
@@ -97,7 +95,7 @@ def joint_settings(machine: Machine, name: str, cycle: float) -> Settings:
         MachineError: the machine has no valve or sensors.
     """
     stops, safety = machine.joint[name].stops, machine.safety
-    averaged = machine.controller.averaged if machine.controller is not None else True
+    averaged = getattr(machine.controller, "averaged", True)
     return Settings(
         joint_limits(machine, name, cycle),
         parameters.air_parts(machine, name),
@@ -136,7 +134,7 @@ def joint_limits(machine: Machine, name: str, cycle: float) -> joint.Limits:
         ),
         angle_frozen.Limits(angle.lsb, friction, sure, within(Fault.ANGLE_FROZEN, cycle), ASLEEP, HELD),
         valve_unresponsive.Limits(
-            machine.controller.air_ripple if machine.controller is not None and seen else 0.0,
+            getattr(machine.controller, "air_ripple", 0.0) if seen else 0.0,
             within(Fault.VALVE_UNRESPONSIVE, cycle, 2.0 + RIPPLE_AFTER),
         ),
         pressure_frozen.Limits(within(Fault.PRESSURE_FROZEN, cycle), sure),
@@ -152,18 +150,14 @@ def coupling(machine: Machine) -> Callable[[NDArray[np.float64]], NDArray[np.flo
     While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, with
     the payload of the description.
     """
-    arm, n = parameters.arm(machine), len(machine.joints)
-    found = np.zeros((n, n))
-    if isinstance(arm, OneLink):
-        return lambda _: found
-    K_1, K_2 = (parameters.torque_constant(joint) for joint in machine.joints.values())
-    payload, elbow = machine.arm.payload, machine.arm.elbow
+    arm, payload = parameters.arm(machine), machine.arm.payload
+    K = np.array([parameters.torque_constant(joint) for joint in machine.joints.values()])
 
     def at(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-        turned = float(angles[1]) if isfinite(angles[1]) else 0.0
-        M_11, M_12, M_22, _ = two_link_mass(arm, payload, 0.0, cos(turned + elbow))
-        found[0, 1], found[1, 0] = M_12 / M_22 * K_2 / K_1, M_12 / M_11 * K_1 / K_2
-        return found
+        mass, _ = parameters.mass_and_pull(arm, payload, np.nan_to_num(angles, posinf=0.0, neginf=0.0).tolist())
+        felt: NDArray[np.float64] = mass / mass.diagonal() * K / K[:, None]
+        np.fill_diagonal(felt, 0.0)
+        return felt
 
     return at
 
@@ -171,6 +165,6 @@ def coupling(machine: Machine) -> Callable[[NDArray[np.float64]], NDArray[np.flo
 def _dither_is_seen(machine: Machine) -> bool:
     """Whether the ripple that the controller computes, at a quarter of its rate, is that of the dither."""
     valve, controller = machine.valve, machine.controller
-    if not isinstance(valve, SpoolValve) or controller is None or valve.dither.amplitude == 0.0:
+    if valve is None or valve.dithered is None or controller is None:
         return False
-    return abs(valve.dither.frequency * controller.cycle - 0.25) < 0.01
+    return abs(valve.dithered.frequency * controller.cycle - 0.25) < 0.01

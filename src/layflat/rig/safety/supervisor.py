@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from layflat.machine import Machine
 from layflat.rig.driver import DeviceState, Reading
-from layflat.rig.law import JointLaws
+from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.cycle import BAD, CHANGED, CONTROL, DEMAND, ESTIMATE, FOUND, GATE, JUDGE
 from layflat.rig.safety.debounce import CountDebounce
@@ -61,8 +61,8 @@ class Supervisor(StateMachine):
         MachineError: the machine has no valve, sensors or controller.
     """
 
-    def __init__(self, machine: Machine, cycle: float, law: JointLaws | None = None) -> None:
-        core = Core(machine, cycle, law or JointLaws(machine))
+    def __init__(self, machine: Machine, cycle: float, law: ArmLaw | None = None) -> None:
+        core = Core(machine, cycle, law or ArmLaw(machine))
         super().__init__(machine, core)
         self._lost = CountDebounce(TABLE[Fault.LINK_LOST].cycles)
         self._stale_after = machine.safety.setpoint_age - cycle

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from layflat.errors import MachineError
-from layflat.machine.model import Machine, SpoolValve
+from layflat.machine.model import Machine
 from layflat.machine.parameters import drive_parts
 from layflat.rig.driver import Capabilities, DriverError
 from layflat.rig.wire.converter import WireError
@@ -109,7 +109,7 @@ class Identity(NamedTuple):
                     right="give the description of this rig",
                 )
         valve, _, _ = drive_parts(machine)
-        if isinstance(valve, SpoolValve) and valve.dither.amplitude > 0 and not self.flags & DITHERS:
+        if valve.dithered is not None and not self.flags & DITHERS:
             raise DriverError("the rig adds no dither", where=where, right="its firmware has to, nobody else does")
         if machine.controller is not None and self.shortest_cycle > 1e6 * machine.controller.cycle:
             cycle = f"{1e3 * machine.controller.cycle:g} ms"

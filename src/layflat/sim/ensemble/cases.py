@@ -14,13 +14,13 @@ from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
+from layflat.physics.arms import tip
 from layflat.physics.joint import FILLED
 from layflat.physics.noise import sensor_noise
-from layflat.physics.plant import tip
 from layflat.sim.ensemble.kernel import Plan, Runs
 from layflat.sim.ensemble.results import Moves
 from layflat.sim.metrics import move_windows
-from layflat.sim.run import gains_of, start_angles, start_pressures
+from layflat.sim.run import start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
 
 Array = NDArray[np.float64]
@@ -69,12 +69,12 @@ class Cases:
 
     @cached_property
     def case(self) -> tuple[Any, ...]:
-        """Arm, joints, gains and surroundings; numbers that differ from run to run are arrays."""
+        """Arm, joints, settings of the control law, surroundings; numbers that differ from run to run are arrays."""
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
         return (
             parameters.arm(self.machine),
             parameters.joints(self.machine),
-            tuple(gains_of(self.machine, name, closed_loop=closed_loop) for name in self.base.joints),
+            parameters.control(self.machine, closed_loop=closed_loop),
             parameters.surroundings(self.machine),
         )
 
@@ -141,7 +141,7 @@ class Cases:
         arms = [np.broadcast_to(leaf, self.count)[rows] for leaf in self.case[0]]
         tips = np.array(
             [
-                [tip(type(self.case[0])(*numbers), goal) for goal in goals[scenario]]
+                [tip(type(self.case[0])(*numbers), tuple(goal)) for goal in goals[scenario]]
                 for scenario, *numbers in zip(local, *arms, strict=True)
             ]
         )

@@ -4,13 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from layflat.control.controller import start, step
-from layflat.jit import composition, kernel, law
+from layflat.control import wake
+from layflat.jit import composition, kernel
 from layflat.lanes import in_lanes, read_lanes, select, slots, width
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
-from layflat.physics.valve import driven, start_wave
+from layflat.physics.valves import start_wave
+from layflat.sim.cycle import Acting, Loop, control_cycle, is_number, sense_all
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -21,7 +22,6 @@ from layflat.sim.ensemble.watch import (
     some_lanes,
     trace,
 )
-from layflat.sim.kernel import sense
 
 
 class Plan(NamedTuple):
@@ -52,8 +52,8 @@ class Runs(NamedTuple):
     """Standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none"""
 
 
-class Held(NamedTuple):
-    """What acts on a joint in a control cycle."""
+class Given(NamedTuple):
+    """What a scenario gives of a joint in a control cycle: see `Plan.shapes`, and the noise of both sensors."""
 
     demand: float
     opening: float
@@ -77,13 +77,7 @@ class Usual(NamedTuple):
     lead: float
 
 
-NONE_HELD = Held(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-NO_DRIVE = Drive(0.0, 0.0, 0.0)
-
-
-@law
-def _is_number(given):
-    return given == given  # noqa: PLR0124
+NOTHING = Given(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @composition
@@ -92,7 +86,7 @@ def _usual(runs, first, j):
 
 
 @composition
-def _held(scratch, runs, plan, usual, first, j, k):
+def _acting(scratch, runs, plan, usual, joint, first, j, k):
     # Gathered number by number: views of arrays would cost more than all the rest.
     for lane in range(width()):
         run = first + lane
@@ -101,16 +95,17 @@ def _held(scratch, runs, plan, usual, first, j, k):
             scratch[i, lane] = plan.shapes[scenario, k, j, i]
         for i in range(2):
             scratch[6 + i, lane] = runs.noise[run, sample, j, i]
-    held = read_lanes(NONE_HELD, scratch)
-    return Held(
-        held.demand,
-        held.opening,
-        held.voltage,
-        held.brake * usual.brake,
-        held.load + usual.load,
-        held.drift + usual.drift,
-        held.noise_angle,
-        held.noise_pressure,
+    given = read_lanes(NOTHING, scratch)
+    return Acting(
+        given.demand,
+        given.opening,
+        given.voltage,
+        usual.lead,
+        given.brake * usual.brake * joint.brake_torque,
+        given.load + usual.load,
+        given.drift + usual.drift,
+        given.noise_angle,
+        given.noise_pressure,
     )
 
 
@@ -121,8 +116,8 @@ def _surroundings(scratch, air, runs, plan, first, k):
             scratch[i, lane] = plan.shared[runs.scenario[first + lane], k, i]
     given_gauge, given_payload = read_lanes((0.0, 0.0), scratch)
     usual_gauge, usual_payload = read_lanes((0.0, 0.0), runs.usual_shared[:, first:])
-    gauge = select(_is_number(given_gauge), given_gauge, usual_gauge)
-    payload = select(_is_number(given_payload), given_payload, usual_payload)
+    gauge = select(is_number(given_gauge), given_gauge, usual_gauge)
+    payload = select(is_number(given_payload), given_payload, usual_payload)
     supply = gauge + air.ambient_pressure
     return Surroundings(supply, air.supply_temperature, air.ambient_pressure, air.ambient_temperature, payload)
 
@@ -136,63 +131,44 @@ def _at_rest(joint, runs, first, j, around):
 
 
 @composition
-def _calm(joint, state, cycle, zero):
-    """Memory of a controller that begins at this state."""
-    return in_lanes(start(sense(joint, state, zero, zero, cycle)), zero)
-
-
-@composition
-def _drive(joint, angle, line, held, asked, lead, cycle):
-    """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it.
-
-    `asked` is the controller's; an opening or a voltage that is a number stands in its place.
-    """
-    valve = joint.valve
-    voltage = select(_is_number(held.opening), valve.centre_voltage + valve.volts_to_full * held.opening, asked)
-    voltage = select(_is_number(held.voltage), held.voltage + lead * (held.demand - angle), voltage)
-    opening, line = driven(valve, line, voltage - held.drift, cycle)
-    return Drive(opening, held.brake * joint.brake_torque, held.load), voltage, line
-
-
-@composition
 def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     """Run runs side by side, as many as there are lanes, from number `first` on, through their scenarios from rest.
 
-    `case` is any one machine (arm, joints, gains, surroundings): it gives the order of the runs' parameters. `watch` is
-    over these runs, and new.
+    `case` is any one machine (arm, joints, settings of the control law, surroundings): it gives the order of the runs'
+    parameters. `watch` is over these runs, and new.
     """
-    arm, all_joints, all_gains, air = read_lanes(case, runs.parameters[:, first:])
-    joints, gains = slots(all_joints), slots(all_gains)
+    arm, like, settings, air = read_lanes(case, runs.parameters[:, first:])
+    joints = slots(like)
     cycles, n = plan.shapes.shape[1], plan.shapes.shape[2]
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
-    states = slots(all_joints, _at_rest(joints[0], runs, first, 0, around))
-    memories = slots(all_joints, _calm(joints[0], states[0], timing.cycle, zero))
-    drives = slots(all_joints, in_lanes(NO_DRIVE, zero))
-    lines = slots(all_joints, in_lanes(NOTHING_ASKED, zero))
-    waves = slots(all_joints, start_wave(joints[0].valve, 0.0, h))
-    course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(all_joints, in_lanes(NO_TRACK, zero))
-    usual = slots(all_joints, _usual(runs, first, 0))
+    states = slots(like, _at_rest(joints[0], runs, first, 0, around))
+    calm = Acting(zero, zero, zero, zero, zero, zero, zero, zero, zero)
+    acting, usual = slots(like, calm), slots(like, _usual(runs, first, 0))
+    loop = Loop(
+        acting,
+        slots(like, Drive(zero, zero, zero)),
+        slots(like, in_lanes(NOTHING_ASKED, zero)),
+        slots(like, start_wave(joints[0].valve, 0.0, h)),
+        slots(like, zero),
+    )
+    course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(like, in_lanes(NO_TRACK, zero))
     begin_moves(watch, moves, runs.scenario, course, tracks, first)
     for j in range(1, n):
         usual[j] = _usual(runs, first, j)
         states[j] = _at_rest(joints[j], runs, first, j, around)
-        memories[j] = _calm(joints[j], states[j], timing.cycle, zero)
+    memory = in_lanes(wake(settings, sense_all(joints, like, states, acting)), zero)
     for k in range(cycles + 1):
-        note(watch, results, moves, runs.scenario, arm, states, course, tracks, first, k, timing.cycle)
+        note(watch, results, moves, runs.scenario, arm, like, states, course, tracks, first, k, timing.cycle)
         if k == cycles:
             break
         around = _surroundings(watch.scratch, air, runs, plan, first, k)
         for j in range(n):
-            held = _held(watch.scratch, runs, plan, usual[j], first, j, k)
-            measured = sense(joints[j], states[j], held.noise_angle, held.noise_pressure, timing.cycle)
-            memories[j], asked, _ = step(gains[j], memories[j], measured, held.demand)
-            drives[j], voltage, lines[j] = _drive(
-                joints[j], states[j].motion.angle, lines[j], held, asked, usual[j].lead, timing.cycle
-            )
-            waves[j] = start_wave(joints[j].valve, timing.cycle * k, h)
-            trace(watch, results, states[j], voltage, first, j, k)
-        advance(arm, joints, states, drives, waves, around, h, timing.steps)
+            acting[j] = _acting(watch.scratch, runs, plan, usual[j], joints[j], first, j, k)
+        _, memory, _ = control_cycle(joints, like, settings, memory, states, loop, timing.cycle * k, timing.cycle, h)
+        for j in range(n):
+            trace(watch, results, joints[j], states[j], loop.voltages[j], first, j, k)
+        advance(arm, joints, states, loop.drives, loop.waves, around, h, timing.steps)
         for j in range(n):
             note_divergence(states[j], course, k)
     note_totals(watch, results, states, course, first, n)

@@ -128,7 +128,7 @@ def traced(
 
 
 def _timing(prepared: Cases, step: Value) -> Timing:
-    return timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1, closed_loop=True)
+    return timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1)
 
 
 def _runner(device: str, threads: int | None) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:

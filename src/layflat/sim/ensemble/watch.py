@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.jit import composition, law
-from layflat.lanes import read_lanes, select, slots, width, write_lanes
-from layflat.physics.plant import tip
-from layflat.physics.valve import net_opening
+from layflat.lanes import gather, read_lanes, select, slots, width, write_lanes
+from layflat.physics.arms import tip
+from layflat.physics.valves import net_opening
 from layflat.sim.ensemble.results import Totals, Traced
 from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
 
@@ -139,16 +139,16 @@ def _followed(before, x, y, k, cycle):
 
 
 @composition
-def note(watch, results, moves, scenarios, arm, states, course, tracks, first, k, cycle):
+def note(watch, results, moves, scenarios, arm, like, states, course, tracks, first, k, cycle):
     """Record k of the runs from number `first` on."""
     move, tally, before, diverged = course[0]
     i = k - move.begin
     begins = i == 0.0
-    angles = slots(states, states[0].motion.angle)
+    angles = slots(like, states[0].motion.angle)
     for j in range(moves.goals.shape[2]):
         angles[j] = states[j].motion.angle
         tracks[j] = _tracked(tracks[j], angles[j], begins, i, move.records, moves.band)
-    x, y = tip(arm, angles)
+    x, y = tip(arm, gather(like, angles))
     away = sqrt((x - move.goal_x) * (x - move.goal_x) + (y - move.goal_y) * (y - move.goal_y))
     tally = counted(emptied(tally, begins), i, move.records, away, 1.0, moves.tip_band)
     course[0] = Course(move, tally, _followed(before, x, y, k, cycle), diverged)
@@ -156,11 +156,11 @@ def note(watch, results, moves, scenarios, arm, states, course, tracks, first, k
 
 
 @composition
-def trace(watch, results, state, voltage, first, j, k):
+def trace(watch, results, joint, state, voltage, first, j, k):
     """Record of joint j in control cycle k, where it is due."""
     if k % results.every != 0 or len(results.traced) == 0:
         return
-    motion, opening = state.motion, net_opening(state.valve)
+    motion, opening = state.motion, net_opening(joint.valve, state.valve)
     seen = Traced(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure, opening, voltage)
     write_lanes(watch.scratch, seen)
     for lane in range(width()):

@@ -15,7 +15,7 @@ from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.fit.scaled import Scaled
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import arm
-from layflat.physics.arm import OneLink
+from layflat.physics.arms.planar import OneLink
 from layflat.sim import rollout
 
 SMALL, ARM = load("paper-small-joint"), load("paper-arm")

@@ -76,7 +76,7 @@ class LoopModel(Model):
         """Torques by candidate: see `Model.simulate`."""
         described = self._with(values.T).joint[self.joint]
         hose_a = parameters.hose(described)
-        hose_b = hose_a if described.acting == "double" else parameters.NO_HOSE
+        hose_b = hose_a if described.acting == "double" else parameters.no_hose(hose_a)
         brake = np.broadcast_to(described.brake.torque, len(values)).astype(np.float64)
         offset = values[:, self._place[OFFSET]] if OFFSET in self._place else np.zeros(len(values))
         torques = []

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.identify.benches.parallel import on_all_cores
-from layflat.jit import kernel, law
-from layflat.lanes import mapped
+from layflat.jit import kernel
+from layflat.lanes import mapped, total
+from layflat.physics.hysteresis import loaded, torques
+from layflat.physics.hysteresis.elasto_slip import slip
 from layflat.physics.joint import Hose
-from layflat.physics.loss import slip
-from layflat.sim.slow import UNTURNED, Slow, turned
+from layflat.sim.slow import Slow, turned, unturned
 
 Array = NDArray[np.float64]
 
@@ -32,25 +33,14 @@ class TurnedLog(NamedTuple):
     give: float
 
 
-@law
-def _limits(loss, p_g, share):
-    """What the elements of a hose carry at a share of their limits, N m."""
-    p_g = max(p_g, 0.0)
-    return (
-        share * (loss.base_1 + loss.slope_1 * p_g),
-        share * (loss.base_2 + loss.slope_2 * p_g),
-        share * (loss.base_3 + loss.slope_3 * p_g),
-    )
-
-
 @kernel
 def _torque(hose_a, hose_b, brake, first, log, torque):
     q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
-    slow = turned(UNTURNED, hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
-    a, b = _limits(hose_a.loss, p_a[0], 1.0), _limits(hose_b.loss, p_b[0], 1.0)
+    slow = turned(unturned(hose_a, hose_b), hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
+    a, b = loaded(hose_a.loss, p_a[0], 1.0), loaded(hose_b.loss, p_b[0], 1.0)
     held = brake * log.brake[0]
-    share = share_carried(slow.lossless - first, a[0] + a[1] + a[2] + b[0] + b[1] + b[2] + held)
-    slow = Slow(1.0, _limits(hose_a.loss, p_a[0], share), _limits(hose_b.loss, p_b[0], share), 0.0, 0.0)
+    share = share_carried(slow.lossless - first, total(torques(hose_a.loss, a) + torques(hose_b.loss, b)) + held)
+    slow = Slow(1.0, loaded(hose_a.loss, p_a[0], share), loaded(hose_b.loss, p_b[0], share), 0.0, 0.0)
     held *= share
     for i in range(len(q)):
         turn = q[i] - q[i - 1] if i > 0 else 0.0

@@ -10,8 +10,8 @@ from layflat.errors import InputError
 from layflat.identify.benches.contract import check_known
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine
-from layflat.machine.model import SwitchingValves
 from layflat.physics.delay import LONGEST
+from layflat.physics.valves.switching import SwitchingValvesPart
 
 Range = Callable[[Machine, float], tuple[float, float, bool]]
 """Bounds (SI) from the machine and its present value, and whether the search is logarithmic."""
@@ -139,7 +139,7 @@ def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
 def _of(machine: Machine, block: str) -> list[tuple[str, ParameterSpec]]:
     """Paths of a block, with what is fitted there."""
     if block == "valve":
-        own = SWITCHING if isinstance(machine.valve, SwitchingValves) else SPOOL
+        own = SWITCHING if isinstance(machine.valve, SwitchingValvesPart) else SPOOL
         return [(f"valve.{spec.key}", spec) for spec in VALVE + own]
     if block in BY_JOINT:
         return [(f"joint.{name}.{spec.key}", spec) for name in machine.joints for spec in BY_JOINT[block]]

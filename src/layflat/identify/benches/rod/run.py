@@ -12,7 +12,7 @@ from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.identify.benches.parallel import on_all_cores
 from layflat.identify.benches.rod.laws import Rod, slip_force, smooth_force
 from layflat.jit import kernel
-from layflat.physics.loss import slip
+from layflat.physics.hysteresis.elasto_slip import slip
 
 Array = NDArray[np.float64]
 

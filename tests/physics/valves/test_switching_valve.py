@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plants import PAIR
 
-from layflat.physics.switching_valve import (
+from layflat.physics.valves.switching import (
     SwitchState,
     duty,
     move_pair,
@@ -101,10 +101,10 @@ def conductances(command: float, periods: int = 4) -> tuple[float, float, float]
     fills, vents = [], []
     for _ in range(50 * periods):
         state, fill, vent = move_pair(PAIR, state, command, wave, h)
-        wave = turn_carrier(wave)
+        wave = turn_carrier(PAIR, wave)
         fills.append(fill)
         vents.append(vent)
-    return float(np.mean(fills[-50:])), float(np.mean(vents[-50:])), float(pair_opening(state))
+    return float(np.mean(fills[-50:])), float(np.mean(vents[-50:])), float(pair_opening(PAIR, state))
 
 
 def test_a_command_opens_one_way_and_its_opposite_the_other() -> None:
@@ -121,6 +121,6 @@ def test_a_carrier_goes_on_where_it_was() -> None:
     h = 2.5e-4
     wave = start_carrier(PAIR, 0.0, h)
     for _ in range(333):
-        wave = turn_carrier(wave)
+        wave = turn_carrier(PAIR, wave)
     assert wave.phase == pytest.approx(start_carrier(PAIR, 333 * h, h).phase, abs=1e-9)
     assert start_carrier(PAIR, 0.3, 1.0).gain == 1.0

@@ -1,34 +1,42 @@
 """The valve between supply, exhaust and a joint's two hoses, of any kind: what it lets through, and the air that flows.
 
 A kind of valve is a law that moves it and yields the conductances of its two paths: the one that fills hose A and vents
-hose B, and the reverse.
+hose B, and the reverse. A new kind is one file and one line here; see docs/kinds.md.
 """
 
-from layflat.jit import by_kind, law
-from layflat.physics import spool_valve, switching_valve
+from layflat.jit import law
+from layflat.kinds import Table
 from layflat.physics.delay import delayed
-from layflat.physics.dither import Dither, turn_dither
 from layflat.physics.flow import flow_between
-from layflat.physics.spool_valve import SpoolState, SpoolValve
-from layflat.physics.switching_valve import Carrier, PairState, SwitchingPair
+from layflat.physics.valves import spool, switching
+from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
 
-Valve = SpoolValve | SwitchingPair
-ValveState = SpoolState | PairState
+VALVES: Table[ValveKind] = Table("valve", spool.KIND, switching.KIND)
 
-at_rest = by_kind({SpoolValve: spool_valve.centred, SwitchingPair: switching_valve.shut})
-"""State of a valve that was never driven: `at_rest(valve)`."""
+at_rest = VALVES.law("at_rest")
+start_wave = VALVES.law("start_wave")
+turn_wave = VALVES.law("turn_wave")
+move = VALVES.law("move")
+net_opening = VALVES.law("opening")
+seized = VALVES.law("seized")
+held_at = VALVES.law("held_at")
 
-start_wave = by_kind({SpoolValve: spool_valve.start_spool_wave, SwitchingPair: switching_valve.start_carrier})
-"""What the driver makes by itself, dither or carrier, in the step of h that begins at t: `start_wave(valve, t, h)`."""
-
-turn_wave = by_kind({Dither: turn_dither, Carrier: switching_valve.turn_carrier})
-"""The same in the next step: `turn_wave(wave)`."""
-
-move = by_kind({SpoolValve: spool_valve.move_spool, SwitchingPair: switching_valve.move_pair})
-"""State after a step of h, and mean conductances (m3/(s Pa)) in it: `move(valve, state, command, wave, h)`."""
-
-net_opening = by_kind({SpoolState: spool_valve.spool_opening, PairState: switching_valve.pair_opening})
-"""Opening towards filling hose A, -1..1: `net_opening(state)`."""
+__all__ = [
+    "VALVES",
+    "Dither",
+    "ValveKind",
+    "ValvePart",
+    "at_rest",
+    "chamber_flow",
+    "commanded_opening",
+    "driven",
+    "held_at",
+    "move",
+    "net_opening",
+    "seized",
+    "start_wave",
+    "turn_wave",
+]
 
 
 @law

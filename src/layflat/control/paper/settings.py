@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from layflat.control.average import SIGNALS as AVERAGED
+
 
 class Phase(NamedTuple):
     """Gains of one phase of a move."""
@@ -46,12 +48,10 @@ class Gains(NamedTuple):
     """1: signals are averaged over four cycles (a dither period); 0: the last sample alone is used."""
 
 
-class Measurement(NamedTuple):
-    """What the controller sees: angle (rad), differential pressure (Pa), time since the last cycle (s)."""
+class Settings(NamedTuple):
+    """Settings of the whole arm: `Gains` of every joint."""
 
-    angle: float
-    differential_pressure: float
-    elapsed: float
+    joints: tuple[Gains, ...]
 
 
 class Memory(NamedTuple):
@@ -70,18 +70,30 @@ class Memory(NamedTuple):
     """How long the joint has been slow, s."""
 
 
-class Status(NamedTuple):
-    """What the controller found in this cycle, for people and records."""
+class Report(NamedTuple):
+    """What the law shows of a joint in a cycle; `SIGNALS` has units and meanings."""
 
-    angle: float
-    """Averaged, rad."""
-    velocity: float
-    """rad/s."""
-    differential_pressure: float
-    """Averaged, Pa."""
+    averaged_angle: float
+    averaged_velocity: float
+    averaged_pressure: float
     ripple: float
-    """Amplitude of the pressure at the dither's frequency, Pa."""
     phase: float
-    """1, 2 or 3."""
-    drift_learnt: float
-    """1 while the long-term integral may build, else 0."""
+    short_term: float
+    long_term: float
+    learning: float
+
+
+SIGNALS = {
+    **AVERAGED,
+    "phase": ("1", "phase of the controller"),
+    "short_term": ("V", "short-term integral F"),
+    "long_term": ("V", "long-term integral FL"),
+    "learning": ("1", "1 while the long-term integral may build"),
+}
+"""Unit and meaning of what is reported."""
+
+
+class Memories(NamedTuple):
+    """What the law remembers of every joint."""
+
+    joints: tuple[Memory, ...]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plants import CYCLE, PASSIVE, Floats, kinetic_energy, run, signals
 
-from layflat.physics.arm import (
+from layflat.physics.arms.planar import (
     OneLink,
     TwoLink,
     one_link_gravity,
@@ -140,7 +140,7 @@ def test_the_arm_alone_follows_mujoco() -> None:
     assert np.ptp(reference, axis=0).min() > 1.0
     errors = []
     for steps in (20, 40):
-        ours = run(ARM, (joint, joint), signals(cycles, 2, load=loads, payload=PAYLOAD), Timing(CYCLE, steps, 1, False))
+        ours = run(ARM, (joint, joint), signals(cycles, 2, load=loads, payload=PAYLOAD), Timing(CYCLE, steps, 1))
         errors.append(np.abs(ours.column("angle") - reference).max())
     assert degrees(errors[0]) < 0.001
     # What is left comes from our step, and goes with its square.

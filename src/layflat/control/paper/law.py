@@ -1,4 +1,4 @@
-"""The paper's controller, Eq. (2), for one joint and one cycle: pure, without clock, input, output or plant.
+"""The paper's control law, Eq. (2): each joint by itself, in three phases of a move.
 
 V = k_e (d - x) - k_p dp + N + F + FL
 
@@ -15,15 +15,15 @@ Signs: a positive voltage above N fills hose A and turns the joint forward (see 
 """
 
 from layflat.control.average import mean4, ripple4
-from layflat.control.gains import Memory, Status
+from layflat.control.kind import voltages_alone
+from layflat.control.paper.settings import Memories, Memory, Report
 from layflat.jit import law
-from layflat.lanes import select
+from layflat.lanes import each, select
 
 
 @law
-def start(measurement):
-    """Memory of a controller that wakes up at this measurement."""
-    x, dp = measurement.angle, measurement.differential_pressure
+def wake_joint(gains, x, dp):  # noqa: ARG001  (as `step_joint`)
+    """Memory of a joint at rest at an angle (rad) and a differential pressure (Pa)."""
     return Memory(x, x, x, dp, dp, dp, x, 0.0, 0.0, 0.0)
 
 
@@ -58,25 +58,50 @@ def _integrals(gains, memory, phase, held, error, may_learn, elapsed):
 
 
 @law
-def step(gains, memory, measurement, demand):
-    """One cycle of one joint: (memory, voltage, status). Source: the paper's Eq. (2) and section 3."""
-    x, dp = measurement.angle, measurement.differential_pressure
+def step_joint(gains, memory, x, dp, demand, elapsed):
+    """One cycle of one joint: memory, voltage, report. Source: the paper's Eq. (2) and section 3."""
     x_mean = mean4(x, memory.angle_0, memory.angle_1, memory.angle_2)
     dp_mean = mean4(dp, memory.pressure_0, memory.pressure_1, memory.pressure_2)
     ripple = ripple4(dp, memory.pressure_0, memory.pressure_1, memory.pressure_2)
     x_used = x + gains.averaged * (x_mean - x)
     dp_used = dp + gains.averaged * (dp_mean - dp)
-    speed = (x_used - memory.last_angle) / measurement.elapsed
+    speed = (x_used - memory.last_angle) / elapsed
     error = demand - x_used
     phase, k_e, k_p = _phase(gains, error, speed)
-    rest = select(abs(speed) < gains.rest_speed, memory.rest + measurement.elapsed, 0.0)
+    rest = select(abs(speed) < gains.rest_speed, memory.rest + elapsed, 0.0)
     quiet = (rest >= gains.rest_time) & (abs(dp_used) < gains.load_pressure)
     may_learn = (ripple > gains.air_ripple) & quiet & (phase == 3.0)
     held = k_e * error - k_p * dp_used
-    short, long = _integrals(gains, memory, phase, held, error, may_learn, measurement.elapsed)
+    short, long = _integrals(gains, memory, phase, held, error, may_learn, elapsed)
     voltage = held + gains.null + short + long
     voltage = min(max(voltage, gains.voltage_low), gains.voltage_high)
     after = Memory(
         x, memory.angle_0, memory.angle_1, dp, memory.pressure_0, memory.pressure_1, x_used, short, long, rest
     )
-    return after, voltage, Status(x_used, speed, dp_used, ripple, phase, select(may_learn, 1.0, 0.0))
+    learning = select(may_learn, 1.0, 0.0)
+    return after, voltage, Report(x_used, speed, dp_used, ripple, phase, short, long, learning)
+
+
+@law
+def wake(settings, sensed):
+    """Memory of a law that begins at these measurements."""
+    return Memories(each(wake_joint, settings.joints, sensed.angle, sensed.differential_pressure))
+
+
+@law
+def step(settings, memory, sensed, demand, elapsed):
+    """One cycle: memory, command, report (see control/kind.py)."""
+    x, dp = sensed.angle, sensed.differential_pressure
+    joints, voltages, reports = each(step_joint, settings.joints, memory.joints, x, dp, demand.angle, elapsed)
+    return Memories(joints), voltages_alone(voltages), reports
+
+
+@law
+def _learnt(memory):
+    return memory.long_term
+
+
+@law
+def centre_shift(settings, memory, joints):  # noqa: ARG001
+    """What the long-term integral has learnt of each valve's centre, V."""
+    return each(_learnt, memory.joints)

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from plants import losses
 
-from layflat.physics.loss import Loss, slip, slip_all, stored_energy
+from layflat.physics.hysteresis.elasto_slip import ElastoSlip, Elements, slip, slip_all, stored_energy
 
 Floats = NDArray[np.float64]
 LOSS = losses(10.0)
@@ -14,11 +14,11 @@ TRAVEL = 20.0
 """Radians after which every element slips, whatever it remembers."""
 
 
-def walk(path: Floats, loss: Loss = LOSS, p_g: float = P_G) -> Floats:
+def walk(path: Floats, loss: ElastoSlip = LOSS, p_g: float = P_G) -> Floats:
     """Torque at every point of a path that starts at an untouched hose."""
-    f, torques = (0.0, 0.0, 0.0), [0.0]
+    f, torques = Elements(0.0, 0.0, 0.0), [0.0]
     for turn in np.diff(path):
-        f = slip_all(loss, *f, turn, p_g)
+        f = slip_all(loss, f, turn, p_g, 1.0)
         torques.append(sum(f))
     return np.array(torques)
 
@@ -36,11 +36,11 @@ def lost(path: Floats, torque: Floats) -> float:
 
 @given(st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=30), st.floats(0.0, 6e5))
 def test_dissipation_is_never_negative(turns: list[float], p_g: float) -> None:
-    f = (0.0, 0.0, 0.0)
+    f = Elements(0.0, 0.0, 0.0)
     for turn in turns:
-        before, f = f, slip_all(LOSS, *f, turn, p_g)
+        before, f = f, slip_all(LOSS, f, turn, p_g, 1.0)
         work = sum(f) * turn
-        assert work - (stored_energy(LOSS, *f) - stored_energy(LOSS, *before)) >= -1e-12
+        assert work - (stored_energy(LOSS, f) - stored_energy(LOSS, before)) >= -1e-12
 
 
 def test_a_full_slip_carries_the_slip_torque() -> None:
@@ -89,4 +89,4 @@ def test_an_element_never_carries_more_than_its_slip_torque(f: float, k: float, 
 
 
 def test_an_absent_element_stores_nothing() -> None:
-    assert stored_energy(Loss(*[0.0] * 9), 0.0, 0.0, 0.0) == 0.0
+    assert stored_energy(ElastoSlip(*[0.0] * 9), Elements(0.0, 0.0, 0.0)) == 0.0

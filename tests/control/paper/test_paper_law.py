@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.controller import start, step
-from layflat.control.gains import Gains, Measurement, Memory, Phase, Status
+from layflat.control.paper.law import step_joint, wake_joint
+from layflat.control.paper.settings import Gains, Memory, Phase, Report
 
 CYCLE = 0.005
 FAR, NEAR, CLOSE = Phase(20.0, 1.5e-5), Phase(30.0, 1e-5), Phase(50.0, 3e-6)
@@ -31,20 +31,20 @@ GAINS = Gains(
     averaged=1.0,
 )
 RIPPLE = 2000.0
-Cycle = tuple[Memory, float, Status]
+Cycle = tuple[Memory, float, Report]
 
 
 def cycle(memory: Memory, x: float, demand: float, dp: float = 0.0, gains: Gains = GAINS) -> Cycle:
-    memory, voltage, status = step(gains, memory, Measurement(x, dp, CYCLE), demand)
-    return memory, voltage, status
+    memory, voltage, report = step_joint(gains, memory, x, dp, demand, CYCLE)
+    return memory, voltage, report
 
 
 def hold(
     error: float, cycles: int, memory: Memory | None = None, *, dp: float = 0.0, ripple: float = 0.0, speed: float = 0.0
 ) -> Cycle:
     """Some cycles at a constant error, with a ripple at the dither's frequency, and the joint moving along."""
-    memory = memory or start(Measurement(0.0, dp, CYCLE))
-    result: Cycle = (memory, 0.0, Status(*[0.0] * 6))
+    memory = memory or wake_joint(GAINS, 0.0, dp)
+    result: Cycle = (memory, 0.0, Report(*[0.0] * 8))
     for k in range(cycles):
         swing = (ripple, 0.0, -ripple, 0.0)[k % 4]
         x = speed * CYCLE * k
@@ -53,9 +53,9 @@ def hold(
 
 
 def test_at_rest_on_target_the_voltage_is_null() -> None:
-    _, voltage, status = hold(0.0, 10)
+    _, voltage, report = hold(0.0, 10)
     assert voltage == GAINS.null
-    assert status.phase == 3.0
+    assert report.phase == 3.0
 
 
 @given(st.floats(radians(2.0), radians(100.0)))
@@ -65,8 +65,8 @@ def test_a_demand_ahead_raises_the_voltage(error: float) -> None:
 
 @given(st.floats(1e4, 3e5))
 def test_differential_pressure_opposes(dp: float) -> None:
-    memory = start(Measurement(0.0, dp, CYCLE))
-    assert cycle(memory, 0.0, radians(5.0), dp)[1] < cycle(start(Measurement(0.0, 0.0, CYCLE)), 0.0, radians(5.0))[1]
+    memory = wake_joint(GAINS, 0.0, dp)
+    assert cycle(memory, 0.0, radians(5.0), dp)[1] < cycle(wake_joint(GAINS, 0.0, 0.0), 0.0, radians(5.0))[1]
 
 
 @pytest.mark.parametrize(
@@ -74,9 +74,9 @@ def test_differential_pressure_opposes(dp: float) -> None:
 )
 def test_phases_by_error(error: float, phase: float, gains: Phase) -> None:
     dp = 4e4
-    memory = start(Measurement(0.0, dp, CYCLE))
-    after, voltage, status = cycle(memory, 0.0, radians(error), dp)
-    assert status.phase == phase
+    memory = wake_joint(GAINS, 0.0, dp)
+    after, voltage, report = cycle(memory, 0.0, radians(error), dp)
+    assert report.phase == phase
     expected = gains.error_gain * radians(error) - gains.pressure_gain * dp + GAINS.null + after.short_term
     assert voltage == pytest.approx(min(max(expected, 0.0), 10.0), rel=1e-12)
 
@@ -87,22 +87,22 @@ def test_phases_by_speed(speed: float, phase: float) -> None:
 
 
 def test_speed_is_that_of_the_averaged_angle() -> None:
-    status = hold(0.0, 12, speed=1.0)[2]
-    assert status.velocity == pytest.approx(1.0)
-    assert status.angle == pytest.approx((11 - 1.5) * CYCLE)
+    report = hold(0.0, 12, speed=1.0)[2]
+    assert report.averaged_velocity == pytest.approx(1.0)
+    assert report.averaged_angle == pytest.approx((11 - 1.5) * CYCLE)
 
 
 def test_without_averaging_the_last_sample_counts() -> None:
-    memory = start(Measurement(0.0, 0.0, CYCLE))
+    memory = wake_joint(GAINS, 0.0, 0.0)
     raw = GAINS._replace(averaged=0.0)
-    status = cycle(memory, 0.01, 0.0, 3e4, raw)[2]
-    assert (status.angle, status.differential_pressure) == (0.01, 3e4)
-    assert status.velocity == pytest.approx(0.01 / CYCLE)
+    report = cycle(memory, 0.01, 0.0, 3e4, raw)[2]
+    assert (report.averaged_angle, report.averaged_pressure) == (0.01, 3e4)
+    assert report.averaged_velocity == pytest.approx(0.01 / CYCLE)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-5e5, 5e5))
 def test_voltage_stays_within_its_range(error: float, dp: float) -> None:
-    assert GAINS.voltage_low <= cycle(start(Measurement(0.0, dp, CYCLE)), 0.0, error, dp)[1] <= GAINS.voltage_high
+    assert GAINS.voltage_low <= cycle(wake_joint(GAINS, 0.0, dp), 0.0, error, dp)[1] <= GAINS.voltage_high
 
 
 def test_short_term_integral_builds_in_phase_3_and_is_clamped() -> None:
@@ -127,8 +127,8 @@ def test_a_held_demand_keeps_its_voltage() -> None:
 
 
 def test_long_term_integral_learns_with_air_at_rest_unloaded() -> None:
-    memory, _, status = hold(radians(0.05), 400, ripple=RIPPLE)
-    assert status.drift_learnt == 1.0
+    memory, _, report = hold(radians(0.05), 400, ripple=RIPPLE)
+    assert report.learning == 1.0
     assert memory.long_term > 0.0
 
 
@@ -146,7 +146,7 @@ def test_long_term_integral_learns_with_air_at_rest_unloaded() -> None:
 def test_long_term_integral_obeys_each_of_its_rules(broken: dict[str, float]) -> None:
     # Eight cycles fill the averages.
     early, late = (hold(radians(0.05), cycles, None, **broken) for cycles in (8, 400))
-    assert late[2].drift_learnt == 0.0
+    assert late[2].learning == 0.0
     assert late[0].long_term == early[0].long_term == pytest.approx(0.0, abs=1e-3)
 
 
@@ -168,7 +168,7 @@ def test_long_term_integral_is_clamped() -> None:
 
 @given(st.floats(-1.0, 1.0), st.floats(-3e5, 3e5))
 def test_a_controller_wakes_up_without_a_jolt(x: float, dp: float) -> None:
-    _, _, status = cycle(start(Measurement(x, dp, CYCLE)), x, x, dp)
-    assert status.angle == pytest.approx(x, abs=1e-12)
-    assert status.velocity == pytest.approx(0.0, abs=1e-9)
-    assert status.ripple == 0.0
+    _, _, report = cycle(wake_joint(GAINS, x, dp), x, x, dp)
+    assert report.averaged_angle == pytest.approx(x, abs=1e-12)
+    assert report.averaged_velocity == pytest.approx(0.0, abs=1e-9)
+    assert report.ripple == 0.0

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from plants import VALVE
 
 from layflat.physics.flow import orifice, warmth
-from layflat.physics.spool_valve import mean_conductance, path_conductance
-from layflat.physics.valve import chamber_flow, commanded_opening
+from layflat.physics.valves import chamber_flow, commanded_opening
+from layflat.physics.valves.spool import mean_conductance, path_conductance
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 

@@ -15,12 +15,20 @@ coil is neither charged nor discharged. Within a step the pulse's edges are met 
 | tau | part of a step in which the coil is on or off throughout | s |
 """
 
-from math import floor
-from typing import NamedTuple
+from __future__ import annotations
 
+from math import floor, inf
+from typing import Annotated, Literal, NamedTuple, Self
+
+from pydantic import Field, model_validator
+
+from layflat.description import units as u
 from layflat.jit import composition, law
 from layflat.lanes import halves, join, select
+from layflat.physics.arrays import itemwise
+from layflat.physics.flow import laminar_slope
 from layflat.physics.ramp import mean_above_zero
+from layflat.physics.valves.kind import ValveKind, ValvePart
 
 
 class Switch(NamedTuple):
@@ -49,6 +57,48 @@ class SwitchingPair(NamedTuple):
     """Length of the pulse at the edge of the dead band, s."""
     delay: float
     """From the command to the driver's pulses, s."""
+
+
+class SwitchingValvesPart(ValvePart):
+    """Two on/off valves under pulse-width modulation: one fills hose A and vents hose B, the other the reverse."""
+
+    kind: Literal["switching"]
+    frequency: u.Frequency = Field(description="of the pulses")
+    dead_band: Annotated[u.Share, Field(lt=0.9)] = Field(description="command up to which no pulse is given")
+    least_pulse: u.TimeOrZero = Field(description="length of the pulse at the edge of the dead band")
+    opening_delay: u.Time = Field(description="from voltage on to the plunger's first motion")
+    opening_time: u.Time = Field(description="of the plunger's whole way")
+    closing_delay: u.Time = Field(description="from voltage off to the plunger's first motion")
+    closing_time: u.Time
+
+    @model_validator(mode="after")
+    def _pulses_fit(self) -> Self:
+        if self.least_pulse * self.frequency >= 1.0:
+            raise ValueError("least_pulse must be shorter than the pulses' period, 1 / frequency")
+        return self
+
+
+def parameters(described: SwitchingValvesPart) -> SwitchingPair:
+    """Two on/off valves with their driver."""
+    b = described.critical_ratio
+    return SwitchingPair(
+        Switch(
+            described.opening_delay,
+            described.opening_time,
+            described.closing_delay,
+            described.closing_time,
+        ),
+        described.conductance,
+        described.leakage,
+        b,
+        itemwise(laminar_slope, b),
+        described.centre_voltage,
+        described.volts_to_full,
+        described.frequency,
+        described.dead_band,
+        described.least_pulse,
+        described.delay,
+    )
 
 
 class SwitchState(NamedTuple):
@@ -80,7 +130,7 @@ def start_carrier(pair, t, h):
 
 
 @law
-def turn_carrier(carrier):
+def turn_carrier(pair, carrier):  # noqa: ARG001
     """Carrier of the next step."""
     phase = carrier.phase + carrier.gain
     return Carrier(phase - floor(phase), carrier.gain)
@@ -143,6 +193,31 @@ def move_pair(pair, state, command, carrier, h):
 
 
 @law
-def pair_opening(state):
+def pair_opening(pair, state):  # noqa: ARG001
     """Opening of the valve that fills hose A, less that of the other, -1..1."""
     return state.forward.opening - state.back.opening
+
+
+def seized(pair: SwitchingPair) -> SwitchingPair:
+    """Two valves whose plungers stay where they are, whatever is asked of them."""
+    return pair._replace(switch=pair.switch._replace(opening_time=inf, closing_time=inf))
+
+
+def held_at(pair: SwitchingPair, opening: float) -> PairState:  # noqa: ARG001
+    """State of two valves of which one stands open, by an opening of -1 to 1."""
+    return PairState(SwitchState(0.0, max(opening, 0.0)), SwitchState(0.0, max(-opening, 0.0)))
+
+
+KIND = ValveKind(
+    name="switching",
+    description=SwitchingValvesPart,
+    parameters=parameters,
+    parameter_types=(SwitchingPair,),
+    at_rest=shut,
+    move=move_pair,
+    opening=pair_opening,
+    start_wave=start_carrier,
+    turn_wave=turn_carrier,
+    seized=seized,
+    held_at=held_at,
+)

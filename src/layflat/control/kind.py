@@ -1,0 +1,108 @@
+"""What a kind of control law has to offer: what it is given of the arm in a control cycle, and what it commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from pydantic import BaseModel
+
+from layflat.description import units as u
+from layflat.errors import KindError
+from layflat.jit import Law, law
+from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.lanes import each
+
+
+class Sensed(NamedTuple):
+    """What the sensors say in this cycle; tuples with an item per joint, from base to tip."""
+
+    angle: tuple[float, ...]
+    """rad"""
+    differential_pressure: tuple[float, ...]
+    """Hose A less hose B, Pa."""
+
+
+class Demand(NamedTuple):
+    """What is asked of the joints in this cycle; a step has zero rates."""
+
+    angle: tuple[float, ...]
+    """rad"""
+    velocity: tuple[float, ...]
+    """rad/s"""
+    acceleration: tuple[float, ...]
+    """rad/s2"""
+
+
+class Command(NamedTuple):
+    """What a law commands in this cycle. Shares are of what the machine has; 1 leaves it as it is."""
+
+    voltage: tuple[float, ...]
+    """To the valves' drivers, V."""
+    brake: tuple[float, ...]
+    """Of the torque at which each brake slips."""
+
+
+class ControllerPart(KindPart):
+    """What all descriptions of controllers say."""
+
+    cycle: u.Time
+
+
+@law
+def _whole(voltage: float) -> float:  # noqa: ARG001  (one a joint)
+    return 1.0
+
+
+@law
+def voltages_alone(voltage: Any) -> Any:
+    """Command voltages, and leave all else as it is."""
+    return Command(voltage, each(_whole, voltage))
+
+
+@law
+def no_shift(settings: Any, memory: Any, joints: Any) -> Any:  # noqa: ARG001
+    """No shift of any valve's centre; `joints` is a tuple of zeros with an item per joint."""
+    return joints
+
+
+@dataclass(frozen=True, kw_only=True)
+class ControlKind(Kind):
+    """A control law of the whole arm.
+
+    `parameters(described, machine)` yields the law's settings from the described controller and the machine that it is
+    for: a named tuple of floats, of named tuples and of tuples of these, with an item a joint. Laws are pure: no clock,
+    no input or output, no plant. Those that are decorated with `layflat.jit.law` are compiled, and run in ensembles, in
+    studies and on rigs; plain functions run in rollouts and on a virtual rig.
+
+    Args:
+        wake: `wake(settings, sensed)` yields the memory of a law that begins at these measurements, nested as settings.
+        step: `step(settings, memory, sensed, demand, elapsed)` yields memory, `Command` and report after a cycle that
+            came `elapsed` s after the one before. A report is a tuple of `report`, one a joint.
+        report: named tuple class of what the law shows of each joint, all floats; its fields are recorded by name.
+        signals: unit and meaning of each field of `report`.
+        gains: description of the table `gains` of each joint; None where the law has none.
+        centre_shift: `centre_shift(settings, memory, joints)` yields by how much each valve's centre is estimated to be
+            off, V, a tuple with an item per joint, as the zeros `joints` are. A rig's supervision of air takes it into
+            account; zero unless it is given.
+    """
+
+    wake: Callable[..., Any] = REQUIRED
+    step: Callable[..., Any] = REQUIRED
+    report: type = REQUIRED
+    signals: Mapping[str, tuple[str, str]] = REQUIRED
+    gains: type[BaseModel] | None = None
+    centre_shift: Callable[..., Any] = no_shift
+
+    def __post_init__(self) -> None:
+        """Refuse a report whose signals have no unit."""
+        super().__post_init__()
+        unexplained = [name for name in getattr(self.report, "_fields", ()) if name not in self.signals]
+        if unexplained:
+            raise KindError(f"signal {unexplained[0]!r} has no unit and meaning", where=f"control law {self.name!r}")
+
+    @property
+    def compiled(self) -> bool:
+        """Whether the law can be compiled; else it is called from Python once a control cycle."""
+        return isinstance(self.wake, Law) and isinstance(self.step, Law)

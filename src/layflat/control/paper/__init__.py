@@ -1,0 +1,21 @@
+"""The control law of the paper."""
+
+from layflat.control.kind import ControlKind
+from layflat.control.paper.description import PaperControllerPart, PaperGainsPart, settings
+from layflat.control.paper.law import centre_shift, step, wake
+from layflat.control.paper.settings import SIGNALS, Report, Settings
+
+__all__ = ["KIND", "PaperGainsPart"]
+
+KIND = ControlKind(
+    name="paper",
+    description=PaperControllerPart,
+    gains=PaperGainsPart,
+    parameters=settings,
+    parameter_types=(Settings,),
+    wake=wake,
+    step=step,
+    report=Report,
+    signals=SIGNALS,
+    centre_shift=centre_shift,
+)

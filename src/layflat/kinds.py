@@ -1,0 +1,166 @@
+"""Exchangeable kinds: several laws for the same thing, of which a machine's description names one (`kind = "..."`).
+
+A kind is one object that holds all there is to it: what a file says of it, the parameters of its laws, and the laws. A
+table holds the kinds of one thing. Code asks the table, so that a further kind is one file and one line, or no line at
+all where a user registers one from outside (see docs/kinds.md). A kind that lacks something is refused when it is made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from pydantic import BaseModel
+from pydantic_core import core_schema
+
+from layflat.description import Part
+from layflat.description.hints import did_you_mean
+from layflat.errors import KindError
+from layflat.jit import by_kind
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler
+
+REQUIRED: Any = object()
+"""Stands where a kind has to say something."""
+
+
+class KindPart(Part):
+    """Base of what files say of a thing that there are several kinds of; each kind adds its own keys."""
+
+    if TYPE_CHECKING:
+        kind: str
+
+        def __getattr__(self, key: str) -> Any: ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """Base of all kinds.
+
+    Args:
+        name: what stands behind `kind =` in a file.
+        description: what a file says of it, with a field `kind: Literal[name]`.
+        parameters: from what is described to the parameters of the laws (named tuples of floats).
+        parameter_types: the named tuple classes that `parameters` may yield; they are the kind's own.
+
+    Raises:
+        KindError: something is missing, by name.
+    """
+
+    name: str = REQUIRED
+    description: type[BaseModel] = REQUIRED
+    parameters: Callable[..., Any] = REQUIRED
+    parameter_types: tuple[type, ...] = REQUIRED
+
+    def __post_init__(self) -> None:
+        """Refuse a kind that is not whole."""
+        missing = [entry.name for entry in fields(self) if getattr(self, entry.name) is REQUIRED]
+        if missing:
+            raise KindError(f"kind {self.name!r} lacks {', '.join(missing)}", where=type(self).__name__)
+        field = self.description.model_fields.get("kind")
+        if field is None or self.name not in getattr(field.annotation, "__args__", ()):
+            raise KindError(
+                f"the description of kind {self.name!r} does not bear its name",
+                where=type(self).__name__,
+                right=f'give {self.description.__name__} a field kind: Literal["{self.name}"]',
+            )
+
+    def entries(self) -> Mapping[type, Any]:
+        """What holds the laws, by class of the parameters."""
+        return dict.fromkeys(self.parameter_types, self)
+
+
+K = TypeVar("K", bound=Kind)
+
+
+class Table(Generic[K]):
+    """The kinds of one thing, by name.
+
+    Args:
+        thing: what they are kinds of, for messages.
+        kinds: those that are built in; the first is meant where a file names none.
+    """
+
+    def __init__(self, thing: str, *kinds: K) -> None:
+        self.thing, self.usual = thing, kinds[0].name
+        self._kinds: dict[str, K] = {}
+        self._choices: dict[Callable[[Any], Any], dict[type, Any]] = {}
+        for kind in kinds:
+            self.register(kind)
+
+    def __iter__(self) -> Iterator[K]:
+        """All kinds, as they were registered."""
+        return iter(self._kinds.values())
+
+    def register(self, kind: K) -> K:
+        """Add a kind.
+
+        Raises:
+            KindError: there is one of this name, or one with the same class of parameters.
+        """
+        if kind.name in self._kinds:
+            raise KindError(f"there is a kind {kind.name!r} of {self.thing} already", where="kinds")
+        taken = [other.__name__ for other in kind.parameter_types if self._owner(other) is not None]
+        if taken:
+            raise KindError(f"{taken[0]} holds the parameters of another kind of {self.thing}", where=kind.name)
+        self._kinds[kind.name] = kind
+        for find, laws in self._choices.items():
+            laws.update({cls: find(entry) for cls, entry in kind.entries().items()})
+        return kind
+
+    def named(self, name: object) -> K:
+        """The kind of a name.
+
+        Raises:
+            KindError: there is none; names the known ones and the nearest.
+        """
+        if isinstance(name, str) and name in self._kinds:
+            return self._kinds[name]
+        raise KindError(
+            f"{name!r} is not a kind of {self.thing}", right=did_you_mean(name, list(self._kinds), "known kinds are {}")
+        )
+
+    def parameters(self, described: Any, *others: Any) -> Any:
+        """Parameters of the laws for what is described, by the kind that it names."""
+        return self.named(described.kind).parameters(described, *others)
+
+    def of(self, parameters: Any) -> K:
+        """The kind that parameters belong to."""
+        owner = self._owner(type(parameters))
+        if owner is None:
+            raise KindError(f"{type(parameters).__name__} belongs to no kind of {self.thing}", where="kinds")
+        return owner
+
+    def _owner(self, cls: type) -> K | None:
+        return next((kind for kind in self if cls in kind.parameter_types), None)
+
+    def law(self, find: str | Callable[[Any], Any]) -> Callable[..., Any]:
+        """A law that picks its implementation by its first argument, the parameters of a kind.
+
+        Args:
+            find: name of the law in a kind, or what yields it from what holds a kind's laws.
+        """
+        finder: Callable[[Any], Any] = (lambda entry: getattr(entry, find)) if isinstance(find, str) else find
+        laws = {cls: finder(entry) for kind in self for cls, entry in kind.entries().items()}
+        self._choices[finder] = laws
+        return by_kind(laws)
+
+
+@dataclass(frozen=True)
+class AnyOf:
+    """Annotation of a described part that may be of any kind in a table.
+
+    A class with such a field is rebuilt (`model_rebuild(force=True)`) once another kind is registered.
+    """
+
+    table: Table[Any]
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Validate what stands there by the kind that it names."""
+        choices = {kind.name: handler.generate_schema(kind.description) for kind in self.table}
+        return core_schema.tagged_union_schema(choices, self._named)
+
+    def _named(self, value: object) -> object:
+        return value.get("kind", self.table.usual) if isinstance(value, dict) else getattr(value, "kind", None)

@@ -1,0 +1,53 @@
+"""The table `gains` of a joint: what may stand there is said by the machine's control law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic_core import core_schema
+
+from layflat.control import CONTROL_LAWS
+from layflat.description.wrong import wrong
+
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler
+
+_law: ContextVar[object] = ContextVar("control law", default=None)
+
+
+@contextmanager
+def gains_of_law(kind: object) -> Iterator[None]:
+    """Validate gains as those of a control law, by its name; None: the usual one."""
+    token = _law.set(kind)
+    try:
+        yield
+    finally:
+        _law.reset(token)
+
+
+class _OfTheLaw:
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        choices = {law.name: handler.generate_schema(law.gains) for law in CONTROL_LAWS if law.gains is not None}
+        tagged = core_schema.tagged_union_schema(choices, _law_of)
+        return core_schema.no_info_before_validator_function(_known_to_the_law, tagged)
+
+
+def _law_of(value: object) -> str:
+    for law in CONTROL_LAWS:
+        if law.gains is not None and isinstance(value, law.gains):
+            return law.name
+    return str(_law.get() or CONTROL_LAWS.usual)
+
+
+def _known_to_the_law(value: object) -> object:
+    name = _law_of(value)
+    if any(law.name == name and law.gains is None for law in CONTROL_LAWS):
+        raise wrong(f"is not known to the control law {name!r}", "leave it out")
+    return value
+
+
+Gains = Annotated[Any, _OfTheLaw()]
+"""Gains of a joint: of the class that the machine's control law names."""

@@ -1,0 +1,75 @@
+"""What a kind of arm has to offer: how torques become motion, and where the arm is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from layflat.description import units as u
+from layflat.errors import KindError
+from layflat.kinds import REQUIRED, Kind, KindPart
+
+Law = Callable[..., Any]
+
+NONE = -0.0
+"""A torque that is not there: added to any number it leaves every bit as it was, which +0.0 does not do to -0.0."""
+
+
+class ArmPart(KindPart):
+    """What all descriptions of arms say: the joints that make it, from the base to the tip, its load, and gravity."""
+
+    joints: Annotated[tuple[str, ...], Field(min_length=1)]
+    payload: u.Mass
+    gravity: u.Acceleration = Field(description="in the arm's plane; zero for an arm that moves horizontally")
+    gravity_direction: u.Angle = Field(description="from link 1 at mid-stroke")
+
+    @model_validator(mode="after")
+    def _each_once(self) -> Self:
+        if len(set(self.joints)) < len(self.joints):
+            raise ValueError(f"joints names {self.joints[0]!r} twice; name each joint once")
+        return self
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmLaws:
+    """The laws of arms whose parameters are of one class. Angles and torques are tuples with an item per joint.
+
+    Args:
+        joints: how many joints such an arm has, 1 or 2.
+        dynamics: `dynamics(arm, payload, q, v)` yields three tuples at angles q (rad) and velocities v (rad/s): the
+            upper triangle of the mass matrix, row by row (kg m2); the torques that come of the velocities (N m,
+            `NONE` where there are none); and those that come of the angles (gravity, springs).
+        points: `points(arm, q)` yields positions (x, y) of the base, of every further joint, and of the tip, m; x along
+            link 1 at mid-stroke.
+    """
+
+    joints: int
+    dynamics: Law
+    points: Law
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArmKind(Kind):
+    """A kind of arm.
+
+    `parameters(described, joints)` has the described arm and joints (a list, from base to tip).
+
+    Args:
+        laws: by class of the parameters.
+    """
+
+    laws: Mapping[type, ArmLaws] = REQUIRED
+
+    def __post_init__(self) -> None:
+        """Refuse parameters without laws."""
+        super().__post_init__()
+        for cls in self.parameter_types:
+            if cls not in self.laws or self.laws[cls].joints not in (1, 2):
+                raise KindError(f"{cls.__name__} has no laws for one or two joints", where=f"kind {self.name!r} of arm")
+
+    def entries(self) -> Mapping[type, Any]:
+        """What holds the laws, by class of the parameters."""
+        return self.laws

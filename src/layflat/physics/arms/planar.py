@@ -1,0 +1,189 @@
+"""Rigid arms in a plane: mass matrix, Coriolis terms and gravity of one link and of two links.
+
+| symbol | meaning | unit |
+|---|---|---|
+| q_1, q_2 | joint angles from the middle of each stroke | rad |
+| e | angle of the elbow at q_2 = 0 | rad |
+| l_1, l_2 | lengths of the links | m |
+| m_p | payload at the tip | kg |
+| a, b, c | M_11 = a + 2 b cos(q_2 + e), M_12 = c + b cos(q_2 + e), M_22 = c | kg m2 |
+| S_1, S_2 | first moments of mass along link 1 and link 2 | kg m |
+| g_x, g_y | gravity in the arm's plane, along and across link 1 at q_1 = 0 | m/s2 |
+
+Source: the planar two-link arm of any textbook, e.g. Spong 2020 (key spong2020), with the masses lumped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field
+
+from layflat.description import units as u
+from layflat.jit import composition, law
+from layflat.lanes import halves, join
+from layflat.physics.arms.kind import NONE, ArmKind, ArmLaws, ArmPart
+from layflat.physics.trig import sincos
+
+
+class PlanarArmPart(ArmPart):
+    """How joints make an arm in a plane, from the base to the tip."""
+
+    kind: Literal["planar"] = "planar"
+    joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)]
+    elbow: u.Angle = Field(description="angle between the links when the second joint is in mid-stroke")
+
+
+class OneLink(NamedTuple):
+    """Parameters of an arm with one joint; everything but the payload is lumped into inertia and first moment."""
+
+    inertia: float
+    moment: float
+    length: float
+    gravity_x: float
+    gravity_y: float
+
+
+class TwoLink(NamedTuple):
+    """Parameters of an arm with two joints, without payload (symbols in the module's table)."""
+
+    a: float
+    b: float
+    c: float
+    moment_1: float
+    moment_2: float
+    length_1: float
+    length_2: float
+    elbow: float
+    gravity_x: float
+    gravity_y: float
+
+
+class LevelTwoLink(NamedTuple):
+    """Parameters of an arm with two joints that moves in a level plane: gravity does no work."""
+
+    a: float
+    b: float
+    c: float
+    length_1: float
+    length_2: float
+    elbow: float
+
+
+def parameters(described: PlanarArmPart, joints: Sequence[Any]) -> OneLink | TwoLink | LevelTwoLink:
+    """Masses of the arm, without payload."""
+    g_x = described.gravity * np.cos(described.gravity_direction)
+    g_y = described.gravity * np.sin(described.gravity_direction)
+    first = joints[0].link
+    own_1 = first.rotor_inertia + first.inertia + first.mass * first.centre**2
+    if len(joints) == 1:
+        return OneLink(own_1, first.mass * first.centre, first.length, g_x, g_y)
+    second, carried = joints[1].link, joints[1].body.mass
+    own_2 = second.rotor_inertia + second.inertia + second.mass * second.centre**2
+    masses = (
+        own_1 + own_2 + (carried + second.mass) * first.length**2,
+        second.mass * first.length * second.centre,
+        own_2,
+    )
+    if np.all(described.gravity == 0.0):
+        return LevelTwoLink(*masses, first.length, second.length, described.elbow)
+    return TwoLink(
+        *masses,
+        first.mass * first.centre + (carried + second.mass) * first.length,
+        second.mass * second.centre,
+        first.length,
+        second.length,
+        described.elbow,
+        g_x,
+        g_y,
+    )
+
+
+@law
+def one_link_mass(arm, m_p):
+    """Inertia about the joint, kg m2."""
+    return arm.inertia + m_p * arm.length * arm.length
+
+
+@law
+def one_link_gravity(arm, m_p, q):
+    """Torque of gravity on the joint, N m."""
+    sin_q, cos_q = sincos(q)
+    return (arm.moment + m_p * arm.length) * (arm.gravity_y * cos_q - arm.gravity_x * sin_q)
+
+
+@law
+def two_link_mass(arm, m_p, sin_2, cos_2):
+    """M_11, M_12, M_22 and the Coriolis coefficient h = b sin(q_2 + e), from sine and cosine of q_2 + e."""
+    b = arm.b + m_p * arm.length_1 * arm.length_2
+    c = arm.c + m_p * arm.length_2 * arm.length_2
+    a = arm.a + m_p * (arm.length_1 * arm.length_1 + arm.length_2 * arm.length_2)
+    return a + 2.0 * b * cos_2, c + b * cos_2, c, b * sin_2
+
+
+@law
+def two_link_coriolis(h, v_1, v_2):
+    """Torques that the velocities cause, N m."""
+    return h * v_2 * (2.0 * v_1 + v_2), -h * v_1 * v_1
+
+
+@law
+def two_link_gravity(arm, m_p, sin_1, cos_1, sin_2, cos_2):
+    """Torques of gravity on both joints, N m, from sine and cosine of q_1 and of q_2 + e."""
+    sin_t = sin_1 * cos_2 + cos_1 * sin_2
+    cos_t = cos_1 * cos_2 - sin_1 * sin_2
+    first = (arm.moment_1 + m_p * arm.length_1) * (arm.gravity_y * cos_1 - arm.gravity_x * sin_1)
+    second = (arm.moment_2 + m_p * arm.length_2) * (arm.gravity_y * cos_t - arm.gravity_x * sin_t)
+    return first + second, second
+
+
+@law
+def _one_link(arm, m_p, q, v):  # noqa: ARG001  (as of all arms)
+    return (one_link_mass(arm, m_p),), (NONE,), (one_link_gravity(arm, m_p, q[0]),)
+
+
+@composition
+def _two_link(arm, m_p, q, v):
+    sines, cosines = sincos(join(q[0], q[1] + arm.elbow))
+    (sin_1, sin_2), (cos_1, cos_2) = halves(sines), halves(cosines)
+    M_11, M_12, M_22, coupling = two_link_mass(arm, m_p, sin_2, cos_2)
+    gravity = two_link_gravity(arm, m_p, sin_1, cos_1, sin_2, cos_2)
+    return (M_11, M_12, M_22), two_link_coriolis(coupling, v[0], v[1]), gravity
+
+
+@composition
+def _level_two_link(arm, m_p, q, v):
+    sin_2, cos_2 = sincos(q[1] + arm.elbow)
+    M_11, M_12, M_22, coupling = two_link_mass(arm, m_p, sin_2, cos_2)
+    return (M_11, M_12, M_22), two_link_coriolis(coupling, v[0], v[1]), (0.0, 0.0)
+
+
+@law
+def _one_link_points(arm, q):
+    sin_1, cos_1 = sincos(q[0])
+    return (0.0, 0.0), (arm.length * cos_1, arm.length * sin_1)
+
+
+@law
+def _two_link_points(arm, q):
+    sin_1, cos_1 = sincos(q[0])
+    sin_2, cos_2 = sincos(q[1] + arm.elbow)
+    elbow = arm.length_1 * cos_1, arm.length_1 * sin_1
+    x = arm.length_1 * cos_1 + arm.length_2 * (cos_1 * cos_2 - sin_1 * sin_2)
+    y = arm.length_1 * sin_1 + arm.length_2 * (sin_1 * cos_2 + cos_1 * sin_2)
+    return (0.0, 0.0), elbow, (x, y)
+
+
+KIND = ArmKind(
+    name="planar",
+    description=PlanarArmPart,
+    parameters=parameters,
+    parameter_types=(OneLink, TwoLink, LevelTwoLink),
+    laws={
+        OneLink: ArmLaws(joints=1, dynamics=_one_link, points=_one_link_points),
+        TwoLink: ArmLaws(joints=2, dynamics=_two_link, points=_two_link_points),
+        LevelTwoLink: ArmLaws(joints=2, dynamics=_level_two_link, points=_two_link_points),
+    },
+)

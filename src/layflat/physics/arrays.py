@@ -1,0 +1,15 @@
+"""Laws of numbers for parameters that may be arrays, an item a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+
+def itemwise(law: Callable[..., float], *args: Any) -> Any:
+    """A law of numbers, or of arrays item by item."""
+    if any(isinstance(arg, np.ndarray) for arg in args):
+        return np.vectorize(law, otypes=[float])(*args)
+    return float(law(*args))

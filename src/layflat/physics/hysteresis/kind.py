@@ -1,0 +1,46 @@
+"""What a kind of hysteresis has to offer: torques that hose and strap lose, from how the joint turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import Field
+
+from layflat.description import units as u
+from layflat.kinds import REQUIRED, Kind, KindPart
+
+Law = Callable[..., Any]
+
+
+class LossesPart(KindPart):
+    """What all descriptions of losses say: the pressure at which `loss_share` of hose and strap was measured."""
+
+    reference_pressure_gauge: u.PositivePressure
+    pressure_free: u.Share = Field(
+        description="part of the loss at reference pressure that does not grow with pressure"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class HysteresisKind(Kind):
+    """A law of losses, of one hose with its strap.
+
+    `parameters(described, limit)` has the torque that the losses oppose either way at the reference pressure in a large
+    slow motion, N m. All zeros have to be parameters of a hose without losses.
+
+    Args:
+        at_rest: `at_rest(loss)` yields the state of a hose that never moved: a named tuple of floats.
+        turned: `turned(loss, state, turn, p_g, h)` yields the state after a turn (rad) in h seconds at gauge pressure
+            p_g (Pa). In a slow sweep h is infinite.
+        torques: `torques(loss, state)` yields the torques against the motion, N m, as a tuple that is summed in order.
+        stored: `stored(loss, state)` yields what the losses give back, J; all else that was put in is heat.
+        loaded: `loaded(loss, p_g, share)` yields a state in which the losses carry a share (-1 to 1) of what they can.
+    """
+
+    at_rest: Law = REQUIRED
+    turned: Law = REQUIRED
+    torques: Law = REQUIRED
+    stored: Law = REQUIRED
+    loaded: Law = REQUIRED

@@ -1,0 +1,113 @@
+"""What a kind of valve has to offer: how what a driver asks for becomes the conductances of a joint's two paths."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any, NamedTuple, Self
+
+from pydantic import Field, model_validator
+
+from layflat.description import Part
+from layflat.description import units as u
+from layflat.errors import KindError
+from layflat.jit import law
+from layflat.kinds import REQUIRED, Kind, KindPart
+
+Law = Callable[..., Any]
+
+COMMON = ("conductance", "leakage", "critical_ratio", "laminar_slope", "centre_voltage", "volts_to_full", "delay")
+"""What the parameters of every valve hold, so that air flows and voltages act alike through all."""
+
+
+class Dither(Part):
+    """What the driver adds to keep the spool moving."""
+
+    amplitude: u.Share = Field(description="share of full opening")
+    frequency: u.Frequency
+
+
+class ValvePart(KindPart):
+    """What every valve has, with its driver; there is one per joint."""
+
+    conductance: u.Conductance = Field(description="ISO 6358 sonic conductance of a fully open path")
+    critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
+    leakage: u.ConductanceOrZero = Field(description="sonic conductance of a closed path")
+    centre_voltage: u.Voltage
+    volts_to_full: u.PositiveVoltage = Field(description="from the centre to full opening")
+    delay: u.TimeOrZero = Field(default=0.0, description="from the command to the driver, at most three control cycles")
+
+    @model_validator(mode="after")
+    def _closes(self) -> Self:
+        if self.leakage >= self.conductance:
+            raise ValueError("leakage must be smaller than conductance")
+        return self
+
+    @property
+    def dithered(self) -> Dither | None:
+        """The dither that its driver has to add; None for a valve without."""
+        return None
+
+    @property
+    def covered(self) -> float:
+        """Share of the stroke in which it stays closed although it moves."""
+        return 0.0
+
+
+class Still(NamedTuple):
+    """The wave of a driver that makes none."""
+
+    phase: float
+
+
+@law
+def no_wave(valve, t, h):  # noqa: ARG001
+    """The wave of a driver that makes none."""
+    return Still(0.0)
+
+
+@law
+def same_wave(valve, wave):  # noqa: ARG001
+    """The wave of the next step of a driver that makes none."""
+    return wave
+
+
+def cannot_be_held(valve: Any, *_: Any) -> Any:
+    """Refuse a failure that a kind of valve does not model."""
+    raise KindError(f"a {type(valve).__name__} can't be seized: its kind says neither `seized` nor `held_at`")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ValveKind(Kind):
+    """A law of valves.
+
+    `parameters(described)` yields a named tuple with at least the fields of `COMMON`, in SI units.
+
+    Args:
+        at_rest: `at_rest(valve)` yields the state of a valve that was never driven, a named tuple of floats.
+        move: `move(valve, state, command, wave, h)` yields the state after a step of h seconds at an opening asked for
+            (-1 to 1), and the mean conductances in it, m3/(s Pa), of the path that fills hose A and vents hose B and of
+            the reverse.
+        opening: `opening(valve, state)` yields the opening towards filling hose A, -1 to 1.
+        start_wave: `start_wave(valve, t, h)` yields what the driver makes by itself (dither, carrier) in the step that
+            begins at t, a named tuple of floats; a driver makes nothing unless it is given.
+        turn_wave: `turn_wave(valve, wave)` yields the same in the next step.
+        seized: `seized(valve)`, not a law, yields parameters of a valve that stays where it is.
+        held_at: `held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening.
+    """
+
+    at_rest: Law = REQUIRED
+    move: Law = REQUIRED
+    opening: Law = REQUIRED
+    start_wave: Law = no_wave
+    turn_wave: Law = same_wave
+    seized: Law = cannot_be_held
+    held_at: Law = cannot_be_held
+
+    def __post_init__(self) -> None:
+        """Refuse parameters that lack what all valves have."""
+        super().__post_init__()
+        for cls in self.parameter_types:
+            lacking = [name for name in COMMON if name not in getattr(cls, "_fields", ())]
+            if lacking:
+                raise KindError(f"{cls.__name__} lacks {', '.join(lacking)}", where=f"kind {self.name!r} of valve")

@@ -1,0 +1,166 @@
+"""A 5/3 proportional spool valve and its driver: dither moves the spool, the spool opens one path and shuts the other.
+
+| symbol | meaning | unit |
+|---|---|---|
+| x | spool opening, positive: hose A to supply, hose B to exhaust | 1 |
+| o | overlap: the share of the stroke in which a land covers its port | 1 |
+| C | sonic conductance of a fully open path | m3/(s Pa) |
+| C_0 | leakage conductance of a closed path | m3/(s Pa) |
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field
+
+from layflat.description import units as u
+from layflat.jit import law
+from layflat.physics.arrays import itemwise
+from layflat.physics.dither import half_change, start_dither, turn_dither
+from layflat.physics.flow import laminar_slope
+from layflat.physics.ramp import mean_above_zero
+from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
+from layflat.physics.valves.spool_motion import Spool, advance_spool
+
+STUCK = 1e9
+"""Friction that no solenoid overcomes, as a change of opening."""
+
+
+class SpoolValve(NamedTuple):
+    """Parameters of a spool valve with its driver."""
+
+    spool: Spool
+    conductance: float
+    leakage: float
+    critical_ratio: float
+    laminar_slope: float
+    overlap: float
+    centre_voltage: float
+    volts_to_full: float
+    dither_amplitude: float
+    dither_frequency: float
+    delay: float
+    """From the command to the spool, s."""
+
+
+class SpoolState(NamedTuple):
+    """Opening of the spool, and its rate (1/s)."""
+
+    opening: float
+    rate: float
+
+
+class SpoolValvePart(ValvePart):
+    """A 5/3 proportional spool valve."""
+
+    kind: Literal["spool"] = "spool"
+    overlap: Annotated[u.Share, Field(lt=0.9)] = Field(
+        description="share of the stroke in which a land covers its port"
+    )
+    natural_frequency: u.Frequency
+    damping_ratio: u.Ratio
+    friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
+    dither: Dither
+
+    @property
+    def dithered(self) -> Dither | None:
+        """The dither, where it has an amplitude."""
+        return self.dither if self.dither.amplitude > 0.0 else None
+
+    @property
+    def covered(self) -> float:
+        """The overlap."""
+        return self.overlap
+
+
+def parameters(described: SpoolValvePart) -> SpoolValve:
+    """Spool valve with its driver."""
+    b = described.critical_ratio
+    return SpoolValve(
+        Spool(2 * pi * described.natural_frequency, described.damping_ratio, described.friction),
+        described.conductance,
+        described.leakage,
+        b,
+        itemwise(laminar_slope, b),
+        described.overlap,
+        described.centre_voltage,
+        described.volts_to_full,
+        described.dither.amplitude,
+        described.dither.frequency,
+        described.delay,
+    )
+
+
+@law
+def path_conductance(valve, x):
+    """Conductance of the path that a positive x opens, m3/(s Pa)."""
+    share = max(x - valve.overlap, 0.0) * (1.0 / (1.0 - valve.overlap))
+    return valve.leakage + (valve.conductance - valve.leakage) * share
+
+
+@law
+def mean_conductance(valve, x_0, x_1):
+    """Mean conductance of the path that a positive x opens, while x moves evenly from x_0 to x_1, m3/(s Pa)."""
+    share = mean_above_zero(x_0 - valve.overlap, x_1 - valve.overlap) * (1.0 / (1.0 - valve.overlap))
+    return valve.leakage + (valve.conductance - valve.leakage) * share
+
+
+@law
+def centred(valve):  # noqa: ARG001  (as of all valves)
+    """State of a spool at rest in the middle."""
+    return SpoolState(0.0, 0.0)
+
+
+@law
+def start_spool_wave(valve, t, h):
+    """Dither of the step of h seconds that begins at t."""
+    return start_dither(valve.dither_frequency, t, h)
+
+
+@law
+def move_spool(valve, state, command, dither, h):
+    """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
+    u = command + valve.dither_amplitude * dither.sine
+    swing = valve.dither_amplitude * half_change(dither)
+    x, rate = advance_spool(valve.spool, u, swing, state.opening, state.rate, h)
+    fills, vents = mean_conductance(valve, state.opening, x), mean_conductance(valve, -state.opening, -x)
+    return SpoolState(x, rate), fills, vents
+
+
+@law
+def turn_spool_wave(valve, dither):  # noqa: ARG001
+    """Dither of the next step."""
+    return turn_dither(dither)
+
+
+@law
+def spool_opening(valve, state):  # noqa: ARG001
+    """Opening of the spool, -1..1."""
+    return state.opening
+
+
+def seized(valve: SpoolValve) -> SpoolValve:
+    """A valve whose spool stays where it is, whatever is asked of it."""
+    return valve._replace(spool=valve.spool._replace(friction=STUCK))
+
+
+def held_at(valve: SpoolValve, opening: float) -> SpoolState:  # noqa: ARG001
+    """State of a spool at rest at an opening, -1 to 1."""
+    return SpoolState(opening, 0.0)
+
+
+KIND = ValveKind(
+    name="spool",
+    description=SpoolValvePart,
+    parameters=parameters,
+    parameter_types=(SpoolValve,),
+    at_rest=centred,
+    move=move_spool,
+    opening=spool_opening,
+    start_wave=start_spool_wave,
+    turn_wave=turn_spool_wave,
+    seized=seized,
+    held_at=held_at,
+)

@@ -1,0 +1,112 @@
+"""One control cycle of a machine, up to where the plant moves on: sense, control, drive. All time loops share it."""
+
+from typing import Any, NamedTuple
+
+from layflat.control import Demand, Sensed, step
+from layflat.jit import composition, law
+from layflat.lanes import each, gather, in_lanes, select, slots
+from layflat.physics.joint import Drive
+from layflat.physics.sensor import read_sensor
+from layflat.physics.valves import driven, start_wave
+
+
+class Acting(NamedTuple):
+    """What acts on a joint in a control cycle."""
+
+    demand: float
+    """rad"""
+    opening: float
+    """In place of the controller, -1..1; not a number where it drives."""
+    voltage: float
+    """In place of the controller, V; not a number where it drives."""
+    lead: float
+    """What draws a joint that follows given voltages towards the demand, V/rad."""
+    brake: float
+    """Torque at which the brake slips, N m."""
+    load: float
+    """External torque, N m."""
+    drift: float
+    """Shift of the valve's centre, V."""
+    noise_angle: float
+    """Standard normal sample."""
+    noise_pressure: float
+
+
+class Loop(NamedTuple):
+    """What goes on in the joints between cycles: slots with an item a joint."""
+
+    acting: Any
+    drives: Any
+    lines: Any
+    waves: Any
+    voltages: Any
+
+
+@law
+def is_number(given):
+    """Whether something is given."""
+    return given == given  # noqa: PLR0124
+
+
+@law
+def sense(joint, state, noise_angle, noise_pressure):
+    """What a joint's sensors say: angle (rad) and differential pressure (Pa)."""
+    return (
+        read_sensor(joint.angle_sensor, state.motion.angle, noise_angle),
+        read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise_pressure),
+    )
+
+
+@composition
+def sense_all(joints, like, states, acting):
+    """What the sensors of all joints say; `like` is a tuple of as many items."""
+    zero = 0.0 * states[0].motion.angle
+    angles, pressures = slots(like, zero), slots(like, zero)
+    for j in range(len(like)):
+        angles[j], pressures[j] = sense(joints[j], states[j], acting[j].noise_angle, acting[j].noise_pressure)
+    return Sensed(gather(like, angles), gather(like, pressures))
+
+
+@law
+def _no_rate(angle):  # noqa: ARG001  (one a joint)
+    return 0.0
+
+
+@composition
+def _demanded(like, acting):
+    angles = slots(like, acting[0].demand)
+    for j in range(len(like)):
+        angles[j] = acting[j].demand
+    wanted = gather(like, angles)
+    return Demand(wanted, each(_no_rate, wanted), each(_no_rate, wanted))
+
+
+@composition
+def _drive(joint, angle, line, acting, asked, brake, cycle):
+    """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it."""
+    valve = joint.valve
+    voltage = select(is_number(acting.opening), valve.centre_voltage + valve.volts_to_full * acting.opening, asked)
+    led = acting.voltage + acting.lead * (acting.demand - angle)
+    voltage = select(is_number(acting.voltage), led, voltage)
+    opening, line = driven(valve, line, voltage - acting.drift, cycle)
+    return Drive(opening, brake * acting.brake, acting.load), voltage, line
+
+
+@composition
+def control_cycle(joints, like, settings, memory, states, loop, time, cycle, h):
+    """Begin the control cycle at a time (s): returns what was sensed, memory, and report; drives are set in the loop.
+
+    Args: joints (slots), and a tuple `like` of as many items; settings and memory of the control law; states (slots);
+    `Loop`, of which `acting` holds what acts in this cycle; lengths of the cycle and of a step of the plant, s.
+    """
+    zero = 0.0 * states[0].motion.angle
+    sensed = sense_all(joints, like, states, loop.acting)
+    after, command, report = step(settings, memory, sensed, _demanded(like, loop.acting), cycle)
+    asked, brakes = slots(in_lanes(command.voltage, zero)), slots(in_lanes(command.brake, zero))
+    for j in range(len(like)):
+        joint, angle = joints[j], states[j].motion.angle
+        loop.drives[j], loop.voltages[j], loop.lines[j] = _drive(
+            joint, angle, loop.lines[j], loop.acting[j], asked[j], brakes[j], cycle
+        )
+        loop.waves[j] = start_wave(joint.valve, time, h)
+    return sensed, in_lanes(after, zero), in_lanes(report, zero)
