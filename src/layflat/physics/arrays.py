@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 
-def itemwise(law: Callable[..., float], *args: Any) -> Any:
+def itemwise(law: Callable[..., float], *args: Any) -> float:
     """A law of numbers, or of arrays item by item."""
     if any(isinstance(arg, np.ndarray) for arg in args):
-        return np.vectorize(law, otypes=[float])(*args)
+        return np.vectorize(law, otypes=[float])(*args)  # type: ignore[no-any-return]
     return float(law(*args))

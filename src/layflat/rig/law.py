@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from layflat.control import CONTROL_LAWS, Sensed, wake
 from layflat.control.average import SIGNALS as AVERAGED
 from layflat.machine import Machine, parameters
@@ -32,7 +34,7 @@ class ArmLaw:
         self.report = NamedRows([blank(self.kind.report)] * len(nothing))
         self.layout = layout_of(machine)
         """Of the rows that a loop with it records."""
-        self.told = [i for i, name in enumerate(self.kind.signals) if name not in AVERAGED]
+        self.told = np.array([i for i, name in enumerate(self.kind.signals) if name not in AVERAGED])
         """Columns of its report that stand in these rows."""
 
     def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:

@@ -30,13 +30,7 @@ from layflat.physics.chamber import (
 )
 from layflat.physics.flow import warmth
 from layflat.physics.friction import brake_one
-<<<<<<< HEAD:src/layflat/identify/benches/regulated/joint.py
 from layflat.physics.valves import chamber_flow
-=======
-from layflat.physics.lagging_friction import LaggingFriction, next_level, settled_level
-from layflat.physics.regulator import Regulator, regulator_conductances, share_in
-from layflat.physics.valves import chamber_flow
->>>>>>> c35e50e (Control law, valve, hysteresis and arm are exchangeable kinds; one composition of a control cycle):src/layflat/physics/regulated_joint.py
 
 
 class Air(NamedTuple):
