@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.lazy import LazyTyper
+from layflat.errors import InputError
 
 if TYPE_CHECKING:
     from layflat.machine import Machine
@@ -66,6 +67,10 @@ def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str
     from layflat.machine import parameters  # noqa: PLC0415
 
     parameters.control(machine)
+    if address != SIMULATED and not machine.control_law.compiled:
+        what = f"control law {machine.control_law.name!r} is plain Python, too slow for a rig in real time"
+        right = f"--driver {SIMULATED} runs it; write it as laws for {address}"
+        raise InputError(what, where=machine.origin, right=right)
     if address == SIMULATED:
         return SimulatedRig(machine), f"{SIMULATED} by process {os.getpid()}"
     factory = DriverOf(address, machine)

@@ -16,7 +16,8 @@ from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.law import ArmLaw
-from layflat.rig.record import RIG_SIGNALS, SHARED
+from layflat.rig.record import SHARED
+from layflat.rig.safety.estimator import Estimate
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
@@ -101,11 +102,13 @@ class Loop:
         self.layout = law.layout
         self.row = np.zeros(self.layout.width)
         joints, at = self.layout.joint_rows(self.row), self.layout.columns
-        first = at["averaged_angle"]
         self._written = tuple(
             joints[:, at[name]] for name in ("demand", "voltage", "measured_angle", "measured_pressure")
         )
-        self._estimates, self._report = joints[:, first : len(RIG_SIGNALS)], joints[:, len(RIG_SIGNALS) : -1]
+        self._joints, self._report = joints, law.report.array
+        self._estimated = _span([at[name] for name in Estimate._fields])
+        self._told = _span([at[name] for name in law.report.like._fields if name not in Estimate._fields])
+        self._reported = _span(law.told)
         self._faults = joints[:, at["joint_fault"]]
         n = len(machine.joints)
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
@@ -165,19 +168,27 @@ class Loop:
         """Fill the row, hand it on, and tell what has to be told."""
         row, supervisor, deadlines = self.row, self.supervisor, self.deadlines
         ledger, core = supervisor.ledger, supervisor.core
+        worst = ledger.worst
         begun = deadlines.begun
         since = now - begun if begun is not None else 0
         row[: len(SHARED)] = (
             since / SECOND, time_ns() / SECOND, elapsed, deadlines.lateness, self._compute, link, reading.supply,
-            supervisor.air, reading.stopped, reading.device, supervisor.state, ledger.worst, self._lost,
+            supervisor.air, reading.stopped, reading.device.value, supervisor.state.value, worst.value, self._lost,
         )  # fmt: skip
         demand, voltage, angle, pressure = self._written
         demand[:], voltage[:], angle[:], pressure[:] = core.demands, core.voltages, reading.angles, reading.pressures
-        self._estimates[:], self._report[:] = core.estimates, core.report
-        self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))] if ledger.worst else 0.0
+        self._joints[:, self._estimated] = core.estimates
+        self._joints[:, self._told] = self._report[:, self._reported]
+        self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))] if worst else 0.0
         self.recorder.push(row)
         self.host.publish(row)
         if ledger.events:
             for text in ledger.events:
                 self.recorder.event(text)
             ledger.events.clear()
+
+
+def _span(columns: list[int]) -> slice | list[int]:
+    """Columns as a slice where they stand side by side, which is written faster."""
+    together = columns == list(range(columns[0], columns[0] + len(columns))) if columns else False
+    return slice(columns[0], columns[-1] + 1) if together else columns

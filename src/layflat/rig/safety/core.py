@@ -8,7 +8,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.machine import Machine
+from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import AirEstimate
 from layflat.physics.joint import FILLED
 from layflat.rig.driver import Reading
@@ -19,7 +19,7 @@ from layflat.rig.safety.cycle import CALM, CONTROL, FOUND, GATE, INPUTS, JOINT_I
 from layflat.rig.safety.demands import Demand
 from layflat.rig.safety.detectors import joint, supply
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.limits import coupling, joint_settings, rig_settings
+from layflat.rig.safety.limits import joint_settings, rig_settings
 
 Array = NDArray[np.float64]
 
@@ -47,15 +47,14 @@ class Core:
         self.settings = NamedRows([joint_settings(machine, name, cycle) for name in names])
         self.memory, self.inputs, self.law = NamedRows([MEMORY] * len(names)), NamedRows([INPUTS]), law
         self._given = np.zeros((len(names), JOINT_INPUTS + len(names)))
-        self._coupling = coupling(machine) if len(names) > 1 else None
         self._head = self.inputs.array[0]
-        arrays = (self.rig.array[0], self.settings.array, self._head, self._given, self.memory.array)
+        self._arrays = (self.rig.array[0], self.settings.array, self._head, self._given, self.memory.array)
         self._perform: Callable[..., int] = judge
-        self._arrays: tuple[Array, ...] = arrays
         if law is not None:
-            likes = law.settings.like, law.memory.like, len(names)
-            self._perform = cycle_with(*likes, compiled=law.kind.compiled)
-            self._arrays = (*arrays, law.settings.array[0], law.memory.array[0], law.report.array)
+            arm = NamedRows([parameters.arm(machine)])
+            own, memory, report = law.settings, law.memory, law.report
+            self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
+            self._perform = cycle_with(arm.like, own.like, memory.like, len(names))
         self.angles, self.pressures, self.asked = self._given[:, 0], self._given[:, 1], self._given[:, 2]
         """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
         self.between: Callable[[], object] | None = None
@@ -96,8 +95,6 @@ class Core:
     def take(self, reading: Reading) -> None:
         """Take in what was sampled."""
         self.angles[:], self.pressures[:] = reading.angles, reading.pressures
-        if self._coupling is not None:
-            self._given[:, JOINT_INPUTS:] = self._coupling(reading.angles)
 
     def perform(
         self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,

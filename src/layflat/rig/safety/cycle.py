@@ -8,10 +8,11 @@ from collections.abc import Callable
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
-from layflat.control import Demand, Sensed, centre_shift, step, wake
+from layflat.control import CONTROL_LAWS, Demand, Sensed, centre_shift, step, wake
 from layflat.jit import composition, kernel, law
 from layflat.lanes import gather, in_lanes, mapped, read_numbers, slots, write_numbers
 from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
+from layflat.physics.arms import dynamics
 from layflat.rig.named import blank, places
 from layflat.rig.safety import demands, estimator
 from layflat.rig.safety.detectors import joint, sample, supply
@@ -40,6 +41,8 @@ class Rig(NamedTuple):
     """Opening of a valve, 1/V."""
     ambient: float
     """Pa."""
+    payload: float
+    """kg."""
     voltage_low: float
     voltage_high: float
     demand_lead: float
@@ -55,6 +58,8 @@ class Settings(NamedTuple):
     detectors: joint.Limits
     air: AirParts
     gate: demands.Gate
+    torque_constant: float
+    """Torque per pressure, m3/rad."""
     averaged: float
     """1 where signals are averaged over a dither period, else 0."""
 
@@ -113,7 +118,7 @@ JOINT_INPUTS = len(JointInputs._fields)
 
 
 RIG, SETTINGS, MEMORY, INPUTS, JOINT = (blank(kind) for kind in (Rig, Settings, Memory, Inputs, JointInputs))
-IN_MEMORY, IN_INPUTS = places(MEMORY), places(INPUTS)
+IN_MEMORY, IN_INPUTS, IN_GIVEN = places(MEMORY), places(INPUTS), places(JOINT)
 
 
 @law
@@ -125,6 +130,30 @@ def _air(rig, settings, memory, came, supply_pressure, elapsed):
     return follow_air(
         settings.air, memory.air, opening, came.angle, came.pressure, supply_pressure, rig.ambient, elapsed
     )
+
+
+@composition
+def _couple(arm, rig_numbers, settings, given, nothing):
+    """Write how much of each other joint's differential pressure a joint at rest feels, behind its inputs.
+
+    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, with
+    the payload of the description.
+    """
+    n = len(nothing)
+    angles = slots(nothing)
+    for j in range(n):
+        angles[j] = given[j, IN_GIVEN.angle] if isfinite(given[j, IN_GIVEN.angle]) else 0.0
+    upper, _, _ = dynamics(arm, read_numbers(RIG, rig_numbers).payload, gather(nothing, angles), nothing)
+    row = slots(upper)
+    for j in range(n):
+        for i in range(n):
+            first, other = min(i, j), max(i, j)
+            K_j, K_i = (
+                read_numbers(SETTINGS, settings[j]).torque_constant,
+                read_numbers(SETTINGS, settings[i]).torque_constant,
+            )
+            M_ji, M_ii = row[first * n - first * (first - 1) // 2 + other - first], row[i * n - i * (i - 1) // 2]
+            given[j, JOINT_INPUTS + i] = 0.0 if i == j else M_ji / M_ii * K_i / K_j
 
 
 @kernel
@@ -225,46 +254,35 @@ def gate(rig_numbers, memory):
 
 
 Cycle = Callable[..., int]
-"""`cycle(rig, settings, inputs, given, memory, law_settings, law_memory, report, stages)`: what came of the stages."""
+"""`cycle(rig, settings, inputs, given, memory, arm, law_settings, law_memory, report, stages)`; returns outcomes."""
 
 _known: dict[str, Cycle] = {}
 
 
-def cycle_with(settings: Any, memory: Any, joints: int, *, compiled: bool) -> Cycle:
-    """The cycle with a control law whose settings and memory are such tuples.
+def cycle_with(arm: Any, settings: Any, memory: Any, joints: int) -> Cycle:
+    """The cycle of an arm with a control law; arm, settings and memory of the law are such tuples.
 
-    A law that is plain Python is called between the parts that are compiled in any case.
+    With a law that is plain Python this is Python too, but for what the rig itself does.
     """
-    settings, memory = (mapped(like, lambda _: 0.0) for like in (settings, memory))
-    kind = repr((settings, memory))
+    arm, settings, memory = (mapped(like, lambda _: 0.0) for like in (arm, settings, memory))
+    # By text: tuples of different classes are equal where their items are.
+    kind = repr((arm, settings, memory, joints))
     if kind not in _known:
-        made = _made(settings, memory, (0.0,) * joints)
-        _known[kind] = made if compiled else getattr(made, "py_func", made)
+        cycle = _cycle(arm, settings, memory, (0.0,) * joints)
+        performed = "dispatcher" if CONTROL_LAWS.of(settings).compiled else "py_func"
+        _known[kind] = getattr(cycle, performed, cycle)
     return _known[kind]
 
 
-@composition
-def _control(settings_like, memory_like, joints, inputs, given, memory, law_settings, law_memory, report):
-    now, settings = read_numbers(INPUTS, inputs), read_numbers(settings_like, law_settings)
-    sensed = Sensed(gather(joints, given[:, 0]), gather(joints, given[:, 1]))
-    before = read_numbers(memory_like, law_memory)
-    if now.wake > 0.0:
-        before = in_lanes(wake(settings, sensed), 0.0)
-    demand = Demand(gather(joints, memory[:, IN_MEMORY.demand]), joints, joints)
-    after, command, shown = step(settings, before, sensed, demand, now.elapsed)
-    write_numbers(law_memory, in_lanes(after, 0.0))
-    voltages, reports = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(shown, 0.0))
-    shifts = slots(in_lanes(centre_shift(settings, after, joints), 0.0))
-    for j in range(len(joints)):
-        write_numbers(report[j], reports[j])
-        memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltages[j], shifts[j]
+def _cycle(arm_like, settings_like, memory_like, nothing):
+    n = len(nothing)
 
-
-def _made(settings_like, memory_like, joints):
     @kernel
-    def cycle(rig, settings, inputs, given, memory, law_settings, law_memory, report, stages):
+    def cycle(rig, settings, inputs, given, memory, arm, law_settings, law_memory, report, stages):
         came = 0
         if stages & JUDGE:
+            if n > 1:
+                _couple(read_numbers(arm_like, arm), rig, settings, given, nothing)
             came = judge(rig, settings, inputs, given, memory)
             if came > 0:
                 return came
@@ -273,7 +291,19 @@ def _made(settings_like, memory_like, joints):
         if stages & ESTIMATE:
             estimate(settings, inputs, given, memory)
         if stages & CONTROL:
-            _control(settings_like, memory_like, joints, inputs, given, memory, law_settings, law_memory, report)
+            now, own = read_numbers(INPUTS, inputs), read_numbers(settings_like, law_settings)
+            sensed = Sensed(gather(nothing, given[:, IN_GIVEN.angle]), gather(nothing, given[:, IN_GIVEN.pressure]))
+            demand = Demand(gather(nothing, memory[:, IN_MEMORY.demand]), nothing, nothing)
+            before = read_numbers(memory_like, law_memory)
+            if now.wake > 0.0:
+                before = in_lanes(wake(own, sensed), 0.0)
+            after, command, told = step(own, before, sensed, demand, now.elapsed)
+            write_numbers(law_memory, in_lanes(after, 0.0))
+            voltages, rows = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(told, 0.0))
+            shifts = slots(in_lanes(centre_shift(own, after, nothing), 0.0))
+            for j in range(n):
+                memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltages[j], shifts[j]
+                write_numbers(report[j], rows[j])
         if stages & GATE:
             came |= gate(rig, memory)
         return came

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import inf
-
-import numpy as np
-from numpy.typing import NDArray
 
 from layflat.machine import Machine, parameters
 from layflat.machine.parameters.drives import drive_parts
@@ -74,6 +70,7 @@ def rig_settings(machine: Machine, cycle: float) -> Rig:
         valve.centre_voltage,
         1.0 / span,
         source.ambient_pressure,
+        machine.arm.payload,
         valve.centre_voltage - span,
         valve.centre_voltage + span,
         safety.demand_lead,
@@ -100,6 +97,7 @@ def joint_settings(machine: Machine, name: str, cycle: float) -> Settings:
         joint_limits(machine, name, cycle),
         parameters.air_parts(machine, name),
         Gate(0.5 * stops.working_stroke, 0.5 * stops.mechanical_stroke, safety.demand_speed),
+        parameters.torque_constant(machine.joint[name]),
         1.0 if averaged else 0.0,
     )
 
@@ -144,27 +142,8 @@ def joint_limits(machine: Machine, name: str, cycle: float) -> joint.Limits:
     )
 
 
-def coupling(machine: Machine) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """How much of each other joint's differential pressure a joint at rest feels, (joints, joints), by angles, rad.
-
-    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, with
-    the payload of the description.
-    """
-    arm, payload = parameters.arm(machine), machine.arm.payload
-    K = np.array([parameters.torque_constant(joint) for joint in machine.joints.values()])
-
-    def at(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-        mass, _ = parameters.mass_and_pull(arm, payload, np.nan_to_num(angles, posinf=0.0, neginf=0.0).tolist())
-        felt: NDArray[np.float64] = mass / mass.diagonal() * K / K[:, None]
-        np.fill_diagonal(felt, 0.0)
-        return felt
-
-    return at
-
-
 def _dither_is_seen(machine: Machine) -> bool:
-    """Whether the ripple that the controller computes, at a quarter of its rate, is that of the dither."""
-    valve, controller = machine.valve, machine.controller
-    if valve is None or valve.dithered is None or controller is None:
+    """Whether the ripple that is estimated, at a quarter of the loop's rate, is that of the dither."""
+    if machine.valve is None or machine.valve.dithered is None or machine.controller is None:
         return False
-    return abs(valve.dithered.frequency * controller.cycle - 0.25) < 0.01
+    return abs(machine.valve.dithered.frequency * machine.cycle - 0.25) < 0.01
