@@ -48,7 +48,13 @@ class Core:
         self.memory, self.inputs, self.law = NamedRows([MEMORY] * len(names)), NamedRows([INPUTS]), law
         self._given = np.zeros((len(names), JOINT_INPUTS + len(names)))
         self._head = self.inputs.array[0]
-        self._arrays = (self.rig.array[0], self.settings.array, self._head, self._given, self.memory.array)
+        self._arrays: tuple[Array, ...] = (
+            self.rig.array[0],
+            self.settings.array,
+            self._head,
+            self._given,
+            self.memory.array,
+        )
         self._perform: Callable[..., int] = judge
         if law is not None:
             arm = NamedRows([parameters.arm(machine)])
