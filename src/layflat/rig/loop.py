@@ -108,7 +108,7 @@ class Loop:
         self._joints, self._report = joints, law.report.array
         self._estimated = _span([at[name] for name in Estimate._fields])
         self._told = _span([at[name] for name in law.report.like._fields if name not in Estimate._fields])
-        self._reported = _span(law.told)
+        self._reported = _span([int(column) for column in law.told])
         self._faults = joints[:, at["joint_fault"]]
         n = len(machine.joints)
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
