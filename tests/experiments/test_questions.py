@@ -23,7 +23,7 @@ from layflat.experiments.questions import (
 )
 from layflat.experiments.questions.tables import grid, inertia_per_torque, limits
 from layflat.machine.listing import listing
-from layflat.machine.loader import load
+from layflat.machine.loader import load, tables
 from layflat.plot.style import to_svg
 from layflat.study import Study, finished, names, read, run, table
 from layflat.study.check import check
@@ -211,7 +211,7 @@ def test_every_value_that_is_not_the_papers_varies_or_is_told_why_not() -> None:
     spread = {path for one in study.varied for path in one.paths}
     group = {path: one.group for one in study.varied for path in one.paths}
     arm = load("paper-arm")
-    for line in listing("paper-arm"):
+    for line in listing(*tables("paper-arm")):
         if line.source not in {"assumed", "calibrated"}:
             continue
         own = [path for path in spread if path == line.path or path.startswith(f"{line.path}.")]

@@ -10,6 +10,7 @@ from layflat.experiments.figures import FIGURES
 from layflat.experiments.report import number, table
 from layflat.experiments.reproduction import STOPPED
 from layflat.machine.listing import listing
+from layflat.machine.loader import tables
 
 
 class Links(HTMLParser):
@@ -37,7 +38,7 @@ def test_claims_json_is_a_list_of_records(paper: Reproduction, tmp_path: Path) -
 
 
 def test_the_report_stands_alone_with_figures_in_the_papers_order(paper: Reproduction, tmp_path: Path) -> None:
-    assumed = [line for line in listing("paper-arm") if line.source == "assumed"]
+    assumed = [line for line in listing(*tables("paper-arm")) if line.source == "assumed"]
     html = write_report(paper, assumed, tmp_path / "report.html").read_text(encoding="utf-8")
     page = Links()
     page.feed(html)
