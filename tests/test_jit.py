@@ -30,7 +30,7 @@ SHORT_RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import numpy as np
-from layflat.control.paper.settings import Settings
+from layflat.control.paper.gains import Settings
 from plants import GAINS, AROUND, SIGNALS, JOINTS, TWO_LINKS, CYCLE, signals
 from layflat.sim.kernel import Timing, run_cycles
 

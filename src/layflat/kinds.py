@@ -7,9 +7,10 @@ all where a user registers one from outside (see docs/kinds.md). A kind that lac
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from pydantic import BaseModel
 from pydantic_core import core_schema
@@ -17,7 +18,9 @@ from pydantic_core import core_schema
 from layflat.description import Part
 from layflat.description.hints import did_you_mean
 from layflat.errors import KindError
-from layflat.jit import by_kind
+from layflat.jit import ByKind, Law, by_kind
+from layflat.jit.outside import blame_outside
+from layflat.lanes import leaves
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler
@@ -49,6 +52,9 @@ class Kind:
         KindError: something is missing, by name.
     """
 
+    LAWS: ClassVar[tuple[str, ...]] = ()
+    """Entries that have to be laws, which the compiler takes."""
+
     name: str = REQUIRED
     description: type[BaseModel] = REQUIRED
     parameters: Callable[..., Any] = REQUIRED
@@ -59,6 +65,13 @@ class Kind:
         missing = [entry.name for entry in fields(self) if getattr(self, entry.name) is REQUIRED]
         if missing:
             raise KindError(f"kind {self.name!r} lacks {', '.join(missing)}", where=type(self).__name__)
+        for entry in self.LAWS:
+            if not isinstance(getattr(self, entry), Law | ByKind):
+                raise KindError(
+                    f"{entry} of kind {self.name!r} is not a law",
+                    where=type(self).__name__,
+                    right="decorate it with layflat.jit.law",
+                )
         field = self.description.model_fields.get("kind")
         if field is None or self.name not in getattr(field.annotation, "__args__", ()):
             raise KindError(
@@ -75,6 +88,15 @@ class Kind:
 K = TypeVar("K", bound=Kind)
 
 
+def _names(types: Iterable[type]) -> str:
+    return " or ".join(one.__name__ for one in types)
+
+
+def _misfit(kind: Kind, what: str, right: str) -> KindError:
+    file = getattr(sys.modules.get(kind.parameters.__module__), "__file__", "")
+    return KindError(f"`parameters` of kind {kind.name!r} {what}", where=str(file), right=right)
+
+
 class Table(Generic[K]):
     """The kinds of one thing, by name.
 
@@ -82,6 +104,9 @@ class Table(Generic[K]):
         thing: what they are kinds of, for messages.
         kinds: those that are built in; the first is meant where a file names none.
     """
+
+    registered: ClassVar[int] = 0
+    """Kinds in all tables: what is built from tables is stale once it changes."""
 
     def __init__(self, thing: str, *kinds: K) -> None:
         self.thing, self.usual = thing, kinds[0].name
@@ -106,6 +131,7 @@ class Table(Generic[K]):
         if taken:
             raise KindError(f"{taken[0]} holds the parameters of another kind of {self.thing}", where=kind.name)
         self._kinds[kind.name] = kind
+        Table.registered += 1
         for find, laws in self._choices.items():
             laws.update({cls: find(entry) for cls, entry in kind.entries().items()})
         return kind
@@ -123,8 +149,20 @@ class Table(Generic[K]):
         )
 
     def parameters(self, described: Any, *others: Any) -> Any:
-        """Parameters of the laws for what is described, by the kind that it names."""
-        return self.named(described.kind).parameters(described, *others)
+        """Parameters of the laws for what is described, by the kind that it names.
+
+        Raises:
+            KindError: they are not what the kind says that they are.
+        """
+        kind = self.named(described.kind)
+        with blame_outside():
+            found = kind.parameters(described, *others)
+        if type(found) not in kind.parameter_types:
+            raise _misfit(kind, f"yields {type(found).__name__}", f"give {_names(kind.parameter_types)}")
+        for leaf in leaves(found):
+            if isinstance(leaf, bool) or (not isinstance(leaf, (int, float)) and not hasattr(leaf, "dtype")):
+                raise _misfit(kind, f"yields {leaf!r} among its numbers", "give floats in SI units")
+        return found
 
     def of(self, parameters: Any) -> K:
         """The kind that parameters belong to."""

@@ -21,5 +21,5 @@ def test_what_it_writes_is_a_model(name: str, tmp_path: Path) -> None:
 def test_another_kind_is_refused(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["arm-model", "paper-arm", "--out", str(tmp_path / "arm.sdf")])
     assert isinstance(done.exception, InputError)
-    assert str(done.exception) == "--out: 'arm.sdf' is no kind of model; give a name such as arm.xml or arm.urdf"
+    assert str(done.exception) == "--out: 'arm.sdf' has an unknown format; give a name such as arm.xml or arm.urdf"
     assert not list(tmp_path.iterdir())

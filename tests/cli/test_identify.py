@@ -69,14 +69,14 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert max(map(len, done.stdout.splitlines()[:-4])) <= 100
-    for told in (
-        "what the logs tell",
+    for said in (
+        "Identified parameters",
         "joint.small.brake.torque",
-        "how well it predicts",
-        "The logs tell all of 2 values.",
+        "Prediction errors",
+        "are identified by the logs.",
     ):
-        assert told in done.stdout
-    assert "What was not fitted is predicted: angle within" in done.stdout
+        assert said in done.stdout
+    assert "Validation: what was not fitted is predicted" in done.stdout
     names = [f"paper-small-joint-identified.{ending}" for ending in ("html", "json", "toml")]
     assert sorted(path.name for path in (bench / "first").iterdir()) == names
 
@@ -114,13 +114,13 @@ def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:
     assert error["found"] < 0.2 * error["before"]
 
 
-def test_a_value_at_the_end_of_its_range_is_told_and_marked(bench: Path) -> None:
+def test_a_value_that_hits_its_bound_is_reported_and_marked(bench: Path) -> None:
     words = ("identify", "far.nc", "--machine", "paper-small-joint", "--fit", "friction", "--starts", "0")
     done = layflat(*words, "--out", "marked", cwd=bench)
     assert done.returncode == 3
-    assert done.stderr.startswith("layflat: not to be trusted: joint.small.brake.torque ran into the end of its range")
+    assert done.stderr.startswith("layflat: not to be trusted: joint.small.brake.torque hit its bound")
     assert len(done.stderr.splitlines()) == 1
-    assert "at the end of its range" in done.stdout
+    assert "hit its bound" in done.stdout
     kept = load(bench / "marked" / "paper-small-joint-identified.toml")
     assert kept.title.startswith("not to be trusted: ")
     page = (bench / "marked" / "paper-small-joint-identified.html").read_text(encoding="utf-8")

@@ -48,7 +48,7 @@ def test_mistakes_are_told_before_anything_moves(
 
 def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert "has no controller gains" in refused("rig", "run", "rig-kevlar", "--driver", "simulated")
+    assert "has no valve or sensors" in refused("rig", "run", "rig-kevlar", "--driver", "simulated")
     assert "give one of both" in refused("rig", "serve", "paper-arm")
     assert "give one of both" in refused("rig", "serve", "paper-arm", "--modbus", "0", "--serial")
     assert "nobody" in refused("rig", "serve", "nobody", "--modbus", "0")

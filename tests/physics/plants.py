@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.control.paper.settings import Gains, Phase, Report, Settings
+from layflat.control.paper.gains import Gains, Phase, Report, Settings
 from layflat.physics.arms.planar import OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope

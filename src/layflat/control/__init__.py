@@ -1,7 +1,7 @@
 """Control laws, of any kind, for the whole arm. A new kind is one folder and one line here; see docs/kinds.md."""
 
 from layflat.control import paper
-from layflat.control.kind import Command, ControlKind, ControllerPart, Demand, Sensed
+from layflat.control.kind import Command, ControlKind, ControllerPart, Demand, Sensed, voltages_alone
 from layflat.kinds import Table
 
 CONTROL_LAWS: Table[ControlKind] = Table("control law", paper.KIND)
@@ -19,5 +19,6 @@ __all__ = [
     "Sensed",
     "centre_shift",
     "step",
+    "voltages_alone",
     "wake",
 ]

@@ -102,6 +102,18 @@ class ControlKind(Kind):
         if unexplained:
             raise KindError(f"signal {unexplained[0]!r} has no unit and meaning", where=f"control law {self.name!r}")
 
+    def check_compiled(self, where: str) -> None:
+        """Make sure that the law can be compiled, as it has to be `where`.
+
+        Raises:
+            KindError: it is plain Python.
+        """
+        if not self.compiled:
+            raise KindError(
+                f"control law {self.name!r} is plain Python; it can't run {where}",
+                right="decorate its functions with layflat.jit.law",
+            )
+
     @property
     def compiled(self) -> bool:
         """Whether the law can be compiled; else it is called from Python once a control cycle."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from layflat.control.kind import ControlKind
-from layflat.outside import blame_outside
+from layflat.jit.outside import blame_outside
 
 
 def running(law: ControlKind, loop: Callable[..., Any]) -> Callable[..., Any]:

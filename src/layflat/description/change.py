@@ -232,6 +232,11 @@ def _checked_array(values: np.ndarray[Any, Any], annotation: Any, where: str) ->
     return values
 
 
+def forget_annotations() -> None:
+    """Look at annotations anew: what they allow has changed."""
+    _adapter.cache_clear()
+
+
 @lru_cache(maxsize=1000)
 def _adapter(annotation: Any) -> TypeAdapter[Any]:
     try:

@@ -106,7 +106,14 @@ class Library:
         """
         with told_as(self.error):
             nothing: tuple[Plain, Sources] = ({}, {})
-            return reduce(_laid, self.layers(where), nothing)
+            return reduce(self.laid, self.layers(where), nothing)
+
+    def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
+        """Return what a layer makes of what is below it."""
+        plain, sources = under
+        for path in layer.omits:
+            plain, sources = _without(plain, path, layer.where), _sources_without(sources, path)
+        return laid_over(plain, layer.plain), sources | layer.sources
 
     def beside(self, where: str, name: str) -> str:
         """Return a name as seen from a description: built-in names as they are, files from its own folder."""
@@ -133,13 +140,6 @@ class Library:
         with told_as(self.error):
             plain, sources = split(raw, where)
         return Layer(where, plain, sources, tuple(omits)), base
-
-
-def _laid(under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
-    plain, sources = under
-    for path in layer.omits:
-        plain, sources = _without(plain, path, layer.where), _sources_without(sources, path)
-    return laid_over(plain, layer.plain), sources | layer.sources
 
 
 def _without(plain: Plain, path: str, where: str) -> Plain:

@@ -14,6 +14,7 @@ from layflat.design import JointDesign, Table1, design_joint, table1
 from layflat.experiments.bench import alone, maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine, changed, parameters
+from layflat.machine.loader import restored
 from layflat.sim import Scenario, rollout
 from layflat.sim.sweep import Loop, sweep
 
@@ -64,7 +65,7 @@ def squeeze(arm: Machine, pressure: float) -> xarray.Dataset:
 def stiffness(run: xarray.Dataset) -> float:
     """Return the slope of the air's torque against angle over the last period, N m/rad."""
     last = run.sel(time=slice(20.0, None))
-    K = parameters.torque_constant(Machine.model_validate_json(run.attrs["machine"]).joint["large"])
+    K = parameters.torque_constant(restored(run.attrs["machine"]).joint["large"])
     torque = K * (last["pressure_a"] - last["pressure_b"]).to_numpy()[:, 0]
     return -float(np.polyfit(last["angle"].to_numpy()[:, 0], torque, 1)[0])
 

@@ -18,7 +18,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 
-WITHOUT_LAWS = ("description", "errors.py", "files.py", "kinds.py", "outside.py")
+WITHOUT_LAWS = ("description", "errors.py", "files.py", "kinds.py", "parallel.py")
 """Rooms and files that laws may import although none of their source ends up in machine code."""
 
 DIGITS = 16
@@ -28,16 +28,19 @@ KEPT_FOR = 30 * 24 * 3600.0
 """Machine code of other sources is kept this long, s."""
 
 _included: dict[Path, str] = {}
+_digests: tuple[str, ...] = ()
 
 
 def include_source(path: Path) -> None:
     """Let the machine code of all kernels depend on a file outside the package, which holds laws too."""
+    global _digests  # noqa: PLW0603  # asked for at every call of a kernel
     _included[path] = hashlib.sha256(path.read_bytes()).hexdigest()
+    _digests = tuple(sorted(_included.values()))
 
 
 def included_sources() -> tuple[str, ...]:
     """Digests of the files outside the package that hold laws."""
-    return tuple(sorted(_included.values()))
+    return _digests
 
 
 @cache

@@ -9,6 +9,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from layflat.jit.cache import cache_folder, included_sources
+from layflat.jit.outside import blame_outside
 from layflat.lanes.interpreted import interpreted, lane_by_lane
 
 if TYPE_CHECKING:
@@ -68,8 +69,15 @@ class Kernel:
         return _compiler().dispatcher_type(self.dispatcher)
 
     def __call__(self, *args: Any) -> Any:
-        """Call it from Python; the first call with arguments of some types compiles it for them."""
-        return self.dispatcher(*args)
+        """Call it from Python; the first call with arguments of some types compiles it for them.
+
+        Raises:
+            KindError: a law from outside can't be compiled.
+        """
+        if not included_sources():
+            return self.dispatcher(*args)
+        with blame_outside():
+            return self.dispatcher(*args)
 
 
 class ByKind:

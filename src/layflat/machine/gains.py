@@ -39,7 +39,9 @@ def _law_of(value: object) -> str:
     for law in CONTROL_LAWS:
         if law.gains is not None and isinstance(value, law.gains):
             return law.name
-    return str(_law.get() or CONTROL_LAWS.usual)
+    named = _law.get()
+    # A law that is not known is told where it is named.
+    return str(named) if any(law.name == named for law in CONTROL_LAWS) else CONTROL_LAWS.usual
 
 
 def _known_to_the_law(value: object) -> object:

@@ -2,14 +2,76 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from layflat.description.library import Library
+from layflat.control import CONTROL_LAWS
+from layflat.description.library import Layer, Library
+from layflat.description.provenance import Sources
+from layflat.description.tables import Plain
 from layflat.errors import MachineError
+from layflat.jit.outside import load_kinds
+from layflat.kinds import Table
+from layflat.physics.arms import ARMS
+from layflat.physics.hysteresis import HYSTERESIS
+from layflat.physics.valves import VALVES
 
 _HERE = Path(__file__).parent
 _BENCHES = _HERE.parent / "identify" / "benches" / "builtin"
 _SHOWN = "`layflat machines` lists them"
 
-MACHINES = Library(_HERE / "builtin", "machine", _SHOWN, 'width = "160 mm"', MachineError)
+
+class MachineLibrary(Library):
+    """Machines: a file and those that it extends may each name files of kinds, relative to their own folders."""
+
+    def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
+        """As in any library; but of a part below that is of another kind only what both kinds know is kept."""
+        for path in _kinds(layer):
+            load_kinds(Path(path), f"{layer.where}: kinds")
+        below, joints = under[0], under[0].get("joint", {})
+        places: dict[str, Table[Any]] = {"controller": CONTROL_LAWS, "valve": VALVES, "arm": ARMS}
+        places |= {f"joint.{name}.losses": HYSTERESIS for name in joints}
+        lost = [key for at, table in places.items() for key in _lost(below, layer.plain, at, table)]
+        if any(key.startswith("controller.") for key in lost):
+            lost += [f"joint.{name}.gains" for name, joint in joints.items() if "gains" in joint]
+        omitted = [key for key in lost if not any(f"{key}.".startswith(f"{path}.") for path in layer.omits)]
+        return super().laid(under, replace(layer, omits=(*layer.omits, *omitted)))
+
+    def tables(self, where: str | Path) -> tuple[Plain, Sources]:
+        """As of any library; `kinds` are those of all files, the lowest first, with full paths."""
+        plain, sources = super().tables(where)
+        kinds = [path for layer in self.layers(where) for path in _kinds(layer)] if "kinds" in plain else []
+        return plain | ({"kinds": list(dict.fromkeys(kinds))} if kinds else {}), sources
+
+
+def _part(plain: Plain, place: str) -> Any:
+    """What stands at a dotted path, None where nothing does."""
+    part: Any = plain
+    for key in place.split("."):
+        part = part.get(key) if isinstance(part, dict) else None
+    return part
+
+
+def _lost(below: Plain, above: Plain, at: str, table: Table[Any]) -> list[str]:
+    """Dotted paths of what a part that names another kind does not know of the part below it."""
+    old, new = _part(below, at), _part(above, at)
+    if not (isinstance(old, dict) and isinstance(new, dict) and "kind" in new):
+        return []
+    known = [kind.description.model_fields for kind in table if kind.name == new["kind"]]
+    if not known or new["kind"] == old.get("kind", table.usual):
+        return []
+    return [f"{at}.{key}" for key in old if key not in known[0]]
+
+
+def _kinds(layer: Layer) -> list[str]:
+    named = layer.plain.get("kinds", [])
+    if not isinstance(named, list) or not all(isinstance(path, str) for path in named):
+        raise MachineError(
+            f"{named!r} is not a list of files", where=f"{layer.where}: kinds", right='give one such as ["mine.py"]'
+        )
+    return [str((Path(layer.where).parent / path).resolve()) for path in named]
+
+
+MACHINES = MachineLibrary(_HERE / "builtin", "machine", _SHOWN, 'width = "160 mm"', MachineError)
 BENCHES = Library(_BENCHES, "test bench", _SHOWN, 'volume = "10 l"', MachineError)

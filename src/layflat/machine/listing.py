@@ -81,6 +81,8 @@ def _with_sources(definition: dict[str, Any]) -> dict[str, Any]:
 
 
 def _sourced(entry: dict[str, Any]) -> dict[str, Any]:
+    if "oneOf" in entry:  # kinds: what a file leaves to the one that it extends may tell them apart
+        return {("anyOf" if key == "oneOf" else key): value for key, value in entry.items()}
     if "$ref" in entry or entry.get("type") == "object" or "anyOf" in entry:
         return entry
     plain = {key: value for key, value in entry.items() if key != "description"}

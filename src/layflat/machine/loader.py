@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import json
+from functools import lru_cache
 from pathlib import Path
 
 from pydantic import ValidationError
 
+from layflat.description.change import forget_annotations
 from layflat.description.explain import explained
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.errors import MachineError
+from layflat.jit.outside import load_kinds
+from layflat.kinds import Table
 from layflat.machine.libraries import BENCHES, MACHINES
 from layflat.machine.model import Machine
+from layflat.machine.parts import Joint
 
 BUILT_IN = MACHINES.folder
 
@@ -52,11 +58,15 @@ def _is_bench(where: str) -> MachineError:
 
 
 def build(plain: Plain, sources: Sources, where: str) -> Machine:
-    """Validate plain tables into a machine.
+    """Validate plain tables into a machine; the files of kinds that they name are run first.
 
     Raises:
         MachineError: naming `where`, the key and the value.
+        KindError: a file of kinds can't be run.
     """
+    for path in plain.get("kinds", ()):
+        load_kinds(Path(path), f"{where}: kinds")
+    _know_all_kinds(Table.registered)
     try:
         machine = Machine.model_validate(plain)
     except ValidationError as error:
@@ -66,3 +76,19 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
     machine._provenance.update(sources)
     machine._origin = where
     return machine
+
+
+def restored(text: str, where: str = "") -> Machine:
+    """Return a machine from the JSON that it was kept as, in a run or a log.
+
+    Raises:
+        MachineError: it is none.
+    """
+    return build(json.loads(text), {}, where)
+
+
+@lru_cache(maxsize=1)
+def _know_all_kinds(registered: int) -> None:  # noqa: ARG001  # again whenever their number changes
+    for part in (Joint, Machine):
+        part.model_rebuild(force=True)
+    forget_annotations()

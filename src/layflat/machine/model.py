@@ -61,6 +61,7 @@ class Machine(Part):
 
     name: Name
     title: str
+    kinds: tuple[str, ...] = Field(default=(), description="Python files that hold kinds which this machine uses")
     supply: Supply
     joint: dict[Key, Joint]
     arm: Annotated[ArmPart, AnyOf(ARMS)]
@@ -91,6 +92,14 @@ class Machine(Part):
             if self.valve.delay > longest:
                 raise ValueError(f"valve.delay is longer than three control cycles, {1000 * longest:g} ms")
         return self
+
+    def __reduce__(self) -> Any:
+        """Machines with kinds from outside find them again in another process."""
+        if not self.kinds:
+            return super().__reduce__()
+        from layflat.machine.loader import restored  # noqa: PLC0415  # it loads what this file defines
+
+        return restored, (self.model_dump_json(), self.origin)
 
     def __eq__(self, other: object) -> bool:
         """Machines are equal if their values are, wherever these come from."""

@@ -8,8 +8,8 @@ import numpy as np
 
 from layflat.control import CONTROL_LAWS, Sensed, wake
 from layflat.control.average import SIGNALS as AVERAGED
+from layflat.jit.outside import blame_outside
 from layflat.machine import Machine, parameters
-from layflat.outside import blame_outside
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
 

@@ -91,11 +91,11 @@ def moves_of(run: xarray.Dataset, band: float = BAND) -> list[tuple[float, Move]
 
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:
     """Time after which the tip stays within `band` (m) of where the demands put it; infinite if it does not."""
-    from layflat.machine import Machine  # noqa: PLC0415
+    from layflat.machine.loader import restored  # noqa: PLC0415
     from layflat.sim.kinematics import tip_position  # noqa: PLC0415
 
     part = run.sel(time=slice(since, until))
-    machine = Machine.model_validate_json(run.attrs["machine"])
+    machine = restored(run.attrs["machine"])
     goal = tip_position(machine, part["demand"].to_numpy()[-1])
     distance = np.linalg.norm(part["tip"].to_numpy() - goal, axis=-1)
     return settling_time(part["time"].to_numpy(), distance, band)

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from layflat.control.paper.gains import Gains, Memory, Phase, Report
 from layflat.control.paper.law import step_joint, wake_joint
-from layflat.control.paper.settings import Gains, Memory, Phase, Report
 
 CYCLE = 0.005
 FAR, NEAR, CLOSE = Phase(20.0, 1.5e-5), Phase(30.0, 1e-5), Phase(50.0, 3e-6)

@@ -2,8 +2,8 @@
 
 from layflat.control.kind import ControlKind
 from layflat.control.paper.description import PaperControllerPart, PaperGainsPart, settings
+from layflat.control.paper.gains import SIGNALS, Report, Settings
 from layflat.control.paper.law import centre_shift, step, wake
-from layflat.control.paper.settings import SIGNALS, Report, Settings
 
 __all__ = ["KIND", "PaperGainsPart"]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from layflat.control import CONTROL_LAWS
 from layflat.control.paper.description import idle_gains
-from layflat.control.paper.settings import Settings
+from layflat.control.paper.gains import Settings
 from layflat.errors import MachineError
 from layflat.machine.model import Machine
 from layflat.machine.parameters.drives import drive_parts

@@ -6,7 +6,7 @@ from layflat.jit import composition, kernel
 from layflat.kinds import Table
 from layflat.lanes import gather
 from layflat.physics.arms import planar
-from layflat.physics.arms.kind import ArmKind, ArmLaws, ArmPart
+from layflat.physics.arms.kind import NONE, ArmKind, ArmLaws, ArmPart
 
 ARMS: Table[ArmKind] = Table("arm", planar.KIND)
 
@@ -29,4 +29,4 @@ def tips_along(arm, like, q):
     return tips
 
 
-__all__ = ["ARMS", "ArmKind", "ArmLaws", "ArmPart", "dynamics", "points", "tip", "tips_along"]
+__all__ = ["ARMS", "NONE", "ArmKind", "ArmLaws", "ArmPart", "dynamics", "points", "tip", "tips_along"]

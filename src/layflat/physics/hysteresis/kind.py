@@ -39,6 +39,8 @@ class HysteresisKind(Kind):
         loaded: `loaded(loss, p_g, share)` yields a state in which the losses carry a share (-1 to 1) of what they can.
     """
 
+    LAWS = ("at_rest", "turned", "torques", "stored", "loaded")
+
     at_rest: Law = REQUIRED
     turned: Law = REQUIRED
     torques: Law = REQUIRED

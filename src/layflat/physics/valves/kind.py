@@ -96,6 +96,8 @@ class ValveKind(Kind):
         held_at: `held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening.
     """
 
+    LAWS = ("at_rest", "move", "opening", "start_wave", "turn_wave")
+
     at_rest: Law = REQUIRED
     move: Law = REQUIRED
     opening: Law = REQUIRED

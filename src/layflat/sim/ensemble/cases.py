@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from layflat.control import CONTROL_LAWS
 from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
@@ -71,10 +72,12 @@ class Cases:
     def case(self) -> tuple[Any, ...]:
         """Arm, joints, settings of the control law, surroundings; numbers that differ from run to run are arrays."""
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
+        settings = parameters.control(self.machine, closed_loop=closed_loop)
+        CONTROL_LAWS.of(settings).check_compiled("in ensembles and studies")
         return (
             parameters.arm(self.machine),
             parameters.joints(self.machine),
-            parameters.control(self.machine, closed_loop=closed_loop),
+            settings,
             parameters.surroundings(self.machine),
         )
 

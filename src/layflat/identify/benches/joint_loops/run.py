@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify.benches.hysteresis.start import share_carried
-from layflat.identify.benches.parallel import on_all_cores
 from layflat.jit import kernel
 from layflat.lanes import mapped, total
+from layflat.parallel import on_all_cores
 from layflat.physics.hysteresis import loaded, torques
 from layflat.physics.hysteresis.elasto_slip import slip
 from layflat.physics.joint import Hose

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.benches.parallel import on_all_cores, parts
 from layflat.identify.benches.regulated.friction import LaggingFriction
 from layflat.identify.benches.regulated.joint import (
     Air,
@@ -22,6 +21,7 @@ from layflat.identify.benches.regulated.joint import (
 )
 from layflat.identify.benches.regulated.regulator import Regulator, asked_set_point
 from layflat.jit import kernel, law
+from layflat.parallel import on_all_cores, parts
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 

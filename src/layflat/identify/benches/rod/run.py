@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify.benches.hysteresis.start import share_carried
-from layflat.identify.benches.parallel import on_all_cores
 from layflat.identify.benches.rod.laws import Rod, slip_force, smooth_force
 from layflat.jit import kernel
+from layflat.parallel import on_all_cores
 from layflat.physics.hysteresis.elasto_slip import slip
 
 Array = NDArray[np.float64]

@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.benches.parallel import on_all_cores, parts
 from layflat.identify.benches.vessel.gas import IdealAir, RealGas, contents, state_of
 from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, exchange, fastest_rates, rates
 from layflat.identify.benches.vessel.wall import Wall
 from layflat.jit import composition, kernel, law
+from layflat.parallel import on_all_cores, parts
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 

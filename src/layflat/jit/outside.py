@@ -15,7 +15,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from layflat.errors import KindError, LayflatError
-from layflat.jit import include_source
+from layflat.jit.cache import include_source
 
 _loaded: dict[Path, str] = {}
 
@@ -63,8 +63,16 @@ def blame_outside() -> Iterator[None]:
     Raises:
         KindError: such a file failed, when it ran or when its laws were compiled.
     """
+    if not _loaded:
+        yield
+        return
     try:
         yield
+    except KindError as error:
+        place = _place(error)
+        if place is None or place in error.where:
+            raise
+        raise KindError(error.what, where=f"{place}: {error.where}".removesuffix(": "), right=error.right) from None
     except LayflatError:
         raise
     except Exception as error:

@@ -1,0 +1,173 @@
+"""Kinds from outside the package: the examples of docs/kinds.md, as a user would use them."""
+
+import pickle
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from layflat.control import CONTROL_LAWS, ControlKind
+from layflat.errors import KindError, LayflatError
+from layflat.kinds import Table
+from layflat.machine import Machine, changed, load
+from layflat.physics.valves import VALVES
+from layflat.sim import Scenario, rollout
+from layflat.sim.ensemble import ensemble
+from layflat.sim.metrics import tip_settling
+
+PAGE = Path(__file__).parents[1] / "docs" / "kinds.md"
+LOSSES = 'reference_pressure_gauge = "4 bar"\npressure_free = 0.2'
+DESCRIBED = {
+    "relay": ('[controller]\nkind = "relay"\ncycle = "5 ms"\nlevel = "0.6 V"\ndead_band = "0.2 deg"'),
+    "plain_relay": ('[controller]\nkind = "plain-relay"\ncycle = "5 ms"'),
+    "quick_valve": (
+        '[valve]\nkind = "quick"\nconductance = "1.99 dm^3/(s bar)"\ncritical_ratio = 0.3\n'
+        'leakage = "0.008 dm^3/(s bar)"\ncentre_voltage = "5 V"\nvolts_to_full = "5 V"'
+    ),
+    "viscous": (f'[joint.small.losses]\nkind = "viscous"\nvelocity = "2 rad/s"\n{LOSSES}'),
+    "sprung_arm": (
+        '[arm]\nkind = "sprung"\njoints = ["small"]\npayload = "1 kg"\nspring = "0.1 N m/deg"\n'
+        'gravity = "0 m/s^2"\ngravity_direction = "0 deg"'
+    ),
+}
+COMPILED = [name for name in DESCRIBED if name != "plain_relay"]
+
+
+@pytest.fixture(scope="module")
+def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page's examples as files, and a machine for each."""
+    folder = tmp_path_factory.mktemp("kinds")
+    for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
+        (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
+    for name, part in DESCRIBED.items():
+        head = f'extends = "paper-small-joint"\nname = "{name}"\nkinds = ["{name}.py"]'
+        (folder / f"{name}.toml").write_text(f"{head}\n\n{part}\n", encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def machine(examples: Path, request: pytest.FixtureRequest) -> Machine:
+    return load(examples / f"{request.param}.toml")
+
+
+MOVE = Scenario(demand=[("0 s", "-5 deg"), ("0.1 s", "10 deg")], duration="0.6 s", noise=True, seed=3)
+
+
+@pytest.mark.parametrize("machine", COMPILED, indirect=True)
+def test_a_compiled_kind_runs_alike_in_rollout_and_ensemble(machine: Machine) -> None:
+    runs = ensemble(machine, MOVE, {"arm.payload": np.array([0.5, 1.0, 1.5])}, traces=("angle", "voltage"))
+    for i, payload in enumerate((0.5, 1.0, 1.5)):
+        run = rollout(changed(machine, "arm.payload", payload), scenario=MOVE)
+        assert abs(run["angle"][-1, 0] - run["angle"][0, 0]) > np.radians(5.0)
+        for name in ("angle", "voltage"):
+            assert np.array_equal(runs[name].isel(run=i), run[name][:-1]), name
+
+
+def test_a_law_of_ones_own_reports_under_its_own_names(examples: Path) -> None:
+    run = rollout(load(examples / "relay.toml"), scenario=MOVE)
+    assert run["error"].attrs == {"units": "rad", "long_name": "demand less angle"}
+    assert np.array_equal(run["error"][:-1], run["demand"][:-1] - run["measured_angle"][:-1])
+    assert "phase" not in run
+    assert set(np.round(np.unique(run["voltage"]), 6)) <= {4.4, 5.0, 5.6}
+
+
+def test_a_law_in_plain_python_runs_in_a_rollout_and_is_refused_where_it_can_not(examples: Path) -> None:
+    machine = load(examples / "plain_relay.toml")
+    run = rollout(machine, scenario=MOVE)
+    assert np.abs(run["angle"] - run["angle"][0]).max() > np.radians(5.0)
+    with pytest.raises(KindError, match=r"'plain-relay' is plain Python; .*layflat\.jit\.law"):
+        ensemble(machine, MOVE, {"seed": np.arange(3.0)})
+
+
+def test_viscous_losses_vanish_when_slow_and_a_spring_draws_back(examples: Path) -> None:
+    from layflat.sim.sweep import sweep
+
+    slow = sweep(load(examples / "viscous.toml"), "small", 4e5, brake=0.0)
+    assert slow.hysteresis == pytest.approx(0.0, abs=1e-12)
+    run = rollout(load(examples / "sprung_arm.toml"), "0 deg", start="20 deg", opening=0.0, brake=0.0, duration="1 s")
+    assert run["angle"][-1, 0] < np.radians(18.0)
+
+
+def test_other_processes_find_a_machines_kinds(examples: Path) -> None:
+    machine = load(examples / "relay.toml")
+    assert pickle.loads(pickle.dumps(machine)) == machine
+    run = rollout(machine, scenario=MOVE)
+    assert tip_settling(run, 0.1, 0.6, 1.0) == 0.0
+
+
+def broken(folder: Path, name: str, old: str, new: str) -> str:
+    """What is said of a machine whose kind is spoilt."""
+    text = (folder / f"{name}.py").read_text(encoding="utf-8")
+    assert old in text
+    spoilt = folder / f"{name}-{abs(hash((old, new)))}.py"
+    kind = re.search(r'kind: Literal\["(.*?)"\]', text)[1]  # type: ignore[index]
+    fresh = f"{kind}-{abs(hash((old, new)))}"
+    spoilt.write_text(text.replace(old, new).replace(f'"{kind}"', f'"{fresh}"'), encoding="utf-8")
+    described = (folder / f"{name}.toml").read_text(encoding="utf-8")
+    machine = spoilt.with_suffix(".toml")
+    described = described.replace(f"{name}.py", spoilt.name).replace(f'"{kind}"', f'"{fresh}"')
+    machine.write_text(described, encoding="utf-8")
+    with pytest.raises(LayflatError) as caught:
+        rollout(load(machine), "5 deg", duration="0.05 s")
+    assert "\n" not in str(caught.value)
+    assert spoilt.name in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    ("name", "old", "new", "said"),
+    [
+        ("relay", "        step=step,\n", "", "lacks step"),
+        ("relay", 'signals={"error": ("rad", "demand less angle")}', "signals={}", "signal 'error' has no unit"),
+        ("relay", 'kind: Literal["relay"]', 'kind: Literal["other"]', "does not bear its name"),
+        (
+            "relay",
+            "    return Relay(machine",
+            "    Relay = lambda *all: all\n    return Relay(machine",
+            "yields tuple; give Relay",
+        ),
+        ("relay", "machine.valve.centre_voltage,", '"5 V",', "yields '5 V' among its numbers"),
+        ("relay", "    error = demand - angle", "    error = demand.no_such - angle", "TypingError"),
+        ("relay", "described.level", "described.no_such", "AttributeError"),
+        ("plain_relay", "    errors = [", "    1 / 0\n    errors = [", "ZeroDivisionError"),
+        ("quick_valve", "    leakage: float\n", "", "lacks leakage"),
+        ("quick_valve", "@law\ndef move", "def move", "move of kind"),
+        ("sprung_arm", "joints=1", "joints=3", "no laws for one or two joints"),
+        ("viscous", "import law", "import law, no_such", "ImportError"),
+    ],
+)
+def test_a_kind_that_is_not_whole_or_fails_is_told_with_its_file(
+    examples: Path, name: str, old: str, new: str, said: str
+) -> None:
+    assert said in broken(examples, name, old, new)
+
+
+def test_files_of_kinds_that_can_not_be_run(examples: Path) -> None:
+    place = examples / "bad.toml"
+    for named, said in (
+        ('["gone.py"]', "gone.py can't be read"),
+        ('"relay.py"', "is not a list of files"),
+        ('["relay.toml"]', "is not a Python file"),
+    ):
+        place.write_text(f'extends = "paper-small-joint"\nname = "bad"\nkinds = {named}\n', encoding="utf-8")
+        with pytest.raises(LayflatError, match=said):
+            load(place)
+
+
+def test_an_unknown_kind_names_the_known_ones_and_the_nearest(examples: Path) -> None:
+    place = examples / "unknown.toml"
+    text = 'extends = "paper-small-joint"\nname = "unknown"\n[controller]\nkind = "papper"\n'
+    place.write_text(text, encoding="utf-8")
+    with pytest.raises(LayflatError, match=r'controller\.kind: .papper. .*did you mean "paper"'):
+        load(place)
+
+
+def test_a_table_refuses_what_it_has() -> None:
+    table: Table[ControlKind] = Table("control law", *CONTROL_LAWS)
+    kind = CONTROL_LAWS.named("paper")
+    with pytest.raises(KindError, match="there is a kind 'paper'"):
+        table.register(kind)
+    with pytest.raises(KindError, match="known kinds are"):
+        VALVES.named("magic")
