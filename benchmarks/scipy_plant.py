@@ -15,7 +15,7 @@ from layflat.jit import kernel, law
 from layflat.machine import Machine, parameters
 from layflat.physics.arms.planar import two_link_coriolis, two_link_mass
 from layflat.physics.chamber import air_mass, energy, pressure, temperature, wall_heat
-from layflat.physics.flow import warmth
+from layflat.physics.flow import root_temperature
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.valves import chamber_flow
 from layflat.physics.valves.spool import path_conductance
@@ -39,9 +39,9 @@ def _hose(joint, hose, y, s, x, around):  # type: ignore[no-untyped-def]
         path_conductance(joint.valve, x),
         path_conductance(joint.valve, -x),
         p,
-        warmth(T, 1.0 / T),
+        root_temperature(T, 1.0 / T),
         around.supply_pressure,
-        warmth(around.supply_temperature, 1.0 / around.supply_temperature),
+        root_temperature(around.supply_temperature, 1.0 / around.supply_temperature),
         around.ambient_pressure,
     )
     K = torque_per_pressure(hose.stroke, s)

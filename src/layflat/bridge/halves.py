@@ -112,14 +112,14 @@ def _leaked(joint, state, hole_a, hole_b, p_a):
 
 
 @kernel
-def lead(dofs, v, bias, led, applied, qvel):
-    """Apply what Coriolis forces change by where velocities are led, and give the joints their own ones back.
+def extrapolate(dofs, v, bias, extrapolated, applied, qvel):
+    """Apply what Coriolis forces change by where velocities are extrapolated, and give the joints their own ones back.
 
-    Args: joints' degrees of freedom and velocities (n,); forces at velocities that are not led, and that are, (nv,);
-    what is applied, and the velocities in the data, (nv,).
+    Args: joints' degrees of freedom and velocities (n,); forces at velocities that are not extrapolated, and that are,
+    (nv,); what is applied, and the velocities in the data, (nv,).
     """
-    for i in range(len(led)):
-        applied[i] += bias[i] - led[i]
+    for i in range(len(extrapolated)):
+        applied[i] += bias[i] - extrapolated[i]
     for j in range(len(v)):
         qvel[dofs[j]] = v[j]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from layflat.bridge.brake import Brakes
 from layflat.bridge.engine import engine
-from layflat.bridge.halves import Carry, Outputs, halves_of, lead
+from layflat.bridge.halves import Carry, Outputs, extrapolate, halves_of
 from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, read_numbers, write_numbers
 from layflat.machine import Machine, parameters
@@ -76,7 +76,7 @@ class PneumaticJoints:
         self._brakes = Brakes(model, self._dofs)
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
         self.load, self._holes, self._torques = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
-        self._q, self._v, self._led = np.zeros(n), np.zeros(n), np.zeros(model.nv)
+        self._q, self._v, self._extrapolated = np.zeros(n), np.zeros(n), np.zeros(model.nv)
         self._seized: dict[int, float] = {}
         self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
         self._shares, self._due = np.ones(n), 0.0
@@ -150,7 +150,7 @@ class PneumaticJoints:
         self._span[0], given, q, v = time, data.qfrc_applied.copy(), self._q, self._v
         laws = self._laws, self._kept, self._around, self._span, self._qpos, self._dofs, data.qpos, data.qvel
         self._kernels.push(*laws, data.qfrc_applied, self.load, q, v, self._torques)
-        self._lead(data)
+        self._extrapolate(data)
         impulses, after = self._brakes.apply(data, self.brakes)
         mj.mj_step2(model, data)
         data.qfrc_applied[:] = given
@@ -190,16 +190,16 @@ class PneumaticJoints:
         if hose is not None:
             self._holes[joint, hose] = 1.0 - exp(-self._model.opt.timestep / BURST_TIME)
 
-    def _lead(self, data: Any) -> None:
-        """Add what Coriolis and centrifugal forces change by where velocities are led by half of their last change.
+    def _extrapolate(self, data: Any) -> None:
+        """Add what Coriolis and centrifugal forces change by where velocities go on by half of their last change.
 
         MuJoCo takes them at the start of a step, which alone would make the step one of first order. The velocities in
-        the data are led; they are taken back.
+        the data are extrapolated; they are taken back.
         """
         mj, model = self._mj, self._model
         mj.mj_comVel(model, data)
-        mj.mj_rne(model, data, 0, self._led)
-        lead(self._dofs, self._v, data.qfrc_bias, self._led, data.qfrc_applied, data.qvel)
+        mj.mj_rne(model, data, 0, self._extrapolated)
+        extrapolate(self._dofs, self._v, data.qfrc_bias, self._extrapolated, data.qfrc_applied, data.qvel)
         mj.mj_comVel(model, data)
 
     def _set(self, j: int) -> None:
@@ -234,7 +234,7 @@ class PneumaticJoints:
         laws = self._laws, kept, self._around, self._span, places, places, np.zeros(n), np.zeros(n)
         self._kernels.command(self._laws, kept, self._voltages, self._cycle)
         self._kernels.push(*laws, np.zeros(n), nothing, np.zeros(n), np.zeros(n), np.zeros(n))
-        lead(places, nothing, nothing, nothing, np.zeros(n), np.zeros(n))
+        extrapolate(places, nothing, nothing, nothing, np.zeros(n), np.zeros(n))
         self._kernels.settle(*laws, nothing, nothing, nothing, nothing, nothing, self._holes, seen)
         self.sense(np.zeros((n, 2)))
 

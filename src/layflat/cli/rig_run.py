@@ -137,8 +137,10 @@ def _from_file(machine: Machine, demand: list[str], duration: str | None) -> Pla
     from layflat.sim.demand_file import read_demand  # noqa: PLC0415
 
     if len(demand) > 1 or duration:
-        right = "leave other demands and --duration out"
-        raise InputError("says it all", where=f"--demand {demand[0]}", right=right)
+        right = "leave them out"
+        raise InputError(
+            "cannot be combined with other demands or --duration", where=f"--demand {demand[0]}", right=right
+        )
     assert machine.controller is not None  # its gains were there
     cycle = machine.controller.cycle
     rows = read_demand(machine, Path(demand[0]), cycle)

@@ -21,7 +21,7 @@ from layflat.lanes import select
 from layflat.physics.air import CP, GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 
 
-class Warmth(NamedTuple):
+class RootTemperature(NamedTuple):
     """sqrt(T/T0) and its inverse."""
 
     root: float
@@ -71,22 +71,22 @@ def effective_pressure(p_1, p_2, b, s):
 
 
 @law
-def warmth(T, per_T):
+def root_temperature(T, per_T):
     """What a flow has to know of a temperature T (K), given 1/T too: a division costs more than all the rest."""
     root = sqrt(T * (1.0 / REFERENCE_TEMPERATURE))
-    return Warmth(root, root * per_T * REFERENCE_TEMPERATURE)
+    return RootTemperature(root, root * per_T * REFERENCE_TEMPERATURE)
 
 
 @law
-def flow_between(C, b, s, p_a, warmth_a, p_b, warmth_b):
+def flow_between(C, b, s, p_a, roots_a, p_b, roots_b):
     """Mass flow from a to b (negative: from b to a) and the enthalpy it carries, in kg/s and W."""
     forward = p_a >= p_b
     full = C * REFERENCE_DENSITY * effective_pressure(max(p_a, p_b), min(p_a, p_b), b, s)
-    flow = full * select(forward, warmth_a.per_root, -warmth_b.per_root)
-    return flow, full * select(forward, warmth_a.root, -warmth_b.root) * (CP * REFERENCE_TEMPERATURE)
+    flow = full * select(forward, roots_a.per_root, -roots_b.per_root)
+    return flow, full * select(forward, roots_a.root, -roots_b.root) * (CP * REFERENCE_TEMPERATURE)
 
 
 @law
 def orifice(C, b, s, p_a, T_a, p_b, T_b):
     """As `flow_between`, from the temperatures."""
-    return flow_between(C, b, s, p_a, warmth(T_a, 1.0 / T_a), p_b, warmth(T_b, 1.0 / T_b))
+    return flow_between(C, b, s, p_a, root_temperature(T_a, 1.0 / T_a), p_b, root_temperature(T_b, 1.0 / T_b))

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from layflat.jit import by_kind, law
 
 
-class EvenStroke(NamedTuple):
+class ConstantStroke(NamedTuple):
     """K that is the same over the whole travel (m3/rad): what a cam makes of it."""
 
     k0: float
@@ -66,7 +66,7 @@ def peeled_volume(R, R_h, gamma, alpha, c):
 
 
 @law
-def _even_torque(stroke, s):  # noqa: ARG001
+def _constant_torque(stroke, s):  # noqa: ARG001
     return stroke.k0
 
 
@@ -76,7 +76,7 @@ def _torque(stroke, s):
 
 
 @law
-def _even_volume(stroke, s):
+def _constant_volume(stroke, s):
     return stroke.k0 * s
 
 
@@ -88,8 +88,8 @@ def _volume(stroke, s):
     return s * (low + s * s * high)
 
 
-torque_per_pressure = by_kind({EvenStroke: _even_torque, Stroke: _torque})
+torque_per_pressure = by_kind({ConstantStroke: _constant_torque, Stroke: _torque})
 """K at travel s, m3/rad: `torque_per_pressure(stroke, s)`."""
 
-swept_volume = by_kind({EvenStroke: _even_volume, Stroke: _volume})
+swept_volume = by_kind({ConstantStroke: _constant_volume, Stroke: _volume})
 """Volume swept from travel 0 to s, m3, the exact integral of K: `swept_volume(stroke, s)`."""

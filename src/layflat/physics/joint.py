@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from layflat.jit import law
 from layflat.physics.chamber import Chamber, air_mass, energy
-from layflat.physics.hose import EvenStroke, Stroke, swept_volume
+from layflat.physics.hose import ConstantStroke, Stroke, swept_volume
 from layflat.physics.hysteresis import at_rest as relaxed
 from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
@@ -20,7 +20,7 @@ FILLED = 0.75
 class Hose(NamedTuple):
     """Parameters of a hose in its joint; `neutral` is its travel at joint angle zero (rad)."""
 
-    stroke: EvenStroke | Stroke
+    stroke: ConstantStroke | Stroke
     chamber: Chamber
     loss: Any
     neutral: float

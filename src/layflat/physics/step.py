@@ -3,7 +3,7 @@
 A step of h seconds goes drift (h/2) - kick (h) - drift (h/2). In the middle the angle stands still: air flows, and all
 torques are gathered; then the arm (see plant.py) finds the new velocities, its brakes included, and the joint drifts
 on. The first drift does the air's work implicitly, the second explicitly: together they are symmetric in time, hence of
-second order. Air flow, damping and Coriolis terms are evaluated once, at pressures and velocities led by half of their
+second order. Air flow, damping and Coriolis terms are evaluated once, at pressures and velocities extrapolated by half of their
 last change.
 
 Here a joint may be lanes of several joints. Its hoses are lanes in any case: all hoses A, then all hoses B.
@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from layflat.jit import by_kind, composition, law
 from layflat.lanes import halves, join, total
 from layflat.physics.chamber import pressure_after_swelling, temperature_both_ways, wall_heat
-from layflat.physics.flow import warmth
+from layflat.physics.flow import root_temperature
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques, turned
 from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion
@@ -76,8 +76,10 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     p = p_0 + 0.5 * state.pressure_change
     m = state.mass + 0.5 * state.mass_change
     T, per_T = temperature_both_ways(hose.chamber, p, m, volume, p_a)
-    supply = warmth(around.supply_temperature, 1.0 / around.supply_temperature)
-    flow, heat, taken = chamber_flow(valve, C_in, C_out, p, warmth(T, per_T), around.supply_pressure, supply, p_a)
+    supply = root_temperature(around.supply_temperature, 1.0 / around.supply_temperature)
+    flow, heat, taken = chamber_flow(
+        valve, C_in, C_out, p, root_temperature(T, per_T), around.supply_pressure, supply, p_a
+    )
     heat = heat + wall_heat(hose.chamber, T, around.ambient_temperature)
     stored = state.energy - p_0 * swell + h * heat
     p_1 = p_0 + h * heat * stiffness

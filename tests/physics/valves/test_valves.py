@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plants import VALVE
 
-from layflat.physics.flow import orifice, warmth
+from layflat.physics.flow import orifice, root_temperature
 from layflat.physics.valves import chamber_flow, commanded_opening
 from layflat.physics.valves.spool import mean_conductance, path_conductance
 
@@ -12,7 +12,7 @@ SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 
 
 def flows(x: float, p: float) -> tuple[float, float, float]:
-    warm = warmth(T, 1 / T)
+    warm = root_temperature(T, 1 / T)
     mass, heat, taken = chamber_flow(
         VALVE, path_conductance(VALVE, x), path_conductance(VALVE, -x), p, warm, SUPPLY, warm, AMBIENT
     )

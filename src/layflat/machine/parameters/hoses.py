@@ -20,7 +20,7 @@ from layflat.lanes import mapped
 from layflat.machine import parts
 from layflat.physics.arrays import itemwise
 from layflat.physics.chamber import Chamber
-from layflat.physics.hose import EvenStroke, Stroke, peeled_volume, roller_torque, roller_travel
+from layflat.physics.hose import ConstantStroke, Stroke, peeled_volume, roller_torque, roller_travel
 from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.joint import Hose
 
@@ -38,11 +38,11 @@ def travel_volume(joint: parts.Joint) -> float:
     return hose.torque_factor * swept
 
 
-def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
+def stroke(joint: parts.Joint) -> ConstantStroke | Stroke:
     """K over the travel of one hose: Eq. (1) for a roller, its mean for a cam."""
     S = full_travel(joint)
     if joint.output.kind == "cam":
-        return EvenStroke(travel_volume(joint) / S)
+        return ConstantStroke(travel_volume(joint) / S)
     hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
     t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
     alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
@@ -54,7 +54,7 @@ def stroke(joint: parts.Joint) -> EvenStroke | Stroke:
 def torque_constant(joint: parts.Joint) -> float:
     """Greatest K over the travel, m3/rad: maximum torque per gauge pressure."""
     curve = stroke(joint)
-    if isinstance(curve, EvenStroke):
+    if isinstance(curve, ConstantStroke):
         return curve.k0
     S, t = full_travel(joint), np.linspace(0.0, 1.0, 101)
     return np.max(sum(np.multiply.outer(t**i, k * S**i) for i, k in enumerate(curve)), axis=0)  # type: ignore[no-any-return]
@@ -86,9 +86,9 @@ def hose(joint: parts.Joint) -> Hose:
 
 def no_hose(hose: Hose) -> Hose:
     """In place of the second hose of a single-acting joint that has this one: it turns nothing."""
-    return Hose(EvenStroke(0.0), Chamber(1e-5, 0.0, 0.0), mapped(hose.loss, lambda _: 0.0), 0.0)
+    return Hose(ConstantStroke(0.0), Chamber(1e-5, 0.0, 0.0), mapped(hose.loss, lambda _: 0.0), 0.0)
 
 
-def long_stroke(stroke: EvenStroke | Stroke) -> Stroke:
+def long_stroke(stroke: ConstantStroke | Stroke) -> Stroke:
     """The same stroke as one that may change over its travel."""
     return Stroke(*stroke, *[0.0] * (len(Stroke._fields) - len(stroke)))

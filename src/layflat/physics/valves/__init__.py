@@ -52,12 +52,12 @@ def driven(valve, line, voltage, cycle):
 
 
 @law
-def chamber_flow(valve, C_in, C_out, p, warmth, p_supply, warmth_supply, p_exhaust):
+def chamber_flow(valve, C_in, C_out, p, root_temperature, p_supply, roots_supply, p_exhaust):
     """Flows of a chamber joined to supply and exhaust by paths of conductance C_in and C_out.
 
     Returns mass flow in (kg/s), enthalpy flow in (W), and the mass flow taken from the supply (kg/s).
     """
     b, s = valve.critical_ratio, valve.laminar_slope
-    inflow, heat_in = flow_between(C_in, b, s, p_supply, warmth_supply, p, warmth)
-    outflow, heat_out = flow_between(C_out, b, s, p, warmth, p_exhaust, warmth_supply)
+    inflow, heat_in = flow_between(C_in, b, s, p_supply, roots_supply, p, root_temperature)
+    outflow, heat_out = flow_between(C_out, b, s, p, root_temperature, p_exhaust, roots_supply)
     return inflow - outflow, heat_in - heat_out, inflow

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from layflat.jit import by_kind, law
 from layflat.physics.air import CP, GAMMA, GAS_CONSTANT, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import air_mass, energy, pressure, temperature
-from layflat.physics.flow import warmth
+from layflat.physics.flow import root_temperature
 
 
 class IdealAir(NamedTuple):
@@ -205,7 +205,7 @@ def _gas_state(gas, chamber, E, m, p_a):  # noqa: ARG001
 
 @law
 def _air_stream(gas, p, T):  # noqa: ARG001
-    return warmth(T, 1.0 / T).per_root, CP * T, p / (GAS_CONSTANT * T), CP
+    return root_temperature(T, 1.0 / T).per_root, CP * T, p / (GAS_CONSTANT * T), CP
 
 
 @law
