@@ -3,8 +3,8 @@
 A step of h seconds goes drift (h/2) - kick (h) - drift (h/2). In the middle the angle stands still: air flows, and all
 torques are gathered; then the arm (see plant.py) finds the new velocities, its brakes included, and the joint drifts
 on. The first drift does the air's work implicitly, the second explicitly: together they are symmetric in time, hence of
-second order. Air flow, damping and Coriolis terms are evaluated once, at pressures and velocities extrapolated by half of their
-last change.
+second order. Air flow, damping and Coriolis terms are evaluated once, at pressures and velocities extrapolated by
+half of their last change.
 
 Here a joint may be lanes of several joints. Its hoses are lanes in any case: all hoses A, then all hoses B.
 
@@ -77,9 +77,8 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     m = state.mass + 0.5 * state.mass_change
     T, per_T = temperature_both_ways(hose.chamber, p, m, volume, p_a)
     supply = root_temperature(around.supply_temperature, 1.0 / around.supply_temperature)
-    flow, heat, taken = chamber_flow(
-        valve, C_in, C_out, p, root_temperature(T, per_T), around.supply_pressure, supply, p_a
-    )
+    inside = root_temperature(T, per_T)
+    flow, heat, taken = chamber_flow(valve, C_in, C_out, p, inside, around.supply_pressure, supply, p_a)
     heat = heat + wall_heat(hose.chamber, T, around.ambient_temperature)
     stored = state.energy - p_0 * swell + h * heat
     p_1 = p_0 + h * heat * stiffness

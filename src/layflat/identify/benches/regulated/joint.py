@@ -129,8 +129,7 @@ def exchange_gas(joint, state, travel, asked, air, shares, h):
     stored = state.energy - state.pressure * half
     p, stiffness = pressure_after_swelling(joint.chamber, stored, volume, half, state.pressure, p_a)
     T, per_T = temperature_both_ways(joint.chamber, p, state.mass, volume, p_a)
-    flow, heat, _ = chamber_flow(
-        joint.valve, C_in, C_out, p, root_temperature(T, per_T), air.supply_pressure, supply, p_a
-    )
+    inside = root_temperature(T, per_T)
+    flow, heat, _ = chamber_flow(joint.valve, C_in, C_out, p, inside, air.supply_pressure, supply, p_a)
     gained = h * (heat + wall_heat(joint.chamber, T, air.temperature))
     return ChamberState(s, stored - p * half + gained, state.mass + h * flow, volume, p + gained * stiffness)
