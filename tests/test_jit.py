@@ -9,7 +9,7 @@ import pytest
 
 import layflat
 from layflat.jit import by_kind, cache_folder, kernel, law
-from layflat.jit.cache import forget_stale, source_digest, sources
+from layflat.jit.cache import forget_stale, included_sources, source_digest, sources
 from layflat.physics.arms.planar import OneLink
 from layflat.physics.hose import Stroke
 
@@ -84,7 +84,7 @@ def test_kernels_are_cached_in_a_folder_of_these_sources() -> None:
     loop = PACKAGE / "sim" / "kernel.py"
     folder = cache_folder(loop)
     assert folder is not None
-    assert folder.name == source_digest(loop)
+    assert folder.name == source_digest(loop, included_sources())
 
 
 def test_machine_code_depends_on_laws_alone() -> None:
