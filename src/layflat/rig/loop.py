@@ -5,6 +5,7 @@ deadline -> driver.read -> supervisor (detectors, demands, control law, voltages
 
 from __future__ import annotations
 
+from struct import Struct
 from time import perf_counter_ns, time_ns
 from typing import Protocol
 
@@ -17,11 +18,13 @@ from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.record import SHARED
-from layflat.rig.safety.estimator import Estimate
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
 Array = NDArray[np.float64]
+
+HEAD = Struct(f"{len(SHARED)}d")
+"""Of a row: what there is once."""
 
 ALIVE_EVERY = 20
 """Cycles between two looks whether the recorder is alive."""
@@ -101,15 +104,8 @@ class Loop:
         self.deadlines = Deadlines(clock, machine.cycle)
         self.layout = law.layout
         self.row = np.zeros(self.layout.width)
-        joints, at = self.layout.joint_rows(self.row), self.layout.columns
-        self._written = tuple(
-            joints[:, at[name]] for name in ("demand", "voltage", "measured_angle", "measured_pressure")
-        )
-        self._joints, self._report = joints, law.report.array
-        self._estimated = _span([at[name] for name in Estimate._fields])
-        self._told = _span([at[name] for name in law.report.like._fields if name not in Estimate._fields])
-        self._reported = _span([int(column) for column in law.told])
-        self._faults = joints[:, at["joint_fault"]]
+        self._joints = self.layout.joint_rows(self.row)
+        self._faults = self._joints[:, self.layout.columns["joint_fault"]]
         n = len(machine.joints)
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None
@@ -167,28 +163,21 @@ class Loop:
     def _record(self, reading: Reading, now: int, elapsed: float, link: float) -> None:
         """Fill the row, hand it on, and tell what has to be told."""
         row, supervisor, deadlines = self.row, self.supervisor, self.deadlines
-        ledger, core = supervisor.ledger, supervisor.core
+        ledger = supervisor.ledger
         worst = ledger.worst
         begun = deadlines.begun
         since = now - begun if begun is not None else 0
-        row[: len(SHARED)] = (
+        HEAD.pack_into(
+            row.data, 0,
             since / SECOND, time_ns() / SECOND, elapsed, deadlines.lateness, self._compute, link, reading.supply,
-            supervisor.air, reading.stopped, reading.device.value, supervisor.state.value, worst.value, self._lost,
+            supervisor.air, reading.stopped, reading.device, supervisor.state, worst, self._lost,
         )  # fmt: skip
-        demand, voltage, angle, pressure = self._written
-        demand[:], voltage[:], angle[:], pressure[:] = core.demands, core.voltages, reading.angles, reading.pressures
-        self._joints[:, self._estimated] = core.estimates
-        self._joints[:, self._told] = self._report[:, self._reported]
-        self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))] if worst else 0.0
+        supervisor.core.record(self._joints)
+        if worst:
+            self._faults[:] = [ledger.worst_of(j) for j in range(len(self._faults))]
         self.recorder.push(row)
         self.host.publish(row)
         if ledger.events:
             for text in ledger.events:
                 self.recorder.event(text)
             ledger.events.clear()
-
-
-def _span(columns: list[int]) -> slice | list[int]:
-    """Columns as a slice where they stand side by side, which is written faster."""
-    together = columns == list(range(columns[0], columns[0] + len(columns))) if columns else False
-    return slice(columns[0], columns[-1] + 1) if together else columns

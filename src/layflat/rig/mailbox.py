@@ -50,12 +50,18 @@ class Slot:
     def __init__(self, memory: mmap.mmap, start: int, size: int) -> None:
         self._memory, self._start, self._size = memory, start, size
         self._values = start + HEAD.size
-        self._number = NUMBER.unpack_from(memory, start)[0] & ~1
+        self._number = self.number & ~1
 
     @staticmethod
     def room(size: int) -> int:
         """Bytes that a slot for so many bytes of values takes."""
         return HEAD.size + size + -size % 8
+
+    @property
+    def number(self) -> int:
+        """Of the message, and odd while it is written; 0 before the first."""
+        number: int = NUMBER.unpack_from(self._memory, self._start)[0]
+        return number
 
     def write(self, values: bytes) -> None:
         """Replace the message."""
@@ -72,8 +78,7 @@ class Slot:
             values = self._memory[self._values : self._values + self._size]
             if number == 0:
                 return None
-            after = NUMBER.unpack_from(self._memory, self._start)[0]
-            if number == after and number % 2 == 0 and crc32(values) == checksum:
+            if number == self.number and number % 2 == 0 and crc32(values) == checksum:
                 return number, values
         return None
 
@@ -175,17 +180,14 @@ class RemoteHost:
         self._number = -1
         self._last = Setpoints([nan] * joints)
         self._heard = clock.now()
-        self._given = Setpoints([])
 
     def request(self, now: int) -> HostRequest:
         """What is wanted now; edges are given once."""
-        found = self._mailbox.asked()
-        if found is not None and found[0] != self._number:
-            self._number, self._last = found
-            self._heard = now
-        last, given = self._last, self._given
-        start, stop, reset = last.starts > given.starts, last.stops > given.stops, last.resets > given.resets
-        given.starts, given.stops, given.resets = last.starts, last.stops, last.resets
+        before = last = self._last
+        if self._mailbox.setpoints.number != self._number and (found := self._mailbox.asked()) is not None:
+            self._number, last = found
+            self._last, self._heard = last, now
+        start, stop, reset = last.starts > before.starts, last.stops > before.stops, last.resets > before.resets
         return HostRequest(last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND)
 
     def publish(self, row: Array) -> None:

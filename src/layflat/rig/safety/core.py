@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, isfinite
+from struct import Struct
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,8 @@ from layflat.physics.joint import FILLED
 from layflat.rig.driver import Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
+from layflat.rig.safety import cycle as compiled
 from layflat.rig.safety import estimator
-from layflat.rig.safety.cycle import CALM, CONTROL, FOUND, GATE, INPUTS, JOINT_INPUTS, MEMORY, cycle_with, judge
 from layflat.rig.safety.demands import Demand
 from layflat.rig.safety.detectors import joint, supply
 from layflat.rig.safety.faults import Fault
@@ -27,6 +28,10 @@ ENOUGH = 0.4
 """Of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones."""
 
 RIPPLE, LEAST_RIPPLE = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
+
+
+HEAD = Struct(f"{compiled.IN_INPUTS.even}d")
+"""What comes in with a cycle, before what is remembered: writes it in half the time of an array's slice."""
 
 
 class Core:
@@ -45,8 +50,12 @@ class Core:
         names = list(machine.joints)
         self.rig = NamedRows([rig_settings(machine, cycle)])
         self.settings = NamedRows([joint_settings(machine, name, cycle) for name in names])
-        self.memory, self.inputs, self.law = NamedRows([MEMORY] * len(names)), NamedRows([INPUTS]), law
-        self._given = np.zeros((len(names), JOINT_INPUTS + len(names)))
+        self.memory, self.inputs, self.law = (
+            NamedRows([compiled.MEMORY] * len(names)),
+            NamedRows([compiled.INPUTS]),
+            law,
+        )
+        self._given = np.zeros((len(names), compiled.JOINT_INPUTS + len(names)))
         self._head = self.inputs.array[0]
         self._arrays: tuple[Array, ...] = (
             self.rig.array[0],
@@ -55,12 +64,12 @@ class Core:
             self._given,
             self.memory.array,
         )
-        self._perform: Callable[..., int] = judge
+        self._perform: Callable[..., int] = compiled.judge
         if law is not None:
             arm = NamedRows([parameters.arm(machine)])
             own, memory, report = law.settings, law.memory, law.report
             self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
-            self._perform = cycle_with(arm.like, own.like, memory.like, len(names))
+            self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
         self.angles, self.pressures, self.asked = self._given[:, 0], self._given[:, 1], self._given[:, 2]
         """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
         self.between: Callable[[], object] | None = None
@@ -80,7 +89,7 @@ class Core:
         """Forget what the detectors saw; what the hoses hold, and demands, are kept."""
         self.memory.replace("detectors", joint.FRESH)
         self.inputs.replace("lines", supply.FRESH)
-        self.inputs["even"][0] = CALM
+        self.inputs["even"][0] = compiled.CALM
 
     def begin(self, reading: Reading, *, filled: bool) -> None:
         """Take the hoses for empty, or for filled as they are when left to themselves."""
@@ -117,15 +126,17 @@ class Core:
             follow: whether demands are obeyed.
             wake: whether control law and estimators begin anew.
         """
-        self._head[:6] = supply_now, elapsed, since, level, follow, wake
+        HEAD.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake)
         if self.law is None:
             return self._perform(*self._arrays)
         if self.between is None:
             return self._perform(*self._arrays, stages)
-        came = self._perform(*self._arrays, stages & ~GATE)
-        if stages & CONTROL and not came & FOUND:
+        came = self._perform(*self._arrays, stages & ~compiled.GATE)
+        if came & compiled.FOUND:
+            return came
+        if stages & compiled.CONTROL:
             self.between()
-        return came | self._perform(*self._arrays, GATE) if stages & GATE and not came & FOUND else came
+        return came | self._perform(*self._arrays, stages & compiled.GATE)
 
     def freeze(self, j: int, angle: float) -> None:
         """From now on ask a joint for this angle, rad."""
@@ -149,11 +160,10 @@ class Core:
         """Faults of the machine as a whole, and of each joint, as they were judged last."""
         return Fault(int(self.inputs["fault"][0])), [Fault(int(fault)) for fault in self.faults.tolist()]
 
-    @property
-    def report(self) -> Array:
-        """What the control law told last, (joints, signals)."""
+    def record(self, rows: Array) -> None:
+        """Write what is known of each joint, as in `record.Layout` and without faults, (joints, numbers)."""
         assert self.law is not None  # who asks has given one
-        return self.law.report.array[:, self.law.told]
+        compiled.record(rows, self._given, self.memory.array, self.law.report.array, self.law.told)
 
     @property
     def lead(self) -> float:

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from layflat.control import CONTROL_LAWS, Demand, Sensed, centre_shift, step, wake
 from layflat.jit import composition, kernel, law
-from layflat.lanes import gather, in_lanes, mapped, read_numbers, slots, write_numbers
+from layflat.lanes import gather, in_lanes, leaves, mapped, read_numbers, slots, write_numbers
 from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
 from layflat.physics.arms import dynamics
 from layflat.rig.named import blank, places
@@ -114,7 +114,17 @@ class JointInputs(NamedTuple):
     asked: float
 
 
-JOINT_INPUTS = len(JointInputs._fields)
+class Known(NamedTuple):
+    """What a row says of a joint under any control law; names are those of `rig.record.RIG_SIGNALS`."""
+
+    demand: float
+    voltage: float
+    measured_angle: float
+    measured_pressure: float
+    estimate: estimator.Estimate
+
+
+JOINT_INPUTS, KNOWN = len(JointInputs._fields), len(list(leaves(blank(Known))))
 
 
 RIG, SETTINGS, MEMORY, INPUTS, JOINT = (blank(kind) for kind in (Rig, Settings, Memory, Inputs, JointInputs))
@@ -251,6 +261,21 @@ def gate(rig_numbers, memory):
         for j in range(len(memory)):
             memory[j, IN_MEMORY.voltage] = rig.centre
     return bad
+
+
+@kernel
+def record(rows, given, memory, report, told):
+    """Write what is known of each joint after a cycle into its part of a row (see `rig.record.Layout`), without faults.
+
+    Args: `given` and `memory` as of `judge`; what the control law reports, a row a joint, and which columns of it are
+    recorded.
+    """
+    for j in range(len(rows)):
+        came, after = read_numbers(JOINT, given[j]), read_numbers(MEMORY, memory[j])
+        write_numbers(rows[j], Known(after.demand.demand, after.voltage, came.angle, came.pressure, after.estimate))
+        for k in range(len(told)):
+            rows[j, KNOWN + k] = report[j, told[k]]
+        rows[j, KNOWN + len(told)] = 0.0
 
 
 Cycle = Callable[..., int]
