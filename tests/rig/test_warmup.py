@@ -31,4 +31,4 @@ def test_a_rehearsal_goes_on_like_a_machine_in_motion() -> None:
     loop = warmup.loop
     assert loop.supervisor.state is State.MOVING
     assert loop.supervisor.ledger.worst is Fault.NONE
-    assert warmup.ring.dropped == 0
+    assert warmup.ring.head.rows.dropped == 0

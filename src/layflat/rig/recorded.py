@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 
@@ -12,7 +13,7 @@ from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
 from layflat.rig.law import layout_of
 from layflat.rig.recorder.bag import Heading
-from layflat.rig.recorder.client import RecorderClientFactory
+from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.process import part_of, start_recorder
 from layflat.rig.recorder.ring import RecorderState, Ring
 from layflat.rig.session import Session
@@ -47,7 +48,8 @@ class Recorded:
             self._let_go()
             raise
         try:
-            self.session = Session(machine, driver, address, RecorderClientFactory(self._ring.path), realtime=realtime)
+            client = partial(RecorderClient.join, self._ring.path)
+            self.session = Session(machine, driver, address, client, realtime=realtime)
         except BaseException:
             self._finish()
             raise
@@ -90,7 +92,7 @@ class Recorded:
         begun = time.monotonic_ns()
         while recorder.is_alive():
             recorder.join(0.1)
-            if time.monotonic_ns() - max(begun, ring.recorder_beat) > PATIENCE * SECOND:
+            if time.monotonic_ns() - max(begun, ring.head.recorder_beat) > PATIENCE * SECOND:
                 recorder.kill()
         self.finished = ring.recorder is RecorderState.DONE
         """Whether the log is whole."""

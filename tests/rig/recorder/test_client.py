@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rigrows import LAYOUT
 
-from layflat.rig.recorder.client import RecorderClientFactory
+from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault
 
@@ -22,7 +22,7 @@ from layflat.rig.safety.faults import Fault
 def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: Level) -> None:
     ring = Ring.create(LAYOUT)
     ring.beat(RecorderState.RECORDING)
-    client = RecorderClientFactory(ring.path)()
+    client = RecorderClient.join(ring.path)
     row = np.zeros(ring.layout.width)
     row[0], row[ring.layout.shared["fault"]] = 2.5, fault
     client.push(row)
@@ -30,5 +30,5 @@ def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: L
     client.event("ready -> moving")
     assert ring.take_events() == [Event(2.5, level, "what there is"), Event(2.5, change, "ready -> moving")]
     client.end()
-    assert ring.ended
+    assert ring.head.ended
     ring.remove()

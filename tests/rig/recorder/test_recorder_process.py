@@ -53,33 +53,33 @@ def test_a_killed_recorder_has_written_all_but_the_last_instants(ring: Ring, tmp
             time.sleep(random.uniform(0.0, 0.3))
             recorder.kill()
             recorder.join()
-            silent.append((time.monotonic_ns() - ring.recorder_beat) / SECOND)
-            written = ring.written
+            silent.append((time.monotonic_ns() - ring.head.recorder_beat) / SECOND)
+            written = ring.head.rows.written
             assert repair(part) is not None
             there = numbers(place)
             assert there == list(range(there[0], there[-1] + 1))
             assert (written - 1 - there[-1]) * CYCLE <= silent[-1] + 0.03
     assert sorted(silent)[2] <= 0.05, silent
-    assert ring.dropped == 0
+    assert ring.head.rows.dropped == 0
 
 
 def test_a_killed_loop_loses_nothing_and_its_log_is_finished(ring: Ring, tmp_path: Path) -> None:
     place = tmp_path / "run.mcap"
     recorder = start_recorder(ring, place, HEADING)
     with running_loop(ring):
-        wait_for(lambda: ring.written > 60)
+        wait_for(lambda: ring.head.rows.written > 60)
     recorder.join(20.0)
     assert recorder.exitcode == 0
     assert ring.recorder is RecorderState.DONE
-    assert numbers(place) == list(range(ring.written))
+    assert numbers(place) == list(range(ring.head.rows.written))
     assert [path.name for path in tmp_path.iterdir()] == ["run.mcap"]
     assert not ring.path.exists()
 
 
 def test_a_recorder_outlives_ctrl_c_and_a_disk_that_is_full_for_a_while(ring: Ring, tmp_path: Path) -> None:
     def some_more() -> None:
-        since = ring.written
-        wait_for(lambda: ring.written > since + 20)
+        since = ring.head.rows.written
+        wait_for(lambda: ring.head.rows.written > since + 20)
 
     place = tmp_path / "run.mcap"
     recorder = start_recorder(ring, place, HEADING)
@@ -99,7 +99,7 @@ def test_a_recorder_outlives_ctrl_c_and_a_disk_that_is_full_for_a_while(ring: Ri
     ring.end()
     recorder.join(20.0)
     assert recorder.exitcode == 0
-    assert numbers(place) == list(range(ring.written))
+    assert numbers(place) == list(range(ring.head.rows.written))
     told = [(event.level, event.text) for event in read_recording(place).events]
     assert told == [(40, "the log can't be written: File too large"), (30, "the log can be written again")]
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -28,12 +27,9 @@ MILD = max(fault for fault, entry in TABLE.items() if entry.reaction is Reaction
 MOST = 100
 """Files that one log gets."""
 
-PORTION = 50
-"""Rows written at a time, so that the log does not wait."""
-
 
 class BlackBox:
-    """The last seconds in memory; a fault that is new makes a file of them.
+    """The last seconds in memory; a fault that is new makes a file of them, which a thread writes beside the log.
 
     A further fault within the seconds after one is in the same file.
 
@@ -50,7 +46,8 @@ class BlackBox:
         self._events: deque[Event] = deque()
         self._last = 0.0
         self._due: float | None = None
-        self._writing: Iterator[None] | None = None
+        self._writer = ThreadPoolExecutor(1)
+        self._writing: Future[None] | None = None
         self._made = 0
 
     def keep(self, rows: Array, events: list[Event]) -> None:
@@ -74,50 +71,37 @@ class BlackBox:
         """Whether a file is being written."""
         return self._writing is not None
 
-    def work(self, begin: int) -> Event | None:
-        """Write a little of what is due; returns what is to be told when a file is done or can't be written."""
-        if self._writing is None:
-            if self._due is None or self._rows[-1][-1, self._time] < self._due:
-                return None
-            self._made += 1
-            self._writing = self._written(np.concatenate(self._rows), list(self._events), begin)
-            self._due = None
-        path = self._place.with_name(f"{self._place.stem}-fault-{self._made:03d}.mcap")
-        now = float(self._rows[-1][-1, self._time])
-        try:
-            next(self._writing)
-        except StopIteration:
-            return self._done(Event(now, Level.INFO, f"black box written: {path.name}"))
-        except (OSError, OutputError) as error:
-            return self._done(Event(now, Level.WARN, f"black box {path.name} can't be written ({error})"))
-        return None
+    def work(self, begin: int, *, wait: bool = False) -> Event | None:
+        """Have what is due written; returns what is to be told once a file is done or can't be written."""
+        now = float(self._rows[-1][-1, self._time]) if self._rows else 0.0
+        if self._writing is None and self._due is not None and (wait or now >= self._due):
+            self._made, self._due = self._made + 1, None
+            rows, events = np.concatenate(self._rows), list(self._events)
+            self._writing = self._writer.submit(self._write, self._name, rows, events, begin)
+        if self._writing is None or not (wait or self._writing.done()):
+            return None
+        error = self._writing.exception()
+        self._writing = None
+        if isinstance(error, OSError | OutputError):
+            return Event(now, Level.WARN, f"black box {self._name} can't be written ({error})")
+        if error is not None:
+            raise error
+        return Event(now, Level.INFO, f"black box written: {self._name}")
 
     def end(self, begin: int) -> list[Event]:
         """Write all that is due, be its last seconds over or not."""
-        told = []
-        if self._due is not None:
-            self._due = -np.inf
-        while self._writing is not None or self._due is not None:
-            told += [event] if (event := self.work(begin)) is not None else []
-        return told
+        return [event for _ in range(2) if (event := self.work(begin, wait=True)) is not None]
 
-    def _done(self, event: Event) -> Event:
-        self._writing = None
-        return event
+    @property
+    def _name(self) -> str:
+        return f"{self._place.stem}-fault-{self._made:03d}.mcap"
 
-    def _written(self, rows: Array, events: list[Event], begin: int) -> Iterator[None]:
-        path = self._place.with_name(f"{self._place.stem}-fault-{self._made:03d}.mcap")
-        with whole_file(path) as temporary:
+    def _write(self, name: str, rows: Array, events: list[Event], begin: int) -> None:
+        with whole_file(self._place.with_name(name)) as temporary:
             with temporary.open("wb") as file:
                 bag = Bag(file, self._heading, begin, chunked=True)
                 for event in events:
                     bag.tell(event)
-                for first in range(0, len(rows), PORTION):
-                    bag.add(rows[first : first + PORTION])
-                    yield
+                bag.add(rows)
                 bag.finish()
-            with ThreadPoolExecutor(1) as others:  # the disk takes its time
-                on_disk = others.submit(synced, temporary)
-                while not on_disk.done():
-                    yield
-                on_disk.result()
+            synced(temporary)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -24,23 +23,33 @@ STARTS_WITHIN = 30.0
 
 
 class RecorderClient:
-    """Hands over what the loop has to keep; it never waits.
-
-    Args:
-        ring: that a recorder empties.
-    """
+    """Hands over what the loop has to keep to a ring that a recorder empties; it never waits."""
 
     def __init__(self, ring: Ring) -> None:
         self._ring, self._time, self._level = ring, 0.0, Level.INFO
         self._fault = ring.layout.shared["fault"]
 
+    @classmethod
+    def join(cls, path: Path) -> RecorderClient:
+        """Take hold of the ring in a file, as soon as its recorder is there.
+
+        Raises:
+            OutputError: it is not.
+        """
+        ring, until = Ring.attach(path), time.monotonic() + STARTS_WITHIN
+        while not ring.recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
+            if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
+                raise OutputError("the recorder did not start", where="rig", right="see that logs can be written")
+            time.sleep(0.005)
+        return cls(ring)
+
     def push(self, row: NDArray[np.float64]) -> None:
-        """RecorderClient over a row of `record.Layout`."""
+        """Hand over a row of `record.Layout`."""
         self._time, self._level = float(row[0]), LEVELS[int(row[self._fault])]
         self._ring.push(row)
 
     def event(self, text: str) -> None:
-        """RecorderClient over a line for people; it matters as much as the worst fault of the cycle that it belongs to.
+        """Hand over a line for people; it matters as much as the worst fault of the cycle that it belongs to.
 
         A change of state beside a fault that is only told matters no more than any other.
         """
@@ -54,27 +63,3 @@ class RecorderClient:
     def end(self) -> None:
         """Say that nothing more will come."""
         self._ring.end()
-
-
-@dataclass(frozen=True)
-class RecorderClientFactory:
-    """Makes a hand in another process; it can be pickled.
-
-    Args:
-        ring: the ring's file.
-    """
-
-    ring: Path
-
-    def __call__(self) -> RecorderClient:
-        """Take hold of the ring, as soon as the recorder is there.
-
-        Raises:
-            OutputError: it is not.
-        """
-        ring, until = Ring.attach(self.ring), time.monotonic() + STARTS_WITHIN
-        while not ring.recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
-            if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
-                raise OutputError("the recorder did not start", where="rig", right="see that logs can be written")
-            time.sleep(0.005)
-        return RecorderClient(ring)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from layflat import extras
-from layflat.errors import InputError, OutputError
+from layflat.errors import InputError
 from layflat.files import whole_file
 
 if TYPE_CHECKING:
@@ -34,12 +34,8 @@ def export(run: xarray.Dataset, path: Path) -> Path:
         OutputError: it can't be written there.
     """
     check_format(path)
-    try:
-        with whole_file(path) as temporary:
-            _WRITERS[path.suffix](run, temporary)
-    except OSError as error:
-        what = f"can't be written ({error.strerror or error})"
-        raise OutputError(what, where=str(path), right="make room, or give another folder") from None
+    with whole_file(path) as temporary:
+        _WRITERS[path.suffix](run, temporary)
     return path
 
 

@@ -7,7 +7,6 @@ import os
 import threading
 from pathlib import Path
 
-from layflat.errors import OutputError
 from layflat.rig.system import lock
 
 MOST_PENDING = 32 * 2**20
@@ -20,7 +19,7 @@ _sync = getattr(os, "fdatasync", os.fsync)
 
 
 class GrowingFile:
-    """A new file to write at the end of.
+    """A new file to write at the end of, locked while it is open: `log repair` leaves it alone.
 
     A killed process loses nothing that was flushed; a machine that loses power what came after the last order to the
     disk. These orders are given by a thread, since a slow disk takes its time.
@@ -29,21 +28,15 @@ class GrowingFile:
         path: of the file, which must not be there yet.
 
     Raises:
-        OutputError: it can't be made.
+        OSError: it can't be made.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.trouble = ""
         """Why nothing can be written now; empty where all is well."""
-        if path.exists():
-            raise OutputError("is there already", where=str(path), right="give another name, or move it")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
-        except OSError as error:
-            right = "give a folder that you may write to"
-            raise OutputError(f"can't write here ({error.strerror})", where=str(path), right=right) from None
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         lock(self._handle)
         self._pending = bytearray()
         self._end = 0
@@ -81,7 +74,7 @@ class GrowingFile:
             _sync(self._handle)
 
     def close(self) -> None:
-        """Let go; nobody else reads it as long as it is open (`log repair` does not)."""
+        """Let go."""
         self._closing.set()
         self._syncing.join()
         os.close(self._handle)

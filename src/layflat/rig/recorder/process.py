@@ -11,7 +11,7 @@ from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
-from layflat.files import whole_file
+from layflat.files import check_folder, whole_file
 from layflat.rig.clock import SECOND
 from layflat.rig.recorder.bag import Bag, Heading, begin_of
 from layflat.rig.recorder.blackbox import BlackBox
@@ -43,7 +43,7 @@ def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
     """
     check_place(place)
     process = multiprocessing.get_context("spawn").Process(
-        target=record, args=(str(ring.path), str(place), heading), name="layflat recorder"
+        target=_record, args=(ring.path, place, heading), name="layflat recorder"
     )
     with shielded():
         process.start()
@@ -56,16 +56,12 @@ def check_place(place: Path) -> None:
     Raises:
         OutputError: it can't, or would take the place of another.
     """
-    for path in (place, part_of(place)):
-        if path.exists():
-            right = "give another name, or move it"
-            if path != place:
-                right = f"`layflat log repair {path}` makes it whole"
-            raise OutputError("is there already", where=str(path), right=right)
-    trial = place.with_name(f".{place.name}-trial")
-    with whole_file(trial):
-        pass
-    trial.unlink()
+    part = part_of(place)
+    if place.exists():
+        raise OutputError("is there already", where=str(place), right="give another name, or move it")
+    if part.exists():
+        raise OutputError("is there already", where=str(part), right=f"`layflat log repair {part}` makes it whole")
+    check_folder(place.parent)
 
 
 def part_of(place: Path) -> Path:
@@ -73,14 +69,14 @@ def part_of(place: Path) -> Path:
     return place.with_name(place.name + PART)
 
 
-def record(ring_path: str, place: str, heading: Heading) -> None:
-    """What the process does: record until the loop ends, then finish the log. Exit status 1 if it could not."""
+def _record(ring_path: Path, place: Path, heading: Heading) -> None:
+    """Record until the loop ends, then finish the log. Exit status 1 if it could not."""
     for number in FROM_TERMINAL:
         signal.signal(number, signal.SIG_IGN)
-    ring = Ring.attach(Path(ring_path))
+    ring = Ring.attach(ring_path)
     try:
-        recorder = Recorder(ring, Path(place), heading)
-    except OutputError:
+        recorder = Recorder(ring, place, heading)
+    except OSError:
         ring.beat(RecorderState.UNFINISHED)
         sys.exit(1)
     signal.signal(signal.SIGTERM, lambda *_: recorder.stop())
@@ -90,7 +86,11 @@ def record(ring_path: str, place: str, heading: Heading) -> None:
 
 
 class Recorder:
-    """A log that is being recorded."""
+    """A log that is being recorded.
+
+    Raises:
+        OSError: it can't be.
+    """
 
     def __init__(self, ring: Ring, place: Path, heading: Heading) -> None:
         import mcap.writer  # noqa: F401, PLC0415  # before the first row: it takes long
@@ -110,31 +110,30 @@ class Recorder:
 
     def run(self) -> None:
         """Record, then finish."""
-        while True:
-            over = self._over()
+        over = False
+        while not over:
+            over = self._over()  # asked before the ring is drained, so that nothing stays in it
             self.drain()
-            if over:
-                break
             time.sleep(TICK)
         self._finish()
 
     def _over(self) -> bool:
-        """Whether nothing more will come; asked before the ring is drained, so that nothing stays in it."""
-        if self._ring.begun:
-            return self._stopped or self._ring.ended or not self._ring.loop_alive()
-        return self._stopped or self._ring.ended or os.getppid() != self._parent
+        """Whether nothing more will come."""
+        head = self._ring.head
+        gone = not self._ring.loop_alive() if head.loop_beat else os.getppid() != self._parent
+        return self._stopped or head.ended or gone
 
     def drain(self) -> None:
         """Write what the loop has handed over."""
         rows, events = self._ring.take(), self._ring.take_events()
         if len(rows):
             self._time = float(rows[-1, 0])
-        if self._bag is None and (len(rows) or events):
+        if self._bag is None:
+            if not (len(rows) or events):
+                self._ring.beat(RecorderState.RECORDING)
+                return
             begin = begin_of(rows[0]) if len(rows) else time.time_ns() - round(events[0].time * SECOND)
             self._bag = Bag(self._file, self._heading, begin, chunked=False)
-        if self._bag is None:
-            self._ring.beat(RecorderState.RECORDING)
-            return
         events += self._noticed(len(rows))
         if self._file.room:
             self._bag.add(rows)
@@ -149,24 +148,20 @@ class Recorder:
 
     def _noticed(self, rows: int) -> list[Event]:
         """What is to be told of the recording itself."""
-        events = []
-        dropped = self._ring.dropped + self._ring.events_dropped
+        told: list[tuple[Level, str]] = []
+        dropped, trouble = self._ring.head.rows.dropped + self._ring.head.events.dropped, self._file.trouble
         if dropped > self._dropped:
-            text = f"{dropped - self._dropped} cycles or events are missing: the recorder did not keep up"
-            events.append(Event(self._time, Level.WARN, text))
-            self._dropped = dropped
-        if not self._file.room:
-            self._left_out += rows
-        elif self._left_out:
-            events.append(Event(self._time, Level.WARN, f"{self._left_out} cycles are missing: the disk was full"))
-            self._left_out = 0
-        stuck = bool(self._file.trouble)
-        if stuck and not self._stuck:
-            events.append(Event(self._time, Level.ERROR, f"the log can't be written: {self._file.trouble}"))
-        if self._stuck and not stuck:
-            events.append(Event(self._time, Level.WARN, "the log can be written again"))
-        self._stuck = stuck
-        return events
+            missing = f"{dropped - self._dropped} cycles or events are missing: the recorder did not keep up"
+            told.append((Level.WARN, missing))
+        if self._file.room and self._left_out:
+            told.append((Level.WARN, f"{self._left_out} cycles are missing: the disk was full"))
+        if trouble and not self._stuck:
+            told.append((Level.ERROR, f"the log can't be written: {trouble}"))
+        if self._stuck and not trouble:
+            told.append((Level.WARN, "the log can be written again"))
+        self._dropped, self._stuck = dropped, bool(trouble)
+        self._left_out = 0 if self._file.room else self._left_out + rows
+        return [Event(self._time, level, text) for level, text in told]
 
     def _finish(self) -> None:
         """Make the file whole under its own name; where that can't be done, leave what is there."""

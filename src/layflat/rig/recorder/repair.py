@@ -1,26 +1,31 @@
-"""From an MCAP file that was cut short, or is to be closed, to a whole one with an index: whole messages are kept."""
+"""From an MCAP file that was cut short, or is to be closed, to a whole one with an index: whole messages are kept.
+
+The official reader gives up at the first record that is not whole, and takes nothing of a chunk that is cut short.
+"""
 
 from __future__ import annotations
 
+import mmap
 import struct
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, Any
 
 from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
-from layflat.rig.recorder import scan
 from layflat.rig.recorder.file import synced
 from layflat.rig.system import lock
 
-if TYPE_CHECKING:
-    from mcap.writer import Writer
-
 PART, BROKEN = ".part", ".broken"
 
-_MESSAGE = struct.Struct("<HIQQ")
+MAGIC = b"\x89MCAP0\r\n"
+HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA, DATA_END = 1, 3, 4, 5, 6, 9, 12, 15
+"""Kinds of records that hold data; all others can be made from these."""
+
+_RECORD, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 
 Progress = Callable[[int, int], None]
 """Is told the bytes that are done, and all there are."""
@@ -28,21 +33,25 @@ Progress = Callable[[int, int], None]
 
 @dataclass
 class Kept:
-    """What a file has given.
-
-    Attributes:
-        messages: that are kept.
-        first: log time of the earliest, ns.
-        last: log time of the latest, ns.
-        lost: bytes that made no whole record.
-        ended: whether the end of the data was there, so that nothing is missing behind it.
-    """
+    """What a file has given so far."""
 
     messages: int = 0
     first: int = 0
+    """Log time of the earliest message, ns."""
     last: int = 0
+    place: int = len(MAGIC)
+    """Bytes that are done."""
+    size: int = 0
     lost: int = 0
+    """Bytes that made no whole record."""
     ended: bool = False
+    """Whether the end of the data was found where it belongs, so that nothing is missing behind it."""
+
+    def note(self, log_time: int) -> None:
+        """A message was kept."""
+        self.first = min(self.first, log_time) if self.messages else log_time
+        self.last = max(self.last, log_time)
+        self.messages += 1
 
     @property
     def seconds(self) -> float:
@@ -66,129 +75,188 @@ def repair(path: Path, progress: Progress | None = None) -> tuple[Path, Kept] | 
         InputError: it is no MCAP file, or still being written.
         OutputError: the whole file can't be written.
     """
-    place = path.with_name(path.name.removesuffix(PART))
-    if scan.check_magic(path) and place == path and _intact(path):
-        return None
-    _check_not_written(path)
+    place, looked = path.with_name(path.name.removesuffix(PART)), Kept()
+    if check_magic(path) and place == path:
+        for _ in records(path, looked):
+            pass
+        if looked.ended and not looked.lost:
+            return None
+    try:
+        with path.open("rb") as file:
+            lock(file.fileno(), shared=True)
+    except OSError:
+        raise InputError("is being recorded", where=str(path), right="end the loop first") from None
     if place != path and place.exists():
         right = f"it is {path.name} made whole, or another log: move one of them"
         raise OutputError("is there already", where=str(place), right=right)
     with whole_file(place) as temporary:
         kept = indexed(path, temporary, progress)
-        path.rename(_free(place))
+        names = (place.with_name(f"{place.name}{BROKEN}{i or ''}") for i in range(1000))
+        path.rename(next(name for name in names if not name.exists()))
     return place, kept
 
 
-def _intact(path: Path) -> bool:
-    """Whether nothing is missing between the beginning and the end of a file's data."""
-    scanned = scan.Scanned()
-    for _ in scan.records(path, scanned):
-        pass
-    return scanned.ended and not scanned.lost
+def check_magic(path: Path) -> bool:
+    """Whether a file ends as an MCAP file does.
 
-
-def _free(place: Path) -> Path:
-    """A name for the original."""
-    names = (place.with_name(f"{place.name}{BROKEN}{i or ''}") for i in range(1000))
-    return next(name for name in names if not name.exists())
-
-
-def _check_not_written(path: Path) -> None:
-    with path.open("rb") as file:
-        try:
-            lock(file.fileno(), shared=True)
-        except OSError:
-            raise InputError("is being recorded", where=str(path), right="end the loop first") from None
+    Raises:
+        InputError: it can't be read, or does not even begin as one.
+    """
+    right = "give an MCAP file, as `layflat rig` records it"
+    try:
+        with path.open("rb") as file:
+            head, size = file.read(len(MAGIC)), file.seek(0, 2)
+            file.seek(max(0, size - len(MAGIC)))
+            tail = file.read()
+    except OSError as error:
+        raise InputError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
+    if head != MAGIC:
+        raise InputError("is no MCAP file" if head else "is empty", where=str(path), right=right)
+    return size >= 2 * len(MAGIC) and tail == MAGIC
 
 
 def indexed(source: Path, target: Path, progress: Progress | None = None) -> Kept:
     """Write all that is whole in an MCAP file to another one, in compressed chunks with an index, and have it on disk.
 
     Raises:
-        OutputError: it can't be written.
+        OSError: it can't be written.
     """
-    from mcap.writer import Writer  # noqa: PLC0415
+    from mcap.exceptions import McapError  # noqa: PLC0415
 
-    scanned = scan.Scanned()
-    try:
-        with target.open("wb") as out:
-            copy = _Copy(Writer(out))
-            for i, (kind, body) in enumerate(scan.records(source, scanned)):
-                copy.take(kind, body)
-                if progress is not None and i % 4096 == 0:
-                    progress(scanned.place, scanned.size)
-            copy.finish()
-        synced(target)
-    except OSError as error:
-        right = "make room, or give another folder"
-        raise OutputError(f"can't be written ({error.strerror})", where=str(target.parent), right=right) from None
-    copy.kept.lost += scanned.lost
-    copy.kept.ended = scanned.ended
-    return copy.kept
+    kept = Kept()
+    with target.open("wb") as out:
+        copy = _Copy(out)
+        for i, (kind, body) in enumerate(records(source, kept)):
+            try:
+                if kind == MESSAGE:
+                    kept.note(copy.add_message(body))
+                else:
+                    copy.add(kind, body)
+            except (McapError, struct.error, KeyError, UnicodeDecodeError):
+                kept.lost += len(body)
+            if progress is not None and i % 4096 == 0:
+                progress(kept.place, kept.size)
+        copy.finish()
+    synced(target)
+    return kept
 
 
 class _Copy:
-    """Records on their way to a new file."""
+    """A new file; its writer gives schemas and channels numbers of its own."""
 
-    def __init__(self, writer: Writer) -> None:
-        self.kept = Kept()
-        self._writer, self._started = writer, False
+    def __init__(self, out: IO[bytes]) -> None:
+        from mcap import records, writer  # noqa: PLC0415
+
+        self._writer, self._started = writer.Writer(out), False
+        self._of = {
+            HEADER: records.Header,
+            SCHEMA: records.Schema,
+            CHANNEL: records.Channel,
+            METADATA: records.Metadata,
+            ATTACHMENT: records.Attachment,
+        }
         self._schemas: dict[int, int] = {0: 0}
         self._channels: dict[int, int] = {}
 
-    def take(self, kind: int, body: bytes) -> None:
-        """Write a record, if it makes sense."""
-        from mcap.exceptions import McapError  # noqa: PLC0415
+    def add_message(self, body: bytes) -> int:
+        """Write a message; returns its log time, ns."""
+        channel, sequence, log_time, publish_time = _MESSAGE.unpack_from(body)
+        self._writer.add_message(self._channels[channel], log_time, body[_MESSAGE.size :], publish_time, sequence)
+        return int(log_time)
 
-        try:
-            if kind == scan.MESSAGE:
-                self._message(body)
-            else:
-                self._other(kind, body)
-        except (McapError, struct.error, KeyError, UnicodeDecodeError):
-            self.kept.lost += len(body)
+    def add(self, kind: int, body: bytes) -> None:
+        """Write any other record, if it holds data; errors of all kinds where it makes no sense."""
+        from mcap.data_stream import ReadDataStream  # noqa: PLC0415
+
+        if kind not in self._of:
+            return
+        writer = self._writer
+        one: Any = self._of[kind].read(ReadDataStream(BytesIO(body)))
+        if kind == HEADER:
+            self._start(one.profile, one.library)
+            return
+        self._start()
+        if kind == SCHEMA and one.id not in self._schemas:
+            self._schemas[one.id] = writer.register_schema(one.name, one.encoding, one.data)
+        elif kind == CHANNEL and one.id not in self._channels:
+            schema = self._schemas[one.schema_id]
+            self._channels[one.id] = writer.register_channel(one.topic, one.message_encoding, schema, one.metadata)
+        elif kind == METADATA:
+            writer.add_metadata(one.name, one.metadata)
+        elif kind == ATTACHMENT:
+            writer.add_attachment(one.create_time, one.log_time, one.name, one.media_type, one.data)
 
     def finish(self) -> None:
         """Write the end."""
-        self._start("", "layflat")
+        self._start()
         self._writer.finish()
 
-    def _start(self, profile: str, library: str) -> None:
+    def _start(self, profile: str = "", library: str = "layflat") -> None:
         if not self._started:
             self._writer.start(profile, library)
             self._started = True
 
-    def _message(self, body: bytes) -> None:
-        channel, sequence, log_time, publish_time = _MESSAGE.unpack_from(body)
-        self._writer.add_message(self._channels[channel], log_time, body[_MESSAGE.size :], publish_time, sequence)
-        kept = self.kept
-        kept.first = min(kept.first, log_time) if kept.messages else log_time
-        kept.last = max(kept.last, log_time)
-        kept.messages += 1
 
-    def _other(self, kind: int, body: bytes) -> None:
-        from mcap import records  # noqa: PLC0415
-        from mcap.data_stream import ReadDataStream  # noqa: PLC0415
+def records(path: Path, kept: Kept) -> Iterator[tuple[int, bytes]]:
+    """Kind and content of the records outside and inside of chunks, in the file's order, up to the end of its data.
 
-        stream = ReadDataStream(BytesIO(body))
-        if kind == scan.HEADER:
-            header: Any = records.Header.read(stream)
-            self._start(header.profile, header.library)
-            return
-        self._start("", "layflat")
-        if kind == scan.SCHEMA:
-            schema = records.Schema.read(stream)
-            if schema.id not in self._schemas:
-                self._schemas[schema.id] = self._writer.register_schema(schema.name, schema.encoding, schema.data)
-        elif kind == scan.CHANNEL:
-            told = records.Channel.read(stream)
-            if told.id not in self._channels:
-                self._channels[told.id] = self._writer.register_channel(
-                    told.topic, told.message_encoding, self._schemas[told.schema_id], told.metadata
-                )
-        elif kind == scan.METADATA:
-            metadata = records.Metadata.read(stream)
-            self._writer.add_metadata(metadata.name, metadata.metadata)
-        elif kind == scan.ATTACHMENT:
-            one = records.Attachment.read(stream)
-            self._writer.add_attachment(one.create_time, one.log_time, one.name, one.media_type, one.data)
+    A machine that loses power may leave zeros in place of what was written last: a record that runs into zeros, which
+    go on behind it to the end of the file, is not whole.
+
+    Args:
+        path: of a file that begins as MCAP does.
+        kept: told how far it is, and what is lost.
+    """
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        kept.size = len(data)
+        for kind, body, end in _framed(data, kept.place):
+            cut = end > kept.size
+            if kind == DATA_END and not cut:
+                kept.ended = True
+                return
+            if kind == CHUNK:
+                yield from _in_chunk(body, cut, kept)
+            elif kind == 0 or cut or (data[end - 1 : end + 1] == b"\0\0" and not any(data[end:])):
+                break
+            else:
+                yield kind, body
+            kept.place = min(end, kept.size)
+        kept.lost += kept.size - kept.place
+
+
+def _framed(data: mmap.mmap | bytes, place: int) -> Iterator[tuple[int, bytes, int]]:
+    """Kind, content and end of one record after the other; the content of the last is cut where the data end."""
+    while place + _RECORD.size <= len(data):
+        kind, length = _RECORD.unpack_from(data, place)
+        begin, place = place + _RECORD.size, place + _RECORD.size + length
+        yield kind, data[begin:place], place
+
+
+def _in_chunk(body: bytes, cut: bool, kept: Kept) -> Iterator[tuple[int, bytes]]:
+    """Records of a chunk; of one that is cut short, as many as can be unpacked."""
+    import lz4.frame  # noqa: PLC0415
+    import zstandard  # noqa: PLC0415
+    from mcap.data_stream import ReadDataStream  # noqa: PLC0415
+    from mcap.exceptions import McapError  # noqa: PLC0415
+    from mcap.records import Chunk  # noqa: PLC0415
+
+    unpack = {
+        "": bytes,
+        "lz4": lambda data: lz4.frame.LZ4FrameDecompressor().decompress(data),
+        "zstd": lambda data: zstandard.ZstdDecompressor().decompressobj().decompress(data),
+    }
+    try:
+        chunk = Chunk.read(ReadDataStream(BytesIO(body)))
+        inside = unpack[chunk.compression](chunk.data)
+        if not cut and chunk.uncompressed_crc not in {0, zlib.crc32(inside)}:
+            raise ValueError("another checksum")
+    except (McapError, zstandard.ZstdError, RuntimeError, ValueError, KeyError, struct.error):
+        kept.lost += len(body)
+        return
+    place = 0
+    for kind, content, end in _framed(inside, place):
+        if end > len(inside):
+            break
+        yield kind, content
+        place = end
+    kept.lost += len(inside) - place

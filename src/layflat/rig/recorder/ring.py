@@ -1,7 +1,7 @@
 """Rows and events on their way from the loop to the recorder, in memory that outlives either.
 
-One writes (the loop), one reads (the recorder), nobody waits: a full ring drops what comes, and counts. The memory is a
-mapped file that its users hold locked, so that what nobody uses any more can be told and removed. It is nothing that
+One writes (the loop), one reads (the recorder), nobody waits: a full queue drops what comes, and counts. The memory is
+a mapped file that its users hold locked, so that what nobody uses any more can be told and removed. It is nothing that
 Python's resource tracker knows of, which would remove it when any one of its users dies.
 """
 
@@ -12,9 +12,10 @@ import mmap
 import os
 import threading
 import time
+from ctypes import Structure, c_int64, sizeof
 from enum import IntEnum
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ from layflat.rig.system import lock
 
 Array = NDArray[np.float64]
 
-MAGIC = int.from_bytes(b"lfring02", "little")
+MAGIC = int.from_bytes(b"lfring03", "little")
 """Changes with what stands where in the memory."""
 
 STALE = SECOND
@@ -40,27 +41,8 @@ TEXT = 240
 """Bytes of an event's text; the rest is cut off."""
 
 _EVENT = np.dtype([("time", "<f8"), ("level", "<i8"), ("text", f"S{TEXT}")])
-_NAMES = 7680
-_HEAD = 512 + _NAMES
-
-
-class _Word(IntEnum):
-    """Where numbers stand in the head."""
-
-    MAGIC = 0
-    NAMES = 1
-    ROWS = 2
-    EVENTS = 3
-    WRITTEN = 4
-    READ = 5
-    DROPPED = 6
-    EVENTS_WRITTEN = 7
-    EVENTS_READ = 8
-    EVENTS_DROPPED = 9
-    LOOP_BEAT = 10
-    RECORDER_BEAT = 11
-    ENDED = 12
-    RECORDER = 13
+_ROWS_AT = 8192
+"""Bytes of the head and of the names behind it."""
 
 
 class Level(IntEnum):
@@ -93,42 +75,76 @@ class Event(NamedTuple):
     text: str
 
 
+class _Counts(Structure):
+    """Items of a queue so far."""
+
+    _fields_ = [(name, c_int64) for name in ("written", "read", "dropped")]
+
+
+class _Head(Structure):
+    """What stands at the beginning of the memory; beats are the last signs of life, ns of `time.monotonic_ns`."""
+
+    _fields_ = [
+        *((name, c_int64) for name in ("magic", "names", "rows_fit", "events_fit")),
+        *((name, c_int64) for name in ("ended", "recorder", "loop_beat", "recorder_beat")),
+        *((name, _Counts) for name in ("rows", "events")),
+    ]
+
+
+class _Queue:
+    """Items in shared memory, one after the other, and again from the beginning."""
+
+    def __init__(self, counts: _Counts, items: NDArray[Any]) -> None:
+        self._counts, self._items, self._fit = counts, items, len(items)
+
+    def put(self, item: Any) -> bool:
+        """Add an item; False if there was no room."""
+        counts = self._counts
+        written = counts.written
+        if written - counts.read >= self._fit:
+            counts.dropped += 1
+            return False
+        self._items[written % self._fit] = item
+        _fence()
+        counts.written = written + 1
+        return True
+
+    def take(self) -> NDArray[Any]:
+        """All items that are there."""
+        first, end = self._counts.read, self._counts.written
+        _fence()
+        items = self._items[np.arange(first, end) % self._fit]
+        self._counts.read = end
+        return items
+
+
 class Ring:
     """The memory, as each of its users has it; make one with `create`, join in with `attach`."""
 
     def __init__(self, path: Path, handle: int) -> None:
         self.path, self._handle = path, handle
         self._memory = mmap.mmap(handle, 0)
-        self._head = memoryview(self._memory)[:512].cast("q")
-        names = bytes(self._memory[512 : 512 + self._head[_Word.NAMES]])
-        about = json.loads(names)
+        self.head = head = _Head.from_buffer(self._memory)
+        """What both sides tell of themselves, and how much was handed over; see `_Head`."""
+        about = json.loads(self._memory[sizeof(_Head) : sizeof(_Head) + head.names])
         self.layout = Layout.of(about["joints"], about["law"])
-        self._capacity, self._most_events = self._head[_Word.ROWS], self._head[_Word.EVENTS]
-        shape = (self._capacity, self.layout.width)
-        self._rows = np.ndarray(shape, np.float64, self._memory, _HEAD)
-        self._events = np.ndarray((self._most_events,), _EVENT, self._memory, _HEAD + self._rows.nbytes)
+        rows: Array = np.ndarray((head.rows_fit, self.layout.width), np.float64, self._memory, _ROWS_AT)
+        events: NDArray[Any] = np.ndarray((head.events_fit,), _EVENT, self._memory, _ROWS_AT + rows.nbytes)
+        self._rows, self._events = _Queue(head.rows, rows), _Queue(head.events, events)
 
     @classmethod
     def create(cls, layout: Layout, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
-        """Make the memory.
+        """Make the memory for so many rows of a layout, and so many events.
 
-        Args:
-            layout: of the rows.
-            rows: that fit.
-            events: that fit.
+        Raises:
+            InputError: the names of joints and signals are too long.
         """
         names = json.dumps({"joints": layout.joints, "law": dict(layout.law)}).encode()
-        if len(names) > _NAMES:
+        if len(names) > _ROWS_AT - sizeof(_Head):
             what = "names of joints and of the control law's signals are too long"
-            raise InputError(what, where="machine", right=f"{_NAMES} bytes have to do")
-        size = _HEAD + rows * layout.width * 8 + events * _EVENT.itemsize
-        path, handle = new_file(RING, size)
-        with mmap.mmap(handle, 0) as memory:
-            head = np.ndarray((64,), np.int64, memory)
-            head[_Word.NAMES], head[_Word.ROWS], head[_Word.EVENTS] = len(names), rows, events
-            memory[512 : 512 + len(names)] = names
-            head[_Word.MAGIC] = MAGIC
-            del head
+            raise InputError(what, where="machine", right=f"{_ROWS_AT - sizeof(_Head)} bytes have to do")
+        path, handle = new_file(RING, _ROWS_AT + rows * layout.width * 8 + events * _EVENT.itemsize)
+        os.pwrite(handle, bytes(_Head(MAGIC, len(names), rows, events)) + names, 0)
         return cls(path, handle)
 
     @classmethod
@@ -151,8 +167,7 @@ class Ring:
 
     def close(self) -> None:
         """Let go; others go on."""
-        del self._rows, self._events
-        self._head.release()
+        del self._rows, self._events, self.head
         self._memory.close()
         os.close(self._handle)
 
@@ -163,112 +178,50 @@ class Ring:
     # the loop
 
     def push(self, row: Array) -> bool:
-        """RecorderClient over a cycle's row, (width,); False if there was no room. It is a sign of life too."""
-        head = self._head
-        written = head[_WRITTEN]
-        head[_LOOP_BEAT] = time.monotonic_ns()
-        if written - head[_READ] >= self._capacity:
-            head[_DROPPED] += 1
-            return False
-        self._rows[written % self._capacity] = row
-        _fence()
-        head[_WRITTEN] = written + 1
-        return True
+        """Hand over a cycle's row, (width,); False if there was no room. It is a sign of life too."""
+        self.head.loop_beat = time.monotonic_ns()
+        return self._rows.put(row)
 
     def tell(self, event: Event) -> bool:
-        """RecorderClient over an event; False if there was no room."""
-        head = self._head
-        written = head[_Word.EVENTS_WRITTEN]
-        if written - head[_Word.EVENTS_READ] >= self._most_events:
-            head[_Word.EVENTS_DROPPED] += 1
-            return False
-        self._events[written % self._most_events] = (event.time, event.level, _short(event.text))
-        _fence()
-        head[_Word.EVENTS_WRITTEN] = written + 1
-        return True
+        """Hand over an event, its text cut between two characters; False if there was no room."""
+        text = event.text.encode()[:TEXT].decode(errors="ignore").encode()
+        return self._events.put((event.time, event.level, text))
 
     def end(self) -> None:
         """Say that no more rows will come."""
-        self._head[_Word.ENDED] = 1
+        self.head.ended = True
 
-    def recorder_alive(self, now: int | None = None) -> bool:
-        """Whether the recorder has shown a sign of life in the last second.
-
-        Args:
-            now: ns of `time.monotonic_ns`, which is asked where not given.
-        """
-        beat = self.recorder_beat
-        return beat > 0 and (time.monotonic_ns() if now is None else now) - beat <= STALE
+    def recorder_alive(self) -> bool:
+        """Whether the recorder has shown a sign of life in the last second."""
+        return _is_fresh(self.head.recorder_beat)
 
     @property
     def recorder(self) -> RecorderState:
         """What the recorder said last that it does."""
-        return RecorderState(self._head[_Word.RECORDER])
+        return RecorderState(self.head.recorder)
 
     # the recorder
 
     def take(self) -> Array:
         """All rows that are there, (rows, width)."""
-        head = self._head
-        first, end = head[_READ], head[_WRITTEN]
-        _fence()
-        rows = self._rows[np.arange(first, end) % self._capacity]
-        head[_READ] = end
-        return rows
+        return self._rows.take()
 
     def take_events(self) -> list[Event]:
         """All events that are there."""
-        head = self._head
-        first, end = head[_Word.EVENTS_READ], head[_Word.EVENTS_WRITTEN]
-        _fence()
-        events = self._events[np.arange(first, end) % self._most_events]
-        head[_Word.EVENTS_READ] = end
-        return [Event(float(one["time"]), int(one["level"]), one["text"].decode()) for one in events]
+        return [Event(float(time), int(level), text.decode()) for time, level, text in self._events.take()]
 
     def beat(self, state: RecorderState) -> None:
         """Show that the recorder lives, and what it does."""
-        self._head[_Word.RECORDER] = state
-        self._head[_Word.RECORDER_BEAT] = time.monotonic_ns()
+        self.head.recorder, self.head.recorder_beat = state, time.monotonic_ns()
 
-    @property
-    def begun(self) -> bool:
-        """Whether the loop has handed over a row."""
-        return self._head[_LOOP_BEAT] > 0
-
-    @property
-    def ended(self) -> bool:
-        """Whether the loop said that it has ended."""
-        return bool(self._head[_Word.ENDED])
-
-    def loop_alive(self, now: int | None = None) -> bool:
+    def loop_alive(self) -> bool:
         """Whether the loop has handed over a row in the last second."""
-        return (time.monotonic_ns() if now is None else now) - self._head[_LOOP_BEAT] <= STALE
-
-    @property
-    def written(self) -> int:
-        """Rows that were handed over so far."""
-        return self._head[_WRITTEN]
-
-    @property
-    def recorder_beat(self) -> int:
-        """When the recorder last showed that it lives, ns of `time.monotonic_ns`."""
-        return self._head[_Word.RECORDER_BEAT]
-
-    @property
-    def dropped(self) -> int:
-        """Rows for which there was no room."""
-        return self._head[_DROPPED]
-
-    @property
-    def events_dropped(self) -> int:
-        """Events for which there was no room."""
-        return self._head[_Word.EVENTS_DROPPED]
+        return _is_fresh(self.head.loop_beat)
 
 
-_WRITTEN, _READ, _DROPPED, _LOOP_BEAT = (
-    int(word) for word in (_Word.WRITTEN, _Word.READ, _Word.DROPPED, _Word.LOOP_BEAT)
-)
-"""As plain numbers, for what happens in every cycle."""
+def _is_fresh(beat: int) -> bool:
+    return beat > 0 and time.monotonic_ns() - beat <= STALE
+
 
 _lock = threading.Lock()
 
@@ -282,8 +235,3 @@ def _fence() -> None:
         pass
     with _lock:
         pass
-
-
-def _short(text: str) -> bytes:
-    """A text as UTF-8 that fits, cut between two characters."""
-    return text.encode()[:TEXT].decode(errors="ignore").encode()

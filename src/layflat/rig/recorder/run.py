@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,14 +16,15 @@ from layflat.rig.clock import SECOND
 from layflat.rig.driver import DeviceState
 from layflat.rig.recorder.bag import MACHINE, METADATA
 from layflat.rig.recorder.messages import CYCLE, LOG, Fixed, meanings_in
+from layflat.rig.recorder.repair import check_magic
 from layflat.rig.recorder.ring import Event
-from layflat.rig.recorder.scan import check_magic
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 
 if TYPE_CHECKING:
     import xarray
     from mcap.reader import McapReader
+    from mcap.records import Message, Schema
 
 BEST_KNOWN = {
     "angle": ("measured_angle", "rad", "joint angle, as sampled"),
@@ -32,8 +32,11 @@ BEST_KNOWN = {
 }
 """What a rig does not know of itself, and the signal that stands in for it."""
 
-FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
-"""Columns that stand for something else than a quantity."""
+FLAGS: dict[str, dict[str, Any]] = {
+    name: {"flag_values": np.array(list(kind)), "flag_meanings": " ".join(flag.name.lower() for flag in kind)}
+    for name, kind in {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}.items()
+}
+"""What the numbers of columns stand for that are no quantities, as the CF conventions tell it."""
 
 RENAMED = {"far": "device"}
 """Columns that logs of earlier versions have, by their present names."""
@@ -44,25 +47,21 @@ UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedErro
 
 @dataclass(frozen=True)
 class Recording:
-    """What an MCAP log of a rig holds.
-
-    Attributes:
-        joints: names, from base to tip.
-        columns: of every cycle: (cycles,), or (cycles, joints).
-        meanings: unit and meaning of each column.
-        events: in their order.
-        begin: log time of the loop's time 0, ns since 1970.
-        about: what the log says of itself.
-        machine: description as JSON; empty where it is missing.
-    """
+    """What an MCAP log of a rig holds."""
 
     joints: tuple[str, ...]
+    """Names, from base to tip."""
     columns: dict[str, NDArray[np.float64]]
+    """Of every cycle: (cycles,), or (cycles, joints)."""
     meanings: dict[str, tuple[str, str]]
+    """Unit and meaning of each column."""
     events: list[Event]
     begin: int
+    """Log time of the loop's time 0, ns since 1970."""
     about: dict[str, str]
+    """What the log says of itself."""
     machine: str
+    """Description as JSON; empty where it is missing."""
 
 
 def read_recording(path: Path) -> Recording:
@@ -91,53 +90,39 @@ def read_recording(path: Path) -> Recording:
 def _recording(reader: McapReader, path: Path) -> Recording:
     from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
 
-    cycles: list[bytes] = []
-    events: list[tuple[int, Any]] = []
-    kinds, definition, first = set(), "", 0
+    schemas: dict[str, Schema | None] = {}
+    cycles: list[Message] = []
+    events: list[Message] = []
     for schema, channel, message in reader.iter_messages(log_time_order=False):
         kind = schema.name if schema is not None else channel.message_encoding
-        kinds.add(kind)
-        if schema is not None and kind == CYCLE:
-            if not cycles:
-                definition, first = schema.data.decode(), message.log_time
-            cycles.append(message.data)
-        elif kind == LOG:
-            decode = DecoderFactory().decoder_for("cdr", schema)
-            if decode is not None:
-                events.append((message.log_time, decode(message.data)))
+        schemas.setdefault(kind, schema)
+        if kind in {CYCLE, LOG}:
+            (cycles if kind == CYCLE else events).append(message)
     if not cycles:
-        shown = f"only {', '.join(sorted(kinds))}" if kinds else "no messages"
+        shown = f"only {', '.join(sorted(schemas))}" if schemas else "no messages"
         right = "give a log of `layflat rig`; `layflat log map` starts a mapping for others"
         raise InputError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
-    joints = _joints_of(definition, cycles[0])
-    columns = {RENAMED.get(name, name): values for name, values in Fixed(definition, joints).decoded(cycles).items()}
-    meanings = {RENAMED.get(name, name): meaning for name, meaning in meanings_in(definition).items()}
-    begin = first - round(float(columns["time"][0]) * SECOND)
-    told = [Event((stamp - begin) / SECOND, one.level, one.msg) for stamp, one in events]
-    about = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
-    machine = next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE), "")
-    return Recording(joints, columns, meanings, told, begin, about, machine)
 
+    def decoded(kind: str, messages: list[Message]) -> list[Any]:
+        decode = DecoderFactory().decoder_for("cdr", schemas[kind]) if messages else None
+        return [decode(message.data) for message in messages] if decode is not None else []
 
-def _joints_of(definition: str, message: bytes) -> tuple[str, ...]:
-    """The joints' names, by the first cycle."""
-    from mcap.records import Schema  # noqa: PLC0415
-    from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
-
-    decode = DecoderFactory().decoder_for("cdr", Schema(1, definition.encode(), "ros2msg", CYCLE))
-    assert decode is not None
-    return tuple(decode(message).name)
-
-
-def _flags(name: str) -> dict[str, Any]:
-    """What the numbers of a column stand for, as the CF conventions tell it."""
-    kind = FLAGS.get(name)
-    if kind is None:
-        return {}
-    return {
-        "flag_values": np.array([int(flag) for flag in kind]),
-        "flag_meanings": " ".join(flag.name.lower() for flag in kind),
-    }
+    definition = schemas[CYCLE].data.decode()  # type: ignore[union-attr]  # it has a name
+    joints = tuple(decoded(CYCLE, cycles[:1])[0].name)
+    columns = Fixed(definition, joints).decoded(message.data for message in cycles)
+    begin = cycles[0].log_time - round(float(columns["time"][0]) * SECOND)
+    return Recording(
+        joints=joints,
+        columns={RENAMED.get(name, name): values for name, values in columns.items()},
+        meanings={RENAMED.get(name, name): meaning for name, meaning in meanings_in(definition).items()},
+        events=[
+            Event((message.log_time - begin) / SECOND, one.level, one.msg)
+            for message, one in zip(events, decoded(LOG, events), strict=True)
+        ],
+        begin=begin,
+        about=next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {}),
+        machine=next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE), ""),
+    )
 
 
 def read_run(path: Path) -> xarray.Dataset:
@@ -161,7 +146,8 @@ def read_run(path: Path) -> xarray.Dataset:
         if name == "time":
             continue
         unit, meaning = log.meanings.get(name, ("1", name))
-        run[name] = (("time", "joint")[: values.ndim], values, {"units": unit, "long_name": meaning, **_flags(name)})
+        about = {"units": unit, "long_name": meaning, **FLAGS.get(name, {})}
+        run[name] = (("time", "joint")[: values.ndim], values, about)
     run["event_time"] = ("event", np.array([e.time for e in log.events]), {"units": "s", "long_name": "of an event"})
     run["event_level"] = ("event", np.array([e.level for e in log.events], dtype=np.int64), {"units": "1"})
     run["event_text"] = ("event", np.array([e.text for e in log.events], dtype=object))
