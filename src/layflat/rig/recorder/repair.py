@@ -148,7 +148,7 @@ class _Copy:
         from mcap import records, writer  # noqa: PLC0415
 
         self._writer, self._started = writer.Writer(out), False
-        self._of = {
+        self._of: dict[int, Any] = {
             HEADER: records.Header,
             SCHEMA: records.Schema,
             CHANNEL: records.Channel,
@@ -171,7 +171,7 @@ class _Copy:
         if kind not in self._of:
             return
         writer = self._writer
-        one: Any = self._of[kind].read(ReadDataStream(BytesIO(body)))
+        one = self._of[kind].read(ReadDataStream(BytesIO(body)))
         if kind == HEADER:
             self._start(one.profile, one.library)
             return

@@ -113,7 +113,7 @@ class _Queue:
         """All items that are there."""
         first, end = self._counts.read, self._counts.written
         _fence()
-        items = self._items[np.arange(first, end) % self._fit]
+        items: NDArray[Any] = self._items[np.arange(first, end) % self._fit]
         self._counts.read = end
         return items
 
