@@ -26,7 +26,7 @@ def measure(rounds: int = ROUNDS) -> dict[str, float]:
     plant = MujocoPlant(scene.cell.machine, scene.model, scene.data)
 
     def with_joints() -> None:
-        scene.step(STEPS, plant.pneumatics.step)
+        scene.step(STEPS, plant.step)
 
     step, alone = median_seconds(with_joints, 5) / STEPS, median_seconds(lambda: scene.step(STEPS), 5) / STEPS
     found = {"cell_us_per_step": 1e6 * step, "cell_joints_ratio": step / alone}

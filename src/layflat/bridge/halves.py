@@ -14,8 +14,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from layflat.jit import composition, kernel
-from layflat.lanes import read_numbers, write_numbers
+from layflat.lanes import mapped, read_numbers, write_numbers
 from layflat.physics.delay import Line
+from layflat.physics.driven import Outputs
 from layflat.physics.failing import through_hole
 from layflat.physics.joint import JointState, Motion, Surroundings, is_sound
 from layflat.physics.sensor import read_sensor
@@ -38,15 +39,6 @@ class Span(NamedTuple):
     time: float
     step: float
     before: float
-
-
-class Outputs(NamedTuple):
-    """Where a joint is: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
-
-    angle: float
-    velocity: float
-    pressure_a: float
-    pressure_b: float
 
 
 class Kernels(NamedTuple):
@@ -130,19 +122,11 @@ _known: dict[str, Kernels] = {}
 def halves_of(joint: Any, kept: Carry) -> Kernels:
     """Kernels for joints whose numbers make up such tuples (of plain floats)."""
     # By text: tuples of different classes are equal where their items are.
-    kind = repr((_zeros(joint), _zeros(kept)))
+    joint, kept = (mapped(like, lambda _: 0.0) for like in (joint, kept))
+    kind = repr((joint, kept))
     if kind not in _known:
-        _known[kind] = Kernels(*_compiled(_zeros(joint), _zeros(kept)))
+        _known[kind] = Kernels(*_compiled(joint, kept))
     return _known[kind]
-
-
-class _Nothing:
-    def __getitem__(self, _: int) -> float:
-        return 0.0
-
-
-def _zeros(like: Any) -> Any:
-    return read_numbers(like, _Nothing())
 
 
 def _compiled(joint_like, kept_like):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import ceil, exp
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from layflat.bridge.brake import Brakes
 from layflat.bridge.engine import engine
-from layflat.bridge.halves import Carry, Outputs, extrapolate, halves_of
+from layflat.bridge.halves import Carry, extrapolate, halves_of
 from layflat.errors import DivergedError, InputError
-from layflat.lanes import leaves, read_numbers, write_numbers
+from layflat.lanes import leaves, read_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.delay import NOTHING_ASKED
-from layflat.physics.failing import BURST_TIME, kinked
+from layflat.physics.driven import DrivenJoints
 from layflat.physics.joint import FILLED, Ledger, Surroundings, joint_at_rest
 from layflat.physics.step import STEP
-from layflat.physics.valves import held_at, seized
+from layflat.physics.valves import held_at
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ SHORTEST = 1e-6
 """Timestep of a model, s."""
 
 
-class PneumaticJoints:
+class PneumaticJoints(DrivenJoints):
     """A machine's joints on hinges of a model: valves, hoses, losses, stops, brakes; `step` takes the place of mj_step.
 
     A hinge's zero has to lie in the middle of its joint's stroke, and hose A turns it forward. All that the model says
@@ -45,7 +45,6 @@ class PneumaticJoints:
         hinges: names of the driven hinges, in the order of all arrays.
         supply: absolute pressure at the valves, Pa; settable.
         brakes: torque at which each brake slips, N m, (n,); items can be set.
-        load: torque from outside on each joint, N m, (n,); items can be set.
 
     Raises:
         InputError: a name is no hinge of the model or no joint of the machine, the model's timestep or integrator is no
@@ -65,52 +64,24 @@ class PneumaticJoints:
         laws = dict(zip(machine.joints, parameters.joints(machine), strict=True))
         driven = {name: name for name in laws} if joints is None else dict(joints)
         self.hinges = tuple(driven)
-        self._healthy = tuple(laws[_known(name, list(laws), machine)] for name in driven.values())
+        healthy = tuple(laws[_known(name, list(laws), machine)] for name in driven.values())
+        n, air = len(driven), parameters.surroundings(machine)
+        super().__init__(healthy, np.array(air, dtype=np.float64), model.opt.timestep)
         ids = [_hinge(self._mj, model, name) for name in driven]
         self._qpos, self._dofs = model.jnt_qposadr[ids], model.jnt_dofadr[ids]
         self._span = _span(self._mj, model, self._cycle)
-        n, air = len(driven), parameters.surroundings(machine)
         filled = FILLED * air.supply_pressure
         self._pressures = (filled, filled) if pressures is None else pressures
-        self._around = np.array(air, dtype=np.float64)
         self._brakes = Brakes(model, self._dofs)
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
-        self.load, self._holes, self._torques = np.zeros(n), np.zeros((n, 2)), np.zeros(n)
-        self._q, self._v, self._extrapolated = np.zeros(n), np.zeros(n), np.zeros(model.nv)
-        self._seized: dict[int, float] = {}
-        self._voltages = np.array([joint.valve.centre_voltage for joint in self._healthy])
-        self._shares, self._due = np.ones(n), 0.0
-        self._seen = np.zeros((n, len(Outputs._fields)))
+        self._q, self._v, self._torques, self._extrapolated = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(model.nv)
+        self._due = 0.0
         self._rest(model.qpos0[self._qpos])
         self._like: Carry = self._at_rest(0, 0.0)
         self._laws = np.array([list(leaves(joint)) for joint in self._healthy])
         self._kernels = halves_of(self._healthy[0], self._like)
         self._compile()
         self._fresh = True
-
-    @property
-    def supply(self) -> float:
-        """Absolute pressure at the valves, Pa; settable."""
-        return float(self._around[0])
-
-    @supply.setter
-    def supply(self, pressure: float) -> None:
-        self._around[0] = pressure
-
-    @property
-    def angles(self) -> Array:
-        """Where the joints are, rad, (n,)."""
-        return self._seen[:, 0].copy()
-
-    @property
-    def velocities(self) -> Array:
-        """How fast they turn, rad/s, (n,)."""
-        return self._seen[:, 1].copy()
-
-    @property
-    def pressures(self) -> Array:
-        """Absolute pressures in hoses A and B, Pa, (n, 2)."""
-        return self._seen[:, 2:].copy()
 
     @property
     def torques(self) -> Array:
@@ -169,27 +140,6 @@ class PneumaticJoints:
         self._kernels.sample(self._laws, self._seen, noise, out)
         return out[0], out[1]
 
-    def seize(self, joint: int, opening: float | None) -> None:
-        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
-        self._seized.pop(joint, None)
-        if opening is not None:
-            self._seized[joint] = opening
-            kept: Carry = read_numbers(self._like, self._kept[joint])
-            valve = held_at(self._healthy[joint].valve, opening)
-            write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
-        self._set(joint)
-
-    def kink(self, joint: int, share: float) -> None:
-        """Narrow what a joint's valve lets through to a share of what it was; 1 mends it."""
-        self._shares[joint] = share
-        self._set(joint)
-
-    def burst(self, joint: int, hose: int | None) -> None:
-        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
-        self._holes[joint] = 0.0
-        if hose is not None:
-            self._holes[joint, hose] = 1.0 - exp(-self._model.opt.timestep / BURST_TIME)
-
     def _extrapolate(self, data: Any) -> None:
         """Add what Coriolis and centrifugal forces change by where velocities go on by half of their last change.
 
@@ -202,10 +152,8 @@ class PneumaticJoints:
         extrapolate(self._dofs, self._v, data.qfrc_bias, self._extrapolated, data.qfrc_applied, data.qvel)
         mj.mj_comVel(model, data)
 
-    def _set(self, j: int) -> None:
-        joint = self._healthy[j]
-        valve = seized(joint.valve) if j in self._seized else joint.valve
-        write_numbers(self._laws[j], joint._replace(valve=kinked(valve, float(self._shares[j]))))
+    def _write_joints(self) -> None:
+        self._laws[:] = [list(leaves(joint)) for joint in self._joints_now()]
 
     def _command(self, time: float) -> None:
         # Who drives in every cycle, but not to the instant, counts once a cycle; who stops is held.

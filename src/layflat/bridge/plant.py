@@ -22,7 +22,7 @@ Advance = Callable[[Any], None]
 """Advances an MjData by a timestep, in place of `mj_step`."""
 
 
-class MujocoPlant:
+class MujocoPlant(PneumaticJoints):
     """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
 
     Args:
@@ -39,7 +39,6 @@ class MujocoPlant:
     Attributes:
         model: the MjModel.
         data: the MjData; who looks at bodies calls `mj_kinematics` or `mj_forward` first, as after any `mj_step`.
-        pneumatics: the joints.
 
     Raises:
         InputError: as `PneumaticJoints`, or the hinges are not those of all the machine's joints.
@@ -58,38 +57,28 @@ class MujocoPlant:
         noise: bool = True,
         step: Callable[[Advance], object] | None = None,
     ) -> None:
-        self._mj = engine()
-        self.joints = tuple(machine.joints)
         self.model = arm_spec(machine).compile() if model is None else model
-        self.data = self._mj.MjData(self.model) if data is None else data
+        self.data = engine().MjData(self.model) if data is None else data
         filled = None if pressures is None else _pressures(pressures)
-        self.pneumatics = PneumaticJoints(self.model, machine, _in_order(machine, joints), pressures=filled)
-        self._step, n = step or self._alone, len(self.joints)
+        super().__init__(self.model, machine, _in_order(machine, joints), pressures=filled)
+        self.joints = tuple(machine.joints)
+        self._advance, n = step or (lambda advance: advance(self.data)), len(self.joints)
         if start is not None:
             values = [start] * n if isinstance(start, (str, int, float)) else list(start)
             if len(values) != n:
                 raise InputError(
                     f"has {len(values)} values", where="start", right=f"give {n}: {', '.join(self.joints)}"
                 )
-            for hinge, value in zip(self.pneumatics.hinges, values, strict=True):
+            for hinge, value in zip(self.hinges, values, strict=True):
                 self.data.joint(hinge).qpos[0] = u.quantity(value, u.ANGLE, "start")
-        self.pneumatics.reset(self.data)
-        self._own = self.pneumatics.brakes.copy()
+        self.reset(self.data)
+        self._own = self.brakes.copy()
         self._noise = noise_samples(seed if noise else None, n)
 
     @property
     def time(self) -> float:
         """How far it has been advanced, s."""
         return float(self.data.time)
-
-    @property
-    def supply(self) -> float:
-        """Absolute pressure at the valves, Pa; settable."""
-        return self.pneumatics.supply
-
-    @supply.setter
-    def supply(self, pressure: float) -> None:
-        self.pneumatics.supply = pressure
 
     @property
     def payload(self) -> float:
@@ -110,30 +99,6 @@ class MujocoPlant:
         # What follows from masses, of other data: in these nothing moves.
         self._mj.mj_setConst(self.model, self._mj.MjData(self.model))
 
-    @property
-    def load(self) -> Array:
-        """Torque from outside, N m, (joints,); items can be set."""
-        return self.pneumatics.load
-
-    @property
-    def angles(self) -> Array:
-        """Where the joints are, rad, (joints,)."""
-        return self.pneumatics.angles
-
-    @property
-    def velocities(self) -> Array:
-        """How fast they turn, rad/s, (joints,)."""
-        return self.pneumatics.velocities
-
-    @property
-    def pressures(self) -> Array:
-        """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
-        return self.pneumatics.pressures
-
-    def drive(self, voltages: Array) -> None:
-        """Give the valves' drivers voltages (V, (joints,)), which hold until the next."""
-        self.pneumatics.drive(voltages)
-
     def advance(self, until: float) -> None:
         """Let time pass up to the last whole step before `until` (s).
 
@@ -142,30 +107,19 @@ class MujocoPlant:
         """
         # A deadline that is a whole number of steps may be a hair short of it.
         for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):
-            self._step(self.pneumatics.step)
+            self._advance(self.step)
 
-    def sense(self) -> tuple[Array, Array]:
-        """Angles (rad) and differential pressures (Pa) as the converters report them now, noise included, (joints,)."""
-        return self.pneumatics.sense(next(self._noise))
+    def sense(self, noise: Array | None = None) -> tuple[Array, Array]:
+        """Angles (rad) and differential pressures (Pa) as the converters report them now, (joints,).
 
-    def seize(self, joint: int, opening: float | None) -> None:
-        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
-        self.pneumatics.seize(joint, opening)
-
-    def burst(self, joint: int, hose: int | None) -> None:
-        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
-        self.pneumatics.burst(joint, hose)
+        Args:
+            noise: as in `PneumaticJoints.sense`; default: that of the seed.
+        """
+        return super().sense(next(self._noise) if noise is None else noise)
 
     def grip(self, joint: int, torque: float) -> None:
         """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
-        self.pneumatics.brakes[joint] = self._own[joint] + torque
-
-    def kink(self, joint: int, share: float) -> None:
-        """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
-        self.pneumatics.kink(joint, share)
-
-    def _alone(self, advance: Advance) -> None:
-        advance(self.data)
+        self.brakes[joint] = self._own[joint] + torque
 
     def _payload(self) -> int:
         return int(self._mj.mj_name2id(self.model, self._mj.mjtObj.mjOBJ_BODY, "payload"))

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.description import units as u
 from layflat.errors import DivergedError
-from layflat.lanes import leaves, read_numbers, write_numbers
+from layflat.lanes import leaves, write_numbers
 from layflat.machine import Machine, parameters
-from layflat.physics.failing import BURST_TIME, kinked
+from layflat.physics.driven import DrivenJoints
 from layflat.physics.joint import FILLED, Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
-from layflat.physics.valves import held_at, seized
 from layflat.sim.run import start_angles, start_pressures, timing_of
 from layflat.sim.scenario import Angles, Pair, Scenario, Value
-from layflat.sim.stepping import Carry, Inputs, Outputs, Setting, kept_at_rest, stepping
+from layflat.sim.stepping import Setting, kept_at_rest, stepping
 
 Array = NDArray[np.float64]
 
 
-class SteppedPlant:
+class SteppedPlant(DrivenJoints):
     """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
 
     Driven once a control cycle by the same voltages it goes through the states of a rollout, bit for bit; the sample
@@ -60,20 +58,17 @@ class SteppedPlant:
         scenario, n = Scenario(start=start, pressures=pressures), len(machine.joints)
         self.joints = tuple(machine.joints)
         self._steps, self._h = timing.steps, cycle / timing.steps
-        self._healthy = Setting(
+        self._machine = Setting(
             parameters.arm(machine), parameters.joints(machine), cycle, parameters.surroundings(machine)
         )
+        self._setting = np.array(list(leaves(self._machine)))
+        super().__init__(self._machine.joints, self._setting[-len(Surroundings._fields) :], self._h)
         angles = start_angles(scenario, machine, np.zeros((1, n)))
         filled = start_pressures(scenario, machine, FILLED * machine.supply.pressure)
-        kept = [kept_at_rest(self._healthy, j, float(angles[j]), filled[j].tolist(), self._h) for j in range(n)]
-        self._kernels, self._like = stepping(self._healthy, kept[0]), kept[0]
-        self._setting, self._kept = np.array(list(leaves(self._healthy))), np.array([list(leaves(one)) for one in kept])
-        self._around = self._setting[-len(Surroundings._fields) :]
-        self._given, self._seen = np.zeros((n, len(Inputs._fields))), np.zeros((n, len(Outputs._fields)))
-        self._given[:, 0] = [joint.valve.centre_voltage for joint in self._healthy.joints]
-        self._at, self._due = 0, -1
-        self._seized: dict[int, float] = {}
-        self._shares, self._grips = np.ones(n), np.zeros(n)
+        kept = [kept_at_rest(self._machine, j, float(angles[j]), filled[j].tolist(), self._h) for j in range(n)]
+        self._kernels, self._like = stepping(self._machine, kept[0]), kept[0]
+        self._kept = np.array([list(leaves(one)) for one in kept])
+        self._at, self._due, self._grips = 0, -1, np.zeros(n)
         self._noise = noise_samples(seed if noise else None, n)
         if payload is not None:
             self.payload = u.quantity(payload, u.MASS, "payload")
@@ -87,15 +82,6 @@ class SteppedPlant:
         return self._at * self._h
 
     @property
-    def supply(self) -> float:
-        """Absolute pressure at the valves, Pa; settable."""
-        return float(self._around[0])
-
-    @supply.setter
-    def supply(self, pressure: float) -> None:
-        self._around[0] = pressure
-
-    @property
     def payload(self) -> float:
         """Mass at the tip, kg; settable."""
         return float(self._around[4])
@@ -104,32 +90,12 @@ class SteppedPlant:
     def payload(self, mass: float) -> None:
         self._around[4] = mass
 
-    @property
-    def load(self) -> Array:
-        """Torque from outside, N m, (joints,); items can be set."""
-        return self._given[:, 1]
-
-    @property
-    def angles(self) -> Array:
-        """Where the joints are, rad, (joints,)."""
-        return self._seen[:, 0].copy()
-
-    @property
-    def velocities(self) -> Array:
-        """How fast they turn, rad/s, (joints,)."""
-        return self._seen[:, 1].copy()
-
-    @property
-    def pressures(self) -> Array:
-        """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
-        return self._seen[:, 2:].copy()
-
     def drive(self, voltages: Array) -> None:
         """Give the valves' drivers voltages (V, (joints,)), which hold until the next.
 
         Where the valves' delay counts control cycles, every call in a new instant counts as one; without calls, time.
         """
-        self._given[:, 0] = voltages
+        self._voltages[:] = voltages
         self._due = -1
 
     def advance(self, until: float) -> None:
@@ -157,38 +123,13 @@ class SteppedPlant:
         self._kernels.sample(self._setting, self._kept, next(self._noise), out)
         return out[0], out[1]
 
-    def seize(self, joint: int, opening: float | None) -> None:
-        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
-        if opening is None:
-            self._seized.pop(joint, None)
-        else:
-            self._seized[joint] = opening
-            kept: Carry = read_numbers(self._like, self._kept[joint])
-            valve = held_at(self._healthy.joints[joint].valve, opening)
-            write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
-        self._set_joints()
-
-    def kink(self, joint: int, share: float) -> None:
-        """Narrow what the joint's valve lets through to a share of what it was; 1 mends it."""
-        self._shares[joint] = share
-        self._set_joints()
-
-    def burst(self, joint: int, hose: int | None) -> None:
-        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
-        self._given[joint, 2:] = 0.0
-        if hose is not None:
-            self._given[joint, 2 + hose] = 1.0 - exp(-self._h / BURST_TIME)
-
     def grip(self, joint: int, torque: float) -> None:
         """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""
         self._grips[joint] = torque
-        self._set_joints()
+        self._write_joints()
 
-    def _set_joints(self) -> None:
-        joints = []
-        for j, joint in enumerate(self._healthy.joints):
-            valve = seized(joint.valve) if j in self._seized else joint.valve
-            valve, brake = kinked(valve, float(self._shares[j])), joint.brake_torque + float(self._grips[j])
-            joints.append(joint._replace(valve=valve, brake_torque=brake))
+    def _write_joints(self) -> None:
+        gripped = zip(self._joints_now(), self._grips.tolist(), strict=True)
+        joints = tuple(joint._replace(brake_torque=joint.brake_torque + grip) for joint, grip in gripped)
         around = Surroundings(*self._around)
-        write_numbers(self._setting, self._healthy._replace(joints=tuple(joints), around=around))
+        write_numbers(self._setting, self._machine._replace(joints=joints, around=around))

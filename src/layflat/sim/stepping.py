@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from layflat.jit import kernel, law
 from layflat.lanes import mapped, read_numbers, slots, write_numbers
 from layflat.physics.delay import NOTHING_ASKED, Line
+from layflat.physics.driven import Inputs, Outputs
 from layflat.physics.failing import through_hole
 from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound, joint_at_rest
 from layflat.physics.plant import advance
@@ -37,26 +38,6 @@ class Carry(NamedTuple):
     line: Line
     opening: float
     """To which the valve is driven, -1..1."""
-
-
-class Inputs(NamedTuple):
-    """What acts on a joint from outside."""
-
-    voltage: float
-    load: float
-    """N m"""
-    hole_a: float
-    """Share of its pressure above the outside that hose A loses through a hole in a step; 0: it has none."""
-    hole_b: float
-
-
-class Outputs(NamedTuple):
-    """Where a joint is: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
-
-    angle: float
-    velocity: float
-    pressure_a: float
-    pressure_b: float
 
 
 class Stepping(NamedTuple):

@@ -38,5 +38,5 @@ def test_a_load_on_a_scenes_arm_can_be_set(packing: Cell) -> None:
     assert plant.payload == packing.lift.body
     plant.payload = 1.0
     assert scene.model.body("payload").mass[0] == plant.payload == 1.0
-    scene.step(20, plant.pneumatics.step)
+    scene.step(20, plant.step)
     assert np.isfinite(scene.data.qpos).all()

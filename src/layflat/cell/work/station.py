@@ -47,7 +47,7 @@ class Station:
     @property
     def air(self) -> float:
         """Taken by joints, lift and cup so far, normal litres."""
-        joints = sum(ledger.air_taken for ledger in self._plant.pneumatics.ledgers) / NORMAL_DENSITY
+        joints = sum(ledger.air_taken for ledger in self._plant.ledgers) / NORMAL_DENSITY
         return LITRES * (joints + self._scene.lift.air + self._scene.cup.air)
 
     def measure(self, relocation: Relocation | None = None) -> Readings:

@@ -1,0 +1,118 @@
+"""Joints that others move on bit by bit: numbers in arrays with a row a joint, and what may fail in them."""
+
+from abc import ABC, abstractmethod
+from math import exp
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.lanes import read_numbers, write_numbers
+from layflat.physics.failing import BURST_TIME, kinked
+from layflat.physics.joint import Joint
+from layflat.physics.valves import held_at, seized
+
+Array = NDArray[np.float64]
+
+
+class Inputs(NamedTuple):
+    """What acts on a joint from outside."""
+
+    voltage: float
+    load: float
+    """N m"""
+    hole_a: float
+    """Share of its pressure above the outside that hose A loses through a hole in a step; 0: it has none."""
+    hole_b: float
+
+
+class Outputs(NamedTuple):
+    """Where a joint is: angle (rad), velocity (rad/s), absolute pressures (Pa)."""
+
+    angle: float
+    velocity: float
+    pressure_a: float
+    pressure_b: float
+
+
+class DrivenJoints(ABC):
+    """What all such joints have in common; who moves them on keeps rows of numbers in `_kept`, as tuples like `_like`.
+
+    Args:
+        joints: their parameters.
+        around: numbers of `Surroundings`, changed in place.
+        h: step in which a burst hose loses its share of air, s.
+
+    Attributes:
+        load: torque from outside on each joint, N m, (joints,); items can be set.
+    """
+
+    _kept: Array
+    _like: Any
+
+    def __init__(self, joints: tuple[Joint, ...], around: Array, h: float) -> None:
+        n = len(joints)
+        self._healthy, self._around, self._lost = joints, around, 1.0 - exp(-h / BURST_TIME)
+        self._given, self._seen = np.zeros((n, len(Inputs._fields))), np.zeros((n, len(Outputs._fields)))
+        self._voltages, self.load, self._holes = self._given[:, 0], self._given[:, 1], self._given[:, 2:]
+        self._voltages[:] = [joint.valve.centre_voltage for joint in joints]
+        self._seized: dict[int, float] = {}
+        self._shares = np.ones(n)
+
+    @property
+    def supply(self) -> float:
+        """Absolute pressure at the valves, Pa; settable."""
+        return float(self._around[0])
+
+    @supply.setter
+    def supply(self, pressure: float) -> None:
+        self._around[0] = pressure
+
+    @property
+    def angles(self) -> Array:
+        """Where the joints are, rad, (joints,)."""
+        return self._seen[:, 0].copy()
+
+    @property
+    def velocities(self) -> Array:
+        """How fast they turn, rad/s, (joints,)."""
+        return self._seen[:, 1].copy()
+
+    @property
+    def pressures(self) -> Array:
+        """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
+        return self._seen[:, 2:].copy()
+
+    def seize(self, joint: int, opening: float | None) -> None:
+        """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""
+        self._seized.pop(joint, None)
+        if opening is not None:
+            self._seized[joint] = opening
+            kept = read_numbers(self._like, self._kept[joint])
+            valve = held_at(self._healthy[joint].valve, opening)
+            write_numbers(self._kept[joint], kept._replace(state=kept.state._replace(valve=valve)))
+        self._write_joints()
+
+    def kink(self, joint: int, share: float) -> None:
+        """Narrow what a joint's valve lets through to a share of what it was; 1 mends it."""
+        self._shares[joint] = share
+        self._write_joints()
+
+    def burst(self, joint: int, hose: int | None) -> None:
+        """Let a hose of a joint (0: A, 1: B) lose its air through a hole; None mends both."""
+        self._holes[joint] = 0.0
+        if hose is not None:
+            self._holes[joint, hose] = self._lost
+
+    def _joints_now(self) -> tuple[Joint, ...]:
+        """Parameters of the joints, with valves that stick or are kinked."""
+        valves = [seized(joint.valve) if j in self._seized else joint.valve for j, joint in enumerate(self._healthy)]
+        shares = self._shares.tolist()
+        return tuple(
+            joint._replace(valve=kinked(valve, share))
+            for joint, valve, share in zip(self._healthy, valves, shares, strict=True)
+        )
+
+    @abstractmethod
+    def _write_joints(self) -> None:
+        """Let the compiled laws know that parameters have changed."""
