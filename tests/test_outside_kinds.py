@@ -1,5 +1,6 @@
 """Kinds from outside the package: the examples of docs/kinds.md, as a user would use them."""
 
+import json
 import pickle
 import re
 from pathlib import Path
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from layflat.control import CONTROL_LAWS, ControlKind
+from layflat.description.change import value_at
 from layflat.errors import KindError, LayflatError
 from layflat.kinds import Table
 from layflat.machine import Machine, changed, load
@@ -15,6 +17,8 @@ from layflat.physics.valves import VALVES
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import tip_settling
+from layflat.study import read, run, table
+from layflat.study.folder import ChangedError
 
 PAGE = Path(__file__).parents[1] / "docs" / "kinds.md"
 LOSSES = 'reference_pressure_gauge = "4 bar"\npressure_free = 0.2'
@@ -46,7 +50,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")  # so that a kind's kernels are compiled once for all tests of it
 def machine(examples: Path, request: pytest.FixtureRequest) -> Machine:
     return load(examples / f"{request.param}.toml")
 
@@ -62,6 +66,71 @@ def test_a_compiled_kind_runs_alike_in_rollout_and_ensemble(machine: Machine) ->
         assert abs(run["angle"][-1, 0] - run["angle"][0, 0]) > np.radians(5.0)
         for name in ("angle", "voltage"):
             assert np.array_equal(runs[name].isel(run=i), run[name][:-1]), name
+
+
+STUDY = """
+name = "tried"
+machine = "{machine}.toml"
+metrics = ["settling", "air_used"]
+
+[scenario]
+duration = "0.3 s"
+demand = [["0 s", "-5 deg"], ["0.1 s", "10 deg"]]
+
+[vary."{path}"]
+relative = true
+values = [0.5, 1.0]
+
+[vary."scenario.payload"]
+values = ["0.5 kg", "1 kg"]
+"""
+OWN_NUMBERS = {
+    "relay": "controller.level",
+    "quick_valve": "valve.conductance",
+    "viscous": "joint.small.losses.velocity",
+    "sprung_arm": "arm.spring",
+}
+
+
+@pytest.mark.parametrize("machine", COMPILED, indirect=True)
+def test_a_study_varies_the_numbers_of_a_kind(machine: Machine, examples: Path, tmp_path: Path) -> None:
+    name = machine.name
+    file = examples / f"{name}-study.toml"
+    file.write_text(STUDY.format(machine=name, path=OWN_NUMBERS[name]), encoding="utf-8")
+    study = read(file)
+    whole = run(study, tmp_path / "whole")
+    found = table(tmp_path / "whole")
+    usual = value_at(study.machine, OWN_NUMBERS[name])
+    vary = {OWN_NUMBERS[name]: usual * found[OWN_NUMBERS[name]], "scenario.payload": found["scenario.payload"]}
+    alone = ensemble(study.machine, study.scenarios[0], vary)
+    assert np.array_equal(found["air_used"], alone["air_used"])
+    assert found["air_used"].nunique() == 4
+    run(read(file), tmp_path / "parts", chunk=3, threads=1)
+    assert table(tmp_path / "parts").equals(found)
+    before = whole.read_bytes()
+    assert run(read(file), tmp_path / "whole").read_bytes() == before, "the folder knows its study again"
+
+
+def test_a_study_is_another_one_with_other_laws_of_a_kind(examples: Path, tmp_path: Path) -> None:
+    """What the kind's file holds counts, not where it is."""
+    file = examples / "again-study.toml"
+    file.write_text(STUDY.format(machine="relay", path="controller.level"), encoding="utf-8")
+    run(read(file), tmp_path)
+    held = json.loads((tmp_path / "study.json").read_text(encoding="utf-8"))
+    assert str(examples) not in json.dumps(held)
+    now, held["made_with"]["relay.py"] = held["made_with"]["relay.py"], "0123"
+    (tmp_path / "study.json").write_text(json.dumps(held), encoding="utf-8")
+    with pytest.raises(ChangedError) as caught:
+        run(read(file), tmp_path)
+    assert caught.value.differences == [f"made_with.relay.py: 0123 -> {now}"]
+
+
+def test_a_study_says_that_a_law_in_plain_python_can_not_run(examples: Path) -> None:
+    file = examples / "plain-study.toml"
+    text = STUDY.format(machine="plain_relay", path="joint.small.brake.torque")
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(KindError, match=r"'plain-relay' is plain Python; .*layflat\.jit\.law"):
+        read(file)
 
 
 def test_a_law_of_ones_own_reports_under_its_own_names(examples: Path) -> None:

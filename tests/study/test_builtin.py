@@ -8,7 +8,7 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.study import finished, names, read, run
-from layflat.study.study import check_samples, text
+from layflat.study.study import STUDIES, check_samples
 
 KILLED = """
 import os, signal, sys
@@ -59,7 +59,7 @@ def test_a_thinned_study_spans_the_same_with_fewer_samples() -> None:
 
 def test_a_built_in_file_can_be_started_from(tmp_path: Path) -> None:
     mine = tmp_path / "mine.toml"
-    mine.write_text(text("supply-pressure"), encoding="utf-8")
+    mine.write_text(STUDIES.text("supply-pressure"), encoding="utf-8")
     assert read(mine).canonical() == read("supply-pressure").canonical()
 
 

@@ -83,8 +83,8 @@ def test_a_study_goes_on_here_when_its_cluster_is_lost(
 def test_a_worker_with_other_laws_is_refused(study: Study) -> None:
     (_, runs), *_ = _work(study, 2, {0})
     with pytest.raises(InputError, match=r"a worker has laws \w+, not others; install the same on all workers"):
-        measured_there(study, runs, {**made_with(), "laws": "others"})
-    assert measured_there(study, runs, made_with()).num_rows == 2
+        measured_there(study, runs, {**made_with(study), "laws": "others"})
+    assert measured_there(study, runs, made_with(study)).num_rows == 2
 
 
 def test_no_cluster_at_the_address(tmp_path: Path, study: Study, monkeypatch: pytest.MonkeyPatch) -> None:

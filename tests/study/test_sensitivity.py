@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from layflat.study.description import StudyFile
 from layflat.study.kinds import Kind
-from layflat.study.sampling import saltelli, samples
-from layflat.study.sensitivity import sobol_indices
+from layflat.study.sampling import saltelli, samples, sobol_indices
 from layflat.study.varied import Varied
 
 A, B = 7.0, 0.1

@@ -10,7 +10,7 @@ from layflat.errors import InputError
 from layflat.machine import changed
 from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
-from layflat.study.summary import summary
+from layflat.study.results import summary
 
 WILD = SMALL.replace("[scenario]", "[scenario]\nopening = 1.0\nbrake = 0.0").replace(
     '[vary."joint.small.brake.torque"]\nlow = "0 N m"\nhigh = "4 N m"\npoints = 6',

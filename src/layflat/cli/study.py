@@ -21,10 +21,10 @@ def studies(
 ) -> None:
     """List the built-in studies, or print one."""
     from layflat.study import names, read  # noqa: PLC0415
-    from layflat.study.study import text  # noqa: PLC0415
+    from layflat.study.study import STUDIES  # noqa: PLC0415
 
     if name is not None:
-        typer.echo(text(name), nl=False)
+        typer.echo(STUDIES.text(name), nl=False)
         return
     described = [read(one) for one in names()]
     print_table(["study", "runs", "what it asks"], [[s.name, str(s.rows), s.file.title] for s in described])
@@ -47,7 +47,7 @@ def study(
     """
     from layflat.study import names, read, run  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
-    from layflat.study.picture import write_picture  # noqa: PLC0415
+    from layflat.study.results import write_picture  # noqa: PLC0415
 
     described = read(file)
     place = out or Path("build/study") / described.name
@@ -76,7 +76,7 @@ def _answer(name: str, out: Path) -> None:
 
 
 def _print_summary(described: Study, out: Path) -> None:
-    from layflat.study.summary import SHARES, summary  # noqa: PLC0415
+    from layflat.study.results import SHARES, summary  # noqa: PLC0415
 
     found = summary(out, described.metrics)
     rows = [

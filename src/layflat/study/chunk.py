@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,39 +23,36 @@ if TYPE_CHECKING:
     import pyarrow
     import xarray
 
+Progress = Callable[[int], None]
 
-def made_with() -> dict[str, str]:
-    """What decides, besides the study, about the last bit of its table."""
+
+def made_with(study: Study) -> dict[str, str]:
+    """Return what decides, besides the study, about the last bit of its table."""
     libraries = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    return {"layflat": layflat.__version__, "laws": source_digest(Path(ensemble_kernel.__file__)), **libraries}
+    files = [Path(path) for one in study.variants for path in one.machine.kinds]
+    kinds = {path.name: sha256(path.read_bytes()).hexdigest()[:16] for path in files}
+    return {"layflat": layflat.__version__, "laws": source_digest(Path(ensemble_kernel.__file__)), **kinds, **libraries}
 
 
 def measured(
-    study: Study,
-    runs: dict[str, Array],
-    threads: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    study: Study, runs: dict[str, Array], threads: int | None = None, progress: Progress | None = None
 ) -> pyarrow.Table:
     """Simulate rows of a study; every column has its unit in its metadata."""
-    parts = []
-    for number in np.unique(runs["variant"]):
-        own = np.flatnonzero(runs["variant"] == number)
-        parts.append(
-            _of_one_machine(study, int(number), {key: values[own] for key, values in runs.items()}, threads, progress)
-        )
     import pyarrow  # noqa: PLC0415
 
+    parts = []
+    for number in np.unique(runs["variant"]):  # rows come variant by variant
+        own = np.flatnonzero(runs["variant"] == number)
+        rows = {key: values[own] for key, values in runs.items()}
+        parts.append(_of_one_machine(study, int(number), rows, threads, progress))
     return pyarrow.concat_tables(parts)
 
 
 def _of_one_machine(
-    study: Study,
-    number: int,
-    runs: dict[str, Array],
-    threads: int | None,
-    progress: Callable[[int], None] | None,
+    study: Study, number: int, runs: dict[str, Array], threads: int | None, progress: Progress | None
 ) -> pyarrow.Table:
-    """Rows, which come variant by variant, of one of these."""
+    import pyarrow  # noqa: PLC0415
+
     variant = study.variants[number]
     vary: dict[str, Array] = {key: runs[key] for key in ("scenario", "seed")}
     vary |= applied(study.varied, runs, variant.machine)
@@ -69,16 +67,21 @@ def _of_one_machine(
         *((one.path, runs[one.path], one.kind.unit) for one in study.varied),
         *(column for metric in (*study.metrics, "diverged") for column in _flat(data, metric)),
     ]
-    return _arrow(columns)
+    arrays = [pyarrow.array(values) for _, values, _ in columns]
+    fields = [
+        pyarrow.field(name, array.type, metadata={"unit": unit})
+        for (name, _, unit), array in zip(columns, arrays, strict=True)
+    ]
+    return pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
 
 
 def measured_there(study: Study, runs: dict[str, Array], expected: dict[str, str]) -> pyarrow.Table:
-    """The same on a worker of a cluster, whose other threads have rows of their own.
+    """Do the same on a worker of a cluster, whose other threads have rows of their own.
 
     Raises:
         InputError: the worker has other versions than the one who asks.
     """
-    own = made_with()
+    own = made_with(study)
     other = [f"{key} {own[key]}, not {expected[key]}" for key in own if own[key] != expected[key]]
     if other:
         raise InputError(f"a worker has {other[0]}", where="--scheduler", right="install the same on all workers")
@@ -89,19 +92,8 @@ def _flat(data: xarray.Dataset, metric: str) -> Iterator[tuple[str, Any, str]]:
     """Columns of a metric, such as "settling.small.0" for joint small in move 0."""
     array = data[metric]
     order = [dimension for dimension in ("joint", "move") if dimension in array.dims]
-    values = array.transpose("run", *order).to_numpy()
     labels = [[str(label) for label in data[dimension].to_numpy()] for dimension in order]
+    values = array.transpose("run", *order).to_numpy()
     for place in np.ndindex(values.shape[1:]):
         name = ".".join([metric, *(labels[i][k] for i, k in enumerate(place))])
         yield name, values[(slice(None), *place)], array.attrs["units"]
-
-
-def _arrow(columns: list[tuple[str, Any, str]]) -> pyarrow.Table:
-    import pyarrow  # noqa: PLC0415
-
-    arrays = [pyarrow.array(values) for _, values, _ in columns]
-    fields = [
-        pyarrow.field(name, array.type, metadata={"unit": unit})
-        for (name, _, unit), array in zip(columns, arrays, strict=True)
-    ]
-    return pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))

@@ -26,19 +26,20 @@ AHEAD = 64
 
 
 def on_cluster(study: Study, work: Work, scheduler: str) -> Iterator[tuple[int, pyarrow.Table]]:
-    """Chunks of a study as they get done, in any order.
+    """Yield chunks of a study as they get done, in any order.
 
     Raises:
         InputError: no scheduler answers, dask is not installed, or a chunk can't be done there.
     """
-    client = _client(scheduler)
+    where = f"--scheduler {scheduler}"
+    client = _client(scheduler, where)
     try:
         yield from _done(client, study, work)
     except LayflatError:
         raise
     except Exception as error:  # whatever a cluster may raise
-        what = f"the cluster failed ({type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''})"
-        raise InputError(what, where=f"--scheduler {scheduler}", right="the same command goes on") from error
+        what = f"the cluster failed ({type(error).__name__}: {''.join(str(error).splitlines()[:1])})"
+        raise InputError(what, where=where, right="the same command goes on") from error
     finally:
         client.close()
 
@@ -46,7 +47,7 @@ def on_cluster(study: Study, work: Work, scheduler: str) -> Iterator[tuple[int, 
 def _done(client: Any, study: Study, work: Work) -> Iterator[tuple[int, pyarrow.Table]]:
     from distributed import as_completed  # noqa: PLC0415
 
-    waiting, numbers, own = iter(work), {}, made_with()
+    waiting, numbers, own = iter(work), {}, made_with(study)
 
     def submit(count: int) -> list[Any]:
         futures = []
@@ -66,8 +67,7 @@ def _done(client: Any, study: Study, work: Work) -> Iterator[tuple[int, pyarrow.
         yield numbers.pop(future.key), table
 
 
-def _client(scheduler: str) -> Any:
-    where = f"--scheduler {scheduler}"
+def _client(scheduler: str, where: str) -> Any:
     client = module("cluster", "distributed", where=where).Client
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # what fails is told in one line, by us
     try:

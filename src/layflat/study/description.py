@@ -32,13 +32,13 @@ class Signal:
     by_joint: bool = True
 
     def read(self, value: Any) -> Any:
-        """The SI value, in the form that `Scenario` takes."""
+        """Return the SI value, in the form that `Scenario` takes."""
         if isinstance(value, list) and value and all(isinstance(item, list) and len(item) == 2 for item in value):
             return [(_number(time, u.TIME), self._one(item)) for time, item in value]
         return self._one(value)
 
     def written(self, value: Any) -> Any:
-        """The same as text again, in SI units."""
+        """Return the same as text again, in SI units."""
         if isinstance(value, tuple):
             return [f"{value[0]!r} s", self.written(value[1])]
         if isinstance(value, list):
@@ -159,6 +159,18 @@ class StudyFile(Part):
     @classmethod
     def _one_or_several(cls, value: Any) -> Any:
         return (value,) if isinstance(value, dict) else value
+
+
+def refuse(where: str, *rules: tuple[bool, str, str]) -> None:
+    """Raise an error for the first rule that is broken: whether it is, the key below `where`, "what is wrong; right".
+
+    Raises:
+        InputError: naming `where` and the key.
+    """
+    for broken, key, said in rules:
+        if broken:
+            what, _, right = said.partition("; ")
+            raise InputError(what, where=f"{where}{key}", right=right)
 
 
 def explained_study(error: ValidationError, where: str) -> InputError:

@@ -6,6 +6,7 @@ While a part is missing partial.txt says how much of it is there.
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import sys
@@ -29,6 +30,8 @@ OWN = {"study.json", "chunks", "table.parquet", "table.csv", "partial.txt", *ANS
 
 LEFT_OVER = re.compile(r"\.(study|table|partial|figure|finding|\d{5,})-\w+\.(json|parquet|csv|png|svg|txt)")
 """Temporary files of a run that was killed."""
+
+CHUNK_NAME = re.compile(r"\d{5,}\.parquet")
 
 BYTES_A_CELL, BYTES_A_COLUMN, BYTES_A_NUMBER = 10, 400, 24
 """At most, of a number in a Parquet file; of what is said about a column in every chunk; of a number as text."""
@@ -58,31 +61,26 @@ class Folder:
 
     def __init__(self, place: Path, chunks: int) -> None:
         self.place, self.chunks = place, chunks
-
-    @property
-    def table(self) -> Path:
-        """The whole table."""
-        return self.place / "table.parquet"
-
-    @property
-    def partial(self) -> Path:
-        """What says that the study is not done yet."""
-        return self.place / "partial.txt"
+        self.study, self.table, self.partial = (place / name for name in ("study.json", "table.parquet", "partial.txt"))
 
     def chunk(self, number: int) -> Path:
-        """The file of a chunk."""
+        """Return the file of a chunk."""
         return self.place / "chunks" / f"{number:05d}.parquet"
 
     def done(self) -> dict[int, int]:
-        """Rows of each chunk that is there and whole."""
-        there = (int(path.stem) for path in (self.place / "chunks").glob("*.parquet") if path.stem.isdecimal())
-        found = {number: _rows(self.chunk(number)) for number in sorted(there) if number < self.chunks}
-        return {number: rows for number, rows in found.items() if rows is not None}
+        """Return the rows of each chunk that is there and whole."""
+        parquet, found = _arrow("parquet"), {}
+        for number in sorted(int(one.stem) for one in self.chunk(0).parent.glob("*.parquet") if one.stem.isdecimal()):
+            try:
+                found[number] = int(parquet.read_metadata(self.chunk(number)).num_rows)
+            except (OSError, ValueError):  # broken
+                continue
+        return {number: rows for number, rows in found.items() if number < self.chunks}
 
     def holds(self, content: dict[str, Any]) -> bool:
         """Whether it is the folder of a study of this content."""
         try:
-            held = json.loads((self.place / "study.json").read_text(encoding="utf-8"))
+            held = json.loads(self.study.read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return False
         return bool(held == json.loads(json.dumps(content)))
@@ -93,9 +91,8 @@ class Folder:
         Raises:
             OutputError: it can't be written.
         """
-        parquet = _arrow("parquet")
         with whole_file(self.chunk(number)) as temporary:
-            parquet.write_table(table, temporary)
+            _arrow("parquet").write_table(table, temporary)
 
     def mark(self, done: str) -> None:
         """Say in the folder that its study is not done yet, and how much of it is."""
@@ -120,106 +117,75 @@ class Folder:
         self.partial.unlink(missing_ok=True)
         return self.table
 
+    @contextmanager
+    def opened(self, content: dict[str, Any]) -> Iterator[None]:
+        """Hold a new folder for a study, or the one in which it was stopped; one process at a time has it.
 
-@contextmanager
-def opened(folder: Folder, content: dict[str, Any]) -> Iterator[None]:
-    """Hold a new folder for a study, or the one in which it was stopped; one process at a time has it.
+        Raises:
+            ChangedError: it holds another study.
+            OutputError: it can't be written, holds other files, or is in use.
+        """
+        try:
+            self.place.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            right = "give a folder that you may write to"
+            raise OutputError(f"can't write here ({error.strerror})", where=str(self.place), right=right) from None
+        with _alone(self.place):
+            self._refuse_foreign()
+            if self.study.exists():
+                self._refuse_other(content)
+            for leftover in [*self.place.glob(".*"), *self.chunk(0).parent.glob(".*")]:
+                leftover.unlink()
+            if not self.study.exists():
+                with whole_file(self.study) as temporary:
+                    temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+            yield
 
-    Raises:
-        ChangedError: it holds another study.
-        OutputError: it can't be written, holds other files, or is in use.
-    """
-    place = folder.place
-    try:
-        place.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        right = "give a folder that you may write to"
-        raise OutputError(f"can't write here ({error.strerror})", where=str(place), right=right) from None
-    with _alone(place):
-        refuse_foreign(place)
-        _check_same(place, content)
-        for leftover in [*place.glob(".*"), *(place / "chunks").glob(".*")]:
-            leftover.unlink()
-        if not (place / "study.json").exists():
-            with whole_file(place / "study.json") as temporary:
-                temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
-        yield
+    def _refuse_foreign(self) -> None:
+        """Make sure that the folder holds nothing but a study."""
+        own = OWN if self.study.exists() else set()
+        foreign = [path.name for path in self.place.iterdir() if path.name not in own]
+        if own:
+            foreign += [
+                f"chunks/{one.name}" for one in self.place.glob("chunks/*") if not CHUNK_NAME.fullmatch(one.name)
+            ]
+        foreign = sorted(name for name in foreign if not LEFT_OVER.fullmatch(name.removeprefix("chunks/")))
+        if foreign:
+            what, right = f"holds {foreign[0]!r}, which is none of a study's files", "give a new or an empty folder"
+            raise OutputError(what, where=str(self.place), right=right)
 
-
-def refuse_foreign(place: Path) -> None:
-    """Make sure that a folder holds nothing but a study.
-
-    Raises:
-        OutputError: it does.
-    """
-    own = OWN if (place / "study.json").exists() else set()
-    foreign = [path.name for path in place.iterdir() if path.name not in own and not LEFT_OVER.fullmatch(path.name)]
-    if "chunks" in own and (place / "chunks").is_dir():
-        inside = [path.name for path in (place / "chunks").iterdir()]
-        foreign += [
-            f"chunks/{name}"
-            for name in inside
-            if not (re.fullmatch(r"\d{5,}\.parquet", name) or LEFT_OVER.fullmatch(name))
-        ]
-    if foreign:
-        raise OutputError(
-            f"holds {sorted(foreign)[0]!r}, which is none of a study's files",
-            where=str(place),
-            right="give a new or an empty folder",
-        )
-
-
-def _check_same(place: Path, content: dict[str, Any]) -> None:
-    path = place / "study.json"
-    if not path.exists():
-        return
-    try:
-        held = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
-        raise OutputError("is not a study's", where=str(path), right="give a new or an empty folder") from None
-    before, now = _flat(held), _flat(json.loads(json.dumps(content)))
-    if before != now:
-        keys = list(dict.fromkeys([*now, *before]))
+    def _refuse_other(self, content: dict[str, Any]) -> None:
+        """Make sure that the folder holds a study of this content."""
+        try:
+            before = _flat(json.loads(self.study.read_text(encoding="utf-8")))
+        except ValueError:
+            right = "give a new or an empty folder"
+            raise OutputError("is not a study's", where=str(self.study), right=right) from None
+        now = _flat(json.loads(json.dumps(content)))
         lines = [
             f"{key}: {before.get(key, '(none)')} -> {now.get(key, '(none)')}"
-            for key in keys
+            for key in now | before
             if before.get(key) != now.get(key)
         ]
-        raise ChangedError("holds a study that differs from this one", str(place), lines)
+        if before != now:
+            raise ChangedError("holds a study that differs from this one", str(self.place), lines)
 
+    def check_space(self, rows: int, columns: int, chunks: int) -> None:
+        """Make sure, before any work is done, that the disk has room for so many rows, in chunks and in the table.
 
-def _flat(value: Any, path: str = "") -> dict[str, Any]:
-    """Values of nested tables and lists by dotted path."""
-    if not isinstance(value, (dict, list)) or not value:
-        return {path: value}
-    items = value.items() if isinstance(value, dict) else enumerate(value)
-    return {
-        key: leaf for name, item in items for key, leaf in _flat(item, f"{path}.{name}" if path else str(name)).items()
-    }
-
-
-def check_space(place: Path, rows: int, columns: int, chunks: int) -> None:
-    """Make sure, before any work is done, that the disk has room for so many rows, in chunks and in the table.
-
-    Raises:
-        OutputError: saying how much is needed and free.
-    """
-    needed = columns * ((2 * BYTES_A_CELL + BYTES_A_NUMBER) * rows + 2 * BYTES_A_COLUMN * chunks)
-    free = shutil.disk_usage(next(path for path in (place, *place.absolute().parents) if path.exists())).free
-    if needed > free:
-        raise OutputError(
-            f"needs {_megabytes(needed)}, and {_megabytes(free)} are free",
-            where=str(place),
-            right="make room, or give a folder on another disk",
-        )
-
-
-def _megabytes(count: int) -> str:
-    return f"{count / 1e6:,.1f} MB"
+        Raises:
+            OutputError: saying how much is needed and free.
+        """
+        needed = columns * ((2 * BYTES_A_CELL + BYTES_A_NUMBER) * rows + 2 * BYTES_A_COLUMN * chunks)
+        there = next(path for path in (self.place, *self.place.absolute().parents) if path.exists())
+        free = shutil.disk_usage(there).free
+        if needed > free:
+            what = f"needs {needed / 1e6:,.1f} MB, and {free / 1e6:,.1f} MB are free"
+            raise OutputError(what, where=str(self.place), right="make room, or give a folder on another disk")
 
 
 def table(out: str | Path) -> pandas.DataFrame:
-    """The table of a study that was run; `attrs["units"]` has the unit of every column.
+    """Return the table of a study that was run; `attrs["units"]` has the unit of every column.
 
     Raises:
         InputError: there is none in this folder.
@@ -233,17 +199,19 @@ def table(out: str | Path) -> pandas.DataFrame:
     return frame
 
 
+def _flat(value: Any, path: str = "") -> dict[str, Any]:
+    """Values of nested tables and lists by dotted path."""
+    if not isinstance(value, (dict, list)) or not value:
+        return {path: value}
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    return {
+        key: leaf for name, item in items for key, leaf in _flat(item, f"{path}.{name}" if path else str(name)).items()
+    }
+
+
 def _arrow(part: str) -> Any:
     """Import a part of the library that reads and writes tables."""
     return module("study", f"pyarrow.{part}", where="study")
-
-
-def _rows(path: Path) -> int | None:
-    """Of a chunk; None where it is not there or broken."""
-    try:
-        return int(_arrow("parquet").read_metadata(path).num_rows)
-    except (OSError, ValueError):
-        return None
 
 
 @contextmanager
@@ -253,7 +221,6 @@ def _alone(place: Path) -> Iterator[None]:
         yield
         return
     import fcntl  # noqa: PLC0415  # not on every system
-    import os  # noqa: PLC0415
 
     handle = os.open(place, os.O_RDONLY)
     try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Annotated, Any
 
 from annotated_types import Ge
@@ -12,6 +11,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from layflat.description import units as u
 from layflat.description.change import annotation_at, is_whole, paths, quantity_of
 from layflat.description.explain import explained_value
+from layflat.description.hints import nearest
 from layflat.errors import InputError
 from layflat.machine import Machine
 
@@ -51,7 +51,7 @@ class Kind:
         return is_whole(self.annotation)
 
     def parse(self, value: object, where: str) -> float:
-        """SI float of a value as it stands in the file.
+        """Return the SI float of a value as it stands in the file.
 
         Raises:
             InputError: naming `where`: it is bare, of another kind, or out of the bounds.
@@ -63,21 +63,20 @@ class Kind:
             raise explained_value(error, where, self.quantity) from None
 
     def difference(self, value: object, where: str) -> float:
-        """SI float of a difference of two such values, greater than zero.
+        """Return the SI float of a difference of two such values, greater than zero.
 
         Raises:
             InputError: naming `where`.
         """
         if self.quantity is u.TEMPERATURE and not (isinstance(value, str) and value.strip().endswith("K")):
             raise InputError(f"{value!r} is no difference of temperatures", where=where, right='give kelvin: "5 K"')
-        kind = Kind(Annotated[float, self.quantity] if self.quantity else float)
-        number = kind.parse(value, where)
+        number = Kind(Annotated[float, self.quantity] if self.quantity else float).parse(value, where)
         if number <= 0.0:
             raise InputError(f"{value!r} is out of range", where=where, right="give more than zero")
         return number
 
     def written(self, value: float) -> Any:
-        """A value as it could stand in the file."""
+        """Return a value as it could stand in the file."""
         return f"{value!r} {self.unit}" if self.quantity else value
 
 
@@ -86,25 +85,19 @@ FACTOR = Kind(Annotated[float, Ge(0)])
 
 
 def kind(machine: Machine, path: str, where: str) -> Kind:
-    """The kind of a path that varies.
+    """Return the kind of a path that varies.
 
     Raises:
         InputError: naming `where`: nothing of this name can vary.
     """
-    settings = _settings(machine)
+    ends = ("", *(f".{name}" for name in machine.joints))
+    settings = {f"scenario.{key}": annotation for key, annotation in SHARED.items()}
+    settings |= {f"scenario.{key}{end}": annotation for key, annotation in BY_JOINT.items() for end in ends}
     known = [key for key in paths(machine) if key != ONE_FOR_ALL]
-    if path in settings:
-        return Kind(settings[path])
-    if path in known:
-        return Kind(annotation_at(machine, path))
+    if path in settings or path in known:
+        return Kind(settings[path] if path in settings else annotation_at(machine, path))
     if path == ONE_FOR_ALL:
         raise InputError("is the same in all runs", where=where, right="make a study of its own for each cycle")
-    near = get_close_matches(path, [*known, *settings], n=1, cutoff=0.5)
-    hint = f"nearest is {near[0]!r}" if near else f"`layflat show {machine.origin}` lists the paths"
+    near = nearest(path, [*known, *settings], cutoff=0.5)
+    hint = f"nearest is {near!r}" if near else f"`layflat show {machine.origin}` lists the paths"
     raise InputError("no number of this name can vary", where=where, right=hint)
-
-
-def _settings(machine: Machine) -> dict[str, Any]:
-    ends = ("", *(f".{name}" for name in machine.joints))
-    by_joint = {f"scenario.{key}{end}": annotation for key, annotation in BY_JOINT.items() for end in ends}
-    return {f"scenario.{key}": annotation for key, annotation in SHARED.items()} | by_joint

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from layflat.errors import InputError, StoppedError
 from layflat.extras import require
 from layflat.study.chunk import made_with, measured
-from layflat.study.folder import Folder, check_space, opened
+from layflat.study.folder import Folder
 from layflat.study.sampling import Array, rows, samples
 from layflat.study.study import Study
 
@@ -59,11 +59,11 @@ def run(
         raise InputError(f"{chunk} is out of range", where="chunk", right="give 1 or more")
     folder = Folder(Path(out), ceil(study.rows / chunk))
     left = folder.chunks - len(folder.done())
-    check_space(folder.place, min(left * chunk, study.rows), _columns(study), left)
+    folder.check_space(min(left * chunk, study.rows), study.columns, left)
     if not study.fits:
         what = f"{study.samples:,} samples are more than can be held in memory"
         raise InputError(what, where=study.file.name, right="give fewer, or divide it into several studies")
-    with opened(folder, _content(study, chunk)):
+    with folder.opened(_content(study, chunk)):
         done = folder.done()
         ran = sum(done.values())
 
@@ -75,7 +75,7 @@ def run(
 
         tell(0)
         if len(done) < folder.chunks:
-            work = _work(study, chunk, set(range(folder.chunks)) - set(done))
+            work = _work(study, chunk, [number for number in range(folder.chunks) if number not in done])
             try:
                 with closing(_tables(study, work, scheduler, threads, tell)) as tables:
                     for number, table in tables:
@@ -88,14 +88,14 @@ def run(
 
 
 def finished(study: Study, out: str | Path, *, chunk: int = CHUNK) -> bool:
-    """Whether a folder holds the whole table of this very study, made with what is installed here."""
+    """Return whether a folder holds the whole table of this very study, made with what is installed here."""
     folder = Folder(Path(out), ceil(study.rows / chunk))
     return folder.table.exists() and folder.holds(_content(study, chunk))
 
 
 def _content(study: Study, chunk: int) -> dict[str, Any]:
     """All that decides about the last bit of a study's files."""
-    return {**study.canonical(), "chunk": chunk, "made_with": made_with()}
+    return {**study.canonical(), "chunk": chunk, "made_with": made_with(study)}
 
 
 def _tables(
@@ -112,18 +112,10 @@ def _tables(
         yield number, measured(study, runs, threads, tell)
 
 
-def _work(study: Study, chunk: int, left: set[int]) -> Work:
+def _work(study: Study, chunk: int, left: Iterable[int]) -> Work:
     drawn = samples(study.varied, study.file)
     seeds = [scenario.seed for scenario in study.scenarios]
-    for number in sorted(left):
-        first = number * chunk
-        last, counts = min(first + chunk, study.rows), (study.samples, len(study.variants))
-        yield number, rows(drawn, *counts, seeds, study.file.noise_seeds, first, last)
-
-
-def _columns(study: Study) -> int:
-    """At most so many: every metric of every joint in every move."""
-    from layflat.sim.ensemble.cases import cases  # noqa: PLC0415
-
-    each = cases(study.machine, list(study.scenarios), {}, 1).most_moves * len(study.machine.joints)
-    return 5 + len(study.varied) + len(study.metrics) * each
+    counts = study.samples, len(study.variants)
+    for first in (number * chunk for number in left):
+        last = min(first + chunk, study.rows)
+        yield first // chunk, rows(drawn, *counts, seeds, study.file.noise_seeds, first, last)

@@ -1,8 +1,9 @@
-"""Samples of what varies, and the runs that they make: each sample in every scenario with every seed of the noise."""
+"""Samples of what varies, the runs that they make, and the sensitivity indices of what comes of these."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,12 @@ from layflat.study.varied import Varied, groups
 
 Array = NDArray[np.float64]
 
+RESAMPLES, ENDS = 200, (0.05, 0.95)
+"""Of the bootstrap of indices, and what share of them lies below the ends of an interval."""
+
 
 def samples(varied: Sequence[Varied], file: StudyFile) -> dict[str, Array]:
-    """One number a sample (SI) by the path that varies; the same for the same file."""
+    """Return one number a sample (SI) by the path that varies; the same for the same file."""
     if file.sampling == "grid":
         axes = np.meshgrid(*(one.grid() for one in varied), indexing="ij")
         return {one.path: axis.ravel() for one, axis in zip(varied, axes, strict=True)}
@@ -31,7 +35,7 @@ def samples(varied: Sequence[Varied], file: StudyFile) -> dict[str, Array]:
 
 
 def saltelli(dimensions: int, runs: int, seed: int, groups: Iterable[Sequence[int]] = ()) -> Array:
-    """Points in the unit cube for sensitivity indices (saltelli2010): blocks A, B, one AB for each dimension and group.
+    """Return points in the unit cube for sensitivity indices (saltelli2010): A, B, an AB a dimension and a group.
 
     A and B are independent; an AB is A with the columns of its dimension, or of its group, taken from B.
 
@@ -50,7 +54,7 @@ def saltelli(dimensions: int, runs: int, seed: int, groups: Iterable[Sequence[in
 def rows(
     drawn: dict[str, Array], count: int, variants: int, seeds: Sequence[int], noise_seeds: int, first: int, last: int
 ) -> dict[str, Array]:
-    """Rows `first` to before `last` of a study: variant by variant, sample by sample, then scenario, then seed.
+    """Return rows `first` to before `last` of a study: variant by variant, sample by sample, then scenario, then seed.
 
     Args:
         drawn: one number a sample by what varies.
@@ -70,3 +74,47 @@ def rows(
     own: dict[str, Array] = {"variant": variant, "sample": sample, "scenario": scenario}
     own["seed"] = np.asarray(seeds)[scenario] + noise
     return own | {path: values[sample] for path, values in drawn.items()}
+
+
+@dataclass(frozen=True)
+class Indices:
+    """Sobol indices, one for each thing or group in order, with the ends of their intervals.
+
+    Args:
+        first: share of the variance that goes if this alone is known.
+        total: share of the variance that stays if all but this is known.
+        first_ends: (2, things)
+        total_ends: (2, things)
+    """
+
+    first: Array
+    total: Array
+    first_ends: Array
+    total_ends: Array
+
+
+def sobol_indices(values: Array, things: int) -> Indices:
+    """Return first and total indices of a result, by the estimators of saltelli2010, and 90 % intervals by bootstrap.
+
+    Args:
+        values: the result at the points of `sampling.saltelli`, in their order.
+        things: how many dimensions and groups there are.
+    """
+    blocks = values.reshape(things + 2, -1)
+    runs = blocks.shape[1]
+    rng = np.random.default_rng(0)
+    again = np.array([_estimated(blocks[:, rng.integers(runs, size=runs)]) for _ in range(RESAMPLES)])
+    ends = np.quantile(again, ENDS, axis=0)
+    first, total = _estimated(blocks)
+    return Indices(first, total, ends[:, 0], ends[:, 1])
+
+
+def _estimated(blocks: Array) -> Array:
+    """First and total indices, (2, things); zeros where nothing changes the result."""
+    from scipy import stats  # noqa: PLC0415  # takes long to import
+
+    if np.ptp(blocks) == 0.0:
+        return np.zeros((2, len(blocks) - 2))
+    functions: Any = {"f_A": blocks[:1], "f_B": blocks[1:2], "f_AB": blocks[2:, None, :]}
+    found: Any = stats.sobol_indices(func=functions, n=blocks.shape[1])
+    return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])

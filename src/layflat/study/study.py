@@ -13,10 +13,11 @@ from layflat.description.library import Library
 from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.sim import STEP, Scenario
+from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import BAND
 from layflat.study.check import check
-from layflat.study.description import ScenarioTable, StudyFile, explained_study
+from layflat.study.description import ScenarioTable, StudyFile, explained_study, refuse
 from layflat.study.sampling import samples
 from layflat.study.variants import Variant, variants
 from layflat.study.varied import Varied, applied, groups, resolved
@@ -86,6 +87,12 @@ class Study:
         return self.file.step or STEP
 
     @property
+    def columns(self) -> int:
+        """Of the table, at most: every metric of every joint in every move."""
+        each = cases(self.machine, list(self.scenarios), {}, 1).most_moves * len(self.machine.joints)
+        return 5 + len(self.varied) + len(self.metrics) * each
+
+    @property
     def bands(self) -> tuple[float, float]:
         """Within these of its goal a joint (rad) and the tip (m) have settled."""
         return self.file.band or BAND, self.file.tip_band or TIP_BAND
@@ -100,7 +107,8 @@ class Study:
         apart = {"vary", "machine", "metrics", "variant"}
         written = self.file.model_dump(mode="json", exclude_none=True, exclude=apart)
         written |= {"metrics": list(self.metrics), "vary": {one.path: one.canonical() for one in self.varied}}
-        machines = {one.name: one.machine.model_dump(mode="json") for one in self.variants}
+        # What the files of kinds hold counts, not where they are: see `made_with`.
+        machines = {one.name: one.machine.model_dump(mode="json", exclude={"kinds"}) for one in self.variants}
         return {"study": written, **({"variant": machines} if self.file.variant else {"machine": machines[""]})}
 
     def thinned(self, points: int) -> Study:
@@ -119,35 +127,28 @@ def names() -> tuple[str, ...]:
     return STUDIES.names
 
 
-def text(study: str | Path) -> str:
-    """Return a study file as it is written, of a built-in name or a path.
-
-    Raises:
-        InputError: it can't be read.
-    """
-    return STUDIES.text(study)
-
-
 def read(path: str | Path) -> Study:
-    """A study from its TOML file, or a built-in one by its name.
+    """Return a study from its TOML file, or a built-in one by its name.
 
     Raises:
         InputError: in one line, which file, key and value is wrong and what would be right.
     """
     where = str(path)
-    file = _file(path, where)
+    try:
+        file = StudyFile.model_validate(STUDIES.raw(path))
+    except ValidationError as error:
+        raise explained_study(error, where) from None
     compared = variants(file, Path(path).parent, where)
-    given = sorted(file.vary.items())
+    found = [
+        tuple(
+            resolved(key, value, one.machine, file.sampling, f"{where}: vary.{key}")
+            for key, value in sorted(file.vary.items())
+        )
+        for one in compared
+    ]
+    _check_runs(file, found[0], where)
     scenarios = tuple(_scenario(table, file) for table in file.scenario)
-    found: list[tuple[Varied, ...]] = []
-    for one in compared:
-        varied = tuple(resolved(key, value, one.machine, file.sampling, f"{where}: vary.{key}") for key, value in given)
-        _check_runs(file, varied, where)
-        found.append(varied)
     study = Study(file, compared, scenarios, found[0], _metrics(file.metrics, where))
-    own = study.scenario_names
-    if len(set(own)) < len(own):
-        raise InputError("two have the same name", where=f"{where}: scenario.name", right="give each its own")
     if where not in names() and study.fits:  # the built-in ones are checked by tests; others than these never run
         check_samples(study, where)
     return study
@@ -164,40 +165,32 @@ def check_samples(study: Study, where: str) -> None:
         check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where)
 
 
-def _file(path: str | Path, where: str) -> StudyFile:
-    try:
-        return StudyFile.model_validate(STUDIES.raw(path))
-    except ValidationError as error:
-        raise explained_study(error, where) from None
-
-
 def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None:
-    if file.noise_seeds > 1 and not all(table.noise for table in file.scenario):
-        raise InputError("has no effect on runs without noise", where=f"{where}: noise_seeds", right="leave it out")
     paths = [path for one in varied for path in one.paths]
-    twice = next((path for i, path in enumerate(paths) if path in paths[:i]), None)
-    if twice is not None:
-        raise InputError(f"{twice} varies twice", where=f"{where}: vary", right="vary it once")
-    if file.sampling == "grid":
-        return
-    if not varied:
-        raise InputError("nothing varies", where=f"{where}: vary", right='say what, or use sampling = "grid"')
-    if file.runs is None:
-        raise InputError("is missing", where=f"{where}: runs", right="say how many samples, such as 1024")
-    if file.sampling in {"sobol", "saltelli"} and file.runs.bit_count() != 1:
-        above = 1 << file.runs.bit_length()
-        right = f"Sobol points are balanced in powers of two: give {above // 2} or {above}"
-        raise InputError(f"{file.runs} is no power of two", where=f"{where}: runs", right=right)
+    twice = [path for i, path in enumerate(paths) if path in paths[:i]]
+    named = [table.name or str(i) for i, table in enumerate(file.scenario)]
+    drawn, count = file.sampling != "grid", file.runs or 0
+    above = 1 << count.bit_length()
+    odd = file.sampling in {"sobol", "saltelli"} and count.bit_count() != 1
+    balanced = f"Sobol points are balanced in powers of two: give {above // 2} or {above}"
+    noisy = all(table.noise for table in file.scenario)
+    refuse(
+        f"{where}: ",
+        (file.noise_seeds > 1 and not noisy, "noise_seeds", "has no effect on runs without noise; leave it out"),
+        (bool(twice), "vary", f"{''.join(twice[:1])} varies twice; vary it once"),
+        (drawn and not varied, "vary", 'nothing varies; say what, or use sampling = "grid"'),
+        (drawn and file.runs is None, "runs", "is missing; say how many samples, such as 1024"),
+        (odd, "runs", f"{file.runs} is no power of two; {balanced}"),
+        (len(set(named)) < len(named), "scenario.name", "two have the same name; give each its own"),
+    )
 
 
 def _scenario(table: ScenarioTable, file: StudyFile) -> Scenario:
     """What varies takes the place of a constant."""
-    given = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
     varied = {*file.vary, *(path for one in file.vary.values() for path in one.also)}
-    for key in ("payload", "supply"):
-        if f"scenario.{key}" in varied and isinstance(given.get(key), float):
-            del given[key]
-    return Scenario(**given)
+    given = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
+    hidden = [key for key in ("payload", "supply") if f"scenario.{key}" in varied and isinstance(given.get(key), float)]
+    return Scenario(**{key: value for key, value in given.items() if key not in hidden})
 
 
 def _metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from layflat.experiments.questions.tables import Array, listed, moves_of
 from layflat.plot.bars import draw_bars
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
-from layflat.study.sensitivity import Indices, sobol_indices
+from layflat.study.sampling import Indices, sobol_indices
 
 if TYPE_CHECKING:
     import pandas

@@ -9,7 +9,7 @@ from studies import SMALL, written
 
 from layflat.plot.study import BINS, medians, study_figure
 from layflat.study import read
-from layflat.study.picture import draw
+from layflat.study.results import draw
 
 
 def test_medians_over_few_values_and_over_many() -> None:
