@@ -46,6 +46,17 @@ def whole_file(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
+def write_text(path: Path, text: str) -> Path:
+    """Write a text file, whole or not at all, and return its path.
+
+    Raises:
+        OutputError: as from `whole_file`.
+    """
+    with whole_file(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path
+
+
 def _refusal(error: Exception, path: Path, temporary: Path | None) -> OutputError | None:
     """Why nothing could be written; None where it could, and something else is wrong.
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import is_dataclass
+from functools import wraps
+from inspect import Parameter, Signature, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -28,7 +31,7 @@ app = LazyTyper(
         "design": "design",
         "size": "design",
         "simulate": "simulate",
-        "loop": "loop",
+        "loop": "simulate",
         "tune": "tune",
         "studies": "study",
         "study": "study",
@@ -37,9 +40,9 @@ app = LazyTyper(
         "identify": "identify",
         "log": "log:logs",
         "rig": "rig:rigs",
-        "cells": "cells",
+        "cells": "pack",
         "pack": "pack",
-        "arm-model": "arm_model",
+        "arm-model": "describe",
     },
 )
 
@@ -63,6 +66,24 @@ def options(
 MachineName = Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in machine or description file")]
 Out = Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="folder for the results")]
 Seed = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="of the random numbers; the same seed gives the same")]
+
+
+def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Let a command take a dataclass of options: typer sees an option for each of its fields."""
+    own = signature(command, eval_str=True).parameters
+    name, options = next((key, one.annotation) for key, one in own.items() if is_dataclass(one.annotation))
+    fields = signature(options, eval_str=True).parameters
+
+    @wraps(command)
+    def called(**given: Any) -> Any:
+        made = options(**{key: given.pop(key) for key in fields})  # type: ignore[operator]
+        return command(**given, **{name: made})
+
+    shown = [each for key, one in own.items() for each in (fields.values() if key == name else [one])]
+    called.__signature__ = Signature([one.replace(kind=Parameter.KEYWORD_ONLY) for one in shown])  # type: ignore[attr-defined]
+    called.__annotations__ = {one.name: one.annotation for one in shown}
+    return called
+
 
 WIDTH = 100
 """Columns that a table may take."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from threading import Thread
 from time import perf_counter
 from typing import Any
@@ -16,26 +17,45 @@ COMPILES = "(compiles for some seconds the first time)"
 
 
 @contextmanager
-def steps_bar(what: str, total: int | None = None) -> Iterator[Any]:
-    """Show a bar over steps; nothing where stderr is no terminal.
+def bar(what: str, total: float | None, *columns: str) -> Iterator[Callable[..., None]]:
+    """Show a bar; nothing where stderr is no terminal.
 
     Args:
         what: what is done.
-        total: steps in all, where known.
+        total: how much there is of it, where known.
+        columns: names of what stands behind the bar, such as "TimeRemainingColumn" of `rich.progress`.
 
     Yields:
-        `advance(done, total=None, what=None)`, which sets what the bar shows.
+        What sets what is shown: `completed`, `total`, `description`.
     """
+    from rich import progress  # noqa: PLC0415
     from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(f"{what} {COMPILES}", total=total)
+    behind = [getattr(progress, column)() for column in columns]
+    shown = progress.Progress(
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        *behind,
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    )
+    with shown:
+        yield partial(shown.update, shown.add_task(what, total=total))
+
+
+@contextmanager
+def steps_bar(what: str, total: int | None = None) -> Iterator[Any]:
+    """Show a bar over steps: how many are done, and for how long it goes on.
+
+    Yields:
+        `advance(done, total=None, now="")`, which sets what the bar shows.
+    """
+    with bar(f"{what} {COMPILES}", total, "MofNCompleteColumn", "TimeRemainingColumn") as update:
 
         def advance(done: int, total: int | None = None, now: str = "") -> None:
-            bar.update(task, completed=done, total=total, description=now or (what if done else None))
+            update(completed=done, total=total, description=now or (what if done else None))
 
         yield advance
 

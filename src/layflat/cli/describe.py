@@ -1,4 +1,4 @@
-"""Commands about descriptions: machines, show, check, schema."""
+"""Commands about descriptions: machines, show, check, schema, arm-model."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from layflat.cli.app import MachineName, app, print_findings, print_table
+from layflat.errors import InputError
 
 
 @app.command()
@@ -64,12 +65,29 @@ def schema(
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="where to write it")] = None,
 ) -> None:
     """Print the JSON Schema of description files, for editors."""
-    from layflat.files import whole_file  # noqa: PLC0415
+    from layflat.files import write_text  # noqa: PLC0415
     from layflat.machine.listing import schema_text  # noqa: PLC0415
 
     if out is None:
         typer.echo(schema_text())
         return
-    with whole_file(out) as temporary:
-        temporary.write_text(schema_text() + "\n", encoding="utf-8")
+    write_text(out, schema_text() + "\n")
     typer.echo(f"wrote {out}")
+
+
+@app.command()
+def arm_model(
+    machine: MachineName,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
+) -> None:
+    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF."""
+    from layflat.bridge import to_mjcf, to_urdf  # noqa: PLC0415
+    from layflat.files import write_text  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+
+    writers = {".xml": to_mjcf, ".urdf": to_urdf}
+    if out.suffix not in writers:
+        raise InputError(
+            f"{out.name!r} has an unknown format", where="--out", right="give a name such as arm.xml or arm.urdf"
+        )
+    typer.echo(f"wrote {write_text(out, writers[out.suffix](load(machine)))}")

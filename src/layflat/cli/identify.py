@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from layflat.cli.app import MachineName, Out, app, print_table
+from layflat.cli.bars import bar, busy
 from layflat.errors import StoppedError
 
 if TYPE_CHECKING:
     from layflat.identify.fit import Fit
-    from layflat.identify.fit.search import Progress
     from layflat.identify.identification import Identification
 
 NOT_TRUSTED = 3
@@ -68,10 +66,12 @@ def identify(
     from layflat.identify.identification import begin  # noqa: PLC0415
     from layflat.identify.page import write_page  # noqa: PLC0415
 
-    with _busy("reading"):
+    with busy("reading"):
         session = begin(logs, machine, out, blocks=fit, validate=validate or [], mapping=mapping)
-    with _progress() as progress:
-        found = session.fit(starts=starts, seed=seed, progress=progress)
+    with bar("compiling (for some seconds, the first time only)", 1.0, "TimeElapsedColumn") as update:
+        found = session.fit(
+            starts=starts, seed=seed, progress=lambda share, text: update(completed=share, description=text)
+        )
     session.keep(found)
     page = write_page(session, found, session.path.with_suffix(".html"))
     why = _print(session, found)
@@ -101,24 +101,3 @@ def _print(session: Identification, found: Fit) -> str | None:
             typer.echo()
     typer.echo(f"{prediction(found)} {count_identified(values)}")
     return untrusted(found, values)
-
-
-@contextmanager
-def _busy(what: str) -> Iterator[None]:
-    from rich.console import Console  # noqa: PLC0415
-
-    with Console(stderr=True).status(what):
-        yield
-
-
-@contextmanager
-def _progress() -> Iterator[Progress]:
-    """A bar that is never behind: a search may end sooner than it could."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("compiling (for some seconds, the first time only)", total=1.0)
-        yield lambda share, text: bar.update(task, completed=share, description=text)

@@ -1,4 +1,4 @@
-"""How well demands were followed, as a table; of simulated and of recorded runs."""
+"""Moves as people write them behind options, with joints and times, and how well they were followed, as a table."""
 
 from __future__ import annotations
 
@@ -8,15 +8,67 @@ from typing import TYPE_CHECKING
 import typer
 
 from layflat.cli.app import print_table
+from layflat.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
 
     from layflat.sim.metrics import Move
 
+Values = dict[str, str | float]
+Steps = list[tuple[float, Values]]
+
+
+def timed(texts: Sequence[str], first: Values, where: str, *, bare: bool = False) -> Steps:
+    """Return steps from texts such as "40 deg, 20 deg", "large=40 deg @ 2 s", beginning with the values in `first`.
+
+    A name that a text does not mention keeps its value; a single value is meant for all names. `bare` values are
+    numbers without unit.
+
+    Raises:
+        InputError: naming the option and what it should look like.
+    """
+    steps: Steps = [(0.0, first)]
+    for time, values in sorted((_one(text, list(first), where, bare) for text in texts), key=lambda item: item[0]):
+        kept = {**steps[-1][1], **values}
+        if steps[-1][0] == time:
+            steps.pop()
+        steps.append((time, kept))
+    return steps
+
+
+def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float, Values]:
+    from layflat.description import units as u  # noqa: PLC0415
+
+    body, at, when = text.partition("@")
+    time = u.quantity(when.strip(), u.TIME, where) if at else 0.0
+    if time < 0.0:
+        raise InputError(f"{when.strip()!r} is before the start", where=where, right='give a time such as "@ 2 s"')
+    items = [item.strip() for item in body.split(",")]
+    if any("=" in item for item in items):
+        pairs = [[part.strip() for part in item.partition("=")[::2]] for item in items]
+        unknown = [name for name, _ in pairs if name not in names]
+        if unknown:
+            raise InputError(f"unknown joint {unknown[0]!r}", where=where, right=f"joints are {', '.join(names)}")
+        return time, {name: _value(value, where, bare) for name, value in pairs}
+    if len(items) not in {1, len(names)}:
+        right = f"give {len(names)}: {', '.join(names)}"
+        raise InputError(f"{text!r} has {len(items)} values", where=where, right=right)
+    each = items * len(names) if len(items) == 1 else items
+    return time, {name: _value(item, where, bare) for name, item in zip(names, each, strict=True)}
+
+
+def _value(text: str, where: str, bare: bool) -> str | float:
+    if not bare:
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"{text!r} is not a number", where=where, right="give a number such as 0.5") from None
+
 
 def print_moves(moves: Sequence[tuple[float, Move]], name: str) -> None:
-    """Metrics of moves, with the times from which they count."""
+    """Print metrics of moves, with the times from which they count."""
     rows = [
         [f"{since:g}", m.joint, _seconds(m.settling), *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error))]
         for since, m in moves
@@ -26,7 +78,7 @@ def print_moves(moves: Sequence[tuple[float, Move]], name: str) -> None:
 
 
 def print_missed(run: xarray.Dataset, what: str) -> None:
-    """How far a run was from demands that change all the time."""
+    """Print how far a run was from demands that change all the time."""
     missed = 57.29578 * ((run["angle"] - run["demand"]) ** 2).mean("time") ** 0.5
     told = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in run["joint"].values)
     typer.echo(f"rms error against {what}: {told}")

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from layflat.cli.app import print_table
-from layflat.cli.bars import busy
+from layflat.cli.bars import bar, busy
 from layflat.cli.log import logs
 from layflat.errors import InputError
 
@@ -45,8 +43,8 @@ def repair_log(log: RigLog) -> None:
     """
     from layflat.rig.recorder.repair import repair  # noqa: PLC0415
 
-    with _bytes_bar() as advance:
-        done = repair(log, advance)
+    with bar("repairing", None, "DownloadColumn", "TimeRemainingColumn") as update:
+        done = repair(log, lambda count, size: update(completed=count, total=size))
     if done is None:
         typer.echo(f"{log}: is complete, nothing to repair")
         return
@@ -135,16 +133,3 @@ def _spread(values: object) -> str:
 
     middle, most, worst = np.percentile(values, (50.0, 99.0, 100.0))  # type: ignore[call-overload]
     return f"median {middle:.0f} us, 99 % within {most:.0f} us, worst {worst:.0f} us"
-
-
-@contextmanager
-def _bytes_bar() -> Iterator[Callable[[int, int], None]]:
-    """A progress bar on stderr, on a terminal."""
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
-
-    console = Console(stderr=True)
-    columns = (TextColumn("repairing"), BarColumn(), DownloadColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("", total=None)
-        yield lambda done, size: bar.update(task, completed=done, total=size)

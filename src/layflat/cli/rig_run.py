@@ -11,7 +11,7 @@ import typer
 
 from layflat.cli.app import MachineName, Out, print_table
 from layflat.cli.bars import busy
-from layflat.cli.moves import print_missed, print_moves
+from layflat.cli.moves import print_missed, print_moves, timed
 from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
 from layflat.errors import InputError
 
@@ -102,7 +102,6 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
     Raises:
         InputError: a demand makes no sense, or lies outside the stroke.
     """
-    from layflat.cli.text import timed  # noqa: PLC0415
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.rig.plan import Plan, check_stroke  # noqa: PLC0415
 

@@ -1,57 +1,111 @@
-"""The command that runs a machine: simulate."""
+"""Commands that simulate a machine (simulate) or sweep a joint (loop)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, Out, Seed, app, naming_options
+from layflat.cli.app import MachineName, Out, Seed, app, expanded, known_joint, naming_options, print_table
 from layflat.cli.bars import in_background
-from layflat.cli.moves import print_missed, print_moves
+from layflat.cli.moves import print_missed, print_moves, timed
 from layflat.errors import DivergedError, InputError
 
 if TYPE_CHECKING:
     import xarray
 
-    from layflat.cli.text import Steps
+    from layflat.cli.moves import Steps, Values
     from layflat.machine import Machine
     from layflat.sim.scenario import Scenario, Signal
 
 LEAD = 0.1
 """A move without a time begins so long after the start, s: the joints are at rest before it."""
 
-OPTIONS = {
-    "demand": "--move",
-    "load": "--load",
-    **{name: f"--{name}" for name in ("duration", "start", "opening", "payload", "supply", "drift", "brake", "step")},
-}
-"""Options by what they are called in a scenario."""
+USUALLY = "3 s"
+"""Duration of a run."""
+
+LASTS_AS_LONG = ("duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
+"""Options that are called the same in a scenario."""
 
 
-@app.command()
-def simulate(
-    machine: MachineName,
+@dataclass(frozen=True)
+class Asked:
+    """Options that say what happens in a run."""
+
     move: Annotated[
         list[str] | None,
         typer.Option(help='demand: "40 deg", "40 deg, 20 deg" or "large=40 deg", with "@ 2 s" for later; repeatable'),
-    ] = None,
+    ] = None
     demand: Annotated[
         Path | None, typer.Option(metavar="FILE", help="demands over time, as `layflat excite` writes them")
-    ] = None,
-    opening: Annotated[str | None, typer.Option(help='open loop: valve openings, -1 to 1, such as "0.1, 0"')] = None,
-    duration: Annotated[str | None, typer.Option(help="of the run  [default: 3 s, or that of the file]")] = None,
-    start: Annotated[str | None, typer.Option(help="angles at the start  [default: 0 deg]")] = None,
-    payload: Annotated[list[str] | None, typer.Option(help='such as "2 kg @ 1 s"; repeatable')] = None,
-    supply: Annotated[list[str] | None, typer.Option(help='gauge, such as "0 bar @ 1 s"; repeatable')] = None,
-    drift: Annotated[list[str] | None, typer.Option(help='of the valve\'s neutral, such as "0.2 V @ 1 s"')] = None,
-    load_torque: Annotated[
-        list[str] | None, typer.Option("--load", help='on the joints, such as "2 N m @ 1 s"')
-    ] = None,
-    brake: Annotated[list[str] | None, typer.Option(help='share of the brake\'s torque, such as "0.5 @ 1 s"')] = None,
-    seed: Seed = 0,
+    ] = None
+    opening: Annotated[str | None, typer.Option(help='open loop: valve openings, -1 to 1, such as "0.1, 0"')] = None
+    duration: Annotated[str | None, typer.Option(help="of the run  [default: 3 s, or that of the file]")] = None
+    start: Annotated[str | None, typer.Option(help="angles at the start  [default: 0 deg]")] = None
+    payload: Annotated[list[str] | None, typer.Option(help='such as "2 kg @ 1 s"; repeatable')] = None
+    supply: Annotated[list[str] | None, typer.Option(help='gauge, such as "0 bar @ 1 s"; repeatable')] = None
+    drift: Annotated[list[str] | None, typer.Option(help='of the valve\'s neutral, such as "0.2 V @ 1 s"')] = None
+    load: Annotated[list[str] | None, typer.Option(help='on the joints, such as "2 N m @ 1 s"')] = None
+    brake: Annotated[list[str] | None, typer.Option(help='share of the brake\'s torque, such as "0.5 @ 1 s"')] = None
+    seed: Seed = 0
+
+    def refuse_contradictions(self) -> None:
+        """Refuse options that would be ignored beside others.
+
+        Raises:
+            InputError: naming them.
+        """
+        for option, excluded in (("demand", ("move", "opening", "duration")), ("opening", ("move",))):
+            others = [f"--{other}" for other in excluded if getattr(self, other)]
+            if others and getattr(self, option) is not None:
+                what = f"cannot be combined with {' and '.join(others)}"
+                raise InputError(what, where=f"--{option}", right="give one or the other")
+
+    def scenario(self, machine: Machine) -> Scenario:
+        """Return what happens to a machine.
+
+        Raises:
+            InputError: naming the option.
+        """
+        from layflat.sim import Scenario  # noqa: PLC0415
+
+        still: Values = dict.fromkeys(machine.joints, 0.0)
+        begin = timed([self.start] if self.start else [], still, "--start")[-1][1]
+        usual: dict[str, Values] = {
+            "move": begin,
+            "payload": {"payload": machine.arm.payload},
+            "supply": {"supply": machine.supply.pressure_gauge},
+            "drift": still,
+            "load": still,
+            "brake": dict.fromkeys(machine.joints, 1.0),
+        }
+        acting = {
+            key: timed(getattr(self, key) or [], first, f"--{key}", bare=key == "brake") for key, first in usual.items()
+        }
+        moves, lasts = acting["move"], self.duration or USUALLY
+        demand: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
+        if self.demand is not None:
+            demand, lasts = _from_file(machine, self.demand)
+        scenario = Scenario(
+            demand=demand,
+            duration=lasts,
+            start=begin,
+            opening=timed([self.opening], still, "--opening", bare=True) if self.opening else None,
+            seed=self.seed,
+            **{key: acting[key] for key in usual if key != "move"},
+        )
+        _check_times(acting, lasts)
+        return scenario
+
+
+@app.command()
+@expanded
+def simulate(
+    machine: MachineName,
+    asked: Asked,
     step: Annotated[str, typer.Option(help="of the plant")] = "0.25 ms",
     out: Out = Path("build/simulate"),
 ) -> None:
@@ -59,84 +113,35 @@ def simulate(
 
     Prints metrics; writes NAME.nc (NetCDF) and NAME.png, after the machine's name.
     """
-    from layflat.cli.text import timed  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.sim import Scenario, rollout  # noqa: PLC0415
+    from layflat.sim import rollout  # noqa: PLC0415
 
     described = load(machine)
-    _check_combination(demand, move, opening, duration)
+    asked.refuse_contradictions()
     check_folder(out)
-    names, lasts = list(described.joints), duration or "3 s"
-    still: dict[str, str | float] = dict.fromkeys(names, 0.0)
-    begin = timed([start] if start else [], still, "--start")[-1][1]
-    moves = timed(move or [], begin, "--move")
-    asked: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
-    acting = {
-        "--move": moves,
-        "--payload": timed(payload or [], {"payload": described.arm.payload}, "--payload"),
-        "--supply": timed(supply or [], {"supply": described.supply.pressure_gauge}, "--supply"),
-        "--drift": timed(drift or [], still, "--drift"),
-        "--load": timed(load_torque or [], still, "--load"),
-        "--brake": timed(brake or [], dict.fromkeys(names, 1.0), "--brake", bare=True),
-    }
-    if demand is not None:
-        asked, lasts = _from_file(described, demand)
-    with naming_options({**OPTIONS, "demand": f"--demand {demand}"} if demand is not None else OPTIONS):
-        scenario = Scenario(
-            demand=asked,
-            duration=lasts,
-            start=begin,
-            opening=timed([opening], still, "--opening", bare=True) if opening else None,
-            payload=acting["--payload"],
-            supply=acting["--supply"],
-            drift=acting["--drift"],
-            load=acting["--load"],
-            brake=acting["--brake"],
-            seed=seed,
-        )
-        _check_times(acting, lasts)
+    demand = "--move" if asked.demand is None else f"--demand {asked.demand}"
+    with naming_options({"demand": demand, **{name: f"--{name}" for name in LASTS_AS_LONG}}):
+        scenario = asked.scenario(described)
+        what = f"simulating {scenario.duration} (compiles the first time)"
         try:
-            run = in_background(
-                lambda: rollout(described, scenario=scenario, step=step),
-                f"simulating {lasts} (compiles the first time)",
-            )
+            run = in_background(lambda: rollout(described, scenario=scenario, step=step), what)
         except DivergedError as error:
             _write_run(described, error.run, out)  # type: ignore[arg-type]
             raise
-    _print_metrics(described, run, scenario, demand)
+    _print_metrics(described, run, scenario, asked.demand)
     _write_run(described, run, out)
 
 
-def _check_combination(demand: Path | None, move: object, opening: object, duration: object) -> None:
-    """Refuse options that would be ignored beside others.
-
-    Raises:
-        InputError: naming them.
-    """
-    given = {"--move": move, "--opening": opening, "--duration": duration}
-    excluded = {"--demand": ["--move", "--opening", "--duration"], "--opening": ["--move"]}
-    for option, beside in excluded.items():
-        others = [other for other in beside if given[other]]
-        if others and (demand if option == "--demand" else opening) is not None:
-            raise InputError(
-                f"cannot be combined with {' and '.join(others)}", where=option, right="give one or the other"
-            )
-
-
 def _check_times(acting: Mapping[str, Steps], lasts: str) -> None:
-    """Refuse what would happen after the end of the run.
-
-    Raises:
-        InputError: naming the option.
-    """
+    """Refuse what would happen after the end of the run."""
     from layflat.description import units as u  # noqa: PLC0415
 
     end = u.quantity(lasts, u.TIME, "--duration")
     for option, steps in acting.items():
         if steps[-1][0] >= end > 0.0:
             right = f"the run ends at {end:g} s: give an earlier time, or a longer --duration"
-            raise InputError(f"{steps[-1][0]:g} s is after the end", where=option, right=right)
+            raise InputError(f"{steps[-1][0]:g} s is after the end", where=f"--{option}", right=right)
 
 
 def _from_file(machine: Machine, demand: Path) -> tuple[Signal, str]:
@@ -156,9 +161,8 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, de
         print_missed(run, demand.name)
     elif scenario.opening is None:
         print_moves(moves_of(run), machine.name)
-    typer.echo(
-        f"air used {air_used(run):.2f} normal litres, peak tip acceleration {peak_tip_acceleration(run):.1f} m/s2"
-    )
+    acceleration = peak_tip_acceleration(run)
+    typer.echo(f"air used {air_used(run):.2f} normal litres, peak tip acceleration {acceleration:.1f} m/s2")
 
 
 def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
@@ -168,3 +172,38 @@ def _write_run(machine: Machine, run: xarray.Dataset, out: Path) -> None:
 
     typer.echo(f"wrote {save_run(run, out / f'{machine.name}.nc')}")
     typer.echo(f"wrote {save(run_figure(run), out / f'{machine.name}.png')}")
+
+
+@app.command()
+def loop(
+    machine: MachineName,
+    joint: Annotated[str | None, typer.Option(help="[default: all joints]")] = None,
+    pressure: Annotated[str, typer.Option(help="gauge pressure in hose A")] = "3 bar",
+    stroke: Annotated[str | None, typer.Option(help="of the sweep, end to end  [default: the working stroke]")] = None,
+    brake: Annotated[float, typer.Option(help="share of the brake's torque")] = 1.0,
+    out: Out = Path("build/loop"),
+) -> None:
+    """Sweep a joint at constant pressure: its hysteresis curve.
+
+    Writes NAME-loop.png, after the machine's name.
+    """
+    from layflat.description import units as u  # noqa: PLC0415
+    from layflat.files import check_folder  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+    from layflat.plot.hysteresis import hysteresis_curves  # noqa: PLC0415
+    from layflat.plot.style import save  # noqa: PLC0415
+    from layflat.sim.sweep import sweep  # noqa: PLC0415
+
+    described = load(machine)
+    chosen = [known_joint(described, joint)] if joint else list(described.joints)
+    at = u.quantity(pressure, u.PRESSURE, "--pressure")
+    reach = u.quantity(stroke, u.ANGLE, "--stroke") if stroke else None
+    check_folder(out)
+    with naming_options({name: f"--{name}" for name in ("pressure", "stroke", "brake")}):
+        swept = {name: sweep(described, name, at, stroke=reach, brake=brake) for name in chosen}
+    columns = ["joint", "torque (N m)", "hysteresis height (N m)", "hysteresis (%)"]
+    rows = [
+        [name, f"{s.maximum_torque:.1f}", f"{s.height:.2f}", f"{100 * s.hysteresis:.1f}"] for name, s in swept.items()
+    ]
+    print_table(columns, rows, f"{described.name} at {pressure}")
+    typer.echo(f"wrote {save(hysteresis_curves(swept), out / f'{described.name}-loop.png')}")

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError, OutputError
 from layflat.extras import module
-from layflat.files import whole_file
+from layflat.files import whole_file, write_text
 
 if TYPE_CHECKING:
     import pandas
@@ -96,8 +96,7 @@ class Folder:
 
     def mark(self, done: str) -> None:
         """Say in the folder that its study is not done yet, and how much of it is."""
-        with whole_file(self.partial) as temporary:
-            temporary.write_text(f"partial: {done}; the same command goes on from here\n", encoding="utf-8")
+        write_text(self.partial, f"partial: {done}; the same command goes on from here\n")
 
     def join(self) -> Path:
         """Write the table from all chunks, in their order, as Parquet and, with units in its header, as CSV."""
@@ -137,8 +136,7 @@ class Folder:
             for leftover in [*self.place.glob(".*"), *self.chunk(0).parent.glob(".*")]:
                 leftover.unlink()
             if not self.study.exists():
-                with whole_file(self.study) as temporary:
-                    temporary.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+                write_text(self.study, json.dumps(content, indent=2) + "\n")
             yield
 
     def _refuse_foreign(self) -> None:

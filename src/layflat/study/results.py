@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.study.folder import ANSWER, table
 from layflat.study.study import Study
 
@@ -100,9 +100,7 @@ def write_picture(study: Study, out: Path) -> Path:
 
     drawn = draw(study, table(out))
     save(drawn, out / PNG)
-    with whole_file(out / SVG) as temporary:
-        temporary.write_text(to_svg(drawn), encoding="utf-8")
-    return out / SVG
+    return write_text(out / SVG, to_svg(drawn))
 
 
 def _label(name: str, si: str) -> tuple[str, float]:

@@ -1,6 +1,6 @@
 import pytest
 
-from layflat.cli.text import timed
+from layflat.cli.moves import timed
 from layflat.errors import InputError
 
 STILL: dict[str, str | float] = {"large": 0.0, "small": 0.0}
