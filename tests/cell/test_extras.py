@@ -12,7 +12,7 @@ from layflat.errors import InputError
 
 def test_a_missing_package_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
-    with pytest.raises(InputError, match=r"opencv-python-headless: is not installed; .* 'layflat\[cell\]'"):
+    with pytest.raises(InputError, match=r"needs opencv-python-headless, not installed; .* 'layflat\[cell\]'"):
         extras.opencv()
 
 

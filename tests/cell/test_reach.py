@@ -5,14 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.reach import AMPLE_MARGIN, END_MARGIN, SMALL_ERROR, Angles, Reach
+from layflat.cell.reach import AMPLE_MARGIN, SMALL_ERROR, Angles, Reach
 from layflat.machine import changed, load
 from layflat.sim.kinematics import tip_position
 
 ARM = load("paper-arm")
 STRAIGHT = changed(ARM, "arm.elbow", 0.0)
 """Its elbow bends both ways."""
-ONE = load("paper-small-joint")
 ANGLES = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)).map(lambda share: tuple(s * radians(57) for s in share))
 
 
@@ -76,19 +75,6 @@ def test_the_quicker_posture_is_taken_unless_it_lacks_margin() -> None:
     assert tight is not None
     assert tight.margin == max(one.margin for one in BOTH.postures(*near_end))
     assert REACH.choose(1.0, 0.0, len) is None
-
-
-def test_an_arm_with_one_joint_reaches_its_circle() -> None:
-    reach = Reach(ONE)
-    (length,) = reach.lengths
-    (found,) = reach.postures(length * np.cos(0.5), length * np.sin(0.5))
-    assert found.angles == pytest.approx((0.5,))
-    assert found.sensitivity == pytest.approx(SMALL_ERROR * length)
-    assert reach.postures(length + 0.1, 0.0) == ()
-    assert reach.missing(length + 0.1, 0.0) == pytest.approx(0.1)
-    end = radians(60) - END_MARGIN
-    past = reach.missing(length * np.cos(end + 0.1), length * np.sin(end + 0.1))
-    assert past == pytest.approx(2 * length * np.sin(0.05))
 
 
 def tip(q_1: float, q_2: float) -> tuple[float, float]:

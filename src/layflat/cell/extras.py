@@ -1,64 +1,33 @@
-"""Libraries of the extra `cell`, imported when they are needed."""
+"""Libraries of the extra `cell`, imported when they are needed; MissingExtraError names one that is not there."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib import import_module
 from typing import Any
 
+from layflat import extras
 from layflat.bridge.engine import engine
-from layflat.errors import InputError
 
 
 def mujoco() -> Any:
-    """The package `mujoco`.
-
-    Raises:
-        InputError: it is not installed.
-    """
+    """Return the package `mujoco`."""
     try:
         return engine()
     except (AttributeError, RuntimeError):  # MUJOCO_GL names what is not there; only pictures need it, see gl.py
-        with _environment(MUJOCO_GL="disable"):
+        before = dict(os.environ)
+        os.environ["MUJOCO_GL"] = "disable"
+        try:
             return engine()
+        finally:
+            os.environ.clear()
+            os.environ.update(before)
 
 
 def opencv() -> Any:
-    """The package `cv2`.
-
-    Raises:
-        InputError: it is not installed.
-    """
-    return _package("cv2", "opencv-python-headless")
-
-
-def pyav() -> Any:
-    """The package `av`, which has FFmpeg in it.
-
-    Raises:
-        InputError: it is not installed.
-    """
-    return _package("av", "av")
-
-
-@contextmanager
-def _environment(**changes: str) -> Iterator[None]:
-    before = dict(os.environ)
-    os.environ.update(changes)
-    try:
-        yield
-    finally:
-        os.environ.clear()
-        os.environ.update(before)
-
-
-def _package(name: str, where: str) -> Any:
-    try:
-        return import_module(name)
-    except ImportError:
-        raise InputError("is not installed", where=where, right="install it: pip install 'layflat[cell]'") from None
+    """Return the package `cv2`."""
+    return extras.module("cell", "cv2")
 
 
 @contextmanager

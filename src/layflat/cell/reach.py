@@ -1,4 +1,4 @@
-"""Where the arm's tip can go, and with which angles of its joints.
+"""Where the tip of an arm of two joints can go, and with which angles.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -14,8 +14,8 @@ to the tip.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import acos, atan2, cos, hypot, pi, radians, remainder, sin, tau
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,41 +24,25 @@ from layflat.sim.kinematics import tip_position
 
 Angles = tuple[float, ...]
 """One angle a joint, from base to tip, rad."""
-
 SMALL_ERROR = radians(0.1)
 """For which a posture's sensitivity is given, rad: how exactly the paper's joints come back to a place."""
-
 END_MARGIN = radians(3.0)
 """That is kept to the ends of a working stroke, rad: a joint may overshoot."""
-
 AMPLE_MARGIN = radians(10.0)
 """A posture that keeps so much from the ends is as good as any other, rad."""
-
 ROUNDING = 1e-12
-"""By which the cosine of a stretched elbow may be over 1."""
-
-ON_ARC = 1e-3
-"""How far from its circle a point may be that an arm with one joint is sent to, m."""
+"""By which the cosine of a stretched elbow may be over 1, and an angle (rad) over its limit."""
 
 
-@dataclass(frozen=True)
-class Posture:
-    """Angles that bring the tip to a point.
-
-    Args:
-        angles: rad, from base to tip.
-        margin: from the nearest end of any joint's working stroke, rad.
-        sensitivity: greatest way of the tip if every joint is off by `SMALL_ERROR`, m. Both elbows have the same: it
-            distinguishes places, not elbows.
-    """
+class Posture(NamedTuple):
+    """Angles that bring the tip to a point; both elbows have the same sensitivity: it distinguishes places."""
 
     angles: Angles
-    margin: float
-    sensitivity: float
+    margin: float  # from the nearest end of any joint's working stroke, rad
+    sensitivity: float  # greatest way of the tip if every joint is off by `SMALL_ERROR`, m
 
 
-@dataclass(frozen=True)
-class _Arc:
+class _Arc(NamedTuple):
     """Part of a circle: centre and radius (m), midpoint and half of the angle that it spans (rad)."""
 
     x: float
@@ -77,12 +61,7 @@ class _Arc:
 
 
 class Reach:
-    """Inverse kinematics of a machine's planar arm.
-
-    Args:
-        machine: with one joint or two.
-        margin: kept to the ends of the working strokes, rad.
-    """
+    """Inverse kinematics of a planar arm of two joints, which keep a margin (rad) to the ends of their strokes."""
 
     def __init__(self, machine: Machine, margin: float = END_MARGIN) -> None:
         self.machine = machine
@@ -98,21 +77,28 @@ class Reach:
 
     def axes(self, angles: Angles) -> list[tuple[float, float]]:
         """Return where the joints' axes and the tip are, m, from the base on."""
-        first = (self.lengths[0] * cos(angles[0]), self.lengths[0] * sin(angles[0]))
-        return [*[(0.0, 0.0), first][: len(angles)], self.tip(angles)]
+        return [(0.0, 0.0), (self.lengths[0] * cos(angles[0]), self.lengths[0] * sin(angles[0])), self.tip(angles)]
 
     def postures(self, x: float, y: float) -> tuple[Posture, ...]:
         """Return the postures that bring the tip to a point (m), widest margin first; none if out of reach."""
-        found = [self._posture(angles) for angles in self._solutions(x, y) if self._inside(angles)]
+        l_1, l_2 = self.lengths
+        distance, towards = hypot(x, y), atan2(y, x)
+        bend = (distance * distance - l_1 * l_1 - l_2 * l_2) / (2.0 * l_1 * l_2)
+        if abs(bend) > 1.0 + ROUNDING:
+            return ()
+        elbow = acos(min(max(bend, -1.0), 1.0))
+        found = []
+        for bent in {elbow, -elbow}:
+            first = remainder(towards - atan2(l_2 * sin(bent), l_1 + l_2 * cos(bent)), tau)
+            angles = (first, remainder(bent - self.machine.arm.elbow, tau))
+            if all(abs(q) <= limit + ROUNDING for q, limit in zip(angles, self.limits, strict=True)):
+                found.append(self._posture(angles))
         return tuple(sorted(found, key=lambda posture: -posture.margin))
 
     def choose(self, x: float, y: float, travel_time: Callable[[Angles], float]) -> Posture | None:
-        """Return the posture to take: with ample margin if there is one, then the one that is reached soonest.
+        """Return the posture over a point (m) to take, None where it is out of reach.
 
-        Args:
-            x: of the point, m.
-            y: as x.
-            travel_time: from where the arm is to a posture's angles, s.
+        It is one with ample margin if there is one, and of these the one with the shortest `travel_time` (s).
         """
 
         def worth(posture: Posture) -> tuple[float, float]:
@@ -124,42 +110,17 @@ class Reach:
         """Return how far a point lies out of reach, m; 0 within."""
         return 0.0 if self.postures(x, y) else min(arc.distance(x, y) for arc in self._arcs)
 
-    def _inside(self, angles: Angles) -> bool:
-        return all(abs(q) <= limit + 1e-12 for q, limit in zip(angles, self.limits, strict=True))
-
-    def _solutions(self, x: float, y: float) -> list[Angles]:
-        distance, towards = hypot(x, y), atan2(y, x)
-        if len(self.lengths) == 1:
-            return [(towards,)] if abs(distance - self.lengths[0]) <= ON_ARC else []
-        l_1, l_2 = self.lengths
-        bend = (distance * distance - l_1 * l_1 - l_2 * l_2) / (2.0 * l_1 * l_2)
-        if abs(bend) > 1.0 + ROUNDING:
-            return []
-        bend = min(max(bend, -1.0), 1.0)
-        elbows = {acos(bend), -acos(bend)}
-        first = [remainder(towards - atan2(l_2 * sin(bent), l_1 + l_2 * cos(bent)), tau) for bent in elbows]
-        return [(q, remainder(bent - self.machine.arm.elbow, tau)) for q, bent in zip(first, elbows, strict=True)]
-
     def _posture(self, angles: Angles) -> Posture:
         margin = min(limit - abs(q) for q, limit in zip(angles, self.limits, strict=True)) + self._kept
-        x, y = self.tip(angles)
         # A joint that turns moves the tip about its own axis.
-        levers = [(-y, x)]
-        if len(angles) == 2:
-            levers.append((self.lengths[0] * sin(angles[0]) - y, x - self.lengths[0] * cos(angles[0])))
-        ways = [hypot(sum(s * dx for s, (dx, _) in zip(signs, levers, strict=False)),
-                      sum(s * dy for s, (_, dy) in zip(signs, levers, strict=False)))
-                for signs in ((1.0, 1.0), (1.0, -1.0))]  # fmt: skip
-        return Posture(angles, margin, SMALL_ERROR * max(ways))
+        base, elbow, tip = (complex(*at) for at in self.axes(angles))
+        way = max(abs((tip - base) + (tip - elbow)), abs((tip - base) - (tip - elbow)))
+        return Posture(angles, margin, SMALL_ERROR * way)
 
     def _boundary(self) -> list[_Arc]:
         """Return arcs that hold every point of the edge of the reach: one joint at an end, the other sweeps."""
-        if len(self.lengths) == 1:
-            return [_Arc(0.0, 0.0, self.lengths[0], 0.0, self.limits[0])]
         (l_1, l_2), (limit_1, limit_2), elbow = self.lengths, self.limits, self.machine.arm.elbow
-        arcs = [
-            _Arc(l_1 * cos(q), l_1 * sin(q), l_2, q + elbow, limit_2) for q in (-limit_1, limit_1)
-        ]  # fmt: skip
+        arcs = [_Arc(l_1 * cos(q), l_1 * sin(q), l_2, q + elbow, limit_2) for q in (-limit_1, limit_1)]
         # Stretched and folded elbows end the reach, too, where the stroke holds them.
         singular = [remainder(bent - elbow, tau) for bent in (0.0, pi)]
         for q in (-limit_2, limit_2, *(s for s in singular if abs(s) <= limit_2)):

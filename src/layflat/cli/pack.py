@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,8 +15,6 @@ from layflat.cli.rig import FAULT
 from layflat.errors import InputError, LayflatError, NoDrawingError, StoppedError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from layflat.cell.file.model import Cell
     from layflat.cell.vision import Calibration
     from layflat.cell.work.records import Delivery
@@ -29,16 +25,15 @@ FILMS = ("mp4", "gif", "none")
 MOST = 10_000
 
 CellName = Annotated[str, typer.Option("--cell", metavar="NAME|FILE", help="built-in cell or description file")]
-Picks = Annotated[
-    int | None,
-    typer.Option(min=1, max=MOST, help=f"[default: {PICKS}; with --study {STUDY_PICKS} for each seed]"),
-]
-Seed = Annotated[
-    int, typer.Option(min=0, max=2**63 - 1, help="of produce, light and noise; with --study the first of the seeds")
-]
-CalibrationFile = Annotated[
-    Path | None, typer.Option("--calibration", metavar="FILE", help="of the camera [default: calibrate it first]")
-]
+PICKS_HELP = f"[default: {PICKS}; with --study {STUDY_PICKS} for each seed]"
+Picks = Annotated[int | None, typer.Option(min=1, max=MOST, help=PICKS_HELP)]
+SEED_HELP = "of produce, light and noise; with --study the first of the seeds"
+Seed = Annotated[int, typer.Option(min=0, max=2**63 - 1, help=SEED_HELP)]
+CAMERA_HELP = "of the camera [default: calibrate it first]"
+CalibrationFile = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help=CAMERA_HELP)]
+FilmKind = Annotated[str | None, typer.Option(help="mp4, gif or none [default: mp4]")]
+Study = Annotated[bool, typer.Option("--study", help="repeat with many seeds, on all cores, without films")]
+Seeds = Annotated[int | None, typer.Option(min=1, max=MOST, help=f"number of seeds with --study [default: {SEEDS}]")]
 
 
 @app.command()
@@ -63,11 +58,9 @@ def pack(
     seed: Seed = 0,
     out: Out = Path("build/pack"),
     calibration: CalibrationFile = None,
-    film: Annotated[str | None, typer.Option(help="mp4, gif or none [default: mp4]")] = None,
-    study: Annotated[bool, typer.Option("--study", help="repeat with many seeds, on all cores, without films")] = False,
-    seeds: Annotated[
-        int | None, typer.Option(min=1, max=MOST, help=f"number of seeds with --study [default: {SEEDS}]")
-    ] = None,
+    film: FilmKind = None,
+    study: Study = False,
+    seeds: Seeds = None,
 ) -> None:
     """Pack produce in a physical scene; needs the extra `cell`.
 
@@ -79,7 +72,12 @@ def pack(
     from layflat.cell import load  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 
-    _check_options(film, seeds, study=study)
+    if film is not None and film not in FILMS:
+        raise InputError(f"unknown kind of film {film!r}", where="--film", right=f"give {', '.join(FILMS)}")
+    if study and film not in {None, "none"}:
+        raise InputError("cannot be combined with --study", where="--film", right="leave one of them out")
+    if not study and seeds is not None:
+        raise InputError("is the number of a study's seeds", where="--seeds", right="add --study, or give --seed")
     described = load(cell)
     check_folder(out)
     known = _calibration(described, calibration, out)
@@ -93,15 +91,6 @@ def pack(
         _end(stopped if isinstance(run.error, StoppedError) else run.error)
 
 
-def _check_options(film: str | None, seeds: int | None, *, study: bool) -> None:
-    if film is not None and film not in FILMS:
-        raise InputError(f"unknown kind of film {film!r}", where="--film", right=f"give {', '.join(FILMS)}")
-    if study and film not in {None, "none"}:
-        raise InputError("cannot be combined with --study", where="--film", right="leave one of them out")
-    if not study and seeds is not None:
-        raise InputError("is the number of a study's seeds", where="--seeds", right="add --study, or give --seed")
-
-
 def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | None:
     """Return that of the cell's camera, from a file or made anew; say so and return None without OpenGL."""
     from layflat.cell.scene import gl  # noqa: PLC0415
@@ -110,10 +99,10 @@ def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | Non
 
     try:
         if given is not None:
-            gl.check()
+            gl.context(16, 16).free()
             return load_calibration(given)
-        with steps_bar("calibrating the camera, per cent") as advance:
-            found = calibrated(cell, lambda share: advance(round(100 * share), 100))
+        with steps_bar("calibrating the camera, per cent", 100) as advance:
+            found = calibrated(cell, lambda share: advance(round(100 * share)))
     except NoDrawingError as error:
         typer.echo(f"layflat: {error}", err=True)
         typer.echo("layflat: continuing without images; the scene's truth stands in for the camera", err=True)
@@ -130,7 +119,7 @@ def _run(
     from layflat.cell.work.observer import Observers, PickCounter  # noqa: PLC0415
     from layflat.cell.work.run import packed  # noqa: PLC0415
 
-    with _picks_bar(f"picks in {cell.name!r}", picks) as advance:
+    with steps_bar(f"picks in {cell.name!r}", picks) as advance:
         if calibration is None:
             return packed(cell, seed, picks, calibration, PickCounter(advance)), []
         path, sheet = None if film == "none" else out / f"film.{film}", out / "sheet.png"
@@ -145,7 +134,7 @@ def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int
 
     runs: list[Run] = []
     error: LayflatError | None = None
-    with _picks_bar(f"picks with {len(seeds)} seeds", len(seeds) * picks) as advance:
+    with steps_bar(f"picks with {len(seeds)} seeds", len(seeds) * picks) as advance:
         try:
             for run in repeated(cell, seeds, picks, calibration, advance):
                 runs.append(run)  # noqa: PERF402  # one by one: those before a Ctrl-C are kept
@@ -181,11 +170,7 @@ def _report(cell: Cell, runs: list[Run], out: Path, written: list[Path], *, part
 
 
 def _end(error: LayflatError | None) -> None:
-    """Leave with an error, if there is one: a user's mistake, a Ctrl-C, or with a status of its own a rig's stop.
-
-    Raises:
-        InputError, StoppedError: as given.
-    """
+    """Leave with an error, if there is one: a user's mistake, a Ctrl-C, or with a status of its own a rig's stop."""
     if isinstance(error, InputError | StoppedError):
         raise error
     if error is not None:
@@ -193,47 +178,25 @@ def _end(error: LayflatError | None) -> None:
         raise typer.Exit(FAULT)
 
 
-@contextmanager
-def _picks_bar(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    with steps_bar(what) as advance:
-        yield lambda done: advance(done, total)
-
-
 def _print_picks(deliveries: list[Delivery]) -> None:
-    """Print a row a pick, and what went wrong."""
+    """Print a row a pick, what went wrong, and why others were not picked."""
     from layflat.cell.work.results import counted  # noqa: PLC0415
 
     rows, troubles = [], []
     for number, delivery in enumerate(deliveries, start=1):
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             fruit, place, name = pick.choice.fruit, pick.choice.place, f"{number}.{pick.number}"
-            rows.append(
-                [
-                    name,
-                    f"{fruit.kind}, {fruit.grade}",
-                    f"{1e3 * fruit.diameter:.0f}",
-                    f"{place.container} {place.name}",
-                    verdict.word(pick),
-                    _known(1e3 * verdict.release_error, 1),
-                    _known(verdict.peak_acceleration, 0),
-                    f"{pick.end - pick.begin:.2f}",
-                    f"{pick.air:.1f}",
-                ]
-            )
+            what = [f"{fruit.kind}, {fruit.grade}", f"{1e3 * fruit.diameter:.0f}", f"{place.container} {place.name}"]
+            true = [_known(1e3 * verdict.release_error, 1), _known(verdict.peak_acceleration, 0)]
+            rows.append([name, *what, verdict.word(pick), *true, f"{pick.end - pick.begin:.2f}", f"{pick.air:.1f}"])
             if pick.trouble:
                 tries = counted(pick.tries, "try", "tries")
                 troubles.append(f"pick {name}, {pick.outcome.name.lower()}, {tries}: {pick.trouble}")
     if rows:
         print_table(["pick", "fruit", "mm", "place", "result", "error (mm)", "peak (m/s2)", "s", "air (Nl)"], rows)
-    for trouble in troubles:
-        typer.echo(trouble)
     reasons = Counter(one.reason for delivery in deliveries for one in delivery.not_picked)
-    for reason, count in reasons.items():
-        typer.echo(f"{count} not picked: {reason}")
-
-
-def _known(value: float, digits: int) -> str:
-    return f"{value:.{digits}f}" if isfinite(value) else ""
+    for line in (*troubles, *(f"{count} not picked: {reason}" for reason, count in reasons.items())):
+        typer.echo(line)
 
 
 def _print_runs(runs: list[Run]) -> None:
@@ -243,20 +206,15 @@ def _print_runs(runs: list[Run]) -> None:
     rows = []
     for run in runs:
         found = summary(run.deliveries)
-        rows.append(
-            [
-                f"{run.seed}",
-                f"{found.correct} of {found.picks}",
-                _known(found.picks_a_minute, 1),
-                _known(found.release_error_mm, 1),
-                _known(found.peak_acceleration, 0),
-                f"{found.collisions}",
-                _known(found.air, 1),
-                _known(found.vision_error_mm, 2),
-            ]
-        )
+        work = [f"{found.correct} of {found.picks}", _known(found.picks_a_minute, 1), _known(found.release_error_mm, 1)]
+        strain = [_known(found.peak_acceleration, 0), f"{found.collisions}", _known(found.air, 1)]
+        rows.append([f"{run.seed}", *work, *strain, _known(found.vision_error_mm, 2)])
     errors = ["error 95 % (mm)", "peak (m/s2)", "collisions", "air (Nl)", "vision 95 % (mm)"]
     print_table(["seed", "correct", "a minute", *errors], rows)
+
+
+def _known(value: float, digits: int) -> str:
+    return f"{value:.{digits}f}" if isfinite(value) else ""
 
 
 def _print_summary(cell: Cell, deliveries: list[Delivery]) -> None:
@@ -265,25 +223,17 @@ def _print_summary(cell: Cell, deliveries: list[Delivery]) -> None:
     found, limits = summary(deliveries), cell.limits
     if not found.picks:
         return
-    lines = [
-        f"{found.correct} of {counted(found.picks, 'pick')} correct: in the chosen place, of its kind and grade "
-        f"({found.correct / found.picks:.1%})",
-        f"{found.picks_a_minute:.1f} picks a minute, {found.air:.1f} normal litres of air each",
-    ]
+    share = f"{found.correct / found.picks:.1%}"
+    picks, collisions = counted(found.picks, "pick"), counted(found.collisions, "collision")
+    worst, false = found.release_error_worst_mm, counted(found.false_detections, "false detection")
+    typer.echo(f"{found.correct} of {picks} correct: in the chosen place, of its kind and grade ({share})")
+    typer.echo(f"{found.picks_a_minute:.1f} picks a minute, {found.air:.1f} normal litres of air each")
     if isfinite(found.release_error_mm):
-        lines.append(
-            f"placement error: {found.release_error_mm:.1f} mm (95 %), {found.release_error_worst_mm:.1f} mm at most"
-        )
-    lines.append(f"{counted(found.collisions, 'collision')}; {found.overlooked} overlooked that could have been packed")
+        typer.echo(f"placement error: {found.release_error_mm:.1f} mm (95 %), {worst:.1f} mm at most")
+    typer.echo(f"{collisions}; {found.overlooked} overlooked that could have been packed")
     if isfinite(found.peak_acceleration):
-        lines.append(
-            f"fruit: {found.peak_acceleration:.0f} m/s2 at most (limit {limits.acceleration:.0f}), "
-            f"pressed by {found.press:.0f} N at most (limit {limits.press:.0f})"
-        )
+        peak = f"{found.peak_acceleration:.0f} m/s2 at most (limit {limits.acceleration:.0f})"
+        typer.echo(f"fruit: {peak}, pressed by {found.press:.0f} N at most (limit {limits.press:.0f})")
     if isfinite(found.vision_error_mm):
-        lines.append(
-            f"vision: position off by {found.vision_error_mm:.2f} mm, diameter by {found.diameter_error:.1%} (95 %); "
-            + counted(found.false_detections, "false detection")
-        )
-    for line in lines:
-        typer.echo(line)
+        errors = f"position off by {found.vision_error_mm:.2f} mm, diameter by {found.diameter_error:.1%} (95 %)"
+        typer.echo(f"vision: {errors}; {false}")

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from layflat.cell.file import Cell, build, load, names
-from layflat.cell.file.loader import layout_names, tables
+from layflat.cell.file.loader import CELLS, LAYOUTS
 from layflat.errors import CellError, MachineError
 
 MARKERS = {
@@ -18,7 +18,7 @@ MARKERS = {
 
 def broken(path: str, value: Any) -> str:
     """What is said of the built-in cell with one value changed."""
-    plain, sources = tables("packing")
+    plain, sources = CELLS.tables("packing")
     *above, last = path.split("/")
     table = plain
     for key in above:
@@ -34,8 +34,8 @@ def broken(path: str, value: Any) -> str:
 
 def test_built_in_cells_and_layouts_are_sound_and_sourced(packing: Cell) -> None:
     assert names() == ("packing",)
-    assert set(layout_names()) == {"punnet-2x3", "tray-12"}
-    assert {pack.layout.name for pack in packing.container.values()} == set(layout_names())
+    assert set(LAYOUTS.names) == {"punnet-2x3", "tray-12"}
+    assert {pack.layout.name for pack in packing.container.values()} == set(LAYOUTS.names)
     unsourced = [path for path, found in packing.provenance.items() if path not in {"name", "title"} and not found.note]
     assert unsourced == []
 
@@ -87,7 +87,7 @@ def test_what_is_wrong_is_said_in_one_line(path: str, value: Any, said: str) -> 
 
 
 def test_a_held_fruit_has_to_pass_over_the_others() -> None:
-    text = broken("lift", tables("packing")[0]["lift"] | {"stroke": "130 mm", "clearance": "150 mm"})
+    text = broken("lift", CELLS.tables("packing")[0]["lift"] | {"stroke": "130 mm", "clearance": "150 mm"})
     assert "lift.clearance is too small: a fruit of 75 mm must pass over 79 mm" in text
 
 

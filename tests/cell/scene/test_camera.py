@@ -86,7 +86,7 @@ def test_a_held_board_is_seen_where_it_is_held_and_gone_when_put_away(
     at = np.array([0.32, 0.40, 0.25])
     scene.hold_board(at, np.array(turn))
     flat, pixels = corners(packing.board, camera.picture())
-    scene.put_board_away()
+    scene.board_held = False
     assert len(flat) == (packing.board.columns - 1) * (packing.board.rows - 1)
     error = seen_at(packing, flat @ matrix(turn).T + at) - pixels
     assert np.sqrt((error**2).sum(axis=1).mean()) < 0.25

@@ -12,7 +12,7 @@ from layflat.errors import InputError
 
 def test_without_opencv_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "cv2", None)
-    with pytest.raises(InputError, match=r"is not installed; install it: pip install 'layflat\[cell\]'"):
+    with pytest.raises(InputError, match=r"not installed; install it: pip install 'layflat\[cell\]'"):
         check_picture(np.full((40, 40, 3), 128, np.uint8))
 
 

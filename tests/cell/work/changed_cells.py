@@ -6,12 +6,12 @@ from copy import deepcopy
 from typing import Any
 
 from layflat.cell import Cell
-from layflat.cell.file.loader import build, tables
+from layflat.cell.file.loader import CELLS, build
 
 
 def cell_with(changes: dict[str, Any], *, without: tuple[str, ...] = ()) -> Cell:
     """The built-in cell with values by their paths, such as "tray/infeed/touching", and without some parts."""
-    plain, _ = tables("packing")
+    plain, _ = CELLS.tables("packing")
     plain = deepcopy(plain)
     for path in without:
         *above, last = path.split("/")

@@ -13,7 +13,7 @@ from layflat.cell.plan.fruit import Fruit
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Task
 from layflat.cell.reach import Reach
-from layflat.cell.work.tasks import Heights, centred, rules_of
+from layflat.cell.work.tasks import centred, rules_of, task_of
 from layflat.machine import load
 
 ANGLES = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
@@ -33,7 +33,7 @@ MUSHROOM = Fruit(0.48, 0.27, 0.045, "mushroom", "first")
 def test_the_cup_passes_over_the_tallest_fruit_and_comes_down_on_this_one(packing: Cell) -> None:
     tallest = packing.produce["apple"].diameter.most * packing.produce["apple"].flattening.most
     for fruit in (TOMATO, MUSHROOM):
-        task = Heights(packing).task(choice(packing, fruit))
+        task = task_of(packing, choice(packing, fruit))
         top = packing.tray["infeed"].wall + packing.produce[fruit.kind].flattening.mean * fruit.diameter
         assert task.passing > packing.tray["infeed"].wall + tallest
         assert top - 6e-3 < task.fruit_height < top
@@ -42,7 +42,7 @@ def test_the_cup_passes_over_the_tallest_fruit_and_comes_down_on_this_one(packin
 
 
 def test_a_fruit_is_let_go_just_over_the_floor_of_its_place(packing: Cell) -> None:
-    task = Heights(packing).task(choice(packing, TOMATO))
+    task = task_of(packing, choice(packing, TOMATO))
     hangs = 0.0555  # from the cup down, as the cup tells when it sits on the fruit
     seated = task.seated(packing.tray["infeed"].wall + hangs)
     floor = packing.container["tomatoes"].layout.wall

@@ -8,16 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from layflat.cell.file.model import Cell
-from layflat.cell.geometry import Array, looking, overlap, rotated
+from layflat.cell.geometry import looking, overlap, rotated
 from layflat.cell.reach import Reach
 
 
 def check(cell: Cell) -> None:
-    """Refuse a cell that can't be.
-
-    Raises:
-        ValueError: one clear line for the first thing that is wrong.
-    """
+    """Raise ValueError, one clear line, for the first thing because of which a cell can't be."""
     for rule in (_arm, _kinds, _network, _markers, _sizes, _apart, _in_reach, _in_view, _lifted):
         rule(cell)
 
@@ -36,8 +32,7 @@ def _arm(cell: Cell) -> None:
 def _kinds(cell: Cell) -> None:
     known = sorted(cell.produce)
     for name, tray in cell.tray.items():
-        unknown = [kind for kind in tray.produce if kind not in cell.produce]
-        if unknown:
+        if unknown := [kind for kind in tray.produce if kind not in cell.produce]:
             raise ValueError(f"tray.{name}.produce names the unknown kind {unknown[0]!r}; known are {known}")
     for name, container in cell.container.items():
         key, kind = f"container.{name}", container.kind
@@ -45,9 +40,13 @@ def _kinds(cell: Cell) -> None:
             raise ValueError(f"{key}.kind is the unknown kind {kind!r}; known are {known}")
         if not cell.produce[kind].known:
             raise ValueError(f"{key}.kind {kind!r} is not known to vision; set produce.{kind}.known")
-        grades = list(cell.produce[kind].grade)
-        if container.grade not in grades:
+        if container.grade not in (grades := list(cell.produce[kind].grade)):
             raise ValueError(f"{key}.grade {container.grade!r} is none of {kind}; its grades are {grades}")
+
+
+def _network(cell: Cell) -> None:
+    if cell.network is not None and not Path(cell.network.file).is_file():
+        raise ValueError(f"network.file: there is no {cell.network.file}; give the path of an ONNX file from here")
 
 
 def _markers(cell: Cell) -> None:
@@ -63,30 +62,23 @@ def _markers(cell: Cell) -> None:
         seen[marker.number] = name
 
 
-def _network(cell: Cell) -> None:
-    if cell.network is not None and not Path(cell.network.file).is_file():
-        raise ValueError(f"network.file: there is no {cell.network.file}; give the path of an ONNX file from here")
-
-
 def _sizes(cell: Cell) -> None:
     for name, container in cell.container.items():
         kind, layout = cell.produce[container.kind], container.layout
         greatest = min(kind.grade[container.grade].most, kind.diameter.most)
         if layout.opening < greatest:
             raise ValueError(
-                f"container.{name} is too small: a place of {layout.name!r} takes {1e3 * layout.opening:.0f} mm, "
-                f"{container.kind} of grade {container.grade!r} has up to {1e3 * greatest:.0f} mm"
+                f"container.{name} is too small: a place of {layout.name!r} takes {_mm(layout.opening)}, "
+                f"{container.kind} of grade {container.grade!r} has up to {_mm(greatest)}"
             )
     for name, tray in cell.tray.items():
         for kind_name in tray.produce:
             if min(tray.size) < cell.produce[kind_name].diameter.most:
                 raise ValueError(f"tray.{name} is too small for one {kind_name}")
-    smallest = min((kind.diameter.least for kind in cell.incoming.values()), default=cell.cup.diameter)
-    if cell.cup.diameter > smallest:
-        raise ValueError(
-            f"cup.diameter {1e3 * cell.cup.diameter:.0f} mm is wider than the smallest fruit, "
-            f"{1e3 * smallest:.0f} mm; give less"
-        )
+    cup = cell.cup.diameter
+    smallest = min((kind.diameter.least for kind in cell.incoming.values()), default=cup)
+    if cup > smallest:
+        raise ValueError(f"cup.diameter {_mm(cup)} is wider than the smallest fruit, {_mm(smallest)}; give less")
 
 
 def _apart(cell: Cell) -> None:
@@ -101,29 +93,26 @@ def _apart(cell: Cell) -> None:
 
 
 def _in_reach(cell: Cell) -> None:
+    targets = {}
     for name, tray in cell.tray.items():
         least = min(cell.produce[kind].diameter.least for kind in tray.produce)
         across = [np.linspace(-1, 1, 9) * (side - least) / 2 for side in tray.size]
-        grid = np.stack(np.meshgrid(*across), axis=-1).reshape(-1, 2)
-        _all_reached(cell, f"tray.{name}", tray.placed(grid))
-    for name, container in cell.container.items():
-        _all_reached(cell, f"container.{name}", container.places)
-
-
-def _all_reached(cell: Cell, name: str, points: Array) -> None:
+        targets[f"tray.{name}"] = tray.placed(np.stack(np.meshgrid(*across), axis=-1).reshape(-1, 2))
+    targets |= {f"container.{name}": container.places for name, container in cell.container.items()}
     reach = Reach(cell.machine)
-    for x, y in points.tolist():
-        if (missing := reach.missing(x, y)) > 0.0:
-            raise ValueError(
-                f"{name} is out of the arm's reach by {max(1e3 * missing, 1.0):.0f} mm at x = {1e3 * x:.0f} mm, "
-                f"y = {1e3 * y:.0f} mm (working strokes of {cell.machine.name!r}); move it"
-            )
+    for name, points in targets.items():
+        for x, y in points.tolist():
+            if (missing := reach.missing(x, y)) > 0.0:
+                raise ValueError(
+                    f"{name} is out of the arm's reach by {_mm(max(missing, 1e-3))} at x = {_mm(x)}, "
+                    f"y = {_mm(y)} (working strokes of {cell.machine.name!r}); move it"
+                )
 
 
 def _in_view(cell: Cell) -> None:
     camera, mend = cell.camera, "change camera.position or camera.looks_at"
     if camera.position[2] <= cell.lift.clearance:
-        raise ValueError(f"camera.position is not above the lift, {1e3 * cell.lift.clearance:.0f} mm; raise it")
+        raise ValueError(f"camera.position is not above the lift, {_mm(cell.lift.clearance)}; raise it")
     if camera.looks_at[2] >= camera.position[2]:
         raise ValueError(f"camera looks up, not at the table; {mend}")
     centres = {f"tray.{name}": tray.centre for name, tray in cell.tray.items()}
@@ -147,15 +136,14 @@ def _sees(cell: Cell, point: tuple[float, float]) -> bool:
 def _lifted(cell: Cell) -> None:
     low = cell.lift.clearance - cell.lift.stroke
     for name, kind in cell.incoming.items():
-        lowest = kind.diameter.least * kind.flattening.least
-        if low > lowest:
-            raise ValueError(
-                f"lift.stroke is too short: the cup comes down to {1e3 * low:.0f} mm, "
-                f"a {name} is as low as {1e3 * lowest:.0f} mm"
-            )
+        if low > (lowest := kind.diameter.least * kind.flattening.least):
+            reach = f"the cup comes down to {_mm(low)}, a {name} is as low as {_mm(lowest)}"
+            raise ValueError(f"lift.stroke is too short: {reach}")
     tallest, over = cell.tallest_fruit, cell.obstacle_height
     if cell.lift.clearance < tallest + over:
-        raise ValueError(
-            f"lift.clearance is too small: a fruit of {1e3 * tallest:.0f} mm must pass over {1e3 * over:.0f} mm; "
-            f'give more than "{1e3 * (tallest + over):.0f} mm"'
-        )
+        pass_over = f"a fruit of {_mm(tallest)} must pass over {_mm(over)}"
+        raise ValueError(f'lift.clearance is too small: {pass_over}; give more than "{_mm(tallest + over)}"')
+
+
+def _mm(length: float) -> str:
+    return f"{1e3 * length:.0f} mm"

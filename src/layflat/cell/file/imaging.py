@@ -17,6 +17,7 @@ Coefficient = Annotated[float, Field(ge=-10.0, le=10.0)]
 Levels = Annotated[float, Field(ge=0, le=255)]
 Offset = Annotated[float, Field(ge=-8192.0, le=8192.0)]
 Squares = Annotated[int, Field(ge=3, le=40)]
+Wander = Annotated[u.LengthOrZero, Field(le=10.0)]
 
 
 class Distortion(Part):
@@ -67,9 +68,7 @@ class Light(Part):
 
     position: Point
     looks_at: Point
-    wander: Annotated[u.LengthOrZero, Field(le=10.0)] = Field(
-        description="standard deviation of each coordinate of its position"
-    )
+    wander: Wander = Field(description="standard deviation of each coordinate of its position")
     brightness: Spread = Field(description="1 for a white that fills the picture's range")
     tint: u.Share = Field(description="standard deviation of each colour channel")
     shadows: bool

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
 from layflat.cell.file.checks import check
-from layflat.cell.file.former import rename_keys
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Layout
 from layflat.description.explain import explained
@@ -20,34 +21,33 @@ from layflat.machine import load as load_machine
 from layflat.machine.libraries import MACHINES
 
 BUILT_IN = Path(__file__).parent / "builtin"
+ROTATED = ("camera", "tray.*", "container.*", "base_markers.marker.*")
+"""Tables that have an angle of rotation."""
 
 
 class CellLibrary(Library):
-    """Cells, whose files may have the keys of earlier versions."""
+    """Cells, whose files may have the keys of earlier versions: `pack` for `container`, `turn` for `rotation`."""
 
     def raw(self, where: str | Path) -> Plain:
-        """Return the tables of one description with present keys.
-
-        Raises:
-            CellError: it can't be read or is not TOML.
-        """
+        """Return the tables of one description with present keys; raise CellError if it can't be read or is no TOML."""
         plain = super().raw(where)
-        rename_keys(plain)
+        _rename(plain, "pack", "container")
+        for path in ROTATED:
+            for table in _tables(plain, path):
+                _rename(table, "turn", "rotation")
+        if isinstance(omits := plain.get("omits"), list):
+            plain["omits"] = [_present(path) if isinstance(path, str) else path for path in omits]
         return plain
 
 
 CELLS = CellLibrary(BUILT_IN, "cell", "`layflat cells` lists them", 'height = "60 mm"', CellError)
 LAYOUTS = Library(BUILT_IN / "layouts", "layout", "built in are punnet-2x3 and tray-12", 'height = "60 mm"', CellError)
+text = CELLS.text
 
 
 def names() -> tuple[str, ...]:
     """Return the names of the built-in cells."""
     return CELLS.names
-
-
-def layout_names() -> tuple[str, ...]:
-    """Return the names of the built-in layouts of containers."""
-    return LAYOUTS.names
 
 
 def load(cell: str | Path | Cell) -> Cell:
@@ -57,15 +57,11 @@ def load(cell: str | Path | Cell) -> Cell:
         CellError: in one line, which file, key and value is wrong and what would be right.
         MachineError: the same about the machine that it names.
     """
-    return cell if isinstance(cell, Cell) else build(*tables(cell), str(cell))
+    return cell if isinstance(cell, Cell) else build(*CELLS.tables(cell), str(cell))
 
 
 def build(plain: Plain, sources: Sources, where: str) -> Cell:
-    """Validate plain tables into a cell; machine and layouts may be names or files beside `where`.
-
-    Raises:
-        CellError, MachineError: as `load`.
-    """
+    """Validate plain tables into a cell; machine and layouts may be names or files beside `where`. Raise as `load`."""
     plain = dict(plain)
     if isinstance(plain.get("machine"), str):
         plain["machine"] = load_machine(MACHINES.beside(where, plain["machine"]))
@@ -83,24 +79,6 @@ def build(plain: Plain, sources: Sources, where: str) -> Cell:
     return cell
 
 
-def tables(cell: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a description as they are written, what it extends included, and their sources.
-
-    Raises:
-        CellError: the file is missing or broken.
-    """
-    return CELLS.tables(cell)
-
-
-def text(cell: str) -> str:
-    """Return a cell's file as it is written, of a built-in name or a path.
-
-    Raises:
-        CellError: it can't be read.
-    """
-    return CELLS.text(cell)
-
-
 def _with_layout(container: Any, where: str) -> Any:
     if not isinstance(container, dict) or not isinstance(container.get("layout"), str):
         return container
@@ -113,3 +91,21 @@ def _validated(kind: type[BaseModel], plain: Plain, where: str) -> Any:
         return kind.model_validate(plain)
     except ValidationError as error:
         raise explained(error, where, kind, CellError, "`layflat cells packing` shows a complete description") from None
+
+
+def _tables(plain: Plain, path: str) -> Iterator[Plain]:
+    """Yield the tables at a dotted path, in which * is any name."""
+    head, _, rest = path.partition(".")
+    for table in list(plain.values()) if head == "*" else [plain.get(head)]:
+        if isinstance(table, dict):
+            yield from _tables(table, rest) if rest else [table]
+
+
+def _rename(table: Plain, former: str, present: str) -> None:
+    if former in table and present not in table:
+        table[present] = table.pop(former)
+
+
+def _present(path: str) -> str:
+    """Return a dotted path of a description with present names."""
+    return re.sub(r"\.turn$", ".rotation", re.sub(r"^pack(?=\.|$)", "container", path))

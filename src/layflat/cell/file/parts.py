@@ -18,6 +18,8 @@ from layflat.description.names import Name
 
 Extent = Annotated[u.Length, Field(ge=1e-4, le=5.0)]
 """A length of something in the cell, m."""
+ExtentOrZero = Annotated[u.LengthOrZero, Field(le=5.0)]
+LipDiameter = Annotated[u.Length, Field(ge=1e-3, le=0.2)]
 Coordinate = Annotated[u.Coordinate, Field(ge=-10.0, le=10.0)]
 PlanePoint = tuple[Coordinate, Coordinate]
 Point = tuple[Coordinate, Coordinate, Coordinate]
@@ -26,10 +28,11 @@ Colour = tuple[u.Share, u.Share, u.Share]
 """Red, green and blue, 0 to 1."""
 Duration = Annotated[u.Time, Field(ge=1e-4, le=60.0)]
 Mass = Annotated[u.Mass, Field(gt=0, le=100.0)]
+BodyMass = Annotated[u.Mass, Field(le=100.0)]
 Force = Annotated[u.Force, Field(gt=0, le=1e4)]
 Speed = Annotated[u.LinearSpeed, Field(ge=1e-3, le=20.0)]
 Acceleration = Annotated[u.Acceleration, Field(gt=0, le=1e4)]
-
+Friction = Annotated[u.Ratio, Field(le=10.0)]
 Count = Annotated[int, Field(ge=0, le=200)]
 Columns = Annotated[int, Field(ge=1, le=20)]
 
@@ -58,9 +61,7 @@ class Lift(Part):
     acceleration: Acceleration = Field(description="greatest; its cushions keep it too")
     force: Force = Field(description="greatest, weight of its moving parts aside")
     mass: Mass = Field(description="of what moves up and down, with the cup")
-    body: Annotated[u.Mass, Field(le=100.0)] = Field(
-        description="mass of what stays up at the arm's tip: cylinder, guide, valves, ejector"
-    )
+    body: BodyMass = Field(description="mass of what stays up at the arm's tip: cylinder, guide, valves, ejector")
     pressure: Annotated[u.PositivePressure, Field(le=2e6)] = Field(description="gauge, at which it has its force")
 
     @model_validator(mode="after")
@@ -75,19 +76,15 @@ class Lift(Part):
 class Cup(Part):
     """A suction cup with its ejector."""
 
-    diameter: Annotated[u.Length, Field(ge=1e-3, le=0.2)] = Field(description="of the lip")
-    effective_diameter: Annotated[u.Length, Field(ge=1e-3, le=0.2)] = Field(
-        description="of the area on which the vacuum acts"
-    )
+    diameter: LipDiameter = Field(description="of the lip")
+    effective_diameter: LipDiameter = Field(description="of the area on which the vacuum acts")
     vacuum: Annotated[u.PositivePressure, Field(lt=101325)] = Field(description="below ambient, in a cup that is tight")
     build_up: Duration = Field(description="time constant with which the ejector makes the vacuum")
     leak: Duration = Field(description="time constant with which a cup on a fruit loses it")
     open_leak: Duration = Field(description="the same of a cup on nothing")
     release: Duration = Field(description="the same when the ejector is switched off and its valve lets air in")
     tilt: u.PositiveAngle = Field(description="greatest angle between the cup's axis and the skin under it")
-    friction: Annotated[u.Ratio, Field(le=10.0)] = Field(
-        description="of lip on skin: sideways force per force of the vacuum"
-    )
+    friction: Friction = Field(description="of lip on skin: sideways force per force of the vacuum")
     air: u.Flow = Field(description="what the ejector takes while on, normal volume")
 
     @model_validator(mode="after")
@@ -148,9 +145,7 @@ class Layout(Part):
     pitch: Size = Field(description="from place to place along x and y")
     wall: Extent = Field(description="thickness of walls, dividers and floor")
     height: Extent = Field(description="of its outer walls above its floor")
-    divider: Annotated[u.LengthOrZero, Field(le=5.0)] = Field(
-        description="height of what stands between the places, 0 for none"
-    )
+    divider: ExtentOrZero = Field(description="height of what stands between the places, 0 for none")
     colour: Colour
 
     @property

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from layflat.cell.file.parts import Colour, Extent, Range
+from layflat.cell.file.parts import Colour, Extent, Friction, Range
 from layflat.description import Part
 from layflat.description import units as u
 
@@ -80,7 +80,7 @@ class Produce(Part):
     flattening: Spread = Field(description="height per diameter, a mushroom's stem included")
     density: DensitySpread = Field(description="mass per volume")
     tilt: u.PositiveAngle = Field(description="greatest angle of its axis from upright as it is laid")
-    friction: Annotated[u.Ratio, Field(le=10.0)]
+    friction: Friction
     rolling: Annotated[u.Length, Field(le=0.1)] = Field(description="resistance: arm of the contact force")
     colour: dict[str, Skin]
     grade: dict[str, Grade] = Field(description="the first that fits counts; what fits none is not packed")
@@ -88,20 +88,17 @@ class Produce(Part):
 
     @model_validator(mode="after")
     def _known(self) -> Self:
-        for name, grade in self.grade.items():
-            unknown = [colour for colour in grade.colours if colour not in self.colour]
-            if unknown:
-                raise ValueError(f"grade {name!r} names the colour {unknown[0]!r}; colours are {sorted(self.colour)}")
         if not self.colour:
             raise ValueError("it has no colour; give a table such as [produce.tomato.colour.red]")
+        for name, grade in self.grade.items():
+            if unknown := set(grade.colours) - set(self.colour):
+                raise ValueError(f"grade {name!r} names the colour {min(unknown)!r}; colours are {sorted(self.colour)}")
         return self
 
     def grade_of(self, diameter: float, colour: str) -> str | None:
         """Return the first grade that takes a fruit, None if none does."""
-        for name, grade in self.grade.items():
-            if grade.least <= diameter < grade.most and colour in grade.colours:
-                return name
-        return None
+        grades = self.grade.items()
+        return next((name for name, one in grades if one.least <= diameter < one.most and colour in one.colours), None)
 
 
 class Clutter(Part):

@@ -14,8 +14,6 @@ from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.optics import optics_of
 from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Marker, calibrate
 
-Pose = tuple[Array, Array]
-Progress = Callable[[float], None]
 SPOTS = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))
 """Where the board is held: in the middle of the picture, then around it."""
 TILT = 0.5
@@ -25,7 +23,7 @@ FILLS = 0.42
 
 
 def calibrate_scene(
-    scene: Scene, camera: SimulatedCamera, progress: Callable[[float], None] | None = None
+    scene: Scene, camera: SimulatedCamera, progress: Callable[[float], object] = lambda _: None
 ) -> Calibration:
     """Calibrate with the cell's board in nine poses before the camera, then with the markers on the table.
 
@@ -42,33 +40,25 @@ def calibrate_scene(
     for number, (position, orientation) in enumerate(poses, start=1):
         scene.hold_board(position, orientation)
         pictures.append(camera.picture())
-        if progress is not None:
-            progress(number / (len(poses) + 2))
-    scene.put_board_away()
-    calibration = calibrate(pictures, board_of(scene.cell), camera.picture(), base_of(scene.cell))
-    if progress is not None:
-        progress(1.0)
+        progress(number / (len(poses) + 2))
+    scene.board_held = False
+    held = scene.cell.board
+    board = CharucoBoard(held.columns, held.rows, held.square, held.marker, held.dictionary, held.first_id)
+    calibration = calibrate(pictures, board, camera.picture(), base_of(scene.cell))
+    progress(1.0)
     return calibration
-
-
-def board_of(cell: Cell) -> CharucoBoard:
-    """Return the board that is held before the camera."""
-    board = cell.board
-    return CharucoBoard(board.columns, board.rows, board.square, board.marker, board.dictionary, board.first_id)
 
 
 def base_of(cell: Cell) -> BaseMarkers:
     """Return the markers that lie on the table."""
     base = cell.base_markers
-    return BaseMarkers(
-        tuple(Marker(one.number, *one.centre, one.side, one.rotation, base.thickness) for one in base.marker.values()),
-        base.dictionary,
-    )
+    lying = (Marker(m.number, *m.centre, m.side, m.rotation, base.thickness) for m in base.marker.values())
+    return BaseMarkers(tuple(lying), base.dictionary)
 
 
-def views_of(cell: Cell) -> list[Pose]:
+def views_of(cell: Cell) -> list[tuple[Array, Array]]:
     """Return poses of the board, tilted and in all parts of the picture: middle (3,), m, and quaternion, w first."""
-    camera, optics = cell.camera, optics_of(cell.camera)
+    camera, facing = cell.camera, np.array(optics_of(cell.camera).orientation)
     away = camera.focal_pixels * max(
         cell.board.size[0] / (FILLS * camera.width), cell.board.size[1] / (FILLS * camera.height)
     )
@@ -79,6 +69,5 @@ def views_of(cell: Cell) -> list[Pose]:
         before = away * np.array([right * reach[0], up * reach[1], -1.0])
         way = 2.0 * pi * number * 3 / len(SPOTS) + 0.4 * number
         tilted = np.array([cos(TILT / 2), sin(TILT / 2) * cos(way), sin(TILT / 2) * sin(way), 0.0])
-        facing = np.array(optics.orientation)
         poses.append((np.array(camera.position) + rotated(facing, before), product(facing, tilted)))
     return poses

@@ -6,12 +6,12 @@ A skin is identified by its chromaticity, r and g of r + g + b = 1, which light 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce, Skin
+from layflat.cell.geometry import Array
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.vision import Detection
 
@@ -26,53 +26,37 @@ UNKNOWN = "unknown"
 
 
 def fruit_of(cell: Cell, detection: Detection) -> Fruit:
-    """Return a fruit as plans know it, with its grade, or with the doubt that leaves it without one.
+    """Return a detected fruit as plans know it, with its grade or the doubt that leaves it none."""
+    grade, doubt = _graded(cell, detection)
+    x, y, _ = detection.position
+    return Fruit(x, y, detection.diameter, detection.kind or UNKNOWN, grade, detection.confidence, doubt)
 
-    Args:
-        cell: its produce says what grades there are.
-        detection: of vision.
-    """
-    produce = cell.produce.get(detection.kind) if detection.kind is not None else None
-    if detection.kind is None or produce is None:
-        return _doubtful(detection, "is of no kind that is known here")
-    skin = _skin(produce.colour, detection.colour)
-    if skin.doubt:
-        return _doubtful(detection, f"could be {skin.name} or {skin.doubt}")
-    grades = _grades(produce, detection.diameter, skin.name)
+
+def _graded(cell: Cell, detection: Detection) -> tuple[str, str]:
+    """Return the grade, and the doubt as a clause; one of them is empty."""
+    if detection.kind is None or detection.kind not in cell.produce:
+        return "", "is of no kind that is known here"
+    produce, diameter = cell.produce[detection.kind], detection.diameter
+    skin, other = _skins(produce.colour, detection.colour)
+    if other:
+        return "", f"could be {skin} or {other}"
+    grades = _grades(produce, diameter, skin)
     if len(grades) > 1:
         names = " or ".join(grade or "none" for grade in grades)
-        return _doubtful(
-            detection, f"is too near to a limit: {1e3 * detection.diameter:.1f} mm may be of grade {names}"
-        )
-    (grade,) = grades
-    if grade is None:
-        return _doubtful(detection, f"is of no grade: {skin.name}, {1e3 * detection.diameter:.0f} mm")
-    return _fruit(detection, detection.kind, grade)
+        return "", f"is too near to a limit: {1e3 * diameter:.1f} mm may be of grade {names}"
+    return (grades[0], "") if grades[0] else ("", f"is of no grade: {skin}, {1e3 * diameter:.0f} mm")
 
 
-@dataclass(frozen=True)
-class _Skin:
-    """The nearest skin, and another that is about as near, if one is."""
-
-    name: str
-    doubt: str = ""
-
-
-def _skin(skins: Mapping[str, Skin], colour: tuple[float, float, float]) -> _Skin:
+def _skins(skins: Mapping[str, Skin], colour: tuple[float, float, float]) -> tuple[str, str]:
+    """Return the nearest skin, in units of its spread with what light adds, and another about as near, if one is."""
     seen = _chromaticity(colour)
-    away = {name: float(np.linalg.norm(seen - _chromaticity(skin.rgb))) / _wide(skin) for name, skin in skins.items()}
+    wide = {name: float(np.hypot(0.5 * skin.spread / sum(skin.rgb), TINT)) for name, skin in skins.items()}
+    away = {name: float(np.linalg.norm(seen - _chromaticity(skin.rgb))) / wide[name] for name, skin in skins.items()}
     nearest, *others = sorted(away, key=lambda name: away[name])
-    if others and away[nearest] > AS_NEAR * away[others[0]]:
-        return _Skin(nearest, others[0])
-    return _Skin(nearest)
+    return nearest, others[0] if others and away[nearest] > AS_NEAR * away[others[0]] else ""
 
 
-def _wide(skin: Skin) -> float:
-    """Return how far chromaticities of a skin are from its mean, one standard deviation with what light adds."""
-    return float(np.hypot(0.5 * skin.spread / sum(skin.rgb), TINT))
-
-
-def _chromaticity(colour: tuple[float, float, float]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+def _chromaticity(colour: tuple[float, float, float]) -> Array:
     return np.array(colour[:2]) / max(sum(colour), 1e-6)
 
 
@@ -81,12 +65,3 @@ def _grades(produce: Produce, diameter: float, colour: str) -> list[str | None]:
     low, high = diameter * (1.0 - DIAMETER_ERROR), diameter * (1.0 + DIAMETER_ERROR)
     limits = [limit for grade in produce.grade.values() for limit in (grade.least, grade.most) if low < limit <= high]
     return list(dict.fromkeys(produce.grade_of(at, colour) for at in (low, *sorted(limits))))
-
-
-def _doubtful(detection: Detection, doubt: str) -> Fruit:
-    return replace(_fruit(detection, detection.kind or UNKNOWN, ""), doubt=doubt)
-
-
-def _fruit(detection: Detection, kind: str, grade: str) -> Fruit:
-    x, y, _ = detection.position
-    return Fruit(x, y, detection.diameter, kind, grade, detection.confidence)

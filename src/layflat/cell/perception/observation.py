@@ -15,7 +15,7 @@ from layflat.cell.perception.grading import fruit_of
 from layflat.cell.perception.kinds import detector_of
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.scene import Scene
-from layflat.cell.vision import Calibration, Detection, Detector, self_check
+from layflat.cell.vision import Calibration, Detection, self_check
 
 Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
@@ -23,19 +23,12 @@ Picture = NDArray[np.uint8]
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """One image of the table and what was detected in it.
+    """One image of the table and what was detected in it."""
 
-    Attributes:
-        time: s.
-        fruits: all produce that was detected, also in containers and of unknown kinds.
-        picture: (H, W, 3) RGB; None where there is none.
-        detections: of vision in the picture.
-    """
-
-    time: float
-    fruits: tuple[Fruit, ...]
-    picture: Picture | None = None
-    detections: tuple[Detection, ...] = ()
+    time: float  # s
+    fruits: tuple[Fruit, ...]  # all produce that was detected, also in containers and of unknown kinds
+    picture: Picture | None = None  # (H, W, 3) RGB
+    detections: tuple[Detection, ...] = ()  # of vision in the picture
 
 
 class Perception(Protocol):
@@ -45,29 +38,16 @@ class Perception(Protocol):
     """Of the camera, (3,) m."""
 
     def observe(self, time: float) -> Observation:
-        """Return what lies there now.
-
-        Raises:
-            PictureError: the picture can't be used.
-        """
+        """Return what lies there now; raise PictureError if the picture can't be used."""
         ...
 
 
 class CameraPerception:
-    """A calibrated camera and a detector.
+    """A calibrated camera, whose pictures `picture` takes, and a detector as the cell says, by colour or a network."""
 
-    Args:
-        cell: whose produce is detected.
-        picture: takes one, (H, W, 3) RGB.
-        calibration: of the camera.
-        detector: of produce; default: as the cell says, by colour or a network.
-    """
-
-    def __init__(
-        self, cell: Cell, picture: Callable[[], Picture], calibration: Calibration, detector: Detector | None = None
-    ) -> None:
+    def __init__(self, cell: Cell, picture: Callable[[], Picture], calibration: Calibration) -> None:
         self._cell, self._picture, self._calibration = cell, picture, calibration
-        self._detector, self._base = detector or detector_of(cell), base_of(cell)
+        self._detector, self._base = detector_of(cell), base_of(cell)
         self.position = calibration.position
 
     def check(self) -> float:
@@ -87,16 +67,10 @@ class CameraPerception:
 
 
 class ScenePerception:
-    """In place of a camera where no image can be rendered: the scene's truth, spread as a camera's detections.
+    """In place of a camera where no image can be rendered: the scene's truth, spread as a camera's detections."""
 
-    Args:
-        scene: that is observed.
-    """
-
-    SPREAD = 0.3e-3
-    """Standard deviation of each coordinate, m."""
-    SIZE = 0.005
-    """The same of diameters, share."""
+    SPREAD, SIZE = 0.3e-3, 0.005
+    """Standard deviation of each coordinate, m, and of diameters, share."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene

@@ -41,19 +41,12 @@ NARROW = (3.0, 0.02)
 
 @dataclass
 class Region:
-    """A skin's colours.
+    """A skin's colours."""
 
-    Attributes:
-        midpoint: its hue and saturation.
-        reach: how far it reaches from there each way, for distances.
-        parts: rectangles that do not overlap.
-        darkest: value of its shaded side.
-    """
-
-    midpoint: tuple[float, float]
-    reach: tuple[float, float]
-    parts: list[Rectangle]
-    darkest: float
+    midpoint: tuple[float, float]  # its hue and saturation
+    reach: tuple[float, float]  # how far it reaches from there each way, for distances
+    parts: list[Rectangle]  # that do not overlap
+    darkest: float  # value of its shaded side
 
     @staticmethod
     def around(skin: Skin) -> Region:

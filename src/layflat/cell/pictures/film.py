@@ -12,7 +12,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.extras import pyav
+from layflat import extras
 from layflat.cell.pictures.paths import of_kind
 from layflat.cell.pictures.text import INK, PAPER, fitted, font
 from layflat.errors import InputError, OutputError
@@ -41,7 +41,7 @@ class Film:
     """
 
     def __init__(self, path: Path, fps: float = 20.0) -> None:
-        self._av, self._path, self._gif = pyav(), path, of_kind(path, ".mp4", ".gif") == ".gif"
+        self._av, self._path, self._gif = extras.module("cell", "av"), path, of_kind(path, ".mp4", ".gif") == ".gif"
         if not 0.0 < fps <= 100.0:
             raise InputError(f"{fps:g} frames a second are not shown", where="fps", right="give 20, or any up to 100")
         self._rate = Fraction(fps).limit_denominator(1000)

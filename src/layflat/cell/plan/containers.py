@@ -9,27 +9,17 @@ from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Container
 from layflat.cell.plan.fruit import Fruit
 
-ANY: frozenset[str] = frozenset()
-"""In place of kinds or grades: all of them."""
-
 Key = tuple[str, str]
 """Names of a container and of a place in it."""
 
 
 @dataclass(frozen=True)
 class Acceptance:
-    """What may lie in a place; no kinds or grades means any.
+    """What may lie in a place."""
 
-    Args:
-        kinds: of produce.
-        grades: of quality.
-        smallest: diameter, m.
-        largest: diameter, m.
-    """
-
-    kinds: frozenset[str] = ANY
-    grades: frozenset[str] = ANY
-    smallest: float = 0.0
+    kinds: frozenset[str] = frozenset()  # of produce; empty: any
+    grades: frozenset[str] = frozenset()  # likewise
+    smallest: float = 0.0  # diameter, m
     largest: float = float("inf")
 
     def takes_kind(self, fruit: Fruit) -> bool:
@@ -47,22 +37,13 @@ class Acceptance:
 
 @dataclass(frozen=True)
 class Place:
-    """Where one fruit lies in a container.
-
-    Args:
-        container: its name.
-        name: of the place in it, "row-column" from 1.
-        x: of the place's middle, m.
-        y: as x.
-        z: height of its floor, m.
-        accepts: what may lie here.
-    """
+    """Where one fruit lies in a container."""
 
     container: str
-    name: str
-    x: float
+    name: str  # of the place in it, "row-column" from 1
+    x: float  # of its middle, m
     y: float
-    z: float = 0.0
+    z: float = 0.0  # of its floor, m
     accepts: Acceptance = field(default_factory=Acceptance)
 
     @property
@@ -73,12 +54,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Packing:
-    """Places and what lies in them; it never changes: `filled` gives a new one.
-
-    Args:
-        places: in the order in which they are filled.
-        contents: what lies where.
-    """
+    """Places in the order in which they are filled, and what lies in them; `filled` gives a new one."""
 
     places: tuple[Place, ...]
     contents: Mapping[Key, Fruit] = field(default_factory=dict)
@@ -102,19 +78,16 @@ class Packing:
             return "there is no container"
         if not any(rule.takes_kind(fruit) for rule in rules):
             return f"no place takes kind {fruit.kind!r}"
+        sort = f"{fruit.kind} of grade {fruit.grade!r}"
         if not any(rule.takes_grade(fruit) for rule in rules):
-            return f"no place takes {fruit.kind} of grade {fruit.grade!r}"
-        if not any(rule.takes(fruit) for rule in rules):
-            return f"no place takes {fruit.kind} of grade {fruit.grade!r} with {1e3 * fruit.diameter:.0f} mm"
+            return f"no place takes {sort}"
         fitting = dict.fromkeys(place.container for place in self.places if place.accepts.takes(fruit))
+        if not fitting:
+            return f"no place takes {sort} with {1e3 * fruit.diameter:.0f} mm"
         return f"every place that takes it is full, in {', '.join(fitting)}"
 
     def filled(self, place: Place, fruit: Fruit) -> Packing:
-        """Return the same with a fruit in a place.
-
-        Raises:
-            ValueError: something lies there already.
-        """
+        """Return the same with a fruit in a place; raise ValueError if something lies there already."""
         if place.key in self.contents:
             raise ValueError(f"place {place.name} of {place.container} is taken")
         return Packing(self.places, {**self.contents, place.key: fruit})
@@ -127,11 +100,9 @@ def packing_of(cell: Cell) -> Packing:
 
 def free_place_at(cell: Cell, packing: Packing, fruit: Fruit) -> Place | None:
     """Return the free place over which a fruit was seen; None where it is over none, or over one that is taken."""
-    found = cell.place_at(fruit.x, fruit.y)
-    if found is None:
+    if (found := cell.place_at(fruit.x, fruit.y)) is None:
         return None
-    name, number = found
-    place = [place for place in packing.places if place.container == name][number]
+    place = [place for place in packing.places if place.container == found[0]][found[1]]
     return None if place.key in packing.contents else place
 
 

@@ -7,25 +7,15 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Fruit:
-    """One detected fruit, taken as a sphere that lies on the table.
+    """One detected fruit, taken as a sphere that lies on the table."""
 
-    Args:
-        x: of its centre, m, in the frame of the arm's base.
-        y: as x.
-        diameter: m.
-        kind: such as "tomato".
-        grade: such as "A"; empty where there is none.
-        confidence: that there is one, of this kind, 0 to 1.
-        doubt: why it has no grade, as a clause; empty where it has one.
-    """
-
-    x: float
+    x: float  # of its centre, m, in the frame of the arm's base
     y: float
-    diameter: float
-    kind: str
-    grade: str
-    confidence: float = 1.0
-    doubt: str = ""
+    diameter: float  # m
+    kind: str  # such as "tomato"
+    grade: str  # such as "A"; empty where there is none
+    confidence: float = 1.0  # that there is one, of this kind, 0 to 1
+    doubt: str = ""  # why it has no grade, as a clause
 
     @property
     def radius(self) -> float:

@@ -53,20 +53,20 @@ class Shares:
     """How much of what hoses and valves can do is asked of them; the rest is left to controllers, losses and swing.
 
     With more, moves settle hardly sooner, and swing further (docs/cell-plan.md).
-
-    Args:
-        speed: of what the open valve lets through.
-        torque: of that of a full hose against an empty one.
-        jerk: of what the open valve changes the torque by.
     """
 
-    speed: float = 0.3
-    torque: float = 0.6
-    jerk: float = 0.6
+    speed: float = 0.3  # of what the open valve lets through
+    torque: float = 0.6  # of that of a full hose against an empty one
+    jerk: float = 0.6  # of what the open valve changes the torque by
+
+
+SHARES = Shares()
+POSTURES = 9
+"""Looked at along a move."""
 
 
 def arm_limits(
-    machine: Machine, start: Array, end: Array, *, payload: float | None = None, shares: Shares | None = None
+    machine: Machine, start: Array, end: Array, *, payload: float | None = None, shares: Shares = SHARES
 ) -> MotionLimits:
     """Return the limits of a move of the arm's joints, at the worst posture on its way.
 
@@ -80,24 +80,22 @@ def arm_limits(
     Raises:
         MachineError: the machine has no valves, or can't hold itself against gravity.
     """
-    used = shares or Shares()
     mass = machine.arm.payload if payload is None else payload
-    able = [_joint_ability(machine, name) for name in machine.joints]
-    speed = np.array([one[0] for one in able])
-    inertia, gravity = _worst(machine, start, end, mass)
-    torque = np.array([one[1] for one in able]) - gravity
+    speed, torque, rate = np.array([_joint_ability(machine, name) for name in machine.joints]).T
+    # Greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way.
+    arm = parameters.arm(machine)
+    on_way = [parameters.mass_and_pull(arm, mass, angles) for angles in np.linspace(start, end, POSTURES)]
+    inertia, gravity = (np.abs(found).max(axis=0) for found in zip(*on_way, strict=True))
+    torque = torque - gravity
     if torque.min() <= 0.0:
         name = list(machine.joints)[int(torque.argmin())]
-        raise MachineError(
-            f"joint {name!r} can't hold {mass:g} kg against gravity and its brake",
-            where=machine.origin,
-            right="a smaller payload, a wider hose or more pressure",
-        )
-    rate = np.array([one[2] for one in able])
+        problem = f"joint {name!r} can't hold {mass:g} kg against gravity and its brake"
+        right = "a smaller payload, a wider hose or more pressure"
+        raise MachineError(problem, where=machine.origin, right=right)
     return MotionLimits(
-        tuple((used.speed * speed).tolist()),
-        tuple((used.torque * _together(inertia, torque)).tolist()),
-        tuple((used.jerk * _together(inertia, rate)).tolist()),
+        tuple((shares.speed * speed).tolist()),
+        tuple((shares.torque * _together(inertia, torque)).tolist()),
+        tuple((shares.jerk * _together(inertia, rate)).tolist()),
     )
 
 
@@ -120,15 +118,3 @@ def _together(inertia: Array, ability: Array) -> Array:
     """Return accelerations (joints,) that the joints are able to have at once, whatever their signs."""
     alone = ability / inertia.diagonal()
     return alone * float(np.min(ability / (np.abs(inertia) @ alone)))
-
-
-def _worst(machine: Machine, start: Array, end: Array, payload: float) -> tuple[Array, Array]:
-    """Return the greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way."""
-    arm = parameters.arm(machine)
-    found = [parameters.mass_and_pull(arm, payload, angles) for angles in np.linspace(start, end, _POSTURES)]
-    inertias, pulls = zip(*found, strict=True)
-    return np.abs(inertias).max(axis=0), np.abs(pulls).max(axis=0)
-
-
-_POSTURES = 9
-"""Looked at along a move."""

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from layflat.cell.plan.limits import MotionLimits, Shares, arm_limits
+from layflat import extras
+from layflat.cell.plan.limits import SHARES, MotionLimits, Shares, arm_limits
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.sim.kinematics import tip_position
@@ -28,13 +29,12 @@ POINTS = 400
 
 @dataclass(frozen=True)
 class Path:
-    """A motion from rest to rest; `limits` are those that it keeps."""
+    """A motion from rest to rest."""
 
     start: Array
     end: Array
-    limits: MotionLimits
-    duration: float
-    """s"""
+    limits: MotionLimits  # that it keeps
+    duration: float  # s
     _trajectory: Any
 
     def at(self, times: ArrayLike) -> Array:
@@ -50,12 +50,10 @@ class Path:
         return np.array([self._trajectory.at_time(time)[which] for time in inside.tolist()])
 
     def demand(self, cycle: float, *, lead: float = 0.0) -> Array:
-        """Return one row a control cycle, (cycles, axes), from the start to the end.
+        """Return one row a control cycle (s), (cycles, axes), from the start to the end.
 
-        Args:
-            cycle: s.
-            lead: by which the demand runs ahead at the path's speed, but not past its end, s: a controller of the error
-                lags behind what moves.
+        The demand runs ahead by `lead` (s) at the path's speed, but not past its end: a controller of the error lags
+        behind what moves.
         """
         times = cycle * np.arange(ceil(self.duration / cycle - 1e-9) + 1)
         ahead = self.at(times) + lead * self.velocities(times)
@@ -63,18 +61,12 @@ class Path:
 
 
 def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
-    """Plan the quickest way from rest to rest, of any number of axes.
-
-    Args:
-        start: positions, (axes,), rad or m.
-        end: likewise.
-        limits: of every axis.
+    """Plan the quickest way from rest to rest between two positions (axes,), rad or m.
 
     Raises:
         InputError: ruckig is not installed, or a number is not finite.
     """
-    otg = _ruckig()
-    axes = len(start)
+    otg, axes = extras.module("cell", "ruckig"), len(start)
     if not (np.isfinite(start).all() and np.isfinite(end).all()):
         raise InputError("a position is not finite", where="travel", right="give numbers only")
     wanted = otg.InputParameter(axes)
@@ -92,7 +84,7 @@ def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
 
 def move_arm(
     machine: Machine, start: Array, end: Array, *,
-    payload: float | None = None, shares: Shares | None = None,
+    payload: float | None = None, shares: Shares = SHARES,
     tip_acceleration: float = inf, tip_speed: float = inf,
 ) -> Path:  # fmt: skip
     """Plan a move of an arm's joints within a share of what it can do.
@@ -126,11 +118,3 @@ def tip_peaks(machine: Machine, path: Path) -> tuple[float, float]:
     tips, step = tip_position(machine, path.at(np.linspace(0.0, path.duration, POINTS + 1))), path.duration / POINTS
     first, second = np.diff(tips, axis=0) / step, np.diff(tips, n=2, axis=0) / step**2
     return float(np.linalg.norm(first, axis=1).max()), float(np.linalg.norm(second, axis=1).max())
-
-
-def _ruckig() -> Any:
-    try:
-        import ruckig  # noqa: PLC0415  # an extra
-    except ImportError:
-        raise InputError("ruckig is not installed", where="cell", right="pip install 'layflat[cell]'") from None
-    return ruckig

@@ -16,8 +16,8 @@ apart, or if the neighbour is no higher: the way between them then only grows.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import hypot, sqrt
+from typing import NamedTuple
 
 from layflat.cell.plan.containers import Packing, Place
 from layflat.cell.plan.fruit import Fruit
@@ -27,43 +27,32 @@ TravelTime = Callable[[Angles, Angles], float]
 """From one posture to another, s."""
 
 
-@dataclass(frozen=True)
-class CupClearance:
-    """What keeps the cup clear of fruit that it is not meant for.
+class CupClearance(NamedTuple):
+    """What keeps the cup clear of fruit that it is not meant for."""
 
-    Args:
-        radius: of the cup, m.
-        gap: to every other fruit, m: as far as camera and arm may be off.
-        overlap: by which fruit that touches may seem to overlap, m: diameters are measured with errors.
-    """
-
-    radius: float
-    gap: float = 3e-3
-    overlap: float = 2e-3
+    radius: float  # of the cup, m
+    gap: float = 3e-3  # to every other fruit, m: as far as camera and arm may be off
+    overlap: float = 2e-3  # by which fruit that touches may seem to overlap, m: diameters are measured with errors
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(NamedTuple):
     """A fruit to be picked, the posture over it, the place it goes to, and the posture over that."""
 
     fruit: Fruit
     over_fruit: Posture
     place: Place
     over_place: Posture
-    travel: float
-    """Time that the arm moves, to the fruit and on to the place, s."""
+    travel: float  # time that the arm moves, to the fruit and on to the place, s
 
 
-@dataclass(frozen=True)
-class NotPicked:
+class NotPicked(NamedTuple):
     """A fruit that is not picked now, and why, as one clause."""
 
     fruit: Fruit
     reason: str
 
 
-@dataclass(frozen=True)
-class Selection:
+class Selection(NamedTuple):
     """What to pick next, None where nothing can be picked, and why the others are not picked."""
 
     choice: Choice | None
@@ -76,15 +65,7 @@ def next_pick(
 ) -> Selection:  # fmt: skip
     """Return the fruit to pick next: sure ones first, in steps of 0.1, and of these the one with the shortest way.
 
-    Args:
-        fruits: all that were detected; also those that are not picked stand in the way.
-        packing: containers as they are filled by now.
-        reach: of the arm.
-        here: where the arm is, rad.
-        cup: what picks.
-        travel_time: of the arm.
-        least_confidence: below it a fruit is not picked.
-        given_up: tried too often.
+    Of all `fruits` that were detected, those that are not picked stand in the way too. The arm is `here` (rad).
     """
     choices, not_picked = [], []
     for fruit in fruits:
@@ -127,12 +108,13 @@ def _blocked(fruit: Fruit, others: Sequence[Fruit], cup: CupClearance) -> str:
     if cup.radius > fruit.radius:
         return f"is too small for the cup: {1e3 * fruit.diameter:.0f} mm"
     for other in others:
+        name = f"{other.kind} at ({other.x:.3f}, {other.y:.3f}) m"
         short = cup.gap - cup_room(fruit, other, cup)
         if short > 0.0:
-            return f"the cup would come {1e3 * short:.0f} mm too close to {other.kind} at {_at(other)}"
+            return f"the cup would come {1e3 * short:.0f} mm too close to {name}"
         short = -cup.overlap - lift_room(fruit, other)
         if short > 0.0:
-            return f"would drag {other.kind} at {_at(other)}, which is over it by {1e3 * (short + cup.overlap):.0f} mm"
+            return f"would drag {name}, which is over it by {1e3 * (short + cup.overlap):.0f} mm"
     return ""
 
 
@@ -150,7 +132,3 @@ def _way(fruit: Fruit, packing: Packing, reach: Reach, here: Angles, travel_time
         return f"its place {place.name} of {place.container} is out of reach by {short:.0f} mm"
     travel = travel_time(here, over_fruit.angles) + travel_time(over_fruit.angles, over_place.angles)
     return Choice(fruit, over_fruit, place, over_place, travel)
-
-
-def _at(fruit: Fruit) -> str:
-    return f"({fruit.x:.3f}, {fruit.y:.3f}) m"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import radians
+from typing import NamedTuple
 
 from layflat.cell.reach import Angles
 
@@ -40,25 +41,15 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Task:
-    """One fruit and its place; heights are those of the cup's lip over the table, m.
+    """One fruit and its place; heights are those of the cup's lip over the table, m."""
 
-    Args:
-        over_fruit: posture, rad.
-        over_place: likewise.
-        fruit_height: at which the cup sits on the fruit, as far as is known from above.
-        lowest: at which it sits on the flattest fruit of that size, and a bit.
-        place_height: at which the fruit is released.
-        passing: over everything, the cup being empty.
-        carrying: over everything, with the fruit.
-    """
-
-    over_fruit: Angles
-    over_place: Angles
-    fruit_height: float
-    lowest: float
-    place_height: float
-    passing: float
-    carrying: float
+    over_fruit: Angles  # posture, rad
+    over_place: Angles  # likewise
+    fruit_height: float  # at which the cup sits on the fruit, as far as is known from above
+    lowest: float  # at which it sits on the flattest fruit of that size, and a bit
+    place_height: float  # at which the fruit is released
+    passing: float  # over everything, the cup being empty
+    carrying: float  # over everything, with the fruit
 
     def seated(self, height: float) -> Task:
         """Return the same once the cup sits on the fruit at a height, which shows how high the fruit is."""
@@ -68,53 +59,29 @@ class Task:
 
 @dataclass(frozen=True)
 class Rules:
-    """When something has happened, and how long it may take.
+    """When something has happened, and how long it may take; vacuums are in Pa below the surroundings."""
 
-    Args:
-        tip: where the arm's tip is, m, from its angles.
-        clear: posture out of the camera's view, rad.
-        near: of the tip to its target, within which the lift may begin to lower, m.
-        still: speed of every joint below which it may, rad/s.
-        dwell: how long both have to hold, s.
-        off: of the tip from its target, beyond which a lowered lift is raised at once, m.
-        shaken: speed of any joint beyond which it is, rad/s.
-        sound: vacuum with which one fruit is held, Pa below the surroundings.
-        gone: vacuum below which nothing hangs on the cup though suction is on, Pa: an open cup has some.
-        empty: vacuum below which nothing does once suction is off, Pa.
-        tries: of one fruit, each after a new image.
-        settle_time: longest time of a move until it is settled, s.
-        height: within which the lift is where it was asked to be, m.
-        halted: speed of the lift below which something is in its way, m/s, once it has had the time `starts` (s).
-        starts: see `halted`.
-        lower_time: longest time of the lift's way down, s.
-        seal_time: longest time until the vacuum is sound, s.
-        heavy_time: of the lift's way up, beyond which too much hangs on the cup, s.
-        raise_time: longest time of its way up, s.
-        release_time: longest time until the vacuum is gone, s.
-        image_time: longest time until an image comes, s.
-    """
-
-    tip: Callable[[Angles], tuple[float, float]]
-    clear: Angles
-    near: float = 2e-3
-    still: float = radians(6.0)
-    dwell: float = 0.02
-    off: float = 4e-3
-    shaken: float = radians(20.0)
-    sound: float = 30e3
-    gone: float = 10e3
-    empty: float = 1e3
-    tries: int = 3
-    settle_time: float = 3.0
-    height: float = 2e-3
-    halted: float = 5e-3
-    starts: float = 0.06
-    lower_time: float = 1.0
-    seal_time: float = 0.4
-    heavy_time: float = 0.6
-    raise_time: float = 1.5
-    release_time: float = 0.5
-    image_time: float = 2.0
+    tip: Callable[[Angles], tuple[float, float]]  # where the arm's tip is, m, from its angles
+    clear: Angles  # posture out of the camera's view, rad
+    near: float = 2e-3  # of the tip to its target, within which the lift may begin to lower, m
+    still: float = radians(6.0)  # speed of every joint below which it may, rad/s
+    dwell: float = 0.02  # how long both have to hold, s
+    off: float = 4e-3  # of the tip from its target, beyond which a lowered lift is raised at once, m
+    shaken: float = radians(20.0)  # speed of any joint beyond which it is, rad/s
+    sound: float = 30e3  # vacuum with which one fruit is held
+    gone: float = 10e3  # vacuum below which nothing hangs on the cup though suction is on: an open cup has some
+    empty: float = 1e3  # vacuum below which nothing does once suction is off
+    tries: int = 3  # of one fruit, each after a new image
+    settle_time: float = 3.0  # longest time of a move until it is settled, s
+    height: float = 2e-3  # within which the lift is where it was asked to be, m
+    halted: float = 5e-3  # speed of the lift below which something is in its way, m/s,
+    starts: float = 0.06  # once it has had this time, s
+    lower_time: float = 1.0  # longest time of the lift's way down, s
+    seal_time: float = 0.4  # longest time until the vacuum is sound, s
+    heavy_time: float = 0.6  # of the lift's way up, beyond which too much hangs on the cup, s
+    raise_time: float = 1.5  # longest time of its way up, s
+    release_time: float = 0.5  # longest time until the vacuum is gone, s
+    image_time: float = 2.0  # longest time until an image comes, s
 
     @property
     def longest(self) -> float:
@@ -125,8 +92,7 @@ class Rules:
         return self.tries * (one + carried) + self.release_time + self.raise_time
 
 
-@dataclass(frozen=True)
-class Relocation:
+class Relocation(NamedTuple):
     """What a new image showed of a fruit that was missed: the task where it lies now; None if it is gone."""
 
     task: Task | None
@@ -134,64 +100,40 @@ class Relocation:
 
 @dataclass(frozen=True)
 class Readings:
-    """What sensors give in one cycle.
+    """What sensors give in one cycle."""
 
-    Args:
-        time: s.
-        angles: rad, by joint.
-        velocities: rad/s, by joint.
-        vacuum: in the cup's line, Pa below the surroundings.
-        height: of the cup's lip over the table, m, by the lift's stroke.
-        lift_speed: upwards, m/s.
-        relocation: the answer to an image that was asked for.
-    """
-
-    time: float
-    angles: Angles
-    velocities: Angles
-    vacuum: float
-    height: float
-    lift_speed: float = 0.0
-    relocation: Relocation | None = None
+    time: float  # s
+    angles: Angles  # rad, by joint
+    velocities: Angles  # rad/s, by joint
+    vacuum: float  # in the cup's line, Pa below the surroundings
+    height: float  # of the cup's lip over the table, m, by the lift's stroke
+    lift_speed: float = 0.0  # upwards, m/s
+    relocation: Relocation | None = None  # the answer to an image that was asked for
 
 
-@dataclass(frozen=True)
-class Command:
-    """What a pick commands: a posture (rad), a height of the cup's lip (m), suction, and whether to take an image."""
+class Command(NamedTuple):
+    """What a pick commands until the next cycle."""
 
-    target: Angles
-    height: float
+    target: Angles  # posture, rad
+    height: float  # of the cup's lip, m
     suction: bool
-    image: bool
+    image: bool  # whether to take one
 
 
 @dataclass(frozen=True)
 class State:
-    """State of a pick; begin with `begun`.
+    """State of a pick; begin with `begun`."""
 
-    Args:
-        task: as it is known by now.
-        phase: what it does.
-        since: when the phase began, s.
-        target: posture asked for, rad.
-        suction: whether it is on.
-        near_since: since when the tip has been near and still, s; None while it is not.
-        tried: how often the cup went down for the fruit.
-        shaken: how often the arm moved while the cup was down.
-        outcome: how it ended, or will, once the cup is raised.
-        trouble: what went wrong last, as one clause.
-    """
-
-    task: Task
+    task: Task  # as it is known by now
     phase: Phase
-    since: float
-    target: Angles
-    suction: bool = False
-    near_since: float | None = None
-    tried: int = 0
-    shaken: int = 0
-    outcome: Outcome | None = None
-    trouble: str = ""
+    since: float  # when the phase began, s
+    target: Angles  # posture asked for, rad
+    suction: bool = False  # whether it is on
+    near_since: float | None = None  # since when the tip has been near and still, s; None while it is not
+    tried: int = 0  # how often the cup went down for the fruit
+    shaken: int = 0  # how often the arm moved while the cup was down
+    outcome: Outcome | None = None  # how it ended, or will, once the cup is raised
+    trouble: str = ""  # what went wrong last, as one clause
 
     @property
     def passing(self) -> float:

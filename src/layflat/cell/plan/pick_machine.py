@@ -19,29 +19,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from enum import Enum, auto
+from enum import Enum
 from math import dist
 
 from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Rules, State, Task
 from layflat.cell.reach import Angles
 
-
-class Event(Enum):
-    """What ends a phase."""
-
-    SETTLED = auto()
-    CONTACT = auto()
-    SEALED = auto()
-    NO_SEAL = auto()
-    RAISED = auto()
-    DROPPED = auto()
-    TOO_HEAVY = auto()
-    RELEASED = auto()
-    DISTURBED = auto()
-    RELOCATED = auto()
-    FINISHED = auto()
-    STUCK = auto()
-
+Event = Enum(
+    "Event",
+    "SETTLED CONTACT SEALED NO_SEAL RAISED DROPPED TOO_HEAVY RELEASED DISTURBED RELOCATED FINISHED STUCK",
+)
+"""What ends a phase."""
 
 TRANSITIONS: dict[Phase, dict[Event, Phase]] = {
     Phase.APPROACH: {Event.SETTLED: Phase.LOWER},
@@ -117,7 +105,7 @@ def _down(rules: Rules, state: State, measured: Readings) -> bool:
     """Return whether a lift that is lowered is as low as commanded, or has met something on its way."""
     if _up(rules, state, measured):
         return False
-    met = abs(measured.lift_speed) <= rules.halted and _lasts(state, measured, rules.starts)
+    met = abs(measured.lift_speed) <= rules.halted and measured.time - state.since >= rules.starts
     return met or measured.height <= _height(state) + rules.height
 
 
@@ -133,29 +121,25 @@ def _shaken(rules: Rules, state: State, measured: Readings) -> bool:
     return moves or dist(rules.tip(measured.angles), rules.tip(state.over)) > rules.off
 
 
-def _lasts(state: State, measured: Readings, longest: float) -> bool:
-    return measured.time - state.since >= longest
-
-
 # What has happened
 
 
-def _stuck(state: State, trouble: str) -> Found:
-    return Event.STUCK, replace(state, outcome=Outcome.STUCK, trouble=trouble)
+def _ended(event: Event, state: State, outcome: Outcome | None, trouble: str) -> Found:
+    return event, replace(state, outcome=outcome, trouble=trouble)
 
 
 def _waiting(state: State, measured: Readings, longest: float, trouble: str = "") -> Found:
     """Wait on, up to a time (s)."""
-    if _lasts(state, measured, longest):
-        return _stuck(state, trouble or f"it took too long: the arm {state.phase.value}")
-    return None, state
+    if measured.time - state.since < longest:
+        return None, state
+    return _ended(Event.STUCK, state, Outcome.STUCK, trouble or f"it took too long: the arm {state.phase.value}")
 
 
 def _disturbed(state: State) -> Found:
     """The arm moved while the lift was down."""
-    after = replace(state, shaken=state.shaken + 1, trouble=f"the arm moved while it {state.phase.value}")
-    outcomes = {Phase.RELEASE: Outcome.LOST, Phase.PUT_BACK: Outcome.STUCK}
-    return Event.DISTURBED, replace(after, outcome=outcomes.get(state.phase))
+    outcome = {Phase.RELEASE: Outcome.LOST, Phase.PUT_BACK: Outcome.STUCK}.get(state.phase)
+    after = replace(state, shaken=state.shaken + 1)
+    return _ended(Event.DISTURBED, after, outcome, f"the arm moved while it {state.phase.value}")
 
 
 def _settling(rules: Rules, state: State, measured: Readings, posture: Angles) -> Found:
@@ -182,7 +166,7 @@ def _lower(rules: Rules, state: State, measured: Readings) -> Found:
 def _seal(rules: Rules, state: State, measured: Readings) -> Found:
     if measured.vacuum >= rules.sound:
         return Event.SEALED, replace(state, task=state.task.seated(measured.height))
-    if not _lasts(state, measured, rules.seal_time):
+    if measured.time - state.since < rules.seal_time:
         return None, state
     weak = measured.vacuum >= rules.gone
     trouble = "the vacuum is weak: a leak, or two fruits in the cup" if weak else "no vacuum built up"
@@ -194,11 +178,11 @@ def _lift(rules: Rules, state: State, measured: Readings) -> Found:
         return Event.DROPPED, replace(state, trouble=state.trouble or "it slipped off the cup")
     if _up(rules, state, measured):
         return Event.RAISED, state
-    if not _lasts(state, measured, rules.heavy_time):
+    if measured.time - state.since < rules.heavy_time:
         return None, state
     heavy = "it is lifted too slowly: too heavy, or two fruits"
     if _shaken(rules, state, measured):
-        return _stuck(state, heavy)
+        return _ended(Event.STUCK, state, Outcome.STUCK, heavy)
     return Event.TOO_HEAVY, replace(state, trouble=heavy)
 
 
@@ -206,7 +190,7 @@ def _carry(rules: Rules, state: State, measured: Readings) -> Found:
     if measured.vacuum < rules.gone:
         return _lost(state)
     if state.shaken >= rules.tries:
-        return _stuck(state, state.trouble)
+        return _ended(Event.STUCK, state, Outcome.STUCK, state.trouble)
     return _settling(rules, state, measured, state.task.over_place)
 
 
@@ -219,14 +203,12 @@ def _place(rules: Rules, state: State, measured: Readings) -> Found:
 
 
 def _lost(state: State) -> Found:
-    trouble = f"the vacuum was lost while the arm {state.phase.value}"
-    return Event.DROPPED, replace(state, outcome=Outcome.LOST, trouble=trouble)
+    return _ended(Event.DROPPED, state, Outcome.LOST, f"the vacuum was lost while the arm {state.phase.value}")
 
 
 def _release(rules: Rules, state: State, measured: Readings) -> Found:
     if measured.vacuum < rules.empty:
-        outcome = Outcome.PLACED if state.phase is Phase.RELEASE else None
-        return Event.RELEASED, replace(state, outcome=outcome)
+        return Event.RELEASED, replace(state, outcome=Outcome.PLACED if state.phase is Phase.RELEASE else None)
     return _waiting(state, measured, rules.release_time, "the vacuum does not decay")
 
 
@@ -244,20 +226,12 @@ def _raise(rules: Rules, state: State, measured: Readings) -> Found:
     return Event.FINISHED, replace(state, outcome=state.outcome or Outcome.MISSED)
 
 
-def _clear(rules: Rules, state: State, measured: Readings) -> Found:
-    return _settling(rules, state, measured, rules.clear)
-
-
 def _await_image(rules: Rules, state: State, measured: Readings) -> Found:
     if measured.relocation is None:
         return _waiting(state, measured, rules.image_time, "no image came")
     if measured.relocation.task is None:
         return Event.FINISHED, replace(state, outcome=Outcome.GONE)
     return Event.RELOCATED, replace(state, task=measured.relocation.task)
-
-
-def _done(rules: Rules, state: State, measured: Readings) -> Found:  # noqa: ARG001  (as all phases)
-    return None, state
 
 
 _RULES: dict[Phase, Callable[[Rules, State, Readings], Found]] = {
@@ -271,7 +245,7 @@ _RULES: dict[Phase, Callable[[Rules, State, Readings], Found]] = {
     Phase.PUT_BACK: _put_back,
     Phase.RELEASE_BACK: _release,
     Phase.RAISE: _raise,
-    Phase.CLEAR: _clear,
+    Phase.CLEAR: lambda rules, state, measured: _settling(rules, state, measured, rules.clear),
     Phase.AWAIT_IMAGE: _await_image,
-    Phase.DONE: _done,
+    Phase.DONE: lambda rules, state, measured: (None, state),  # noqa: ARG005  (as all phases)
 }

@@ -24,16 +24,13 @@ class SimulatedCamera:
 
     The pictures of a scene differ by their noise, which is the same for the same scene, seed and order of pictures.
 
-    Args:
-        scene: what is seen.
-
     Raises:
         NoDrawingError: there is no OpenGL to draw with; the text names the package to install.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._mj, self._scene, self._described = mujoco(), scene, scene.cell.camera
-        self._optics = optics_of(self._described)
+        self._mj, self._scene = mujoco(), scene
+        self._optics = optics_of(scene.cell.camera)
         self._rng = np.random.default_rng([scene.seed, 0xCA3E6A])
         frame = scene.model.vis.global_
         self._gl = gl.context(frame.offwidth, frame.offheight)
@@ -44,10 +41,10 @@ class SimulatedCamera:
 
     def picture(self, view: Literal["camera", "overview"] = "camera") -> Picture:
         """Return what is seen now: by the camera with all its faults, or over the whole cell without; (H, W, 3) RGB."""
+        cell = self._scene.cell
         if view == "overview":
-            over = self._scene.cell.overview
-            return self._ideal(view, over.width, over.height)
-        return exposed(self._optics.bend(self._ideal(view, *self._optics.wide)), self._described, self._rng)
+            return self._ideal(view, cell.overview.width, cell.overview.height)
+        return exposed(self._optics.bend(self._ideal(view, *self._optics.wide)), cell.camera, self._rng)
 
     def close(self) -> None:
         """Free what draws."""
@@ -83,12 +80,12 @@ class SimulatedCamera:
     def _context(self, view: str) -> Any:
         """Return what draws a view, with shapes and shadows as fine as it needs."""
         if view not in self._contexts:
-            mj, model = self._mj, self._scene.model
+            model = self._scene.model
             quality = model.vis.quality
             fine = {name: getattr(quality, name) for name in COARSE}
             for name, value in (COARSE if view == "overview" else fine).items():
                 setattr(quality, name, value)
-            self._contexts[view] = mj.MjrContext(model, mj.mjtFontScale.mjFONTSCALE_100.value)
+            self._contexts[view] = self._mj.MjrContext(model, self._mj.mjtFontScale.mjFONTSCALE_100.value)
             for name, value in fine.items():
                 setattr(quality, name, value)
         return self._contexts[view]
@@ -96,10 +93,9 @@ class SimulatedCamera:
 
 def exposed(picture: Picture, camera: Camera, rng: np.random.Generator) -> Picture:
     """Return what blur, exposure and noise of a camera make of what its lens lets through, (H, W, 3)."""
-    cv2 = opencv()
     seen = picture.astype(np.float32)
     if camera.blur > 0.0:
-        seen = cv2.GaussianBlur(seen, (0, 0), camera.blur)
+        seen = opencv().GaussianBlur(seen, (0, 0), camera.blur)
     seen *= np.float32(camera.exposure)
     spread = np.sqrt(np.float32(camera.read_noise) ** 2 + np.float32(camera.shot_noise) * seen)
     seen += spread * rng.standard_normal(seen.shape, dtype=np.float32)

@@ -60,7 +60,7 @@ def _body(world: Any, name: str, position: tuple[float, ...], rotation: float) -
     return world.add_body(name=name, pos=list(position), quat=about_z(rotation).tolist())
 
 
-def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], colour: Colour) -> None:
+def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], colour: tuple[float, ...]) -> None:
     shapes.add(body, "box", name, size=half, pos=list(at), rgba=[*colour, 1.0], condim=6)
 
 
@@ -77,8 +77,7 @@ def _dividers(body: Any, name: str, layout: Layout) -> None:
     if layout.divider == 0.0:
         return
     x, y = layout.size[0] / 2 - layout.wall, layout.size[1] / 2 - layout.wall
-    red, green, blue = (min(1.0, 1.15 * channel) for channel in layout.colour)
-    lighter = red, green, blue
+    lighter = tuple(min(1.0, 1.15 * channel) for channel in layout.colour)
     middle, half, thin = layout.wall + layout.divider / 2, layout.divider / 2, layout.wall / 2
     for i in range(1, layout.columns):
         at = (i - layout.columns / 2) * layout.pitch[0]
@@ -98,9 +97,8 @@ def _printed(
     mj = mujoco()
     rim = round(margin / size[0] * grey.shape[1])
     grey = np.pad(grey, rim, constant_values=255)
-    texture = spec.add_texture(
-        name=name, type=mj.mjtTexture.mjTEXTURE_2D, height=grey.shape[0], width=grey.shape[1], nchannel=3
-    )
+    size_px = {"height": grey.shape[0], "width": grey.shape[1]}
+    texture = spec.add_texture(name=name, type=mj.mjtTexture.mjTEXTURE_2D, nchannel=3, **size_px)
     texture.data = np.repeat(grey[:, :, None], 3, axis=2).tobytes()
     material = spec.add_material(name=name, specular=0.0, shininess=0.0)
     material.textures[mj.mjtTextureRole.mjTEXROLE_RGB] = name
@@ -121,45 +119,26 @@ def _printed(
 def _lights(spec: Any, cell: Cell, rng: np.random.Generator) -> None:
     mj = mujoco()
     ambient = cell.ambient.draw(rng)
-    spec.visual.headlight.ambient = [ambient] * 3
-    spec.visual.headlight.diffuse = [0.0] * 3
-    spec.visual.headlight.specular = [0.0] * 3
-    spec.add_texture(
-        name="wall",
-        type=mj.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mj.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.90, 0.92, 0.94],
-        rgb2=[0.66, 0.70, 0.75],
-        width=64,
-        height=384,
-    )
+    head = spec.visual.headlight
+    head.ambient, head.diffuse, head.specular = [ambient] * 3, [0.0] * 3, [0.0] * 3
+    sky = {"rgb1": [0.90, 0.92, 0.94], "rgb2": [0.66, 0.70, 0.75], "width": 64, "height": 384}
+    spec.add_texture(name="wall", type=mj.mjtTexture.mjTEXTURE_SKYBOX, builtin=mj.mjtBuiltin.mjBUILTIN_GRADIENT, **sky)
     for name, light in cell.light.items():
         at = np.array(light.position) + rng.normal(0.0, light.wander, 3)
-        colour = light.brightness.draw(rng) * (1.0 + rng.normal(0.0, light.tint, 3))
+        colour = np.clip(light.brightness.draw(rng) * (1.0 + rng.normal(0.0, light.tint, 3)), 0.0, 1.0)
         spec.worldbody.add_light(
-            name=name,
-            type=mj.mjtLightType.mjLIGHT_DIRECTIONAL,
-            pos=at.tolist(),
-            dir=(np.array(light.looks_at) - at).tolist(),
-            diffuse=np.clip(colour, 0.0, 1.0).tolist(),
-            ambient=[0.0] * 3,
-            specular=(0.4 * np.clip(colour, 0.0, 1.0)).tolist(),
-            castshadow=light.shadows,
-        )
+            name=name, type=mj.mjtLightType.mjLIGHT_DIRECTIONAL, castshadow=light.shadows,
+            pos=at.tolist(), dir=(np.array(light.looks_at) - at).tolist(),
+            diffuse=colour.tolist(), ambient=[0.0] * 3, specular=(0.4 * colour).tolist(),
+        )  # fmt: skip
 
 
 def _cameras(spec: Any, cell: Cell) -> None:
-    optics = optics_of(cell.camera)
-    over = cell.overview
-    spec.worldbody.add_camera(
-        name="camera", pos=list(cell.camera.position), quat=list(optics.orientation), fovy=optics.field * 180 / pi
-    )
-    spec.worldbody.add_camera(
-        name="overview",
-        pos=list(over.position),
-        quat=list(looking(over.position, over.looks_at, 0.0)),
-        fovy=over.field * 180 / pi,
-    )
-    width, height = optics.wide
-    spec.visual.global_.offwidth = max(width, over.width)
-    spec.visual.global_.offheight = max(height, over.height)
+    optics, over = optics_of(cell.camera), cell.overview
+    for name, position, orientation, field in (
+        ("camera", cell.camera.position, optics.orientation, optics.field),
+        ("overview", over.position, looking(over.position, over.looks_at, 0.0), over.field),
+    ):
+        spec.worldbody.add_camera(name=name, pos=list(position), quat=list(orientation), fovy=field * 180 / pi)
+    spec.visual.global_.offwidth = max(optics.wide[0], over.width)
+    spec.visual.global_.offheight = max(optics.wide[1], over.height)

@@ -15,7 +15,7 @@ INSTALL = "install one: apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)"
 
 
 def context(width: int, height: int) -> Any:
-    """A current OpenGL context to draw off screen: by the way that MUJOCO_GL names, or by the first that is there.
+    """Return a current OpenGL context to draw off screen: by the way that MUJOCO_GL names, or by the first there is.
 
     Raises:
         NoDrawingError: no library is there, or it can't draw.
@@ -28,15 +28,6 @@ def context(width: int, height: int) -> Any:
         reason = (str(error).splitlines() or [type(error).__name__])[0].split(". ")[0]
         raise NoDrawingError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
     return made
-
-
-def check() -> None:
-    """Make sure that pictures can be drawn.
-
-    Raises:
-        NoDrawingError: they can't.
-    """
-    context(16, 16).free()
 
 
 def _there() -> str:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
 from layflat.cell.scene.produce import SceneFruit
-from layflat.cell.scene.suction_cup import SuctionCup
+from layflat.cell.scene.tool import SuctionCup
 
-Array = NDArray[np.float64]
 SMOOTHED = 5e-3
 """Time over which forces on the lip are averaged, s: its rubber does not tear off within a step."""
 
@@ -27,23 +25,18 @@ class Grip:
     """
 
     def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
-        self._mj, self._model, self._data, self._cell = mujoco(), model, data, cell
+        self._mj, self._model, self._data, self._most_tilt = mujoco(), model, data, cell.cup.tilt
         self.cup = SuctionCup(cell.cup)
         self.held: int | None = None
         self.press = np.zeros(len(fruits))
-        self._geom = model.geom("cup").id
-        self._body = model.body("cup").id
+        self._geom, self._body = model.geom("cup").id, model.body("cup").id
         self._bodies = [model.body(fruit.name).id for fruit in fruits]
         self._welds = [model.equality(f"hold.{fruit.name}").id for fruit in fruits]
-        self._of = {geom: i for i, body in enumerate(self._bodies) for geom in _geoms(model, body)}
+        numbers = {body: i for i, body in enumerate(self._bodies)}
+        self._of = {geom: numbers[body] for geom, body in enumerate(model.geom_bodyid.tolist()) if body in numbers}
         self._skins = [model.geom(fruit.name).id for fruit in fruits]
         self._pull = self._shear = 0.0
         self._step: float = model.opt.timestep
-
-    @property
-    def sealed(self) -> bool:
-        """Whether the lip lies on a skin."""
-        return self.held is not None
 
     def follow(self) -> None:
         """Advance vacuum and seal after a step, and drop a fruit that no longer holds."""
@@ -51,15 +44,10 @@ class Grip:
         self._net(touched, step)
         if self.held is None and self.cup.on and len(touched) == 1:
             (fruit,) = touched  # two under one lip leave it open
-            if self._tilt(fruit) <= self._cell.cup.tilt:
+            if self._tilt(fruit) <= self._most_tilt:
                 self._hold(fruit)
-        self.cup.advance(self.sealed, step)
+        self.cup.advance(self.held is not None, step)
         if self.held is not None and not self.cup.holds(self._pull, self._shear):
-            self.release()
-
-    def release(self) -> None:
-        """Hold the fruit no more."""
-        if self.held is not None:
             data, tree = self._data, self._model.body_treeid
             data.eq_active[self._welds[self.held]] = 0
             # A fruit that rested in the cup would fall asleep in the air: it gets the arm's count, which never does.
@@ -72,8 +60,7 @@ class Grip:
         if not self._data.ncon:
             return touched
         contact, force = self._data.contact, np.zeros(6)
-        with_cup = np.flatnonzero((contact.geom == self._geom).any(axis=1))
-        for i in with_cup:
+        for i in np.flatnonzero((contact.geom == self._geom).any(axis=1)):
             first, second = contact.geom[i]
             fruit = self._of.get(int(second if first == self._geom else first))
             if fruit is not None and contact.dist[i] <= 0.0:
@@ -129,8 +116,3 @@ class Grip:
         self._pull += share * (pull - self._pull)
         self._shear += share * (shear - self._shear)
         self.press[self.held] = max(self.press[self.held], -pull)
-
-
-def _geoms(model: Any, body: int) -> range:
-    first = int(model.body_geomadr[body])
-    return range(first, first + int(model.body_geomnum[body]))

@@ -45,12 +45,9 @@ class Optics:
 
     def bend(self, ideal: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Return what the lens makes of an ideal picture of size `wide`, (H, W, 3)."""
-        cv2 = opencv()
-        bent: NDArray[np.uint8] = cv2.remap(ideal, self._from, None, cv2.INTER_LINEAR)
+        bent: NDArray[np.uint8] = opencv().remap(ideal, self._from, None, opencv().INTER_LINEAR)
         return bent
 
 
-@lru_cache(maxsize=8)
-def optics_of(camera: Camera) -> Optics:
-    """Return the optics of a camera, worked out once."""
-    return Optics(camera)
+optics_of = lru_cache(maxsize=8)(Optics)
+"""The optics of a camera, worked out once."""

@@ -9,7 +9,6 @@ import numpy as np
 
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Tray
-from layflat.cell.file.produce import Produce
 from layflat.cell.geometry import Array, about_z, product
 from layflat.errors import CellError
 
@@ -57,20 +56,13 @@ class SceneFruit(Specimen):
 
 
 def fruit_of(cell: Cell, rng: np.random.Generator) -> list[SceneFruit]:
-    """Draw random fruit for all trays.
-
-    Raises:
-        CellError: a tray has no room for as many as are drawn.
-    """
+    """Draw random fruit for all trays; raise CellError if one has no room for as many as are drawn."""
     found: list[SceneFruit] = []
     for name, tray in cell.tray.items():
         count = int(rng.integers(tray.count.least, tray.count.most + 1))
         drawn = [_drawn(cell, str(rng.choice(tray.produce)), len(found) + i, rng) for i in range(count)]
-        for _ in range(20):
-            laid = _laid([one.diameter for one in drawn], tray, rng)
-            if laid is not None:
-                break
-        else:
+        diameters = [one.diameter for one in drawn]
+        if (laid := next(filter(None, (_laid(diameters, tray, rng) for _ in range(20))), None)) is None:
             where = f"{cell.origin}: tray.{name}"
             raise CellError(f"has no room for {count} fruit", where=where, right="give a smaller count")
         spots, alone = laid
@@ -90,19 +82,16 @@ def _drawn(cell: Cell, kind: str, number: int, rng: np.random.Generator) -> Scen
     skin = produce.colour[colour]
     rgb = np.array(skin.rgb) * rng.normal(1.0, skin.spread) + rng.normal(0.0, skin.spread / 2, 3)
     red, green, blue = (float(channel) for channel in np.clip(rgb, 0.02, 0.98))
-    mass = produce.density.draw(rng) * volume(produce, diameter, height)
+    if produce.shape == "round":
+        volume = pi / 6 * diameter**2 * height
+    else:
+        stem = pi * (STEM * diameter) ** 2 * (1 - CAP) * height
+        volume = pi / 6 * diameter**2 * CAP * height + stem
+    mass = produce.density.draw(rng) * volume
     return SceneFruit(
         f"{kind}-{number}", kind, colour, produce.grade_of(diameter, colour), diameter, height, mass,
         (red, green, blue), produce.shape, produce.top,
     )  # fmt: skip
-
-
-def volume(produce: Produce, diameter: float, height: float) -> float:
-    """Return the volume of a fruit, m^3."""
-    if produce.shape == "round":
-        return pi / 6 * diameter**2 * height
-    stem = pi * (STEM * diameter) ** 2 * (1 - CAP) * height
-    return pi / 6 * diameter**2 * CAP * height + stem
 
 
 def _laid(diameters: list[float], tray: Tray, rng: np.random.Generator) -> tuple[Array, list[bool]] | None:

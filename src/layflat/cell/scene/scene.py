@@ -14,9 +14,9 @@ from layflat.cell.file.model import Cell
 from layflat.cell.scene.clutter import add_clutter
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
-from layflat.cell.scene.lift_drive import LiftDrive
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
 from layflat.cell.scene.produce import SceneFruit, fruit_of
+from layflat.cell.scene.tool import LiftDrive
 from layflat.cell.scene.truth import Truth, TruthRecorder
 from layflat.errors import CellError
 from layflat.machine import changed
@@ -35,19 +35,14 @@ ROUNDS = 10
 class Scene:
     """A packing cell in MuJoCo, its fruit, lights and noise drawn by a seed.
 
-    Args:
-        cell: what stands where.
-        seed: same cell and seed, same scene.
-        step: timestep, s.
+    Same cell and seed, same scene; the timestep is `step`, s.
 
     Attributes:
-        cell: its description.
-        seed: as given.
         model: MjModel; its hinges have the names of the machine's joints, without drive, damping or limits.
         data: MjData.
         lift: set `lift.demand`, m of stroke.
         cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor gives.
-        board_held: whether the calibration board is before the camera.
+        board_held: whether the calibration board is before the camera; set False to put it away.
 
     Raises:
         CellError: there is no room for the fruit, or it does not come to rest in its trays.
@@ -60,7 +55,7 @@ class Scene:
         for attempt in range(ROUNDS):
             rng = np.random.default_rng([seed, attempt])
             self.fruits = fruit_of(cell, rng)
-            self.model = spec_of(cell, self.fruits, rng, step).compile()
+            self.model = _spec_of(cell, self.fruits, rng, step).compile()
             self.data = self._mj.MjData(self.model)
             if self._settled():
                 break
@@ -75,11 +70,9 @@ class Scene:
         self._motor = self.model.actuator("lift").id
 
     def step(self, count: int = 1, advance: Callable[[Any], None] | None = None) -> None:
-        """Advance by timesteps.
+        """Advance by a number of timesteps, each by `advance(data)` in place of `mj_step`, where given.
 
-        Args:
-            count: how many.
-            advance: advances the MjData by a timestep in place of `mj_step`: `PneumaticJoints.step` of the bridge.
+        That is how pneumatic joints drive the hinges: `PneumaticJoints.step` of the bridge.
         """
         place, speed = self._slide
         for _ in range(count):
@@ -107,10 +100,6 @@ class Scene:
         self._mj.mj_kinematics(self.model, self.data)
         self.board_held = True
 
-    def put_board_away(self) -> None:
-        """Take the calibration board out of view."""
-        self.board_held = False
-
     def truth(self) -> Truth:
         """Return what is true now: for evaluation only."""
         return self._recorder.truth(self._grip)
@@ -120,11 +109,10 @@ class Scene:
         model, data = self.model, self.data
         for name, angle in self.cell.mount.home.items():
             data.qpos[model.joint(name).qposadr[0]] = angle
-        rest = data.qpos[: model.nq].copy()
+        rest = data.qpos.copy()
         free = model.jnt_type == self._mj.mjtJoint.mjJNT_FREE
-        dofs = np.concatenate([np.arange(6) + adr for adr in model.jnt_dofadr[free]] or [np.zeros(0, int)])
-        places = np.concatenate([np.arange(7) + adr for adr in model.jnt_qposadr[free]] or [np.zeros(0, int)])
-        others = np.setdiff1d(np.arange(model.nq), places)
+        dofs = np.add.outer(model.jnt_dofadr[free], np.arange(6)).ravel()
+        others = np.setdiff1d(np.arange(model.nq), np.add.outer(model.jnt_qposadr[free], np.arange(7)))
         model.dof_damping[dofs] = model.dof_M0[dofs] / ROCKING
         while data.time < LONGEST:
             self._mj.mj_step(model, data, 50)
@@ -137,16 +125,15 @@ class Scene:
         data.qpos[others] = rest[others]
         data.qvel[:], data.qacc_warmstart[:], data.time = 0.0, 0.0, 0.0
         self._mj.mj_forward(model, data)
-        return all(_inside(self.cell, data.body(fruit.name).xpos) for fruit in self.fruits)
+        for fruit in self.fruits:
+            x, y, z = data.body(fruit.name).xpos
+            tray = self.cell.tray_at(float(x), float(y))
+            if tray is None or z >= 2 * tray.height + tray.wall:
+                return False
+        return True
 
 
-def _inside(cell: Cell, at: Array) -> bool:
-    """Return whether a fruit's middle lies in a tray."""
-    tray = cell.tray_at(float(at[0]), float(at[1]))
-    return tray is not None and bool(at[2] < 2 * tray.height + tray.wall)
-
-
-def spec_of(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, step: float) -> Any:
+def _spec_of(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, step: float) -> Any:
     """Return an MjSpec of the cell with its arm, lift, cup and fruit."""
     mj = mujoco()
     # Lift, cup and fruit move by themselves.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,29 +18,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FruitTruth(Specimen):
-    """A fruit at an instant.
+    """A fruit at an instant; peaks are those since the scene began."""
 
-    Attributes:
-        position: of its middle in the cell's frame, (3,) m.
-        orientation: quaternion, w first, (4,).
-        acceleration: of its middle in the last step, m/s^2.
-        peak_acceleration: greatest since the scene began, m/s^2.
-        press: greatest force of the cup on it since the scene began, N.
-        held: whether the cup holds it.
-        place: name of the container and number of the place that it lies in, None if in none.
-    """
-
-    position: Array
-    orientation: Array
-    acceleration: float
-    peak_acceleration: float
-    press: float
-    held: bool
-    place: tuple[str, int] | None
+    position: Array  # of its middle in the cell's frame, (3,) m
+    orientation: Array  # quaternion, w first, (4,)
+    acceleration: float  # of its middle in the last step, m/s^2
+    peak_acceleration: float  # m/s^2
+    press: float  # greatest force of the cup on it, N
+    held: bool  # whether the cup holds it
+    place: tuple[str, int] | None  # name of the container and number of the place that it lies in, None if in none
 
 
-@dataclass(frozen=True)
-class Collision:
+class Collision(NamedTuple):
     """A first contact of the arm, its lift or its cup with something that it should not touch."""
 
     time: float
@@ -48,20 +37,13 @@ class Collision:
     other: str
 
 
-@dataclass(frozen=True)
-class Truth:
-    """The whole scene at an instant.
-
-    Attributes:
-        tip: of the cup's lip, (3,) m.
-        fruits: by name.
-        collisions: since the scene began.
-    """
+class Truth(NamedTuple):
+    """The whole scene at an instant."""
 
     time: float
-    tip: Array
-    fruits: dict[str, FruitTruth]
-    collisions: tuple[Collision, ...]
+    tip: Array  # position of the cup's lip, (3,) m
+    fruits: dict[str, FruitTruth]  # by name
+    collisions: tuple[Collision, ...]  # since the scene began
 
 
 class TruthRecorder:
@@ -73,8 +55,7 @@ class TruthRecorder:
         self._dofs = np.array([[start, start + 1, start + 2] for start in starts], int).reshape(-1, 3)
         self._before = data.qvel[self._dofs]
         # Squares of what velocities changed by, (m/s)^2: in the last step, and the greatest.
-        self._change = np.zeros(len(fruits))
-        self._greatest = np.zeros(len(fruits))
+        self._change, self._greatest = np.zeros(len(fruits)), np.zeros(len(fruits))
         self._collisions: dict[tuple[int, int], Collision] = {}
         self._bodies = [model.body(fruit.name).id for fruit in fruits]
         arm = model.jnt_bodyid[model.joint(next(iter(cell.machine.joints))).id]
@@ -104,23 +85,16 @@ class TruthRecorder:
 
     def truth(self, grip: Grip) -> Truth:
         """Return all that is true now."""
-        fruits = {fruit.name: self._fruit_truth(number, fruit, grip) for number, fruit in enumerate(self._fruits)}
-        tip = self._data.site("cup").xpos.copy()
-        return Truth(float(self._data.time), tip, fruits, tuple(self._collisions.values()))
-
-    def _fruit_truth(self, number: int, fruit: SceneFruit, grip: Grip) -> FruitTruth:
-        data, body, step, held = self._data, self._bodies[number], self._model.opt.timestep, grip.held == number
-        at = data.xpos[body].copy()
-        return FruitTruth(
-            **{field.name: getattr(fruit, field.name) for field in fields(Specimen)},
-            position=at,
-            orientation=data.xquat[body].copy(),
-            acceleration=sqrt(self._change[number]) / step,
-            peak_acceleration=sqrt(self._greatest[number]) / step,
-            press=float(grip.press[number]),
-            held=held,
-            place=None if held else self._place(at, fruit),
-        )
+        data, step, fruits = self._data, self._model.opt.timestep, {}
+        for number, (fruit, body) in enumerate(zip(self._fruits, self._bodies, strict=True)):
+            held, at = grip.held == number, data.xpos[body].copy()
+            fruits[fruit.name] = FruitTruth(
+                **{field.name: getattr(fruit, field.name) for field in fields(Specimen)},
+                position=at, orientation=data.xquat[body].copy(),
+                acceleration=sqrt(self._change[number]) / step, peak_acceleration=sqrt(self._greatest[number]) / step,
+                press=float(grip.press[number]), held=held, place=None if held else self._place(at, fruit),
+            )  # fmt: skip
+        return Truth(float(data.time), data.site("cup").xpos.copy(), fruits, tuple(self._collisions.values()))
 
     def _place(self, at: Array, fruit: SceneFruit) -> tuple[str, int] | None:
         """Return the place in which a fruit lies: its middle is over it, and it is not on a rim."""

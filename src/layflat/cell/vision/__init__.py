@@ -7,7 +7,7 @@ from layflat.cell.vision.colour import ColourDetector
 from layflat.cell.vision.detection import SURE, Colour, Detection, Detector, Kind
 from layflat.cell.vision.drawing import draw
 from layflat.cell.vision.onnx import OnnxDetector
-from layflat.cell.vision.usable import check_picture
+from layflat.cell.vision.prepare import check_picture
 
 __all__ = [
     "SURE",

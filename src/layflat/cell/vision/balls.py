@@ -36,7 +36,7 @@ def fit_cones(rays: Array, usable: Array, roundness: Array, least: Array) -> tup
         least: how far they may be off in any case, rad, (B,).
 
     Returns:
-        Directions of the balls' middles (B, 3), half angles (B,), rad, and what rays are on the outline, (B, R).
+        Directions of the balls' middles (B, 3), half angles (B,), rad, and which rays are on the outline, (B, R).
     """
     weights = usable.astype(float)
     for number in range(ROUNDS):

@@ -15,6 +15,7 @@ from layflat.errors import CameraError
 
 Array: TypeAlias = NDArray[Any]
 """Numbers, float64 unless they are pixels' values, or truths."""
+Grey: TypeAlias = NDArray[np.uint8]
 Seen: TypeAlias = tuple[Array, Array]
 """Points in the frame of a board or the base (N, 3), m, and where they are in a picture (N, 2), px."""
 
@@ -24,23 +25,16 @@ DICTIONARY = "DICT_4X4_50"
 
 @dataclass(frozen=True)
 class CharucoBoard:
-    """A checkerboard with ArUco markers in its white squares; may be seen in part.
+    """A checkerboard with ArUco markers in its white squares; may be seen in part."""
 
-    Attributes:
-        columns, rows: number of squares.
-        square, marker: their sides, m.
-        dictionary: OpenCV's name of the markers' dictionary.
-        first_id: number of its first marker; the others follow.
-    """
-
-    columns: int
+    columns: int  # of squares
     rows: int
-    square: float
-    marker: float
-    dictionary: str = DICTIONARY
-    first_id: int = 0
+    square: float  # side, m
+    marker: float  # side, m
+    dictionary: str = DICTIONARY  # OpenCV's name of it
+    first_id: int = 0  # number of its first marker; the others follow
 
-    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+    def seen(self, grey: Grey) -> Seen | None:
         """Return its corners in a grey picture; None where there are too few."""
         board = charuco(self)
         corners, numbers, _, _ = opencv().aruco.CharucoDetector(board).detectBoard(grey)
@@ -52,18 +46,13 @@ class CharucoBoard:
 
 @dataclass(frozen=True)
 class Checkerboard:
-    """A checkerboard without markers; must be seen whole.
+    """A checkerboard without markers; must be seen whole."""
 
-    Attributes:
-        columns, rows: number of squares; one odd, one even, so that it has a beginning.
-        square: side, m.
-    """
-
-    columns: int
+    columns: int  # of squares; columns or rows odd, the others even, so that it has a beginning
     rows: int
-    square: float
+    square: float  # side, m
 
-    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+    def seen(self, grey: Grey) -> Seen | None:
         """Return its inner corners in a grey picture; None where it is not seen whole."""
         cv2 = opencv()
         inner = (self.columns - 1, self.rows - 1)
@@ -75,48 +64,36 @@ class Checkerboard:
         return known, np.asarray(points(corners), dtype=np.float64)
 
 
-Board: TypeAlias = CharucoBoard | Checkerboard
-
-
 @dataclass(frozen=True)
 class Marker:
-    """An ArUco marker that lies flat at a known place in the base frame.
+    """An ArUco marker that lies flat at a known place in the base frame."""
 
-    Attributes:
-        number: its number in the dictionary.
-        x, y: its middle, m.
-        side: its length, m.
-        yaw: how far its upper edge is turned from the base's x axis about z, rad.
-        z: its height, m.
-    """
-
-    number: int
-    x: float
+    number: int  # in the dictionary
+    x: float  # of its middle, m
     y: float
-    side: float
-    yaw: float = 0.0
-    z: float = 0.0
+    side: float  # m
+    yaw: float = 0.0  # from the base's x axis to its upper edge, about z, rad
+    z: float = 0.0  # height, m
 
     @property
     def corners(self) -> Array:
         """Its corners in the base frame, from the upper left one clockwise as seen from above, (4, 3), m."""
         half = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]]) * self.side / 2.0
-        return on_base(half, self.x, self.y, self.yaw, self.z)
+        return _on_base(half, self)
 
 
 @dataclass(frozen=True)
 class BaseMarkers:
-    """The markers fixed in the base frame. One is enough for a pose; several that stand far apart make it exact."""
+    """The markers fixed in the base frame, each with a number of its own; several that stand far apart make it exact.
+
+    Raises:
+        CameraError: there are none, or two with one number.
+    """
 
     markers: tuple[Marker, ...]
     dictionary: str = DICTIONARY
 
     def __post_init__(self) -> None:
-        """Check that markers have numbers of their own.
-
-        Raises:
-            CameraError: there are none, or two with one number.
-        """
         numbers = [marker.number for marker in self.markers]
         if not numbers or len(set(numbers)) < len(numbers):
             right = "give at least one, each with its own number"
@@ -127,7 +104,7 @@ class BaseMarkers:
         """What to look for, in words."""
         return ", ".join(str(marker.number) for marker in self.markers)
 
-    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+    def seen(self, grey: Grey) -> Seen | None:
         """Return the corners of those in a grey picture; a number that is read twice is left out."""
         cv2 = opencv()
         parameters, last = cv2.aruco.DetectorParameters(), max(marker.number for marker in self.markers)
@@ -135,30 +112,18 @@ class BaseMarkers:
         parameters.errorCorrectionRate = 0.0  # a tray with fruit in it may be a marker but for a bit
         detector = cv2.aruco.ArucoDetector(dictionary(self.dictionary, last), parameters)
         corners, numbers, _ = detector.detectMarkers(grey)
-        read = [int(number) for number in np.ravel(numbers)] if numbers is not None else []
-        known = {marker.number: marker for marker in self.markers if read.count(marker.number) == 1}
-        found = [
-            (known[number].corners, np.asarray(points(corner), dtype=np.float64))
-            for number, corner in zip(read, corners, strict=True)
-            if number in known
-        ]
+        read = [] if numbers is None else np.ravel(numbers).tolist()
+        known = {marker.number: marker.corners for marker in self.markers if read.count(marker.number) == 1}
+        found = [(known[number], points(px)) for number, px in zip(read, corners, strict=True) if number in known]
         if not found:
             return None
         places, pixels = zip(*found, strict=True)
-        return np.concatenate(places), np.concatenate(pixels)
+        return np.concatenate(places), np.concatenate(pixels).astype(np.float64)
 
 
 @dataclass(frozen=True)
 class BaseBoard:
-    """A ChArUco board fixed flat in the base frame, in place of single markers.
-
-    Attributes:
-        board: what it looks like.
-        x: its middle, m.
-        y: its middle, m.
-        yaw: how far its upper edge is turned from the base's x axis about z, rad.
-        z: its height, m.
-    """
+    """A ChArUco board fixed flat in the base frame, in place of single markers; place and yaw as of a `Marker`."""
 
     board: CharucoBoard
     x: float
@@ -171,20 +136,19 @@ class BaseBoard:
         """What to look for, in words."""
         return f"board of {self.board.columns} x {self.board.rows}, from number {self.board.first_id}"
 
-    def seen(self, grey: NDArray[np.uint8]) -> Seen | None:
+    def seen(self, grey: Grey) -> Seen | None:
         """Return its corners in a grey picture."""
-        found = self.board.seen(grey)
-        if found is None:
+        if (found := self.board.seen(grey)) is None:
             return None
-        known, pixels = found
-        size = np.array([self.board.columns, self.board.rows]) * self.board.square
-        return on_base((known[:, :2] - size / 2.0) * [1.0, -1.0], self.x, self.y, self.yaw, self.z), pixels
+        half = np.array([self.board.columns, self.board.rows]) * self.board.square / 2.0
+        return _on_base((found[0][:, :2] - half) * [1.0, -1.0], self), found[1]
 
 
+Board: TypeAlias = CharucoBoard | Checkerboard
 Base: TypeAlias = BaseMarkers | BaseBoard
 """What is fixed in the base frame for the camera to see."""
 
 
-def on_base(flat: Array, x: float, y: float, yaw: float, z: float) -> Array:
+def _on_base(flat: Array, at: Marker | BaseBoard) -> Array:
     """Return points of something flat (N, 2), m, its y upwards, in the base frame (N, 3)."""
-    return np.column_stack([placed((x, y), yaw, flat), np.full(len(flat), z)])
+    return np.column_stack([placed((at.x, at.y), at.yaw, flat), np.full(len(flat), at.z)])

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 from layflat.cell.extras import one_thread, opencv
 from layflat.cell.vision.boards import Array, Base, Board, Seen
 from layflat.cell.vision.calibration import Calibration
-from layflat.cell.vision.usable import check_picture
+from layflat.cell.vision.prepare import check_picture
 from layflat.errors import CameraError
 
 Picture: TypeAlias = NDArray[np.uint8]
-
 FEWEST_VIEWS = 6
 LEAST_TILT = 15.0
 """Between two of the views at least, degree."""
@@ -41,19 +40,14 @@ def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, 
         CameraError: too few views, views too much alike, a board of another size than given, or no marker detected.
     """
     size = (base_picture.shape[1], base_picture.shape[0])
-    views = _views(pictures, board, size)
-    matrix, distortion, error = _lens(views, size)
+    matrix, distortion, error = _lens(_views(pictures, board, size), size)
     seen = _seen_markers(base_picture, markers, size, "base picture")
     rotation, shift, pose_error = _pose(seen, matrix, distortion)
     return Calibration(
-        picture_px=size,
-        camera_matrix_px=matrix.tolist(),
-        distortion=tuple(distortion.tolist()),
-        rotation=rotation.tolist(),
-        translation_m=tuple(shift.tolist()),
-        lens_error_px=error,
-        pose_error_px=pose_error,
-    )
+        picture_px=size, camera_matrix_px=matrix.tolist(), distortion=tuple(distortion.tolist()),
+        rotation=rotation.tolist(), translation_m=tuple(shift.tolist()),
+        lens_error_px=error, pose_error_px=pose_error,
+    )  # fmt: skip
 
 
 def self_check(picture: Picture, calibration: Calibration, markers: Base, most: float = OFF) -> float:
@@ -64,32 +58,25 @@ def self_check(picture: Picture, calibration: Calibration, markers: Base, most: 
         CameraError: no marker is seen, or one is off by more than `most` (m).
     """
     places, pixels = _seen_markers(picture, markers, calibration.picture_px, "self-check")
-    height = float(places[0, 2])
     seen = np.array([calibration.to_table(px, z) for px, z in zip(pixels, places[:, 2], strict=True)])
     off = float(np.linalg.norm(seen - places[:, :2], axis=1).max())
     if off > most:
-        raise CameraError(
-            f"base markers are off by {off * 1e3:.1f} mm (at z = {height:g} m)",
-            where="self-check",
-            right=f"at most {most * 1e3:g} mm: the camera was moved or is miscalibrated; calibrate it anew",
-        )
+        problem = f"base markers are off by {off * 1e3:.1f} mm (at z = {places[0, 2]:g} m)"
+        right = f"at most {most * 1e3:g} mm: the camera was moved or is miscalibrated; calibrate it anew"
+        raise CameraError(problem, where="self-check", right=right)
     return off
 
 
 def _views(pictures: Sequence[Picture], board: Board, size: tuple[int, int]) -> list[Seen]:
-    cv2 = opencv()
     views: list[Seen] = []
     for number, picture in enumerate(pictures, start=1):
         check_picture(picture, size, where=f"board picture {number}")
-        seen = board.seen(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
+        seen = board.seen(opencv().cvtColor(picture, opencv().COLOR_RGB2GRAY))
         if seen is not None:
             views.append(seen)
     if len(views) < FEWEST_VIEWS:
-        raise CameraError(
-            f"the board is detected in {len(views)} of {len(pictures)} pictures",
-            where="calibration",
-            right=f"show it in at least {FEWEST_VIEWS}, tilted, in all parts of the picture; check its squares' number",
-        )
+        right = f"show it in at least {FEWEST_VIEWS}, tilted, in all parts of the picture; check its squares' number"
+        raise _failed(f"the board is detected in {len(views)} of {len(pictures)} pictures", right)
     return views
 
 
@@ -102,35 +89,23 @@ def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float
     ahead = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns])
     tilt = float(np.degrees(np.arccos(np.clip(ahead @ ahead.T, -1.0, 1.0)).max()))
     if tilt < LEAST_TILT:
-        raise CameraError(
-            f"the board is tilted by {tilt:.0f} degrees at most between views",
-            where="calibration",
-            right="tilt it by 20 to 40 degrees, to all sides: flat views don't determine the focal length",
-        )
+        right = "tilt it by 20 to 40 degrees, to all sides: flat views don't determine the focal length"
+        raise _failed(f"the board is tilted by {tilt:.0f} degrees at most between views", right)
     unsure = float(np.max(np.ravel(spread)[:2]) / matrix[0, 0])
     if not np.isfinite(unsure) or unsure > FOCAL_UNSURE:
-        raise CameraError(
-            f"the focal length is uncertain by {unsure:.1%}", where="calibration", right="show the board in more views"
-        )
+        raise _failed(f"the focal length is uncertain by {unsure:.1%}", "show the board in more views")
     if error > MOST_ERROR:
-        raise CameraError(
-            f"the board's corners are off by {error:.1f} px",
-            where="calibration",
-            right=f"at most {MOST_ERROR:g} px: the board must be flat, with as many squares as given",
-        )
+        right = f"at most {MOST_ERROR:g} px: the board must be flat, with as many squares as given"
+        raise _failed(f"the board's corners are off by {error:.1f} px", right)
     return matrix, np.ravel(distortion)[:5].astype(np.float64), float(error)
 
 
 def _seen_markers(picture: Picture, markers: Base, size: tuple[int, int], where: str) -> Seen:
-    cv2 = opencv()
     check_picture(picture, size, where=where)
-    seen = markers.seen(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY))
+    seen = markers.seen(opencv().cvtColor(picture, opencv().COLOR_RGB2GRAY))
     if seen is None:
-        raise CameraError(
-            f"no base marker ({markers.description}) is in the image",
-            where=where,
-            right="uncover it, point the camera at it",
-        )
+        problem = f"no base marker ({markers.description}) is in the image"
+        raise CameraError(problem, where=where, right="uncover it, point the camera at it")
     return seen
 
 
@@ -139,14 +114,15 @@ def _pose(seen: Seen, matrix: Array, distortion: Array) -> tuple[Array, Array, f
     places, pixels = seen
     found, turn, shift = cv2.solvePnP(places, pixels, matrix, distortion, flags=cv2.SOLVEPNP_SQPNP)
     if not found:
-        raise CameraError("no pose fits the base's markers", where="calibration", right="check their places and sides")
+        raise _failed("no pose fits the base's markers", "check their places and sides")
     turn, shift = cv2.solvePnPRefineLM(places, pixels, matrix, distortion, turn, shift)
     predicted, _ = cv2.projectPoints(places, turn, shift, matrix, distortion)
     error = float(np.sqrt(np.mean(np.sum((predicted.reshape(-1, 2) - pixels) ** 2, axis=1))))
     if error > MOST_ERROR:
-        raise CameraError(
-            f"base markers are off by {error:.1f} px in any pose",
-            where="calibration",
-            right=f"at most {MOST_ERROR:g} px: check their numbers, places and sides",
-        )
+        right = f"at most {MOST_ERROR:g} px: check their numbers, places and sides"
+        raise _failed(f"base markers are off by {error:.1f} px in any pose", right)
     return cv2.Rodrigues(turn)[0], np.ravel(shift), error
+
+
+def _failed(problem: str, right: str) -> CameraError:
+    return CameraError(problem, where="calibration", right=right)

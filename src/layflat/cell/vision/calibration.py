@@ -13,9 +13,10 @@ from typing import TypeAlias
 import numpy as np
 import tomli_w
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
+from pydantic import ValidationError, field_validator
 
 from layflat.cell.extras import opencv, points
+from layflat.description import Part
 from layflat.description.explain import explained
 from layflat.description.tables import parsed
 from layflat.description.text import read_text, told_as
@@ -26,26 +27,15 @@ Array: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[float, float, float]
 
 
-class Calibration(BaseModel):
-    """A camera's lens and pose, as calibrated.
+class Calibration(Part):
+    """A camera's lens and pose, as calibrated."""
 
-    Attributes:
-        picture_px: width and height of its pictures.
-        camera_matrix_px: focal lengths and principal point, 3 x 3.
-        distortion: k1, k2, p1, p2, k3.
-        rotation: from the base frame to the camera's, 3 x 3.
-        translation_m: the base's origin in the camera frame.
-        lens_error_px, pose_error_px: rms of what was seen less what lens and pose predict.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-    picture_px: tuple[int, int]
-    camera_matrix_px: tuple[Triple, Triple, Triple]
-    distortion: tuple[float, float, float, float, float]
-    rotation: tuple[Triple, Triple, Triple]
-    translation_m: Triple
-    lens_error_px: float
+    picture_px: tuple[int, int]  # width and height of its pictures
+    camera_matrix_px: tuple[Triple, Triple, Triple]  # focal lengths and principal point
+    distortion: tuple[float, float, float, float, float]  # k1, k2, p1, p2, k3
+    rotation: tuple[Triple, Triple, Triple]  # from the base frame to the camera's
+    translation_m: Triple  # of the base's origin in the camera frame
+    lens_error_px: float  # rms of what was seen less what lens and pose predict
     pose_error_px: float
 
     @field_validator("rotation")
@@ -104,22 +94,14 @@ class Calibration(BaseModel):
         return 2.0 / float(np.linalg.norm(right - left) + np.linalg.norm(below - above))
 
     def save(self, path: Path) -> Path:
-        """Write it as TOML.
-
-        Raises:
-            OutputError: it can't be written there.
-        """
+        """Write it as TOML; raise OutputError where that can't be."""
         with whole_file(path) as temporary:
             temporary.write_text(tomli_w.dumps(self.model_dump()), encoding="utf-8")
         return path
 
 
 def load_calibration(path: Path) -> Calibration:
-    """Load a calibration from its TOML file.
-
-    Raises:
-        CameraError: the file is missing, broken, or no calibration.
-    """
+    """Load a calibration from its TOML file; raise CameraError if that is missing, broken, or no calibration."""
     where, right = str(path), "calibrate the camera anew"
     with told_as(CameraError):
         plain = parsed(read_text(path, where, right), where, "picture_px = [1280, 960]")

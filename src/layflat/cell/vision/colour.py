@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +13,8 @@ from layflat.cell.vision import edges, regions
 from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.detection import Colour, Detection, Kind
-from layflat.cell.vision.light import evenly_lit
 from layflat.cell.vision.measure import COMPLETE, detections, inside, measure, relief
-from layflat.cell.vision.usable import check_picture
+from layflat.cell.vision.prepare import check_picture, evenly_lit
 from layflat.errors import InputError
 
 SLACK = 0.08
@@ -32,13 +30,12 @@ OWN = 0.7
 """Share of a thing that must have its kind's colour."""
 
 
-@dataclass(frozen=True)
-class _Guesses:
-    """Things as first seen: what they may be, middle and depth in px of the halved picture, the mask they are in."""
+class _Guesses(NamedTuple):
+    """Things as first seen."""
 
-    kind: Kind
-    discs: Array
-    mask: Any
+    kind: Kind  # that they may be of
+    discs: Array  # rows of middle and depth, px of the halved picture
+    mask: Any  # that they are in
 
 
 class ColourDetector:
@@ -62,8 +59,7 @@ class ColourDetector:
         names = [kind.name for kind in kinds]
         if not names or len(set(names)) < len(names):
             raise InputError(f"kinds {names}", where="detector", right="needs kinds, each with its own name")
-        self.kinds, self.table, self.background = tuple(kinds), table, tuple(background)
-        self.plane = plane
+        self.kinds, self.table, self.background, self.plane = tuple(kinds), table, tuple(background), plane
         least, most = min(kind.diameter[0] for kind in kinds), max(kind.diameter[1] for kind in kinds)
         self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
 
@@ -73,11 +69,10 @@ class ColourDetector:
         Raises:
             PictureError: the picture can't be used.
         """
-        cv2 = opencv()
         half = check_picture(picture, calibration.picture_px)
         even = evenly_lit(half, self.table)
         scale = calibration.pixels_per_metre(self.plane) / 2.0
-        guesses = self._guesses(cv2.cvtColor(even, cv2.COLOR_RGB2HSV_FULL), scale)
+        guesses = self._guesses(opencv().cvtColor(even, opencv().COLOR_RGB2HSV_FULL), scale)
         if not guesses:
             return []
         kinds = [guess.kind for guess in guesses for _ in guess.discs]
@@ -122,9 +117,6 @@ def _rough(guess: _Guesses, scale: float) -> tuple[Array, Array]:
 
 def _own(guesses: Sequence[_Guesses], outlines: Array) -> Array:
     """Return where within outlines each thing has its kind's colour, 0 to 1 at each place of `inside`."""
-    shares, start = [], 0
-    for guess in guesses:
-        within = inside(outlines[start : start + len(guess.discs)])
-        shares.append(edges.sampled(guess.mask, within) / 255.0)
-        start += len(guess.discs)
+    parts = np.split(outlines, np.cumsum([len(guess.discs) for guess in guesses])[:-1])
+    shares = [edges.sampled(guess.mask, inside(part)) / 255.0 for guess, part in zip(guesses, parts, strict=True)]
     return np.concatenate(shares)

@@ -19,14 +19,9 @@ SURE = 0.7
 
 @dataclass(frozen=True)
 class Colour:
-    """A region of colours in HSV, lit as the table's reference is.
+    """A region of colours in HSV, lit as the table's reference is."""
 
-    Attributes:
-        hue: from, to, degree; from 340 to 20 goes through 0.
-        saturation, value: from, to, of 1.
-    """
-
-    hue: Span = (0.0, 360.0)
+    hue: Span = (0.0, 360.0)  # from, to, degree; from 340 to 20 goes through 0
     saturation: Span = (0.0, 1.0)
     value: Span = (0.0, 1.0)
 
@@ -35,28 +30,18 @@ class Colour:
 class Kind:
     """A kind of produce, as a detector knows it: round, within limits of size and colour.
 
-    Attributes:
-        name: what it is called.
-        colours: from shaded to lit, and in reflections.
-        diameter: least and most, m.
-        height_ratio: height of the middle over the table by half the diameter: 1 for a ball.
-        flattening: height by width of what is seen from above, upright: 1 for a ball.
-        roundness: how far its outline may be from a circle, share of its radius.
+    Raises:
+        InputError: the limits of its diameter are not in order, or it is flat.
     """
 
     name: str
-    colours: tuple[Colour, ...]
-    diameter: Span
-    height_ratio: float = 1.0
-    flattening: float = 1.0
-    roundness: float = 0.05
+    colours: tuple[Colour, ...]  # from shaded to lit, and in reflections
+    diameter: Span  # least and most, m
+    height_ratio: float = 1.0  # height of the middle over the table by half the diameter: 1 for a ball
+    flattening: float = 1.0  # height by width of what is seen from above, upright: 1 for a ball
+    roundness: float = 0.05  # how far its outline may be from a circle, share of its radius
 
     def __post_init__(self) -> None:
-        """Check that limits are in order.
-
-        Raises:
-            InputError: they are not.
-        """
         if not 0.0 < self.diameter[0] < self.diameter[1]:
             right = "needs least, then most, both over 0 m"
             raise InputError(f"diameter {self.diameter}", where=self.name, right=right)
@@ -66,34 +51,21 @@ class Kind:
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """One thing on the table.
+    """One thing on the table."""
 
-    Attributes:
-        kind: of produce; None for what is round and of such a size but of no known kind.
-        position: its middle in the base frame (x, y, z), m.
-        diameter: m.
-        colour: mean colour, RGB of 255, lit as the table's reference is.
-        confidence: 0 to 1; from `SURE` on it is whole and clear.
-        outline: what its outline would be if it were all seen, (N, 2) px.
-    """
-
-    kind: str | None
-    position: tuple[float, float, float]
-    diameter: float
-    colour: tuple[float, float, float]
-    confidence: float
-    outline: NDArray[np.float64]
+    kind: str | None  # of produce; None for what is round and of such a size but of no known kind
+    position: tuple[float, float, float]  # of its middle in the base frame, m
+    diameter: float  # m
+    colour: tuple[float, float, float]  # mean, RGB of 255, lit as the table's reference is
+    confidence: float  # 0 to 1; from `SURE` on it is whole and clear
+    outline: NDArray[np.float64]  # what its outline would be if it were all seen, (N, 2) px
 
 
 class Detector(Protocol):
     """Detects produce in a picture: by colour, or learned."""
 
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
-        """Return what lies on the table, surest first.
-
-        Args:
-            picture: RGB, (H, W, 3).
-            calibration: of the camera that took it.
+        """Return what lies on the table, surest first, from a picture (H, W, 3), RGB, of a calibrated camera.
 
         Raises:
             PictureError: the picture can't be used.

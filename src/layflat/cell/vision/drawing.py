@@ -48,7 +48,10 @@ def _text(drawn: Any, lines: Sequence[str], middle: NDArray[np.float64]) -> None
     """Write lines about a point (px), dark on bright ground and bright on dark ground, each with a rim of the other."""
     cv2 = opencv()
     font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.4
-    ink, rim = (DARK, BRIGHT) if _level(drawn, middle) > BRIGHT_GROUND else (BRIGHT, DARK)
+    across, down = (max(round(value), 0) for value in middle)
+    ground = drawn[max(down - NEAR, 0) : down + NEAR, max(across - NEAR, 0) : across + NEAR]
+    bright = ground.size and float(ground.mean()) > BRIGHT_GROUND
+    ink, rim = (DARK, BRIGHT) if bright else (BRIGHT, DARK)
     y = middle[1] - 6.5 * (len(lines) - 1)
     for line in lines:
         (wide, high), _ = cv2.getTextSize(line, font, size, 1)
@@ -57,10 +60,3 @@ def _text(drawn: Any, lines: Sequence[str], middle: NDArray[np.float64]) -> None
             cv2.putText(drawn, line, (x + right, base + down), font, size, rim, 1, cv2.LINE_AA)
         cv2.putText(drawn, line, (x, base), font, size, ink, 1, cv2.LINE_AA)
         y += 13.0
-
-
-def _level(drawn: Any, middle: NDArray[np.float64]) -> float:
-    """Return the mean level of a picture about a point, 0 to 255."""
-    x, y = (max(round(value), 0) for value in middle)
-    ground = drawn[max(y - NEAR, 0) : y + NEAR, max(x - NEAR, 0) : x + NEAR]
-    return float(ground.mean()) if ground.size else 0.0

@@ -32,13 +32,7 @@ def sampled(picture: Any, places: Array) -> Array:
 
 
 def edges_of_mask(mask: Any, middles: Array, nearest: Array, farthest: Array) -> tuple[Array, Array]:
-    """Find where rays from middles first leave a mask.
-
-    Args:
-        mask: of 0 and 255.
-        middles: (B, 2), px.
-        nearest: from where to look, px from the middle, (B,).
-        farthest: to where.
+    """Find where rays from middles (B, 2) first leave a mask of 0 and 255, between two distances (B,); all in px.
 
     Returns:
         Places (B, AROUND, 2), px, and whether there is an edge, (B, AROUND).
@@ -61,13 +55,7 @@ def edges_of_picture(picture: Any, outlines: Array) -> tuple[Array, Array]:
     """Find where colour changes halfway from inside to outside, near outlines.
 
     What is outside is the colour that differs most from the inside, so that a narrow gap between two things is found.
-
-    Args:
-        picture: RGB.
-        outlines: (B, AROUND, 2), px, anticlockwise in the picture.
-
-    Returns:
-        Places (B, AROUND, 2), px, and whether there is an edge, (B, AROUND).
+    The outlines (B, AROUND, 2), px, go anticlockwise in the RGB picture. Returns as `edges_of_mask`.
     """
     along = np.roll(outlines, -1, axis=1) - np.roll(outlines, 1, axis=1)
     outwards = np.stack([-along[..., 1], along[..., 0]], axis=-1)

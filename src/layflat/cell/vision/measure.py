@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,23 +24,14 @@ COMPLETE = 0.8
 """Share of an outline from which it is as good as whole: what touches others is never seen all around."""
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What is known of things, one a row.
+class Measured(NamedTuple):
+    """What is known of things, one a row."""
 
-    Attributes:
-        middles: in the base frame (B, 3), m.
-        radii: m.
-        outlines: (B, AROUND, 2), px.
-        seen: share of each outline that is an edge in the picture.
-        colours: mean RGB (B, 3), of 255, stalks and reflections left out.
-    """
-
-    middles: Array
-    radii: Array
-    outlines: Array
-    seen: Array
-    colours: Array
+    middles: Array  # in the base frame (B, 3), m
+    radii: Array  # m
+    outlines: Array  # (B, AROUND, 2), px
+    seen: Array  # share of each outline that is an edge in the picture
+    colours: Array  # mean RGB (B, 3), of 255, stalks and reflections left out
 
 
 def measure(
@@ -81,13 +71,9 @@ def measure(
 
 
 def detections(names: Sequence[str | None], measured: Measured, sure: Array, good: Array) -> list[Detection]:
-    """Return what is good, the surest first; at one place the surest only, and of a known kind if any is.
+    """Return what is `good`, the most `sure` first; at one place that only, and of a known kind if any is.
 
-    Args:
-        names: of each thing's kind; None where that is unknown.
-        measured: of the same things.
-        sure: confidence, (B,).
-        good: which are to be returned, (B,).
+    The name of an unknown kind is None.
     """
     unknown = np.array([name is None for name in names])
     order = np.flatnonzero(good)
@@ -96,18 +82,10 @@ def detections(names: Sequence[str | None], measured: Measured, sure: Array, goo
     kept = regions.apart(rows, BALLS_APART)[:, 3].astype(int)
     found = []
     for number in kept[np.argsort(-sure[kept], kind="stable")]:
-        red, green, blue = np.clip(measured.colours[number], 0.0, 255.0).tolist()
-        x, y, z = measured.middles[number].tolist()
-        found.append(
-            Detection(
-                kind=names[number],
-                position=(x, y, z),
-                diameter=2.0 * float(measured.radii[number]),
-                colour=(red, green, blue),
-                confidence=float(sure[number]),
-                outline=measured.outlines[number],
-            )
-        )
+        position, colour = measured.middles[number], np.clip(measured.colours[number], 0.0, 255.0)
+        diameter, outline = 2.0 * float(measured.radii[number]), measured.outlines[number]
+        shown = tuple(position.tolist()), diameter, tuple(colour.tolist()), float(sure[number]), outline
+        found.append(Detection(names[number], *shown))
     return found
 
 
@@ -121,12 +99,8 @@ def inside(outlines: Array) -> Array:
 def relief(even: Any, outlines: Array, own: Array) -> Array:
     """Return how much darker things get from their middle outwards, (B,): standard deviation as a share of their mean.
 
-    Nearly 0 for what is flat, even where it is brighter on one side.
-
-    Args:
-        even: the halved picture, evenly lit.
-        outlines: (B, AROUND, 2), px of the whole picture.
-        own: how much of the thing is at each place of `inside`, 0 to 1: ground and neighbours are left out.
+    Nearly 0 for what is flat, even where it is brighter on one side. Ground and neighbours within an outline are left
+    out by `own`: how much of the thing is at each place of `inside`, 0 to 1.
     """
     places, level, skin, _ = _skins(even, outlines)
     # A dark stalk in the middle, of the skin's chromaticity, would pass for a hollow.

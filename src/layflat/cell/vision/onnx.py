@@ -20,9 +20,8 @@ from layflat.cell.vision import edges
 from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.detection import Detection, Kind
-from layflat.cell.vision.light import evenly_lit
 from layflat.cell.vision.measure import COMPLETE, detections, measure
-from layflat.cell.vision.usable import check_picture
+from layflat.cell.vision.prepare import check_picture, evenly_lit
 from layflat.errors import InputError
 
 LEAST_SCORE = 0.25
@@ -72,7 +71,9 @@ class OnnxDetector:
         known = (numbers >= 0) & (numbers < len(self.kinds))
         kinds = [self.kinds[number if good else 0] for number, good in zip(numbers, known, strict=True)]
         even = evenly_lit(half, self.table)
-        outlines = _ellipses(boxes)
+        # Places on the ellipses that fill the boxes, (N, AROUND, 2).
+        middle, reach = (boxes[:, :2] + boxes[:, 2:4]) / 2.0, (boxes[:, 2:4] - boxes[:, :2]) / 2.0
+        outlines = middle[:, None] + reach[:, None] * unit_circle(edges.AROUND)
         usable = np.ones(outlines.shape[:2], bool)
         measured = measure(picture, even, calibration, outlines, usable, kinds, self.plane)
         sure = boxes[:, 4] * np.clip(measured.seen / COMPLETE, 0.0, 1.0)
@@ -91,20 +92,11 @@ class OnnxDetector:
             self._network.setInput(cv2.dnn.blobFromImage(filled, 1.0 / 255.0))
             seen: Any = np.asarray(self._network.forward(), dtype=np.float64)
         except cv2.error:
-            raise InputError(
-                f"fails on its input (1, 3, {self.size[0]}, {self.size[1]})",
-                where=str(self.path),
-                right="give the size that it was exported for",
-            ) from None
+            problem, right = f"fails on its input (1, 3, {self.size[0]}, {self.size[1]})", "give the size of its export"
+            raise InputError(problem, where=str(self.path), right=right) from None
         if seen.ndim != 3 or seen.shape[0] != 1 or seen.shape[2] != 6:
             raise InputError(f"gives {seen.shape}", where=str(self.path), right="needs boxes (1, N, 6)")
         boxes = seen[0][seen[0][:, 4] >= LEAST_SCORE]
         stretch = np.array([columns / small.shape[1], rows / small.shape[0]] * 2)
         boxes[:, :4] = boxes[:, :4] * stretch - 0.5
         return np.asarray(boxes[((boxes[:, 2:4] - boxes[:, :2]) > 1.0).all(axis=1)])
-
-
-def _ellipses(boxes: Array) -> Array:
-    """Return places on the ellipses that fill boxes, (N, AROUND, 2)."""
-    middle, reach = (boxes[:, :2] + boxes[:, 2:4]) / 2.0, (boxes[:, 2:4] - boxes[:, :2]) / 2.0
-    return np.asarray(middle[:, None] + reach[:, None] * unit_circle(edges.AROUND))

@@ -51,10 +51,7 @@ def _tables(colours: tuple[Colour, ...]) -> tuple[Any, ...]:
 def filled(mask: Any, background: Any, area: float) -> Any:
     """Return a mask without specks, its holes filled where they are small or show no background (stalks, reflections).
 
-    Args:
-        mask: of 0 and 255.
-        background: pixels of table, trays and containers, of 0 and 255.
-        area: of the smallest thing, px.
+    Masks are of 0 and 255; `area` is that of the smallest thing, px.
     """
     cv2 = opencv()
     square = np.ones((3, 3), np.uint8)
@@ -74,13 +71,10 @@ def filled(mask: Any, background: Any, area: float) -> Any:
 
 
 def discs(mask: Any, least: float) -> Array:
-    """Return where round things may be in a mask: rows of x, y, depth (px), deepest first.
+    """Return where round things may be in a mask of 0 and 255: rows of x, y, depth, px, deepest first.
 
-    Depth is the distance to the nearest pixel outside. Touching discs each have a deepest point of their own.
-
-    Args:
-        mask: of 0 and 255.
-        least: radius of the smallest, px.
+    `least` is the radius of the smallest, px. Depth is the distance to the nearest pixel outside: touching discs each
+    have a deepest point of their own.
     """
     cv2 = opencv()
     framed = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_REPLICATE)

@@ -20,14 +20,7 @@ NEAR = 20e-3
 
 
 class Evaluator(Observer):
-    """Observes a packer.
-
-    Args:
-        scene: in which it works.
-
-    Attributes:
-        vision: its errors.
-    """
+    """Observes a packer in its scene; `vision` holds the errors of what it detects."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self.vision = scene, VisionErrors()

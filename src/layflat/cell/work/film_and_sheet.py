@@ -22,16 +22,9 @@ FPS = 10.0
 
 @contextmanager
 def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Calibration) -> Iterator[FilmAndSheet]:
-    """Give an observer that leaves a film and a contact sheet, if the block ends well.
+    """Give an observer that leaves a film (.mp4, .gif or None) and a contact sheet (.png), if the block ends well.
 
-    Args:
-        film: where to, .mp4 or .gif; None for no film.
-        sheet: where to, .png.
-        title: of the sheet; what came of the picks is added.
-        calibration: of the camera.
-
-    Raises:
-        OutputError: they can't be written there.
+    What came of the picks is added to the title of the sheet. Raises OutputError where they can't be written.
     """
     with nullcontext() if film is None else Film(film, FPS) as opened:
         observer = FilmAndSheet(opened, ContactSheet(title), calibration)
@@ -41,13 +34,7 @@ def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Cali
 
 
 class FilmAndSheet(Observer):
-    """Makes a film and a contact sheet.
-
-    Args:
-        film: open; None for no film.
-        sheet: to which each pick is added.
-        calibration: of the camera.
-    """
+    """Makes a film, if one is open, and a contact sheet."""
 
     def __init__(self, film: Film | None, sheet: ContactSheet, calibration: Calibration) -> None:
         self._film, self.sheet, self._calibration = film, sheet, calibration

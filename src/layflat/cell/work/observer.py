@@ -44,11 +44,7 @@ class Observers(Observer):
 
 
 class PickCounter(Observer):
-    """Calls with the number of picks that have ended.
-
-    Args:
-        count: is called after every pick.
-    """
+    """Calls `count` with the number of picks that have ended, after every pick."""
 
     def __init__(self, count: Callable[[int], object]) -> None:
         self._count, self._picks = count, 0

@@ -16,29 +16,20 @@ from layflat.cell.plan.pick_machine import begun, step
 from layflat.cell.reach import Angles, Reach
 from layflat.cell.vision import SURE
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.occlusion import apart, same
 from layflat.cell.work.records import Pick
 from layflat.cell.work.station import Station
-from layflat.cell.work.tasks import Heights, centred, rules_of
-from layflat.cell.work.world_model import WorldModel
+from layflat.cell.work.tasks import centred, passing_height, rules_of, task_of
+from layflat.cell.work.world_model import WorldModel, apart, same
 
 IMAGES, PAUSE = 3, 0.2
 """That are tried one after the other until one can be used, and the time between them, s."""
-
 STRAYED = 30e-3
 """How far a fruit may have rolled when the cup missed it and still be taken for the same, m."""
-
 OUTSIDE = "lies beside trays and containers"
 
 
 class Packer:
-    """What decides in a cell; it knows what sensors and images show, and no more.
-
-    Args:
-        cell: its description.
-        station: its hardware.
-        perception: its camera.
-        observer: observes what it does.
+    """What decides in a cell, by its station's sensors and its perception's images, and no more.
 
     Attributes:
         packing: what lies in the containers by now.
@@ -49,13 +40,12 @@ class Packer:
         self._cell, self._station, self._observer = cell, station, observer
         self._reach = Reach(cell.machine)
         self._world = WorldModel(cell, perception, self._reach, observer)
-        self._rules, self._heights = rules_of(cell, self._reach), Heights(cell)
+        self._rules, self._passing = rules_of(cell, self._reach), passing_height(cell)
         self._cup = CupClearance(cell.cup.diameter / 2)
         self.packing = packing_of(cell)
         self.not_picked: tuple[NotPicked, ...] = ()
         self._given_up: list[Fruit] = []
-        self._current = False
-        """Whether the last image showed everything, and nothing was moved since."""
+        self._current = False  # whether the last image showed everything, and nothing was moved since
 
     def work(self, most: int) -> Iterator[Pick]:
         """Pick one fruit after the other, until there were so many picks or nothing can be picked.
@@ -106,7 +96,7 @@ class Packer:
     def _pick(self, number: int, choice: Choice) -> Pick:
         station, observation = self._station, self._world.seen_in[choice.fruit]
         begin, air, self._current = station.time, station.air, False
-        state, relocation = begun(self._heights.task(choice), station.measure()), None
+        state, relocation = begun(task_of(self._cell, choice), station.measure()), None
         while state.phase is not Phase.DONE:
             before = state
             state, command = step(self._rules, before, station.measure(relocation))
@@ -117,10 +107,13 @@ class Packer:
             if command.image and self._world.updated(station.time, arm=None):
                 again = self._again(choice.fruit)
                 choice = again or choice
-                relocation = Relocation(self._heights.task(again) if again else None)
+                relocation = Relocation(task_of(self._cell, again) if again else None)
             station.advance(command)
-        self._book(choice, state)
         assert state.outcome is not None  # it has ended
+        if state.outcome is Outcome.PLACED:
+            self.packing = self.packing.filled(choice.place, choice.fruit)
+        elif state.outcome in {Outcome.MISSED, Outcome.STUCK}:
+            self._given_up.append(choice.fruit)
         taken = station.air - air
         return Pick(number, choice, state.outcome, state.trouble, state.tried, begin, station.time, taken, observation)
 
@@ -129,8 +122,7 @@ class Packer:
         angles = self._station.arm.angles
         match before.phase, after.phase:
             case Phase.SEAL, Phase.LIFT:
-                task = centred(after.task, choice.fruit, choice.place, angles, self._reach)
-                return replace(after, task=task)
+                return replace(after, task=centred(after.task, choice.fruit, choice.place, angles, self._reach))
             case Phase.LIFT, Phase.CARRY:
                 self._world.forget(choice.fruit)
             case Phase.RELEASE, Phase.RAISE:
@@ -142,12 +134,6 @@ class Packer:
         alike = [new for new in self._world.in_trays if new.kind == fruit.kind and apart(new, fruit) < STRAYED]
         found = min(alike, key=lambda new: apart(new, fruit), default=None)
         return self._choose(found) if found is not None else None
-
-    def _book(self, choice: Choice, state: State) -> None:
-        if state.outcome is Outcome.PLACED:
-            self.packing = self.packing.filled(choice.place, choice.fruit)
-        elif state.outcome in {Outcome.MISSED, Outcome.STUCK}:
-            self._given_up.append(choice.fruit)
 
     # Observing from home
 
@@ -161,7 +147,9 @@ class Packer:
         for _ in range(IMAGES - 1):
             if self._world.updated(self._station.time, arm):
                 break
-            self._wait(PAUSE)
+            until = self._station.time + PAUSE
+            while self._station.time < until:
+                self._advance(self._rules.clear)
         else:
             self._world.update(self._station.time, arm)
         self._current = True
@@ -179,18 +167,13 @@ class Packer:
             there = dist(rules.tip(measured.angles), rules.tip(rules.clear)) <= rules.off
             if there and all(abs(v) <= rules.still for v in measured.velocities):
                 return True
-            up = measured.height >= self._heights.passing - rules.height
+            up = measured.height >= self._passing - rules.height
             self._advance(rules.clear if up else station.arm.target)
         return False
 
-    def _wait(self, time: float) -> None:
-        until = self._station.time + time
-        while self._station.time < until:
-            self._advance(self._rules.clear)
-
     def _advance(self, posture: Angles) -> None:
         """Go through a cycle between picks."""
-        self._station.advance(Command(posture, self._heights.passing, suction=False, image=False))
+        self._station.advance(Command(posture, self._passing, suction=False, image=False))
 
 
 def _travel(start: Angles, end: Angles) -> float:

@@ -1,43 +1,38 @@
-"""A run of the cell: as many deliveries as it takes for a number of picks."""
+"""A run of the cell: as many deliveries, trays of produce and empty containers, as it takes for a number of picks."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
 
 from layflat.cell.file.model import Cell
-from layflat.cell.perception import calibrate_scene
+from layflat.cell.perception import CameraPerception, Perception, ScenePerception, calibrate_scene
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
-from layflat.cell.work.delivery import deliver
-from layflat.cell.work.observer import Observer
-from layflat.cell.work.records import Delivery
-from layflat.errors import CellError, LayflatError
+from layflat.cell.work.evaluation import Evaluator
+from layflat.cell.work.observer import Observer, Observers
+from layflat.cell.work.packer import Packer
+from layflat.cell.work.records import Delivery, Pick
+from layflat.cell.work.station import Station
+from layflat.errors import CellError, DivergedError, LayflatError, PictureError, RigStoppedError, StoppedError
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What came of a run.
-
-    Attributes:
-        cell: in which it was.
-        seed: as given.
-        deliveries: in order, without their pictures.
-        calibration: of the camera; None where there was none.
-        error: what ended it early, if anything did.
-    """
+    """What came of a run."""
 
     cell: Cell
     seed: int
-    deliveries: tuple[Delivery, ...]
-    calibration: Calibration | None
-    error: LayflatError | None = None
+    deliveries: tuple[Delivery, ...]  # in order, without their pictures
+    calibration: Calibration | None  # of the camera; None where there was none
+    error: LayflatError | None = None  # what ended it early, if anything did
 
 
-def calibrated(cell: Cell, progress: Callable[[float], None] | None = None) -> Calibration:
+def calibrated(cell: Cell, progress: Callable[[float], object] = lambda _: None) -> Calibration:
     """Calibrate the cell's camera, in a scene of its own.
 
     Raises:
@@ -71,14 +66,61 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
             break
         deliveries.append(delivery.without_pictures)
         done += len(delivery.picks)
-        error = delivery.error or _nothing_in(delivery, cell)
+        error = delivery.error
+        if not delivery.picks:
+            why = sorted({one.reason for one in delivery.not_picked})
+            reason = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
+            error = CellError(reason, where=cell.origin, right="lay produce into them that a container takes")
     return Run(cell, seed, tuple(deliveries), calibration, error)
 
 
-def _nothing_in(delivery: Delivery, cell: Cell) -> LayflatError | None:
-    """Return why nothing was picked, where nothing was."""
-    if delivery.picks:
-        return None
-    why = sorted({one.reason for one in delivery.not_picked})
-    reason = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
-    return CellError(reason, where=cell.origin, right="lay produce into them that a container takes")
+def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, observer: Observer) -> Delivery:
+    """Work off one delivery.
+
+    Args:
+        cell: its description.
+        seed: of the scene, the camera's and the sensors' noise.
+        most: picks after which it ends.
+        calibration: of the camera, against which it is checked before anything moves; None where there is no camera:
+            the scene's truth then stands in for it.
+        observer: observes the work.
+
+    Raises:
+        PictureError: the camera gives no image that can be used.
+        CameraError: it is not where its calibration says.
+        CellError: the scene can't be made.
+    """
+    scene = Scene(cell, seed)
+    with ExitStack() as stack:
+        camera = None if calibration is None else stack.enter_context(SimulatedCamera(scene))
+        perception: Perception = ScenePerception(scene)
+        if camera is not None and calibration is not None:
+            perception = CameraPerception(cell, camera.picture, calibration)
+            perception.check()
+        observer.begins(scene, camera)
+        delivery = _worked(scene, perception, most, observer)
+        observer.ends(delivery)
+    return delivery
+
+
+def _worked(scene: Scene, perception: Perception, most: int, observer: Observer) -> Delivery:
+    station = Station(scene, scene.seed, lambda: observer.cycle(station.time))
+    evaluator = Evaluator(scene)
+    observers = Observers(evaluator, observer)
+    packer = Packer(scene.cell, station, perception, observers)
+    picks: list[Pick] = []
+    error: LayflatError | None = None
+    try:
+        for pick in packer.work(most):
+            picks.append(pick)
+            observers.picked(pick)
+        packer.finish()
+    except (PictureError, RigStoppedError, DivergedError, KeyboardInterrupt) as raised:
+        if not picks:
+            raise
+        error = StoppedError(f"{len(picks)} picks") if isinstance(raised, KeyboardInterrupt) else raised
+    worked_off = error is None and len(picks) < most
+    return Delivery(
+        scene.seed, tuple(picks), tuple(evaluator.verdicts(picks)), packer.not_picked, evaluator.collisions,
+        station.time, evaluator.vision, evaluator.overlooked(packer.packing) if worked_off else None, error,
+    )  # fmt: skip

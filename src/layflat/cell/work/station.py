@@ -1,20 +1,101 @@
-"""The cell's hardware in simulation: the arm behind a rig's control loop, lift and cup, on one clock."""
+"""The cell's hardware in simulation, on one clock: the arm behind the rig's control loop, lift and cup."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+from numpy.typing import NDArray
+
 from layflat.bridge import MujocoPlant
+from layflat.cell.plan.motion import LEAD, move_arm
 from layflat.cell.plan.pick import Command, Readings, Relocation
+from layflat.cell.reach import Angles
 from layflat.cell.scene import Scene
-from layflat.cell.work.arm import Arm
+from layflat.errors import RigStoppedError
+from layflat.machine import Machine
 from layflat.physics.air import NORMAL_DENSITY
-from layflat.rig.clock import SECOND, VirtualClock
+from layflat.rig.clock import SECOND, Clock, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.driver import Driver
 from layflat.rig.drivers.simulated import SimulatedDriver
+from layflat.rig.law import layout_of
+from layflat.rig.loop import Loop, Recorder
+from layflat.rig.record import RIG_SIGNALS
+from layflat.rig.safety.faults import TABLE
+from layflat.rig.safety.states import State
+from layflat.rig.safety.supervisor import HostRequest
 
 LITRES = 1000.0
 """In a m3."""
+ANGLE, VELOCITY = (list(RIG_SIGNALS).index(name) for name in ("averaged_angle", "averaged_velocity"))
+
+
+class Arm:
+    """An arm on a rig whose air is there; it is the host of the rig's loop, and goes to targets within its limits.
+
+    Args:
+        machine: with controller and gains.
+        driver: of its rig, not yet configured.
+        clock: that the loop waits by.
+        load: greatest that it carries, lift included, kg.
+        tip_speed: greatest of the tip, m/s.
+        recorder: what keeps the cycles.
+
+    Attributes:
+        angles: averaged, rad.
+        velocities: averaged, rad/s.
+        target: where it is on the way to, rad.
+    """
+
+    ended = False
+
+    def __init__(
+        self, machine: Machine, driver: Driver, clock: Clock, *,
+        load: float, tip_speed: float, recorder: Recorder | None = None,
+    ) -> None:  # fmt: skip
+        self._machine, self._load, self._tip_speed = machine, load, tip_speed
+        self._layout = layout_of(machine)
+        driver.configure()
+        driver.activate()
+        self.loop = Loop(machine, driver, clock, self, recorder)
+        first = driver.read()
+        self.loop.begin(first)
+        self.angles: Angles = tuple(first.angles.tolist())
+        self.velocities: Angles = (0.0,) * len(self.angles)
+        self.target: Angles = self.angles
+        self._demand, self._course, self._at = first.angles.copy(), first.angles[None], 0
+
+    @property
+    def cycle(self) -> float:
+        """Of its control loop, s."""
+        return self.loop.deadlines.cycle
+
+    def go(self, target: Angles) -> None:
+        """Move to a posture, rad."""
+        if target != self.target:
+            start, end = self._demand, np.array(target)
+            path = move_arm(self._machine, start, end, payload=self._load, tip_speed=self._tip_speed)
+            self._course, self._at, self.target = path.demand(self.cycle, lead=LEAD), 0, target
+
+    def advance(self) -> None:
+        """Go through one control cycle; raise RigStoppedError where the rig's supervisor does not let it move."""
+        self.loop.cycle()
+        supervisor = self.loop.supervisor
+        if supervisor.state not in {State.READY, State.MOVING}:
+            raise RigStoppedError(f"the rig stopped: {TABLE[supervisor.ledger.worst].title}")
+
+    def request(self, now: int) -> HostRequest:  # noqa: ARG002  (as the rig's hosts)
+        """Return the next row of the course that it is on."""
+        self._demand = self._course[min(self._at, len(self._course) - 1)]
+        self._at += 1
+        return HostRequest(self._demand.tolist())
+
+    def publish(self, row: NDArray[np.float64]) -> None:
+        """Read what the controllers know."""
+        joints = [row[self._layout.of_joint(j)] for j in range(len(self.angles))]
+        self.angles = tuple(float(joint[ANGLE]) for joint in joints)
+        self.velocities = tuple(float(joint[VELOCITY]) for joint in joints)
 
 
 class Station:
@@ -31,13 +112,10 @@ class Station:
         self._plant = MujocoPlant(
             cell.machine, scene.model, scene.data, seed=seed, step=lambda advance: scene.step(1, advance)
         )
-        device = VirtualDevice(cell.machine, self._plant, self._clock, running=True)
-        self.arm = Arm(
-            cell.machine, SimulatedDriver(device), self._clock,
-            load=cell.lift.body + cell.lift.mass + cell.heaviest_fruit, tip_speed=cell.limits.speed,
-        )  # fmt: skip
-        self._top = cell.lift.clearance
-        self._each_cycle = each_cycle
+        driver = SimulatedDriver(VirtualDevice(cell.machine, self._plant, self._clock, running=True))
+        load = cell.lift.body + cell.lift.mass + cell.heaviest_fruit
+        self.arm = Arm(cell.machine, driver, self._clock, load=load, tip_speed=cell.limits.speed)
+        self._top, self._each_cycle = cell.lift.clearance, each_cycle
 
     @property
     def time(self) -> float:
@@ -53,10 +131,8 @@ class Station:
     def measure(self, relocation: Relocation | None = None) -> Readings:
         """Return what sensors give, and what an image showed of a fruit that was missed."""
         arm, scene = self.arm, self._scene
-        height = self._top - scene.stroke
-        return Readings(
-            self.time, arm.angles, arm.velocities, scene.cup.vacuum, height, -scene.stroke_speed, relocation
-        )
+        lip, speed = self._top - scene.stroke, -scene.stroke_speed
+        return Readings(self.time, arm.angles, arm.velocities, scene.cup.vacuum, lip, speed, relocation)
 
     def advance(self, command: Command) -> None:
         """Go through one control cycle.

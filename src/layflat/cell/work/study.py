@@ -24,11 +24,11 @@ def repeated(
     cell: Cell, seeds: Sequence[int], picks: int, calibration: Calibration | None,
     progress: Callable[[int], object] = lambda _: None, processes: int | None = None,
 ) -> Iterator[Run]:  # fmt: skip
-    """Yield runs with all seeds, as they end. Whoever stops iterating stops the work.
+    """Yield runs with all seeds, each the same as alone, as they end. Whoever stops iterating stops the work.
 
     Args:
         cell: its description.
-        seeds: each gives one run, the same as alone.
+        seeds: each gives one run.
         picks: of each.
         calibration: of the camera; None where there is none.
         progress: is called with the picks that have ended so far.

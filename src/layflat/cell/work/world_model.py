@@ -1,26 +1,39 @@
-"""What the cell knows of its table: what images showed, and what the arm hid meanwhile."""
+"""What the cell knows of its table: what images showed, and, of what the arm hid in them, what was known before.
+
+| symbol | meaning | unit |
+|---|---|---|
+| C | position of the camera | m |
+| P | middle of a fruit | m |
+| h | height of the arm's links | m |
+
+The arm hides a fruit if the line of sight C P passes the links, or what hangs from the tip, by less than their radius
+and the fruit's apparent radius at that height: r (C_z - h) / (C_z - P_z).
+"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
 from layflat.cell.file.model import Cell
+from layflat.cell.geometry import Array
 from layflat.cell.perception import Observation, Perception
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.reach import Angles, Reach
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.occlusion import OcclusionModel, remembered
 from layflat.errors import PictureError
+
+SAME = 15e-3
+"""Two detections nearer than this are of one fruit, m: no two fit there."""
+HANGING = 0.05
+"""Radius of what hangs from the tip, m: lift, cup and the largest fruit."""
 
 
 class WorldModel:
-    """Takes images of the table and knows what lies there.
-
-    Args:
-        cell: its description.
-        perception: its camera.
-        reach: of its arm.
-        observer: is given the observations.
+    """Takes images of the table, gives the observations to an observer, and knows what lies there.
 
     Attributes:
         known: what lies on the table, as far as was observed.
@@ -44,11 +57,7 @@ class WorldModel:
         return [fruit for fruit in self.known if fruit not in inside and self._cell.place_at(fruit.x, fruit.y) is None]
 
     def update(self, time: float, arm: Angles | None) -> None:
-        """Take an image.
-
-        Args:
-            time: s.
-            arm: its angles, rad; None where it is out of view.
+        """Take an image at a time (s), with the arm at its angles (rad), None where it is out of view.
 
         Raises:
             PictureError: it can't be used; all that was known is known still.
@@ -74,10 +83,67 @@ class WorldModel:
 
     def _occlusion(self, arm: Angles) -> OcclusionModel:
         joints = self._cell.machine.joints.values()
-        return OcclusionModel(
-            self._perception.position,
-            np.array(self._reach.axes(arm)),
-            self._cell.mount.height,
-            max(joint.cylinder.diameter for joint in joints) / 2,
-            max(joint.body.height for joint in joints) / 2,
-        )
+        radius = max(joint.cylinder.diameter for joint in joints) / 2
+        half_height = max(joint.body.height for joint in joints) / 2
+        axes = np.array(self._reach.axes(arm))
+        return OcclusionModel(self._perception.position, axes, self._cell.mount.height, radius, half_height)
+
+
+@dataclass(frozen=True)
+class OcclusionModel:
+    """What the arm hides from a camera while it is still."""
+
+    camera: Array  # its position, (3,) m
+    joints: Array  # axes of the joints and the tip, in order, (n + 1, 2) m
+    height: float  # of the links' middle, m
+    radius: float  # of the links with their drums, m
+    half_height: float  # of the links, m
+
+    def hides(self, fruit: Fruit) -> bool:
+        """Return whether any of a fruit is hidden."""
+        low, high = self.height - self.half_height, self.height + self.half_height
+        for height in np.linspace(low, high, 3).tolist():
+            at, radius = self._apparent(fruit, height)
+            links = zip(self.joints[:-1], self.joints[1:], strict=True)
+            if min(_distance(at, a, b) for a, b in links) < self.radius + radius:
+                return True
+        for height in np.linspace(0.0, self.height, 5).tolist():
+            at, radius = self._apparent(fruit, max(height, fruit.radius))
+            if float(np.linalg.norm(at - self.joints[-1])) < HANGING + radius:
+                return True
+        return False
+
+    def _apparent(self, fruit: Fruit, height: float) -> tuple[Array, float]:
+        """Return where the line of sight passes a height (2,), m, and the fruit's apparent radius there."""
+        share = (self.camera[2] - height) / (self.camera[2] - fruit.radius)
+        at: Array = self.camera[:2] + share * (np.array([fruit.x, fruit.y]) - self.camera[:2])
+        return at, share * fruit.radius
+
+
+def remembered(before: Sequence[Fruit], seen: Sequence[Fruit], occlusion: OcclusionModel | None) -> list[Fruit]:
+    """Return what lies on the table by now: all that is seen in the open, and what was known of what the arm hides.
+
+    There is no `occlusion` where the arm is out of view.
+    """
+    if occlusion is None:
+        return list(seen)
+    in_the_open = [fruit for fruit in seen if not occlusion.hides(fruit)]
+    hidden = [one for one in before if occlusion.hides(one) and not any(same(one, new) for new in in_the_open)]
+    return in_the_open + hidden
+
+
+def apart(one: Fruit, other: Fruit) -> float:
+    """Return the distance between the middles of two detections, m."""
+    return hypot(one.x - other.x, one.y - other.y)
+
+
+def same(one: Fruit, other: Fruit) -> bool:
+    """Return whether two detections are of one fruit."""
+    return apart(one, other) < SAME
+
+
+def _distance(point: Array, start: Array, end: Array) -> float:
+    """Return the distance of a point to a segment, m."""
+    along = end - start
+    share = float(np.clip((point - start) @ along / (along @ along), 0.0, 1.0))
+    return float(np.linalg.norm(point - start - share * along))

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from layflat.cell.vision.light import evenly_lit
+from layflat.cell.vision.prepare import evenly_lit
 
 TABLE = (143.0, 148.0, 153.0)
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from layflat.cell.work.arm import Arm
+from layflat.cell.work.station import Arm
 from layflat.errors import RigStoppedError
 from layflat.machine import load
 from layflat.rig.clock import SECOND, VirtualClock

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.cell.plan.fruit import Fruit
-from layflat.cell.work.occlusion import OcclusionModel, remembered, same
+from layflat.cell.work.world_model import OcclusionModel, remembered, same
 
 CAMERA = np.array([0.3, 0.37, 1.5])
 ALONG_X = OcclusionModel(
