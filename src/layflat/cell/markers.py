@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from layflat.cell.file.imaging import Board
     from layflat.cell.vision.boards import CharucoBoard
 
-PIXELS = 48
-"""Side of a square in a drawn picture, px."""
+PIXELS = 48  # side of a square in a drawn picture, px
 
 
 @lru_cache

@@ -22,16 +22,12 @@ import numpy as np
 from layflat.machine import Machine
 from layflat.sim.kinematics import tip_position
 
-Angles = tuple[float, ...]
-"""One angle a joint, from base to tip, rad."""
+Angles = tuple[float, ...]  # one angle a joint, from base to tip, rad
 SMALL_ERROR = radians(0.1)
 """For which a posture's sensitivity is given, rad: how exactly the paper's joints come back to a place."""
-END_MARGIN = radians(3.0)
-"""That is kept to the ends of a working stroke, rad: a joint may overshoot."""
-AMPLE_MARGIN = radians(10.0)
-"""A posture that keeps so much from the ends is as good as any other, rad."""
-ROUNDING = 1e-12
-"""By which the cosine of a stretched elbow may be over 1, and an angle (rad) over its limit."""
+END_MARGIN = radians(3.0)  # that is kept to the ends of a working stroke, rad: a joint may overshoot
+AMPLE_MARGIN = radians(10.0)  # a posture that keeps so much from the ends is as good as any other, rad
+ROUNDING = 1e-12  # by which the cosine of a stretched elbow may be over 1, and an angle (rad) over its limit
 
 
 class Posture(NamedTuple):

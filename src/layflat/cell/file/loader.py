@@ -21,8 +21,7 @@ from layflat.machine import load as load_machine
 from layflat.machine.libraries import MACHINES
 
 BUILT_IN = Path(__file__).parent / "builtin"
-ROTATED = ("camera", "tray.*", "container.*", "base_markers.marker.*")
-"""Tables that have an angle of rotation."""
+ROTATED = ("camera", "tray.*", "container.*", "base_markers.marker.*")  # tables that have an angle of rotation
 
 
 class CellLibrary(Library):

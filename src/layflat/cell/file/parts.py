@@ -16,16 +16,14 @@ from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.names import Name
 
-Extent = Annotated[u.Length, Field(ge=1e-4, le=5.0)]
-"""A length of something in the cell, m."""
+Extent = Annotated[u.Length, Field(ge=1e-4, le=5.0)]  # a length of something in the cell, m
 ExtentOrZero = Annotated[u.LengthOrZero, Field(le=5.0)]
 LipDiameter = Annotated[u.Length, Field(ge=1e-3, le=0.2)]
 Coordinate = Annotated[u.Coordinate, Field(ge=-10.0, le=10.0)]
 PlanePoint = tuple[Coordinate, Coordinate]
 Point = tuple[Coordinate, Coordinate, Coordinate]
 Size = tuple[Extent, Extent]
-Colour = tuple[u.Share, u.Share, u.Share]
-"""Red, green and blue, 0 to 1."""
+Colour = tuple[u.Share, u.Share, u.Share]  # red, green and blue, 0 to 1
 Duration = Annotated[u.Time, Field(ge=1e-4, le=60.0)]
 Mass = Annotated[u.Mass, Field(gt=0, le=100.0)]
 BodyMass = Annotated[u.Mass, Field(le=100.0)]

@@ -16,10 +16,8 @@ from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Marker, 
 
 SPOTS = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))
 """Where the board is held: in the middle of the picture, then around it."""
-TILT = 0.5
-"""Of the board from facing the camera, rad, to another side in each view."""
-FILLS = 0.42
-"""Share of the picture that the board fills."""
+TILT = 0.5  # of the board from facing the camera, rad, to another side in each view
+FILLS = 0.42  # share of the picture that the board fills
 
 
 def calibrate_scene(

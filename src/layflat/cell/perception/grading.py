@@ -15,14 +15,10 @@ from layflat.cell.geometry import Array
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.vision import Detection
 
-DIAMETER_ERROR = 0.015
-"""By which vision may be off, share: about the worst of 1800 fruit, see docs/cell-vision.md."""
-TINT = 0.01
-"""By which a chromaticity may be off: lights of unlike tint."""
-AS_NEAR = 0.6
-"""Ratio of two skins' distances from which they are about as near."""
-UNKNOWN = "unknown"
-"""Kind of an unknown object, which stands in the way all the same."""
+DIAMETER_ERROR = 0.015  # by which vision may be off, share: about the worst of 1800 fruit, see docs/cell-vision.md
+TINT = 0.01  # by which a chromaticity may be off: lights of unlike tint
+AS_NEAR = 0.6  # ratio of two skins' distances from which they are about as near
+UNKNOWN = "unknown"  # kind of an unknown object, which stands in the way all the same
 
 
 def fruit_of(cell: Cell, detection: Detection) -> Fruit:

@@ -14,8 +14,7 @@ from layflat.cell.perception.skins import GREY, SATURATION_MARGIN, Region, hsv, 
 from layflat.cell.scene.produce import CAP
 from layflat.cell.vision import Colour, ColourDetector, Detector, Kind, OnnxDetector
 
-ROUND = 0.05
-"""How far the outline of fruit is from that of a spheroid, share of its radius."""
+ROUND = 0.05  # how far the outline of fruit is from that of a spheroid, share of its radius
 
 
 def detector_of(cell: Cell) -> Detector:

@@ -69,8 +69,7 @@ class CameraPerception:
 class ScenePerception:
     """In place of a camera where no image can be rendered: the scene's truth, spread as a camera's detections."""
 
-    SPREAD, SIZE = 0.3e-3, 0.005
-    """Standard deviation of each coordinate, m, and of diameters, share."""
+    SPREAD, SIZE = 0.3e-3, 0.005  # standard deviation of each coordinate, m, and of diameters, share
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene

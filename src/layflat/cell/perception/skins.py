@@ -16,27 +16,18 @@ import numpy as np
 from layflat.cell.file.produce import Skin
 from layflat.cell.vision import Colour
 
-Rectangle = tuple[float, float, float, float]
-"""Hue from, to; saturation from, to."""
+Rectangle = tuple[float, float, float, float]  # hue from, to; saturation from, to
 
-SIGMAS = 3.0
-"""Of a skin's spread that its region holds."""
+SIGMAS = 3.0  # of a skin's spread that its region holds
 HUE_MARGIN, SATURATION_MARGIN = 5.0, 0.06
 """For tints of lights beside that of the table, and for noise; degree and of 1."""
-SHADED = 0.35
-"""Brightness of the side of a fruit that no light reaches, share of its top's."""
-UNSURE_HUE = 0.035
-"""Saturation under which noise decides on the hue."""
-WIDEST = 90.0
-"""From a skin's hue to another that still counts as near, degree."""
-GREY = 0.14
-"""Saturation up to which a background counts as grey, in shadow of any hue."""
-BRIGHTER = 1.15
-"""By which a grey that is no background must be brighter than a grey background."""
-CELLS = 4
-"""Into so many, each way, is divided what two skins share,"""
-NARROW = (3.0, 0.02)
-"""unless it is less wide than this, degree, or less high, of 1."""
+SHADED = 0.35  # brightness of the side of a fruit that no light reaches, share of its top's
+UNSURE_HUE = 0.035  # saturation under which noise decides on the hue
+WIDEST = 90.0  # from a skin's hue to another that still counts as near, degree
+GREY = 0.14  # saturation up to which a background counts as grey, in shadow of any hue
+BRIGHTER = 1.15  # by which a grey that is no background must be brighter than a grey background
+CELLS = 4  # into so many, each way, is divided what two skins share,
+NARROW = (3.0, 0.02)  # unless it is less wide than this, degree, or less high, of 1
 
 
 @dataclass

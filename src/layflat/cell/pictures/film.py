@@ -20,10 +20,8 @@ from layflat.files import whole_file
 
 Picture = NDArray[np.uint8]
 
-H264 = {"preset": "veryfast", "crf": "23"}
-"""Of x264: a film of the cell takes some 30 kB a second."""
-THREADS = 2
-"""With another number the same film has other bytes."""
+H264 = {"preset": "veryfast", "crf": "23"}  # of x264: a film of the cell takes some 30 kB a second
+THREADS = 2  # with another number the same film has other bytes
 
 
 class Film:

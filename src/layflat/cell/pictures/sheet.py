@@ -23,12 +23,9 @@ Lines = tuple[str, str]
 
 TILE = (300, 225)
 """Width and height of a pick's picture, px: as many of the camera's, so that what is drawn on it stays legible."""
-GAP, TEXT, TITLE = 20, 14, 22
-"""Between tiles, and heights of captions and title, px."""
-CAPTION = 3 * TEXT
-"""Height of the two lines under a picture, px."""
-ACROSS, DOWN = 2, 2
-"""Tiles in whose place the overview stands."""
+GAP, TEXT, TITLE = 20, 14, 22  # between tiles, and heights of captions and title, px
+CAPTION = 3 * TEXT  # height of the two lines under a picture, px
+ACROSS, DOWN = 2, 2  # tiles in whose place the overview stands
 EDGE, ALARM, BEYOND = (150, 150, 150), (176, 0, 32), 205
 """Colours of frames, of a failed pick's, and of what lies beyond a picture."""
 

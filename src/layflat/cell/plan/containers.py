@@ -9,8 +9,7 @@ from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Container
 from layflat.cell.plan.fruit import Fruit
 
-Key = tuple[str, str]
-"""Names of a container and of a place in it."""
+Key = tuple[str, str]  # names of a container and of a place in it
 
 
 @dataclass(frozen=True)

@@ -61,8 +61,7 @@ class Shares:
 
 
 SHARES = Shares()
-POSTURES = 9
-"""Looked at along a move."""
+POSTURES = 9  # looked at along a move
 
 
 def arm_limits(

@@ -20,11 +20,9 @@ from layflat.sim.kinematics import tip_position
 
 Array = NDArray[np.float64]
 
-LEAD = 0.2
-"""With which the paper's controllers follow best, s (docs/cell-plan.md)."""
+LEAD = 0.2  # with which the paper's controllers follow best, s (docs/cell-plan.md)
 
-POINTS = 400
-"""At which the tip's motion along a path is looked at."""
+POINTS = 400  # at which the tip's motion along a path is looked at
 
 
 @dataclass(frozen=True)

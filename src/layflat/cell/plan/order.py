@@ -23,8 +23,7 @@ from layflat.cell.plan.containers import Packing, Place
 from layflat.cell.plan.fruit import Fruit
 from layflat.cell.reach import Angles, Posture, Reach
 
-TravelTime = Callable[[Angles, Angles], float]
-"""From one posture to another, s."""
+TravelTime = Callable[[Angles, Angles], float]  # from one posture to another, s
 
 
 class CupClearance(NamedTuple):

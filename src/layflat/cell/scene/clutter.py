@@ -13,12 +13,9 @@ from layflat.cell.geometry import Array, about_z, overlap, product, rectangle
 from layflat.cell.scene import shapes
 from layflat.cell.scene.produce import SceneFruit
 
-TRIES = 60
-"""To find room for a piece; one that finds none is left out."""
-CLEAR = 1e-3
-"""Between clutter and where fruit is laid, m: neither lies on the other."""
-THIN = 2e-4
-"""Half the thickness of leaves and sheets, m."""
+TRIES = 60  # to find room for a piece; one that finds none is left out
+CLEAR = 1e-3  # between clutter and where fruit is laid, m: neither lies on the other
+THIN = 2e-4  # half the thickness of leaves and sheets, m
 
 
 def add_clutter(spec: Any, cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator) -> None:

@@ -17,14 +17,10 @@ from layflat.cell.scene import shapes
 from layflat.cell.scene.optics import optics_of
 
 Grey = NDArray[np.uint8]
-TABLE = 0.02
-"""Half its thickness, m."""
-SHEET = 1e-3
-"""Thickness of the board, m."""
-INK = 2e-4
-"""Height of what is printed over its sheet, m: enough to be drawn."""
-BOARD_GROUP = 4
-"""Of geoms: that of the calibration board, which is drawn only while it is held."""
+TABLE = 0.02  # half its thickness, m
+SHEET = 1e-3  # thickness of the board, m
+INK = 2e-4  # height of what is printed over its sheet, m: enough to be drawn
+BOARD_GROUP = 4  # of geoms: that of the calibration board, which is drawn only while it is held
 
 
 def furnish(spec: Any, cell: Cell, rng: np.random.Generator) -> None:

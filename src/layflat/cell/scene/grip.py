@@ -11,8 +11,7 @@ from layflat.cell.file.model import Cell
 from layflat.cell.scene.produce import SceneFruit
 from layflat.cell.scene.tool import SuctionCup
 
-SMOOTHED = 5e-3
-"""Time over which forces on the lip are averaged, s: its rubber does not tear off within a step."""
+SMOOTHED = 5e-3  # time over which forces on the lip are averaged, s: its rubber does not tear off within a step
 
 
 class Grip:

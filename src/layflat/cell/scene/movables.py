@@ -20,10 +20,8 @@ STEEL = (0.70, 0.72, 0.74, 1.0)
 LINK = (0.75, 0.77, 0.80, 1.0)
 DRUM = (0.16, 0.30, 0.52, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
-SEPALS = 5
-"""Of a tomato's calyx."""
-LIP = 0.012
-"""Height of the cup, m."""
+SEPALS = 5  # of a tomato's calyx
+LIP = 0.012  # height of the cup, m
 
 
 def add_fruit(spec: Any, cell: Cell, fruit: SceneFruit) -> None:

@@ -49,5 +49,4 @@ class Optics:
         return bent
 
 
-optics_of = lru_cache(maxsize=8)(Optics)
-"""The optics of a camera, worked out once."""
+optics_of = lru_cache(maxsize=8)(Optics)  # the optics of a camera, worked out once

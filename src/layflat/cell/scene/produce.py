@@ -12,13 +12,10 @@ from layflat.cell.file.parts import Tray
 from layflat.cell.geometry import Array, about_z, product
 from layflat.errors import CellError
 
-CAP = 0.72
-"""Height of a mushroom's cap as a share of its whole height."""
-STEM = 0.2
-"""Radius of a mushroom's stem per diameter of its cap."""
+CAP = 0.72  # height of a mushroom's cap as a share of its whole height
+STEM = 0.2  # radius of a mushroom's stem per diameter of its cap
 TRIES = 400
-GAP = 2e-3
-"""Between fruit that does not touch, m, at least."""
+GAP = 2e-3  # between fruit that does not touch, m, at least
 
 
 @dataclass(frozen=True)

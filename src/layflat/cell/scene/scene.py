@@ -22,14 +22,10 @@ from layflat.errors import CellError
 from layflat.machine import changed
 
 Array = NDArray[np.float64]
-SETTLED = 2e-3
-"""Speed of the fastest fruit of a settled scene, m/s."""
-LONGEST = 4.0
-"""Time in which fruit has to settle, s."""
-ROCKING = 0.1
-"""Time constant with which soft skin and flesh end a fruit's rocking, s."""
-ROUNDS = 10
-"""Scenes that are tried until all fruit stays in its tray."""
+SETTLED = 2e-3  # speed of the fastest fruit of a settled scene, m/s
+LONGEST = 4.0  # time in which fruit has to settle, s
+ROCKING = 0.1  # time constant with which soft skin and flesh end a fruit's rocking, s
+ROUNDS = 10  # scenes that are tried until all fruit stays in its tray
 
 
 class Scene:

@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 from layflat.cell.extras import mujoco
 
-UNTOUCHED = {"contype": 0, "conaffinity": 0}
-"""Of what is seen and touches nothing."""
+UNTOUCHED = {"contype": 0, "conaffinity": 0}  # of what is seen and touches nothing
 
 
 def add(body: Any, kind: Literal["box", "cylinder", "capsule", "ellipsoid", "mesh"], name: str, **others: Any) -> None:

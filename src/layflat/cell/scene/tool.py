@@ -7,11 +7,9 @@ from math import copysign, exp, pi, sqrt
 from layflat.cell.file.parts import Cup, Lift
 from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY, REFERENCE_TEMPERATURE
 
-STIFFNESS = 4000.0
-"""Of the air in the cylinder against what keeps the piston from where its valve leads it, N/m."""
+STIFFNESS = 4000.0  # of the air in the cylinder against what keeps the piston from where its valve leads it, N/m
 DAMPING_RATIO = 1.0
-AMBIENT = 101325.0
-"""Pa"""
+AMBIENT = 101325.0  # Pa
 
 
 class LiftDrive:

@@ -20,10 +20,8 @@ import numpy as np
 from layflat.cell.geometry import unit_circle
 from layflat.cell.vision.boards import Array
 
-ROUNDS = 5
-"""Of fitting and leaving out."""
-FEWEST = 5
-"""Rays that make a cone; with fewer it is a line."""
+ROUNDS = 5  # of fitting and leaving out
+FEWEST = 5  # rays that make a cone; with fewer it is a line
 
 
 def fit_cones(rays: Array, usable: Array, roundness: Array, least: Array) -> tuple[Array, Array, Array]:

@@ -13,14 +13,12 @@ from layflat.cell.geometry import placed
 from layflat.cell.markers import charuco, dictionary
 from layflat.errors import CameraError
 
-Array: TypeAlias = NDArray[Any]
-"""Numbers, float64 unless they are pixels' values, or truths."""
+Array: TypeAlias = NDArray[Any]  # numbers, float64 unless they are pixels' values, or truths
 Grey: TypeAlias = NDArray[np.uint8]
 Seen: TypeAlias = tuple[Array, Array]
 """Points in the frame of a board or the base (N, 3), m, and where they are in a picture (N, 2), px."""
 
-DICTIONARY = "DICT_4X4_50"
-"""The markers' dictionary; the base and the board may share it if they don't share numbers."""
+DICTIONARY = "DICT_4X4_50"  # the markers' dictionary; the base and the board may share it if they don't share numbers
 
 
 @dataclass(frozen=True)
@@ -145,8 +143,7 @@ class BaseBoard:
 
 
 Board: TypeAlias = CharucoBoard | Checkerboard
-Base: TypeAlias = BaseMarkers | BaseBoard
-"""What is fixed in the base frame for the camera to see."""
+Base: TypeAlias = BaseMarkers | BaseBoard  # what is fixed in the base frame for the camera to see
 
 
 def _on_base(flat: Array, at: Marker | BaseBoard) -> Array:

@@ -16,14 +16,10 @@ from layflat.errors import CameraError
 
 Picture: TypeAlias = NDArray[np.uint8]
 FEWEST_VIEWS = 6
-LEAST_TILT = 15.0
-"""Between two of the views at least, degree."""
-FOCAL_UNSURE = 0.003
-"""Share of the focal length that its standard deviation may be."""
-MOST_ERROR = 1.0
-"""Rms of corners seen less corners predicted over which something is wrong with the board, px."""
-OFF = 1.0e-3
-"""How far base markers may be from where the calibration says before a picture is refused, m on the table."""
+LEAST_TILT = 15.0  # between two of the views at least, degree
+FOCAL_UNSURE = 0.003  # share of the focal length that its standard deviation may be
+MOST_ERROR = 1.0  # rms of corners seen less corners predicted over which something is wrong with the board, px
+OFF = 1.0e-3  # how far base markers may be from where the calibration says before a picture is refused, m on the table
 
 
 def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, markers: Base) -> Calibration:

@@ -17,17 +17,14 @@ from layflat.cell.vision.measure import COMPLETE, detections, inside, measure, r
 from layflat.cell.vision.prepare import check_picture, evenly_lit
 from layflat.errors import InputError
 
-SLACK = 0.08
-"""How far a diameter may be out of its kind's limits, share."""
+SLACK = 0.08  # how far a diameter may be out of its kind's limits, share
 FLAT = 0.03
 """By how much a thing gets darker outwards, under which it is flat: a label, a lid.
 
 The least of fruit that is not overexposed: 0.041.
 """
-FEWEST_SEEN = 0.35
-"""Share of an outline that must be seen for a thing to be detected at all."""
-OWN = 0.7
-"""Share of a thing that must have its kind's colour."""
+FEWEST_SEEN = 0.35  # share of an outline that must be seen for a thing to be detected at all
+OWN = 0.7  # share of a thing that must have its kind's colour
 
 
 class _Guesses(NamedTuple):

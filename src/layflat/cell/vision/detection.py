@@ -13,8 +13,7 @@ from layflat.errors import InputError
 
 Span: TypeAlias = tuple[float, float]
 
-SURE = 0.7
-"""Confidence from which a detection is whole and clear enough to be picked."""
+SURE = 0.7  # confidence from which a detection is whole and clear enough to be picked
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,9 @@ from layflat.cell.extras import opencv
 from layflat.cell.vision.detection import SURE, Detection
 
 DARK, BRIGHT = (0, 0, 0), (255, 255, 255)
-BRIGHT_GROUND = 160.0
-"""Mean level of what lies under a text from which it is written dark."""
-NEAR = 16
-"""How far around a text its ground is looked at, px."""
-SHIFT = 3
-"""Outlines are drawn to an eighth of a pixel."""
+BRIGHT_GROUND = 160.0  # mean level of what lies under a text from which it is written dark
+NEAR = 16  # how far around a text its ground is looked at, px
+SHIFT = 3  # outlines are drawn to an eighth of a pixel
 
 
 def draw(picture: NDArray[np.uint8], detections: Sequence[Detection]) -> NDArray[np.uint8]:

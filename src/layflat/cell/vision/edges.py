@@ -10,17 +10,12 @@ from layflat.cell.extras import opencv
 from layflat.cell.geometry import unit_circle
 from layflat.cell.vision.boards import Array
 
-AROUND = 60
-"""Rays of an outline."""
-STEPS = 40
-"""Looks along a ray from a middle."""
-ACROSS = np.arange(-5.0, 5.01, 1.0, dtype=np.float32)
-"""Looks across an outline, px, outwards."""
+AROUND = 60  # rays of an outline
+STEPS = 40  # looks along a ray from a middle
+ACROSS = np.arange(-5.0, 5.01, 1.0, dtype=np.float32)  # looks across an outline, px, outwards
 INSIDE = ACROSS <= -4.0
-CONTRAST = 24.0
-"""Distance of colours, of 441, from which an edge is one."""
-COLOURED = 12.0
-"""Distance across the inside's colour from which two colours differ in more than brightness."""
+CONTRAST = 24.0  # distance of colours, of 441, from which an edge is one
+COLOURED = 12.0  # distance across the inside's colour from which two colours differ in more than brightness
 
 
 def sampled(picture: Any, places: Array) -> Array:

@@ -12,16 +12,12 @@ from layflat.cell.vision.boards import Array
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.detection import Detection, Kind
 
-STALK = 0.06
-"""How far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin."""
-STALK_LEVEL = 0.6
-"""Brightness under which a thing's skin is a stalk, share of its median."""
-DUST = 1.2
-"""Px that an edge may be off its outline in any case."""
+STALK = 0.06  # how far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin
+STALK_LEVEL = 0.6  # brightness under which a thing's skin is a stalk, share of its median
+DUST = 1.2  # px that an edge may be off its outline in any case
 BALLS_APART = 0.8
 """How far two balls are apart at least, as a share of the distance at which they touch: what is nearer is no ball."""
-COMPLETE = 0.8
-"""Share of an outline from which it is as good as whole: what touches others is never seen all around."""
+COMPLETE = 0.8  # share of an outline from which it is as good as whole: what touches others is never seen all around
 
 
 class Measured(NamedTuple):

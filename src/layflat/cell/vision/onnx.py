@@ -25,8 +25,7 @@ from layflat.cell.vision.prepare import check_picture, evenly_lit
 from layflat.errors import InputError
 
 LEAST_SCORE = 0.25
-PADDING = 114
-"""Grey around a picture whose shape is not the network's."""
+PADDING = 114  # grey around a picture whose shape is not the network's
 
 
 class OnnxDetector:

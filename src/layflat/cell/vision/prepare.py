@@ -10,22 +10,14 @@ from numpy.typing import NDArray
 from layflat.cell.extras import opencv
 from layflat.errors import PictureError
 
-LEAST_LEVEL, MOST_LEVEL = 20.0, 245.0
-"""Mean of a picture, of 255."""
-WIDEST_EDGE = 2.0
-"""Standard deviation of the blur over which a picture is refused, px."""
-OWN_WIDTH = 2.0
-"""Width that halving, smoothing and differencing give to a sharp edge, px of the whole picture."""
-REACH = 8
-"""Px of the halved picture within which an edge must rise."""
-STRONG = 25.0
-"""Levels that an edge must rise for its blur to be measured."""
-SKIPPED = 12
-"""Every twelfth pixel each way is enough to estimate the light."""
-NEAR = 0.09
-"""How far the table's chromaticity may be from its reference, in each of r and g of r + g + b = 1."""
-FEWEST = 40
-"""Of those pixels that must show the table."""
+LEAST_LEVEL, MOST_LEVEL = 20.0, 245.0  # mean of a picture, of 255
+WIDEST_EDGE = 2.0  # standard deviation of the blur over which a picture is refused, px
+OWN_WIDTH = 2.0  # width that halving, smoothing and differencing give to a sharp edge, px of the whole picture
+REACH = 8  # px of the halved picture within which an edge must rise
+STRONG = 25.0  # levels that an edge must rise for its blur to be measured
+SKIPPED = 12  # every twelfth pixel each way is enough to estimate the light
+NEAR = 0.09  # how far the table's chromaticity may be from its reference, in each of r and g of r + g + b = 1
+FEWEST = 40  # of those pixels that must show the table
 
 
 def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = None, where: str = "picture") -> Any:

@@ -12,10 +12,8 @@ from layflat.cell.extras import opencv, points
 from layflat.cell.vision.boards import Array
 from layflat.cell.vision.detection import Colour
 
-LEAST_CORE = 0.7
-"""A disc's depth of the least radius from which it may be one: what is hidden in part is shallower."""
-PEAKS_APART = 0.3
-"""How far two deepest points are apart at least, as a share of the distance of balls that touch."""
+LEAST_CORE = 0.7  # a disc's depth of the least radius from which it may be one: what is hidden in part is shallower
+PEAKS_APART = 0.3  # how far two deepest points are apart at least, as a share of the distance of balls that touch
 
 
 def in_colours(hsv: Any, colours: Sequence[Colour]) -> Any:

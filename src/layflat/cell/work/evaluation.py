@@ -15,8 +15,7 @@ from layflat.cell.vision.detection import SURE
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.records import Pick, Verdict, VisionErrors
 
-NEAR = 20e-3
-"""How far a fruit may be from where it was seen to be meant by it, m."""
+NEAR = 20e-3  # how far a fruit may be from where it was seen to be meant by it, m
 
 
 class Evaluator(Observer):

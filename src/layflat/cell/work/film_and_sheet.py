@@ -16,8 +16,7 @@ from layflat.cell.work.observer import Observer
 from layflat.cell.work.records import Delivery, Pick, Verdict
 from layflat.cell.work.results import counted, summary
 
-FPS = 10.0
-"""Frames of a film a second of the cell's time."""
+FPS = 10.0  # frames of a film a second of the cell's time
 
 
 @contextmanager

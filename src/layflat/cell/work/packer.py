@@ -21,10 +21,8 @@ from layflat.cell.work.station import Station
 from layflat.cell.work.tasks import centred, passing_height, rules_of, task_of
 from layflat.cell.work.world_model import WorldModel, apart, same
 
-IMAGES, PAUSE = 3, 0.2
-"""That are tried one after the other until one can be used, and the time between them, s."""
-STRAYED = 30e-3
-"""How far a fruit may have rolled when the cup missed it and still be taken for the same, m."""
+IMAGES, PAUSE = 3, 0.2  # that are tried one after the other until one can be used, and the time between them, s
+STRAYED = 30e-3  # how far a fruit may have rolled when the cup missed it and still be taken for the same, m
 OUTSIDE = "lies beside trays and containers"
 
 

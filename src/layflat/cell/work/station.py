@@ -26,8 +26,7 @@ from layflat.rig.safety.faults import TABLE
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
 
-LITRES = 1000.0
-"""In a m3."""
+LITRES = 1000.0  # in a m3
 ANGLE, VELOCITY = (list(RIG_SIGNALS).index(name) for name in ("averaged_angle", "averaged_velocity"))
 
 

@@ -16,8 +16,7 @@ from layflat.cell.vision import Calibration
 from layflat.cell.work.observer import PickCounter
 from layflat.cell.work.run import Run, packed
 
-POLL = 0.2
-"""Between two checks of how far the others are, s."""
+POLL = 0.2  # between two checks of how far the others are, s
 
 
 def repeated(

@@ -12,12 +12,9 @@ from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Rules, Task
 from layflat.cell.reach import Angles, Reach
 
-GAP = 10e-3
-"""Between what passes and what it passes over, m."""
-PRESSED = 3e-3
-"""By how much the cup is led lower than a fruit's top is thought to be, m; the lift gives way."""
-DROP = 2e-3
-"""Over the floor of its place, at which a fruit is released, m."""
+GAP = 10e-3  # between what passes and what it passes over, m
+PRESSED = 3e-3  # by how much the cup is led lower than a fruit's top is thought to be, m; the lift gives way
+DROP = 2e-3  # over the floor of its place, at which a fruit is released, m
 
 
 def passing_height(cell: Cell) -> float:

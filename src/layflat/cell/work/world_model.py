@@ -26,10 +26,8 @@ from layflat.cell.reach import Angles, Reach
 from layflat.cell.work.observer import Observer
 from layflat.errors import PictureError
 
-SAME = 15e-3
-"""Two detections nearer than this are of one fruit, m: no two fit there."""
-HANGING = 0.05
-"""Radius of what hangs from the tip, m: lift, cup and the largest fruit."""
+SAME = 15e-3  # two detections nearer than this are of one fruit, m: no two fit there
+HANGING = 0.05  # radius of what hangs from the tip, m: lift, cup and the largest fruit
 
 
 class WorldModel:
