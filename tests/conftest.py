@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from layflat.lanes.interpreted import interpreted
+from layflat.lanes import interpreted
 
 settings.register_profile("layflat", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("layflat")

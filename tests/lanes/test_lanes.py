@@ -11,7 +11,6 @@ from layflat.lanes import (
     Lanes,
     halves,
     in_lanes,
-    interpreted,
     join,
     lane_by_lane,
     read_lanes,
@@ -75,9 +74,7 @@ def test_each_lane_is_bit_for_bit_the_scalar_law(a: tuple[float, ...], b: tuple[
 @given(fours, fours, numbers)
 def test_the_interpreter_agrees(a: tuple[float, ...], b: tuple[float, ...], c: float) -> None:
     scalar = getattr(everything, "py_func", getattr(everything, "__wrapped__", everything))
-    pair = interpreted.join(
-        interpreted.join(Pair(a[0], b[0]), Pair(a[1], b[1])), interpreted.join(Pair(a[2], b[2]), Pair(a[3], b[3]))
-    )
+    pair = join(join(Pair(a[0], b[0]), Pair(a[1], b[1])), join(Pair(a[2], b[2]), Pair(a[3], b[3])))
     assert lane_by_lane(scalar)(pair, c) == by_lanes(a, b, c)
 
 
@@ -142,11 +139,11 @@ def test_lanes_are_read_from_and_written_to_columns() -> None:
 
 def test_the_interpreter_reads_and_writes_alike() -> None:
     block, out = np.arange(3.0 * width()).reshape(3, -1), np.zeros((3, width()))
-    read = interpreted.read_lanes(Nested(Pair(0.0, 0.0), 0.0), block)
+    read = read_lanes(Nested(Pair(0.0, 0.0), 0.0), block)
     assert isinstance(read, Nested)
-    interpreted.write_lanes(out, read)
+    write_lanes(out, read)
     assert np.array_equal(out, block)
-    assert interpreted.in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * width()), read.z)  # type: ignore[arg-type]
+    assert in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * width()), read.z)  # type: ignore[arg-type]
 
 
 @kernel
@@ -172,8 +169,8 @@ def test_numbers_may_stand_anywhere_in_memory() -> None:
 
 
 def test_the_interpreter_reads_and_writes_numbers_alike() -> None:
-    nested, out = interpreted.read_numbers(Nested(Pair(0.0, 0.0), 0.0), np.array([1.0, 2.0, 3.0])), np.zeros(3)
+    nested, out = read_numbers(Nested(Pair(0.0, 0.0), 0.0), np.array([1.0, 2.0, 3.0])), np.zeros(3)
     assert nested == Nested(Pair(1.0, 2.0), 3.0)
     assert type(nested.pair) is Pair
-    interpreted.write_numbers(out, nested)
+    write_numbers(out, nested)
     assert out.tolist() == [1.0, 2.0, 3.0]

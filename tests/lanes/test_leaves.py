@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.lanes import interpreted, leaves, mapped
+from layflat.lanes import leaves, mapped, read_numbers, write_numbers
 from layflat.machine import load, names, parameters
 
 
@@ -42,11 +42,11 @@ def test_to_map_keeps_the_tree_and_its_order(tree: Any) -> None:
 @given(trees)
 def test_what_is_written_is_read_again(tree: Any) -> None:
     row = np.full(len(list(leaves(tree))) + 1, np.nan)
-    interpreted.write_numbers(row, tree)
+    write_numbers(row, tree)
     assert list(row[:-1]) == list(leaves(tree))
     assert np.isnan(row[-1])
     like = mapped(tree, lambda _: 0.0)
-    assert interpreted.read_numbers(like, row) == tree
+    assert read_numbers(like, row) == tree
 
 
 @pytest.mark.parametrize("name", names())
@@ -59,4 +59,4 @@ def test_parameters_of_every_machine_are_numbers_all_through(name: str) -> None:
     assert len(found) > 8
     assert all(isinstance(number, (int, float)) and not np.isnan(number) for number in found)
     row = np.array(found, dtype=float)
-    assert interpreted.read_numbers(mapped(case, float), row) == mapped(case, float)
+    assert read_numbers(mapped(case, float), row) == mapped(case, float)

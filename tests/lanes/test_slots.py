@@ -59,8 +59,8 @@ def test_they_hold_lanes() -> None:
 
 
 def test_teaching_the_compiler_leaves_the_names_of_the_room_alone() -> None:
-    import layflat.lanes
     import layflat.lanes.compiled
-    from layflat.lanes import interpreted
 
-    assert all(getattr(layflat.lanes, name) is getattr(interpreted, name) for name in layflat.lanes.__all__)
+    public = {name: value for name, value in vars(layflat.lanes).items() if callable(value) and name[0] != "_"}
+    own = {name for name, value in public.items() if value.__module__ == "layflat.lanes"}
+    assert {"each", "gather", "join", "halves", "leaves", "read_numbers", "select", "slots", "total", "width"} <= own

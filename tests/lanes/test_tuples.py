@@ -3,7 +3,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from layflat.jit import by_kind, composition, kernel, law
-from layflat.lanes import Lanes, each, gather, interpreted, slots
+from layflat.lanes import Lanes, each, gather, slots
 
 
 class Share(NamedTuple):
@@ -49,7 +49,7 @@ def test_a_law_goes_through_the_items_of_tuples() -> None:
     shares, row = (Share(0.5), Share(0.25), Share(3.0)), np.array([2.0, 8.0, 1.0, 99.0])
     expected = ((1.0, 2.0, 3.0), (Share(2.5), Share(8.25), Share(4.0)), (1.0, 2.0, 3.0))
     assert run(shares, row) == expected
-    assert all_of_them(shares, interpreted.gather(shares, row)) == expected
+    assert all_of_them(shares, gather(shares, row)) == expected
 
 
 def test_one_item_is_a_tuple_of_one_and_the_kind_picks_the_law() -> None:

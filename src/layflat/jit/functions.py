@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from layflat.jit.cache import cache_folder, included_sources
 from layflat.jit.outside import blame_outside
-from layflat.lanes.interpreted import interpreted, lane_by_lane
+from layflat.lanes import interpreted, lane_by_lane
 
 if TYPE_CHECKING:
     from types import ModuleType

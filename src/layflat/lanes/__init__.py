@@ -15,47 +15,229 @@ for every item of tuples.
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.
 
-What stands here is plain Python (interpreted.py). `compiled` teaches the compiler the same when it is first needed.
+What stands here is plain Python: what each operation means. `compiled` teaches the compiler the same when it is first
+needed.
 """
 
-from layflat.lanes.interpreted import (
-    Lanes,
-    each,
-    gather,
-    halves,
-    in_lanes,
-    join,
-    lane_by_lane,
-    leaves,
-    mapped,
-    read_lanes,
-    read_numbers,
-    select,
-    slots,
-    total,
-    width,
-    write_lanes,
-    write_numbers,
-    write_row,
-)
+from __future__ import annotations
 
-__all__ = [
-    "Lanes",
-    "each",
-    "gather",
-    "halves",
-    "in_lanes",
-    "join",
-    "lane_by_lane",
-    "leaves",
-    "mapped",
-    "read_lanes",
-    "read_numbers",
-    "select",
-    "slots",
-    "total",
-    "width",
-    "write_lanes",
-    "write_numbers",
-    "write_row",
-]
+import operator
+import os
+from collections.abc import Callable, Iterator
+from functools import cache, wraps
+from itertools import count
+from typing import Any
+
+
+def _switched_on(name: str) -> bool:
+    return os.environ.get(name, "").strip() not in ("", "0")
+
+
+@cache
+def interpreted() -> bool:
+    """Whether nothing is compiled (NUMBA_DISABLE_JIT)."""
+    return _switched_on("NUMBA_DISABLE_JIT")
+
+
+@cache
+def host_width() -> int:
+    """Lanes that a vector register of this machine holds; in the simulator of a CUDA device, one."""
+    if interpreted() and _switched_on("NUMBA_ENABLE_CUDASIM"):
+        return 1
+    from llvmlite import binding  # noqa: PLC0415  # part of the compiler, which takes long to load
+
+    features: Any = binding.get_host_cpu_features()  # type: ignore[no-untyped-call]
+    return 8 if features.get("avx512f") else 4
+
+
+class Lanes(tuple[Any, ...]):
+    """Numbers side by side; arithmetic is done lane by lane, with other lanes or with one number for all."""
+
+    __slots__ = ()
+
+    def __neg__(self) -> Lanes:
+        return Lanes(-a for a in self)
+
+
+def _elementwise(operation: Callable[[Any, Any], Any]) -> tuple[Callable[..., Lanes], Callable[..., Lanes]]:
+    def forward(self: Lanes, other: Any) -> Lanes:
+        others = other if isinstance(other, Lanes) else (other,) * len(self)
+        return Lanes(operation(a, b) for a, b in zip(self, others, strict=True))
+
+    def reverse(self: Lanes, other: Any) -> Lanes:
+        return Lanes(operation(other, a) for a in self)
+
+    return forward, reverse
+
+
+for _name in ("add", "sub", "mul", "truediv"):
+    _forward, _reverse = _elementwise(getattr(operator, _name))
+    setattr(Lanes, f"__{_name}__", _forward)
+    setattr(Lanes, f"__r{_name}__", _reverse)
+
+
+def select(condition: Any, yes: Any, no: Any) -> Any:
+    """`yes` where the condition holds, else `no`; both are computed."""
+    return yes if condition else no
+
+
+def join(first: Any, second: Any) -> Any:
+    """Lanes of `first`, then those of `second`, leaf by leaf."""
+    if isinstance(first, Lanes):
+        return Lanes((*first, *second))
+    if isinstance(first, tuple):
+        return _rebuild(first, [join(a, b) for a, b in zip(first, second, strict=True)])
+    return Lanes((first, second))
+
+
+def halves(joined: Any) -> tuple[Any, Any]:
+    """What was joined: the first and the second half of the lanes, leaf by leaf."""
+    if isinstance(joined, Lanes):
+        half = len(joined) // 2
+        return (Lanes(joined[:half]), Lanes(joined[half:])) if half > 1 else (joined[0], joined[1])
+    pairs = [halves(leaf) for leaf in joined]
+    return _rebuild(joined, [pair[0] for pair in pairs]), _rebuild(joined, [pair[1] for pair in pairs])
+
+
+def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
+    """Write a named tuple of floats into rows[i, j, :]."""
+    rows[i, j] = values
+
+
+def read_numbers(like: Any, numbers: Any) -> Any:
+    """A tuple like `like` (nested, of floats), its leaves in order from numbers[0], numbers[1] and so on."""
+    places = count()
+
+    def read(part: Any) -> Any:
+        if isinstance(part, tuple):
+            return _rebuild(part, [read(item) for item in part])
+        return float(numbers[next(places)])
+
+    return read(like)
+
+
+def write_numbers(numbers: Any, values: Any) -> None:
+    """Write the leaves of a tuple (nested, of floats) into numbers[0], numbers[1] and so on."""
+    for place, value in enumerate(leaves(values)):
+        numbers[place] = value
+
+
+def leaves(value: Any) -> Iterator[Any]:
+    """Numbers of a nested tuple in order, or lanes of them."""
+    if isinstance(value, tuple) and not isinstance(value, Lanes):
+        for item in value:
+            yield from leaves(item)
+    else:
+        yield value
+
+
+def width() -> int:
+    """Lanes that `read_lanes` gives; known when a kernel is compiled."""
+    return host_width()
+
+
+def read_lanes(like: Any, block: Any) -> Any:
+    """A tuple like `like` (nested, of floats), its leaves in order from block[0, :], block[1, :] and so on.
+
+    Only the first `width()` columns of the block are read.
+    """
+    rows, lanes = count(), host_width()
+
+    def read(part: Any) -> Any:
+        if isinstance(part, tuple):
+            return _rebuild(part, [read(item) for item in part])
+        row = block[next(rows)]
+        return Lanes(float(row[lane]) for lane in range(lanes)) if lanes > 1 else float(row[0])
+
+    return read(like)
+
+
+def in_lanes(value: Any, like: Any) -> Any:
+    """The value with every number in it spread over as many lanes as `like` has."""
+    if isinstance(value, Lanes):
+        return value
+    if isinstance(value, tuple):
+        return _rebuild(value, [in_lanes(item, like) for item in value])
+    return Lanes([value] * len(like)) if isinstance(like, Lanes) else float(value)
+
+
+def write_lanes(block: Any, values: Any) -> None:
+    """Write lanes, or the leaves of a tuple of them, into block[0, :], block[1, :] and so on."""
+    for row, lanes in enumerate(leaves(values)):
+        block[row, :] = lanes
+
+
+def lane_by_lane(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A scalar law that can be given lanes: it is called once per lane."""
+
+    @wraps(function)
+    def called(*args: Any) -> Any:
+        if not any(isinstance(arg, tuple) for arg in args):
+            return function(*args)
+        counts = set(_counts(args))
+        if not counts:
+            return function(*args)
+        (lanes,) = counts
+        return _transpose([function(*_lane(args, i)) for i in range(lanes)])
+
+    return called
+
+
+def mapped(value: Any, function: Callable[[Any], Any]) -> Any:
+    """A nested tuple with a function applied to all its leaves."""
+    if isinstance(value, tuple):
+        return _rebuild(value, [mapped(item, function) for item in value])
+    return function(value)
+
+
+def slots(items: Any, value: Any = None) -> Any:
+    """A list of the items; or, given a value, one with that value in the place of each."""
+    return list(items) if value is None else [value] * len(items)
+
+
+def gather(like: Any, items: Any) -> Any:
+    """A tuple of the first items of slots or of an array, as many as the tuple `like` has."""
+    return tuple(items[i] for i in range(len(like)))
+
+
+def total(numbers: tuple[Any, ...]) -> Any:
+    """The sum of a tuple's items, one after the other."""
+    first, *others = numbers
+    for number in others:
+        first = first + number
+    return first
+
+
+def each(law: Callable[..., Any], *args: Any) -> Any:
+    """A law called with the first items of some tuples, with the second ones and so on: the tuple of what it returns.
+
+    What is no plain tuple is given to every call as it is. Of a law that returns several things (a plain tuple), a
+    tuple of each: `memory, voltage = each(step, ...)`.
+    """
+    count = next(len(arg) for arg in args if type(arg) is tuple)
+    found = [law(*(arg[i] if type(arg) is tuple else arg for arg in args)) for i in range(count)]
+    return tuple(zip(*found, strict=True)) if type(found[0]) is tuple else tuple(found)
+
+
+def _rebuild(like: Any, items: list[Any]) -> Any:
+    return type(like)(*items) if hasattr(like, "_fields") else tuple(items)
+
+
+def _counts(value: Any) -> Iterator[int]:
+    if isinstance(value, Lanes):
+        yield len(value)
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _counts(item)
+
+
+def _lane(value: Any, i: int) -> Any:
+    if isinstance(value, Lanes):
+        return value[i]
+    return _rebuild(value, [_lane(item, i) for item in value]) if isinstance(value, tuple) else value
+
+
+def _transpose(results: list[Any]) -> Any:
+    if isinstance(results[0], tuple):
+        return _rebuild(results[0], [_transpose(list(items)) for items in zip(*results, strict=True)])
+    return Lanes(results)

@@ -10,7 +10,7 @@ from typing import Any
 from llvmlite import ir
 from numba.core.extending import box
 
-from layflat.lanes.interpreted import Lanes
+from layflat.lanes import Lanes
 from layflat.lanes.typing import LanesType
 
 

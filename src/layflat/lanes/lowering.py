@@ -16,18 +16,7 @@ from numba.core.extending import lower_cast
 from numba.core.imputils import lower_builtin
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import (
-    halves,
-    in_lanes,
-    join,
-    read_lanes,
-    read_numbers,
-    select,
-    width,
-    write_lanes,
-    write_numbers,
-    write_row,
-)
+from layflat import lanes
 from layflat.lanes.typing import (
     ARITHMETIC,
     COMPARISONS,
@@ -104,7 +93,7 @@ _lowered(EXTREMES, 2, _extreme)
 _lowered(INTRINSICS, 1, _intrinsic)
 
 
-@lower_builtin(select, types.Any, types.Any, types.Any)
+@lower_builtin(lanes.select, types.Any, types.Any, types.Any)
 def _select(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return builder.select(*args)
 
@@ -115,7 +104,7 @@ def _shuffled(builder: Any, first: Any, second: Any, start: int, count: int) -> 
     return builder.shuffle_vector(first, second, picked)
 
 
-@lower_builtin(join, types.Any, types.Any)
+@lower_builtin(lanes.join, types.Any, types.Any)
 def _join(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _join_leaf(context, builder, sig.return_type, sig.args, args)
 
@@ -133,7 +122,7 @@ def _join_leaf(context: Any, builder: Any, joined: Any, kinds: Any, values: Any)
     return _shuffled(builder, first, second, 0, joined.count)
 
 
-@lower_builtin(halves, types.Any)
+@lower_builtin(lanes.halves, types.Any)
 def _halves(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     parts = [_half_leaf(context, builder, sig.args[0], args[0], which) for which in (0, 1)]
     return context.make_tuple(builder, sig.return_type, parts)
@@ -151,7 +140,7 @@ def _half_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int) 
     return _shuffled(builder, value, value, which * joined.count // 2, joined.count // 2)
 
 
-@lower_builtin(write_row, types.Array, types.Integer, types.Integer, types.BaseTuple)
+@lower_builtin(lanes.write_row, types.Array, types.Integer, types.Integer, types.BaseTuple)
 def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     # Unrolled: to index a tuple with a variable would compile to a jump table.
     rows = make_array(sig.args[0])(context, builder, args[0])
@@ -161,8 +150,8 @@ def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return context.get_dummy_value()
 
 
-@lower_builtin(in_lanes, types.Any, LanesType)
-@lower_builtin(in_lanes, types.Any, types.Float)
+@lower_builtin(lanes.in_lanes, types.Any, LanesType)
+@lower_builtin(lanes.in_lanes, types.Any, types.Float)
 def _in_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _spread_leaf(context, builder, sig.args[0], sig.return_type, args[0])
 
@@ -181,7 +170,7 @@ def _row(context: Any, builder: Any, block: Any, array: Any, row: int, lanes: An
     return builder.bitcast(pointer, context.get_value_type(lanes).as_pointer())
 
 
-@lower_builtin(width)
+@lower_builtin(lanes.width)
 def _width(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return context.get_constant(sig.return_type, width_in(context))
 
@@ -221,23 +210,23 @@ def _items(context: Any, builder: Any, kind: Any, value: Any) -> Callable[[int, 
     return lambda i, _: cgutils.get_item_pointer(context, builder, kind, array, [context.get_constant(types.intp, i)])
 
 
-@lower_builtin(read_lanes, types.Any, types.Array)
+@lower_builtin(lanes.read_lanes, types.Any, types.Array)
 def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _read(context, builder, sig.return_type, _rows(context, builder, sig.args[1], args[1]))
 
 
-@lower_builtin(write_lanes, types.Array, types.Any)
+@lower_builtin(lanes.write_lanes, types.Array, types.Any)
 def _write_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     _write(builder, sig.args[1], args[1], _rows(context, builder, sig.args[0], args[0]))
     return context.get_dummy_value()
 
 
-@lower_builtin(read_numbers, types.Any, types.Array)
+@lower_builtin(lanes.read_numbers, types.Any, types.Array)
 def _read_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _read(context, builder, sig.return_type, _items(context, builder, sig.args[1], args[1]))
 
 
-@lower_builtin(write_numbers, types.Array, types.Any)
+@lower_builtin(lanes.write_numbers, types.Array, types.Any)
 def _write_numbers(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     _write(builder, sig.args[1], args[1], _items(context, builder, sig.args[0], args[0]))
     return context.get_dummy_value()

@@ -20,7 +20,7 @@ from numba.core.imputils import lower_builtin
 from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from layflat.lanes.interpreted import slots
+from layflat.lanes import slots
 
 
 class SlotsType(types.Type):

@@ -14,7 +14,7 @@ from numba.core.typing import signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.np.arrayobj import make_array
 
-from layflat.lanes.interpreted import each, gather, total
+from layflat.lanes import each, gather, total
 from layflat.lanes.slotting import SlotsType
 
 

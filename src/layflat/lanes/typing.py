@@ -18,19 +18,7 @@ from numba.core.extending import register_model
 from numba.core.typing import Context, signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
 
-from layflat.lanes.interpreted import (
-    halves,
-    host_width,
-    in_lanes,
-    join,
-    read_lanes,
-    read_numbers,
-    select,
-    width,
-    write_lanes,
-    write_numbers,
-    write_row,
-)
+from layflat import lanes
 
 INDEX = ir.IntType(32)
 
@@ -69,7 +57,7 @@ class _Vector(models.PrimitiveModel):
 
 def width_in(context: Any) -> int:
     """Lanes that `read_lanes` gives in code of a compiler's context: other targets than this machine have one."""
-    return host_width() if isinstance(context, (Context, CPUContext)) else 1
+    return lanes.host_width() if isinstance(context, (Context, CPUContext)) else 1
 
 
 def lanes_type(count: int) -> Any:
@@ -149,27 +137,27 @@ def _typed(functions: Iterable[Any], rule: Callable[..., Any]) -> None:
 _typed((*ARITHMETIC, *EXTREMES, *INTRINSICS, operator.neg), _same)
 _typed(COMPARISONS, _compared)
 _typed(LOGIC, _combined)
-_typed([select], _selected)
-_typed([join], lambda first, second: signature(joined_type(first, second), first, second))
-_typed([halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
-_typed([write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
-_typed([read_numbers], lambda like, numbers: signature(like, like, numbers))
-_typed([write_numbers], lambda numbers, values: signature(types.none, numbers, values))
-_typed([in_lanes], lambda value, like: signature(spread_type(value, like), value, like))
-_typed([write_lanes], lambda block, values: signature(types.none, block, values))
+_typed([lanes.select], _selected)
+_typed([lanes.join], lambda first, second: signature(joined_type(first, second), first, second))
+_typed([lanes.halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
+_typed([lanes.write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
+_typed([lanes.read_numbers], lambda like, numbers: signature(like, like, numbers))
+_typed([lanes.write_numbers], lambda numbers, values: signature(types.none, numbers, values))
+_typed([lanes.in_lanes], lambda value, like: signature(spread_type(value, like), value, like))
+_typed([lanes.write_lanes], lambda block, values: signature(types.none, block, values))
 
 
-@infer_global(width)
+@infer_global(lanes.width)
 class _Width(AbstractTemplate):
-    key = width
+    key = lanes.width
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002  (the compiler's own interface)
         return signature(types.intp)
 
 
-@infer_global(read_lanes)
+@infer_global(lanes.read_lanes)
 class _ReadLanes(AbstractTemplate):
-    key = read_lanes
+    key = lanes.read_lanes
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
         like, block = args
