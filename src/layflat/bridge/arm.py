@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import cos, sin, sqrt
 from typing import Any
 
-from layflat.bridge.engine import engine
+from layflat import extras
 from layflat.machine import Machine
 from layflat.machine.parts import Link
 from layflat.physics.step import STEP
@@ -18,6 +18,15 @@ POINT = 1e-9
 
 THICK = 0.02
 """Radius of what is drawn, m."""
+
+
+def engine() -> Any:
+    """Import the package `mujoco`.
+
+    Raises:
+        MissingExtraError: it is not installed.
+    """
+    return extras.module("cell", "mujoco")
 
 
 def inertia_of(link: Link) -> tuple[float, float, float]:

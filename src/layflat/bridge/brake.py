@@ -120,7 +120,7 @@ class Brakes:
     """
 
     def __init__(self, model: Any, dofs: NDArray[np.int64]) -> None:
-        from layflat.bridge.engine import engine  # noqa: PLC0415  # kernels stand here, which do not depend on it
+        from layflat.bridge.arm import engine  # noqa: PLC0415  # kernels stand here, which do not depend on it
 
         self._mj, self._model = engine(), model
         # The mass matrix couples nothing beyond a tree of bodies.

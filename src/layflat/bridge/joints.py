@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.bridge.arm import engine
 from layflat.bridge.brake import Brakes
-from layflat.bridge.engine import engine
 from layflat.bridge.halves import Carry, extrapolate, halves_of
 from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, read_numbers

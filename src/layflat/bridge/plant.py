@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.bridge.arm import arm_spec
-from layflat.bridge.engine import engine
+from layflat.bridge.arm import arm_spec, engine
 from layflat.bridge.joints import PneumaticJoints
 from layflat.description import units as u
 from layflat.errors import InputError

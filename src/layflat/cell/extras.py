@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from layflat import extras
-from layflat.bridge.engine import engine
+from layflat.bridge.arm import engine
 
 
 def mujoco() -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.machine.parameters.drives import drive_parts
+from layflat.machine.parameters import drive_parts
 from layflat.rig.driver import Capabilities
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
-from layflat.machine.parameters.drives import drive_parts
+from layflat.machine.parameters import drive_parts
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.machine.parameters.drives import sensor as sensor_law
+from layflat.machine.parameters import sensor as sensor_law
 from layflat.physics.sensor import Sensor
 from layflat.rig.check.open_loop import OpenLoopRig
 from layflat.rig.check.result import CheckResult

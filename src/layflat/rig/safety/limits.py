@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import inf
 
 from layflat.machine import Machine, parameters
-from layflat.machine.parameters.drives import drive_parts
-from layflat.machine.parameters.drives import sensor as sensor_law
+from layflat.machine.parameters import drive_parts
+from layflat.machine.parameters import sensor as sensor_law
 from layflat.rig.safety.cycle import Rig, Settings
 from layflat.rig.safety.demands import Gate
 from layflat.rig.safety.detectors import (

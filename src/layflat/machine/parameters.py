@@ -1,0 +1,253 @@
+"""From a described machine to the parameters of the laws: the one place where units of design become those of physics.
+
+A number of the machine may be an array, an item a run (see sim/ensemble); then so are the parameters it decides.
+
+| symbol | meaning | unit |
+|---|---|---|
+| s | travel of a hose: output angle from its collapsed state on | rad |
+| S | full travel: (gamma - alpha_end) c R/r | rad |
+| K | torque per pressure | m3/rad |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import degrees, pi, radians
+from typing import Any
+
+import numpy as np
+from numpy.polynomial.polynomial import polyfit
+from numpy.typing import NDArray
+
+from layflat.control import CONTROL_LAWS
+from layflat.control.paper.description import idle_gains
+from layflat.control.paper.gains import Settings
+from layflat.errors import MachineError
+from layflat.lanes import mapped
+from layflat.machine import parts
+from layflat.machine.model import AngleSensor, Machine, PressureSensor
+from layflat.physics.air_balance import AirParts
+from layflat.physics.arms import ARMS, dynamics
+from layflat.physics.arrays import itemwise
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import laminar_slope
+from layflat.physics.hose import ConstantStroke, Stroke, peeled_volume, roller_torque, roller_travel
+from layflat.physics.hysteresis import HYSTERESIS
+from layflat.physics.joint import Hose, Joint, Surroundings
+from layflat.physics.sensor import Sensor
+from layflat.physics.stop import Stops
+from layflat.physics.valves import VALVES, ValvePart
+
+Array = NDArray[np.float64]
+
+FOLLOW = 40.0
+"""Rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s."""
+
+SMOOTHING = 0.05
+"""Time over which the residual of air is averaged: a few periods of the dither, s."""
+
+
+def full_travel(joint: parts.Joint) -> float:
+    """S: output angle between the collapsed hose and its end of travel, rad."""
+    hose, R = joint.hose, joint.cylinder.diameter / 2
+    return itemwise(roller_travel, R, joint.output.radius, hose.wrap, hose.contact_end, hose.peel_ratio)
+
+
+def travel_volume(joint: parts.Joint) -> float:
+    """Volume that one hose sweeps over its full travel, m3."""
+    hose, R = joint.hose, joint.cylinder.diameter / 2
+    swept = itemwise(peeled_volume, R, hose.width / pi, hose.wrap, hose.contact_end, hose.peel_ratio)
+    return hose.torque_factor * swept
+
+
+def stroke(joint: parts.Joint) -> ConstantStroke | Stroke:
+    """K over the travel of one hose: Eq. (1) for a roller, its mean for a cam."""
+    S = full_travel(joint)
+    if joint.output.kind == "cam":
+        return ConstantStroke(travel_volume(joint) / S)
+    hose, R, r = joint.hose, joint.cylinder.diameter / 2, joint.output.radius
+    t = 0.5 - 0.5 * np.cos(np.linspace(0.0, pi, 41))
+    alphas = [hose.wrap - share * S * r / (hose.peel_ratio * R) for share in t]
+    one = partial(itemwise, roller_torque, 1.0, R, r, hose.width / pi, hose.wrap)
+    K = np.array([hose.torque_factor * one(alpha) for alpha in alphas])
+    return Stroke(*(k / S**i for i, k in enumerate(polyfit(t, K, 4))))
+
+
+def torque_constant(joint: parts.Joint) -> float:
+    """Greatest K over the travel, m3/rad: maximum torque per gauge pressure."""
+    curve = stroke(joint)
+    if isinstance(curve, ConstantStroke):
+        return curve.k0
+    S, t = full_travel(joint), np.linspace(0.0, 1.0, 101)
+    return np.max(sum(np.multiply.outer(t**i, k * S**i) for i, k in enumerate(curve)), axis=0)  # type: ignore[no-any-return]
+
+
+def loss_share(joint: parts.Joint) -> float:
+    """Loop height over greatest torque at the reference pressure, of hose, strap and rollers together."""
+    share = joint.hose.loss_share * joint.cover.loss_factor + joint.strap.loss_share
+    roller = joint.deflecting_roller
+    if roller is not None:
+        bend = joint.strap.thickness / roller.diameter
+        share += roller.count * (roller.friction_share + roller.bending_share * bend)
+    return share
+
+
+def loss(joint: parts.Joint) -> Any:
+    """Parameters of the hysteresis of one hose with its strap."""
+    at = joint.losses.reference_pressure_gauge
+    # A loop is twice as high as the torque that opposes either way.
+    limit = 0.5 * loss_share(joint) * torque_constant(joint) * at
+    return HYSTERESIS.parameters(joint.losses, limit)
+
+
+def hose(joint: parts.Joint) -> Hose:
+    """One hose in its joint."""
+    chamber = Chamber(joint.hose.dead_volume, joint.hose.compliance, joint.hose.wall_conductance)
+    return Hose(stroke(joint), chamber, loss(joint), full_travel(joint) / 2)
+
+
+def no_hose(hose: Hose) -> Hose:
+    """In place of the second hose of a single-acting joint that has this one: it turns nothing."""
+    return Hose(ConstantStroke(0.0), Chamber(1e-5, 0.0, 0.0), mapped(hose.loss, lambda _: 0.0), 0.0)
+
+
+def long_stroke(stroke: ConstantStroke | Stroke) -> Stroke:
+    """The same stroke as one that may change over its travel."""
+    return Stroke(*stroke, *[0.0] * (len(Stroke._fields) - len(stroke)))
+
+
+def sensor(described: AngleSensor | PressureSensor) -> Sensor:
+    """A sensor centred on zero."""
+    half = described.range / 2
+    return Sensor(-half, half, described.range / 2**described.bits, described.offset, described.noise)
+
+
+def drive_parts(machine: Machine) -> tuple[ValvePart, AngleSensor, PressureSensor]:
+    """Valve and sensors of a machine that moves by itself.
+
+    Raises:
+        MachineError: it has none, as the open-loop rigs.
+    """
+    if machine.valve is None or machine.angle_sensor is None or machine.pressure_sensor is None:
+        raise MachineError(
+            "has no valve or sensors: it is a rig for torque-angle loops",
+            where=machine.origin,
+            right="`layflat loop` sweeps it at constant pressure",
+        )
+    return machine.valve, machine.angle_sensor, machine.pressure_sensor
+
+
+def joints(machine: Machine) -> tuple[Joint, ...]:
+    """All laws of every joint, from base to tip; all with strokes of one kind, so that they can go side by side."""
+    even = all(described.output.kind == "cam" for described in machine.joints.values())
+    return tuple(_joint(machine, described, even=even) for described in machine.joints.values())
+
+
+def _joint(machine: Machine, described: parts.Joint, *, even: bool) -> Joint:
+    valve_part, angle_sensor, pressure_sensor = drive_parts(machine)
+    pulling = hose(described)
+    pushing = pulling if described.acting == "double" else no_hose(pulling)
+    if not even:
+        pulling, pushing = (h._replace(stroke=long_stroke(h.stroke)) for h in (pulling, pushing))
+    return Joint(
+        pulling,
+        pushing,
+        VALVES.parameters(valve_part),
+        stops(described),
+        described.brake.viscous,
+        described.brake.torque,
+        sensor(angle_sensor),
+        sensor(pressure_sensor),
+    )
+
+
+def stops(joint: parts.Joint) -> Stops:
+    """End stops on both sides; squeezing begins where the opposite hose is collapsed."""
+    limit = joint.stops.mechanical_stroke / 2
+    squeeze = np.minimum(full_travel(joint) / 2, limit)
+    return Stops(squeeze, joint.stops.squeeze_stiffness, limit, joint.stops.stop_stiffness, joint.stops.stop_damping)
+
+
+def check_inside_stroke(machine: Machine, name: str, angle: float, where: str) -> float:
+    """An angle (rad) that the joint can reach.
+
+    Raises:
+        MachineError: it lies outside the working stroke.
+    """
+    half = machine.joint[name].stops.working_stroke / 2
+    if not abs(angle) <= half + radians(1e-9):
+        raise MachineError(
+            f"{degrees(angle):.6g} deg is outside the working stroke of joint {name!r}",
+            where=where,
+            right=f"stay within +-{degrees(half):.6g} deg",
+        )
+    return angle
+
+
+def arm(machine: Machine) -> Any:
+    """Masses of the arm, without payload: parameters of its kind."""
+    return ARMS.parameters(machine.arm, list(machine.joints.values()))
+
+
+def mass_and_pull(arm: Any, payload: float, angles: Sequence[float]) -> tuple[Array, Array]:
+    """Mass matrix (joints, joints), kg m2, and torques that come of the angles (joints,), N m, of an arm at rest.
+
+    Args:
+        arm: parameters of a kind of arm.
+        payload: kg.
+        angles: rad, (joints,).
+    """
+    n = len(angles)
+    upper, _, pulls = dynamics(arm, payload, tuple(map(float, angles)), (0.0,) * n)
+    mass = np.zeros((n, n))
+    mass[np.triu_indices(n)] = upper
+    return mass + np.triu(mass, 1).T, np.array(pulls)
+
+
+def surroundings(machine: Machine) -> Surroundings:
+    """Air outside and at the supply, and the payload."""
+    air = machine.supply
+    return Surroundings(
+        air.pressure, air.temperature, air.ambient_pressure, air.ambient_temperature, machine.arm.payload
+    )
+
+
+def control(machine: Machine, *, closed_loop: bool = True) -> Any:
+    """Settings of the machine's control law; of one that only watches where an open-loop run needs no more.
+
+    Raises:
+        MachineError: the machine has no valve, controller or gains.
+    """
+    valve, _, _ = drive_parts(machine)
+    law = machine.control_law
+    lacking = law.gains is not None and any(joint.gains is None for joint in machine.joints.values())
+    if not closed_loop and (machine.controller is None or lacking):
+        return Settings(tuple(idle_gains(valve) for _ in machine.joints))
+    if machine.controller is None:
+        raise MachineError("has no controller", where=machine.origin, right="copy that of paper-arm, gains included")
+    return CONTROL_LAWS.parameters(machine.controller, machine)
+
+
+def air_parts(machine: Machine, name: str) -> AirParts:
+    """What the watch over a joint's air has to know; a hose with a roller counts with its mean torque.
+
+    Raises:
+        MachineError: the machine has no valve or sensors.
+    """
+    valve, _, _ = drive_parts(machine)
+    joint = machine.joint[name]
+    return AirParts(
+        joint.hose.dead_volume,
+        travel_volume(joint) / full_travel(joint),
+        full_travel(joint) / 2,
+        valve.conductance,
+        valve.leakage,
+        valve.critical_ratio,
+        float(laminar_slope(valve.critical_ratio)),
+        valve.covered,
+        valve.dithered.amplitude if valve.dithered is not None else 0.0,
+        FOLLOW,
+        SMOOTHING,
+        machine.safety.speed,
+    )
