@@ -141,6 +141,17 @@ def test_help_does_not_load_what_is_heavy() -> None:
     assert done.stdout.strip().splitlines()[-1] == "[]"
 
 
+def test_a_check_loads_neither_compiler_nor_scipy() -> None:
+    heavy = ("numba", "llvmlite", "scipy", "pint", "xarray", "matplotlib", "rich")
+    code = (
+        "import sys; from layflat import cli\n"
+        "cli.app(['check', 'paper-arm'], standalone_mode=False)\n"
+        f"print({{*{heavy}}} & {{*sys.modules}})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == ["paper-arm: a valid description of 2 joints", "set()"]
+
+
 def test_tables_fit_100_columns() -> None:
     for words in (("machines",), ("show", "paper-arm"), ("check", "rig-polyester")):
         done = layflat(*words)

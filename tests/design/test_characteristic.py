@@ -32,9 +32,9 @@ def eq1_force(width: float, R: float, gamma: float, alpha: float) -> float:
 def test_force_is_eq1_and_volume_its_integral(width: float, share: float, gamma: float, c: float) -> None:
     R, end = share * width / 2, 0.7 * gamma
     curve = wrapped_hose(width, R, gamma, end, c, points=201)
-    for alpha in (gamma, 0.9 * gamma, 0.75 * gamma):
-        s = c * R * (gamma - alpha)
-        assert float(curve.force_at(s)) == pytest.approx(eq1_force(width, R, gamma, alpha), rel=1e-9)
+    for alpha, s, force in zip(np.linspace(gamma, end, 201), curve.travel, curve.force, strict=True):
+        assert s == pytest.approx(c * R * (gamma - alpha), rel=1e-9, abs=1e-12)
+        assert force == pytest.approx(eq1_force(width, R, gamma, alpha), rel=1e-9)
     swept, _ = quad(lambda a: eq1_force(width, R, gamma, a) * c * R, end, gamma)
     assert curve.swept_volume == pytest.approx(swept, rel=1e-9)
 

@@ -43,18 +43,23 @@ def show(
 @app.command()
 def check(machine: MachineName) -> None:
     """Check a description: every value, and whether it can be made."""
-    from layflat.identify.benches.loader import load_described  # noqa: PLC0415
-    from layflat.machine import Machine  # noqa: PLC0415
+    from layflat.machine.libraries import is_bench  # noqa: PLC0415
 
-    described = load_described(machine)
-    if not isinstance(described, Machine):
+    if is_bench(machine):
+        from layflat.identify.benches.loader import load_bench  # noqa: PLC0415
+
+        load_bench(machine)
         typer.echo(f"{machine}: a valid description of a test bench")
         return
-    from layflat.design import Finding, design_joint  # noqa: PLC0415  # not for test benches
+    from layflat.design.curves import stencils  # noqa: PLC0415
+    from layflat.design.rules import Finding  # noqa: PLC0415
+    from layflat.design.summary import design_joint  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
     from layflat.machine.stale import stale_values  # noqa: PLC0415
 
+    described = load(machine)
     stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(machine)]
-    findings = [f for name in described.joints for f in design_joint(described, name).findings]
+    findings = [f for name in described.joints for f in design_joint(described, name, through=stencils).findings]
     print_findings([*stale, *findings])
     count = len(described.joints)
     typer.echo(f"{machine}: a valid description of {count} joint{'s' if count > 1 else ''}")

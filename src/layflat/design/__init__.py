@@ -1,24 +1,30 @@
 """Which hose, cylinder, cam and strap: Eq. (1), exact cams, design rules, sizing and drawings.
 
 Everything starts from `design_joint` (what a described joint can do) or `size_joint` (a description of a joint that
-does what is asked).
+does what is asked). Names are loaded when they are first used.
 """
 
-from layflat.design.cam import Cam, synthesise
-from layflat.design.candidates import HOSE_WIDTHS
-from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
-from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
-from layflat.design.mass import Air, Mass
-from layflat.design.measured import read_characteristic
-from layflat.design.outline import Outline, cam_outline
-from layflat.design.plates import Plate, of_plate
-from layflat.design.request import SizingRequest
-from layflat.design.rules import Finding, refuse_errors
-from layflat.design.sizing import Sized, size_joint
-from layflat.design.strap import StrapStress, strap_stress
-from layflat.design.straplines import Lines, RollerLine, ShellLine, StrapLine
-from layflat.design.summary import JointDesign, design_joint
-from layflat.design.table1 import Table1, Table1Constants, table1
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from layflat.design.cam import Cam, synthesise
+    from layflat.design.candidates import HOSE_WIDTHS
+    from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
+    from layflat.design.crude_table import Table1, Table1Constants, table1
+    from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
+    from layflat.design.mass import Air, Mass
+    from layflat.design.measured import read_characteristic
+    from layflat.design.outline import Outline, cam_outline
+    from layflat.design.plates import Plate, of_plate
+    from layflat.design.request import SizingRequest
+    from layflat.design.rules import Finding, refuse_errors
+    from layflat.design.sizing import Sized, size_joint
+    from layflat.design.strap import StrapStress, strap_stress
+    from layflat.design.straplines import Lines, RollerLine, ShellLine, StrapLine
+    from layflat.design.summary import JointDesign, design_joint
 
 __all__ = [
     "HOSE_WIDTHS",
@@ -54,3 +60,16 @@ __all__ = [
     "wrapped_hose",
     "write_drawings",
 ]
+
+_MODULES = (
+    "cam", "candidates", "characteristic", "crude_table", "drawing", "mass", "measured", "outline", "plates", "request",
+    "rules", "sizing", "strap", "straplines", "summary",
+)  # fmt: skip
+
+
+def __getattr__(name: str) -> Any:
+    for module in _MODULES if name in __all__ else ():
+        home = import_module(f"{__name__}.{module}")
+        if name in vars(home) and getattr(vars(home)[name], "__module__", home.__name__) == home.__name__:
+            return vars(home)[name]
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -22,9 +22,8 @@ from math import degrees, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
-from layflat.design.characteristic import SPLINE_ORDER, Characteristic
+from layflat.design.characteristic import Characteristic
 from layflat.design.straplines import StrapLine
 from layflat.errors import DesignError
 
@@ -121,7 +120,7 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
             where="cam",
             right="a longer stroke, or an output axis further from the strap point",
         )
-    slope, rho = _support_derivatives(eta, lines.lever)
+    _, slope, bend = (values[::-1] for values in characteristic.through(eta[::-1], lines.lever[::-1]))
     normal = np.stack((np.cos(eta), np.sin(eta)), axis=-1)
     tangent = np.stack((-np.sin(eta), np.cos(eta)), axis=-1)
     return Cam(
@@ -132,14 +131,8 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
         alignment=lines.alignment,
         line_normal=lines.normal_angle,
         normal=eta,
-        curvature_radius=rho,
+        curvature_radius=lines.lever + bend,
         profile=lines.lever[:, None] * normal + slope[:, None] * tangent,
         strap_point=lines.strap_point,
         axis=line.axis,
     )
-
-
-def _support_derivatives(eta: Array, h: Array) -> tuple[Array, Array]:
-    """Return slope h' and radius of curvature h + h'' at each normal angle."""
-    curve = make_interp_spline(eta[::-1], h[::-1], k=SPLINE_ORDER)
-    return np.asarray(curve.derivative(1)(eta)), h + np.asarray(curve.derivative(2)(eta))

@@ -14,8 +14,6 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from math import ceil, degrees, pi, radians
 
-from scipy.optimize import brentq
-
 from layflat.design.request import SizingRequest
 from layflat.errors import DesignError
 from layflat.physics.hose import peeled_volume
@@ -63,6 +61,8 @@ def hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[floa
 
 def _smallest(spare: Callable[[float], float], least: float, greatest: float) -> float | None:
     """Return the smallest diameter with volume to spare, in whole millimetres; None where even the largest has none."""
+    from scipy.optimize import brentq  # noqa: PLC0415  # SciPy takes long to import
+
     if spare(greatest) < 0:
         return None
     exact = least if spare(least) >= 0 else float(brentq(spare, least, greatest))

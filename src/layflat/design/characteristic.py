@@ -17,9 +17,9 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import BSpline, make_interp_spline
+from numpy.typing import NDArray
 
+from layflat.design.curves import ORDER, Through, spline
 from layflat.errors import DesignError
 from layflat.machine import Joint
 from layflat.physics.hose import roller_torque
@@ -28,8 +28,6 @@ Array = NDArray[np.float64]
 
 POINTS = 601
 """Nodes of a curve that a law gives; its quintic spline is then as exact as the law."""
-
-SPLINE_ORDER = 5
 
 
 @dataclass(frozen=True)
@@ -41,6 +39,7 @@ class Characteristic:
         force: f, N/Pa = m2, shape (n,), positive.
         source: what the curve comes from, for reports.
         fit_error: greatest distance of measured points from the curve, share of the greatest force.
+        through: lays the curve through the nodes.
 
     Raises:
         DesignError: the curve has too few points, does not rise in travel, or is not positive.
@@ -50,14 +49,15 @@ class Characteristic:
     force: Array
     source: str
     fit_error: float = 0.0
+    through: Through = spline
 
     def __post_init__(self) -> None:
         where = f"characteristic from {self.source}"
-        if self.travel.shape != self.force.shape or self.travel.ndim != 1 or self.travel.size <= SPLINE_ORDER:
+        if self.travel.shape != self.force.shape or self.travel.ndim != 1 or self.travel.size <= ORDER:
             raise DesignError(
                 f"{self.travel.size} travels and {self.force.size} forces",
                 where=where,
-                right=f"give as many of one as of the other, at least {SPLINE_ORDER + 1}",
+                right=f"give as many of one as of the other, at least {ORDER + 1}",
             )
         if not (np.isfinite(self.travel).all() and np.isfinite(self.force).all()):
             raise DesignError("holds a number that is not finite", where=where, right="every value must be a number")
@@ -72,14 +72,9 @@ class Characteristic:
             )
 
     @cached_property
-    def curve(self) -> BSpline[np.float64]:
-        """f(s) as a spline."""
-        return make_interp_spline(self.travel, self.force, k=SPLINE_ORDER)
-
-    @cached_property
     def volume(self) -> Array:
         """V at each travel, m3, shape (n,)."""
-        return np.asarray(self.curve.antiderivative()(self.travel), dtype=float)
+        return self.through(self.travel, self.force)[0]
 
     @property
     def full_travel(self) -> float:
@@ -91,23 +86,26 @@ class Characteristic:
         """V at the end of travel, m3: the work of one stroke per pressure."""
         return float(self.volume[-1])
 
-    def force_at(self, travel: ArrayLike) -> Array:
-        """Return f at any travel within the curve, m2."""
-        return np.asarray(self.curve(np.asarray(travel, dtype=float)), dtype=float)
-
     def on_roller(self, radius: float) -> tuple[Array, Array]:
         """Return angle (rad) and torque per pressure (m3/rad) of a round roller of this radius, each of shape (n,)."""
         return self.travel / radius, self.force * radius
 
 
-def of_cylinder(joint: Joint, points: int = POINTS) -> Characteristic:
+def of_cylinder(joint: Joint, points: int = POINTS, *, through: Through = spline) -> Characteristic:
     """Return the hose of a described joint by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, points=points)
+    return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, points=points, through=through)
 
 
 def wrapped_hose(
-    width: float, R: float, gamma: float, contact_end: float, c: float, *, points: int = POINTS
+    width: float,
+    R: float,
+    gamma: float,
+    contact_end: float,
+    c: float,
+    *,
+    points: int = POINTS,
+    through: Through = spline,
 ) -> Characteristic:
     """Return a hose wrapped around a cylinder by Eq. (1).
 
@@ -118,6 +116,7 @@ def wrapped_hose(
         contact_end: contact angle at full travel, rad.
         c: peel ratio.
         points: nodes of the curve.
+        through: lays the curve through them.
 
     Raises:
         DesignError: a size is not positive, the wrap is over 180 deg, or the hose gives no force.
@@ -139,4 +138,4 @@ def wrapped_hose(
         )
     alpha = np.linspace(gamma, contact_end, points)
     force = np.array([roller_torque(1.0, R, 1.0, width / pi, gamma, float(a)) for a in alpha])
-    return Characteristic(c * R * (gamma - alpha), force, "Eq. (1)")
+    return Characteristic(c * R * (gamma - alpha), force, "Eq. (1)", through=through)

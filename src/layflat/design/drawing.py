@@ -202,7 +202,7 @@ def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
         f"radius of curvature from {cam.smallest_radius * MM:.3f} mm",
         f"strap {strap.material} {strap.width * MM:.4g} × {strap.thickness * MM:.4g} mm, layers: {strap.layers}; "
         "clamped on the flat",
-        f"profile: {outline.working} points; dimensions in mm",
+        f"profile: {len(outline.profile)} points; dimensions in mm",
     ]
 
 

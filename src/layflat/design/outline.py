@@ -7,11 +7,11 @@ collapsed hose. Around the back runs the shortest convex line that holds flat an
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
+from numpy.typing import ArrayLike, NDArray
 
 from layflat.design.cam import Cam
 from layflat.errors import DesignError
@@ -34,32 +34,76 @@ RUN_OUT = np.radians(np.arange(1.0, 13.0))
 """Angles of the run-out's points beyond the profile, rad."""
 
 HUB_POINTS = 180
-ON_HULL = 1e-8
-"""How far a point of the profile may lie inside the outline, m."""
+ON_LINE = 1e-8
+"""How far the outline may reach over a line of the strap, m."""
 
 
 @dataclass(frozen=True)
 class Outline:
-    """Closed outline of a cam in its own frame, origin on the output axis, anticlockwise, m.
+    """Closed outline of a convex cam in its own frame, origin on the output axis.
 
     Args:
-        points: shape (m, 2); the last is not the first again.
-        working: how many of the first points are the working profile, in the order in which the strap winds up.
-        clamp_end: end of the flat for the strap's clamp, (2,).
+        cam: the cam.
         bore: diameter, m.
-        hub: diameter, m.
+
+    Raises:
+        DesignError: the cam is not convex, turns too far for one plane, or the bore leaves no wall.
     """
 
-    points: Array
-    working: int
-    clamp_end: Array
+    cam: Cam
     bore: float
-    hub: float
+
+    def __post_init__(self) -> None:
+        if not self.cam.convex:
+            raise DesignError(
+                f"not convex: radius of curvature falls to {self.cam.smallest_radius * 1e3:.4g} mm",
+                where="cam",
+                right="a longer stroke, or an output axis further from the strap point",
+            )
+        greatest = 2 * float(self.cam.lever.min()) / HUB_SHARE
+        if not 0 < self.bore < greatest:
+            raise DesignError(
+                f"a bore of {self.bore * 1e3:.4g} mm",
+                where="cam",
+                right=f"give one above 0 and below {greatest * 1e3:.4g} mm, for the smallest lever arm",
+            )
+        points = np.vstack((self.profile, self._rest))
+        if (points @ _unit(self.cam.normal).T - self.cam.lever).max() > ON_LINE:
+            raise DesignError(
+                "the profile turns back over itself",
+                where="cam",
+                right="a shorter stroke: a cam in one plane turns by less than about 270 deg",
+            )
+
+    @property
+    def hub(self) -> float:
+        """Diameter of the hub, m."""
+        return HUB_SHARE * self.bore
 
     @property
     def profile(self) -> Array:
-        """The working profile, (n, 2)."""
-        return self.points[: self.working]
+        """The working profile in the order in which the strap winds up, m, shape (n, 2)."""
+        return self.cam.profile[::-1]
+
+    @property
+    def clamp_end(self) -> Array:
+        """End of the flat for the strap's clamp, m, shape (2,)."""
+        last = self.cam.normal[-1]
+        tangent = np.array([-np.sin(last), np.cos(last)])
+        end: Array = self.profile[0] - CLAMP_SHARE * self.cam.lever.min() * tangent
+        return end
+
+    @cached_property
+    def points(self) -> Array:
+        """Corners anticlockwise from the profile on, m, shape (m, 2); the last is not the first again."""
+        from scipy.spatial import ConvexHull  # noqa: PLC0415  # SciPy takes long to import
+
+        # Qhull drops points of a nearly straight profile, so only the back is asked for.
+        points = np.vstack((self.profile, self._rest))
+        order = ConvexHull(points).vertices
+        on_back = order >= len(self.profile)
+        first = int(np.argmax(on_back & ~np.roll(on_back, 1)))
+        return np.vstack((self.profile, points[np.roll(order, -first)][np.roll(on_back, -first)]))
 
     @property
     def area(self) -> float:
@@ -67,59 +111,27 @@ class Outline:
         x, y = self.points.T
         return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) - pi / 4 * self.bore**2
 
+    @property
+    def _rest(self) -> Array:
+        """Points of run-out, clamp and hub, some of which are corners."""
+        first, rho = self.cam.normal[0], self.cam.curvature_radius[0]
+        centre = self.profile[-1] - rho * _unit(first)
+        run_out = centre + rho * _unit(first + RUN_OUT)
+        hub = self.hub / 2 * _unit(np.linspace(0.0, 2 * pi, HUB_POINTS, endpoint=False))
+        return np.vstack((run_out, self.clamp_end, hub))
+
 
 def cam_outline(cam: Cam, bore: float | None = None) -> Outline:
-    """Return the outline of a cam.
-
-    Args:
-        cam: a convex cam.
-        bore: diameter of the bore, m; without it the greatest common bore that leaves a wall.
+    """Return the outline of a convex cam; without a bore (m) with the greatest common one that leaves a wall.
 
     Raises:
-        DesignError: the cam is not convex, turns too far for one plane, or the bore leaves no wall.
+        DesignError: see `Outline`.
     """
-    least = float(cam.lever.min())
-    if not cam.convex:
-        raise DesignError(
-            f"not convex: radius of curvature falls to {cam.smallest_radius * 1e3:.4g} mm",
-            where="cam",
-            right="a longer stroke, or an output axis further from the strap point",
-        )
     if bore is None:
-        bore = max((size for size in BORES if size <= BORE_SHARE * least), default=BORE_SHARE * least)
-    if not 0 < HUB_SHARE * bore / 2 < least:
-        raise DesignError(
-            f"a bore of {bore * 1e3:.4g} mm",
-            where="cam",
-            right=f"give one above 0 and below {2 * least / HUB_SHARE * 1e3:.4g} mm, for the smallest lever arm",
-        )
-    profile = cam.profile[::-1]
-    last = cam.normal[-1]
-    clamp_end = profile[0] - CLAMP_SHARE * least * np.array([-np.sin(last), np.cos(last)])
-    over = cam.normal[0] + RUN_OUT
-    rho = cam.curvature_radius[0]
-    centre = profile[-1] - rho * np.array([np.cos(cam.normal[0]), np.sin(cam.normal[0])])
-    run_out = centre + rho * np.stack((np.cos(over), np.sin(over)), axis=-1)
-    around = np.linspace(0.0, 2 * pi, HUB_POINTS, endpoint=False)
-    hub = HUB_SHARE * bore / 2 * np.stack((np.cos(around), np.sin(around)), axis=-1)
-    back = _back(profile, np.vstack((run_out, clamp_end, hub)))
-    return Outline(np.vstack((profile, back)), len(profile), clamp_end, bore, HUB_SHARE * bore)
+        greatest = BORE_SHARE * float(cam.lever.min())
+        bore = max((size for size in BORES if size <= greatest), default=greatest)
+    return Outline(cam, bore)
 
 
-def _back(profile: Array, rest: Array) -> Array:
-    """Return the points of `rest` that the hull needs, anticlockwise from the profile's end to its start."""
-    # Qhull drops points of a nearly straight profile, so only its ends are asked for, and the rest of it is checked.
-    points = np.vstack((profile, rest))
-    hull = ConvexHull(points)
-    depth = -(hull.equations[:, :2] @ profile.T + hull.equations[:, 2:]).max(axis=0)
-    if depth.max() > ON_HULL:
-        raise DesignError(
-            "the profile turns back over itself",
-            where="cam",
-            right="a shorter stroke: a cam in one plane turns by less than about 270 deg",
-        )
-    order = [int(i) for i in hull.vertices]
-    back = [i for i in order if i >= len(profile)]
-    first = next(k for k, i in enumerate(order) if i >= len(profile) and order[k - 1] < len(profile))
-    turned = [i for i in order[first:] + order[:first] if i >= len(profile)]
-    return points[turned] if back else np.empty((0, 2))
+def _unit(angle: ArrayLike) -> Array:
+    return np.stack((np.cos(angle), np.sin(angle)), axis=-1)

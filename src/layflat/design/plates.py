@@ -25,7 +25,6 @@ from math import asin, degrees, inf, isfinite, isinf, pi, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from layflat.design.characteristic import POINTS, Characteristic
 from layflat.errors import DesignError
@@ -132,6 +131,8 @@ def of_plate(plate: Plate, opening: float | None = None, *, points: int = POINTS
 
 
 def _used_opening(plate: Plate) -> float:
+    from scipy.optimize import brentq  # noqa: PLC0415  # SciPy takes long to import
+
     first = float(plate.moment(0.0))
 
     def above(psi: float) -> float:

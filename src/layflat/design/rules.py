@@ -18,7 +18,6 @@ from layflat.design.outline import Outline
 from layflat.design.strap import StrapStress
 from layflat.errors import DesignError
 from layflat.machine import Joint
-from layflat.machine.parameters import loss_share
 
 Severity = Literal["error", "warning", "note"]
 ORDER: tuple[Severity, ...] = ("error", "warning", "note")
@@ -151,6 +150,8 @@ def _strap_stress(at: Checked) -> Found:
 def _deflection(at: Checked) -> Found:
     roller = at.joint.deflecting_roller
     if roller is not None:
+        from layflat.machine.parameters import loss_share  # noqa: PLC0415  # with the laws of all parts
+
         share = loss_share(at.joint) - loss_share(at.joint.model_copy(update={"deflecting_roller": None}))
         what = f"{roller.count} of {roller.diameter * 1e3:.4g} mm bend the strap and cost {100 * share:.2g} % of torque"
         right = "larger rollers or a thinner strap lose less; an offset output shaft needs none"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.characteristic import Characteristic, of_cylinder
+from layflat.design.curves import Through, spline
 from layflat.design.mass import Air, Mass, air_per_stroke, joint_mass
 from layflat.design.outline import Outline, cam_outline
 from layflat.design.rules import Checked, Finding, check, refuse_errors
@@ -34,8 +36,6 @@ class JointDesign:
         outline: the cam as a part to be cut; None with a round roller.
         stresses: of the strap, wherever it bends.
         findings: worst first.
-        mass: part by part.
-        air: of one full stroke of one hose.
     """
 
     machine: Machine
@@ -46,13 +46,21 @@ class JointDesign:
     outline: Outline | None
     stresses: tuple[StrapStress, ...]
     findings: tuple[Finding, ...]
-    mass: Mass
-    air: Air
 
     @property
     def joint(self) -> Joint:
         """The described joint."""
         return self.machine.joint[self.name]
+
+    @cached_property
+    def mass(self) -> Mass:
+        """Mass part by part."""
+        return joint_mass(self.joint, self.characteristic.full_travel, self.outline)
+
+    @property
+    def air(self) -> Air:
+        """Air of one full stroke of one hose."""
+        return air_per_stroke(self.joint, self.characteristic.swept_volume, self.machine.supply)
 
     @property
     def roller_torque(self) -> tuple[Array, Array]:
@@ -125,6 +133,7 @@ def design_joint(
     measured: Characteristic | None = None,
     bore: float | None = None,
     strict: bool = True,
+    through: Through = spline,
 ) -> JointDesign:
     """Design one joint of a machine.
 
@@ -136,6 +145,7 @@ def design_joint(
         measured: a measured curve in place of Eq. (1), from `read_characteristic`.
         bore: diameter of the cam's bore, m.
         strict: raise the first error that the rules find; otherwise it stands among the findings only.
+        through: lays a curve through what Eq. (1) gives; `stencils` finds the same without SciPy.
 
     Raises:
         MachineError: there is no such machine or joint.
@@ -145,7 +155,7 @@ def design_joint(
     name = _joint_name(machine, joint)
     described, pressure = machine.joint[name], machine.supply.pressure_gauge
     where = f"{machine.origin}: joint.{name}"
-    characteristic = measured or of_cylinder(described)
+    characteristic = measured or of_cylinder(described, through=through)
     cam = outline = None
     if described.output.kind == "cam":
         try:
@@ -168,8 +178,6 @@ def design_joint(
         outline=outline,
         stresses=stresses,
         findings=findings,
-        mass=joint_mass(described, characteristic.full_travel, outline),
-        air=air_per_stroke(described, characteristic.swept_volume, machine.supply),
     )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from html import escape
 from math import cos, radians, sin
-from xml.sax.saxutils import escape
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,7 @@ class _Canvas:
         x, y = at
         self.elements.append(
             f'<text x="{x:.4f}" y="{-y:.4f}" font-size="{height:.4f}" text-anchor="{anchor}" '
-            f'transform="rotate({-turned:.4f} {x:.4f} {-y:.4f})">{escape(text)}</text>'
+            f'transform="rotate({-turned:.4f} {x:.4f} {-y:.4f})">{escape(text, quote=False)}</text>'
         )
 
     def document(self, title: str) -> str:
@@ -97,7 +97,7 @@ class _Canvas:
             (
                 f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.3f}mm" height="{height:.3f}mm" '
                 f'viewBox="{left:.4f} {top:.4f} {width:.4f} {height:.4f}">',
-                f"<title>{escape(title)}</title>",
+                f"<title>{escape(title, quote=False)}</title>",
                 f"<style>{rules}.arrow{{fill:#444}}text{{font-family:sans-serif;fill:#111}}</style>",
                 f'<rect x="{left:.4f}" y="{top:.4f}" width="{width:.4f}" height="{height:.4f}" fill="#fff"/>',
                 *self.elements,

@@ -11,36 +11,18 @@ from layflat.description.explain import explained
 from layflat.description.hints import nearest
 from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
-from layflat.description.text import exists
 from layflat.description.wrong import shown
 from layflat.errors import MachineError
 from layflat.identify.benches.contract import BenchDescription
 from layflat.identify.benches.kinds import KINDS, description_class
 from layflat.machine import Machine, load
-from layflat.machine.libraries import BENCHES, MACHINES
+from layflat.machine.libraries import BENCHES, HYDDOWN, is_bench
 from layflat.machine.loader import tables
-
-HYDDOWN = {".yml", ".yaml"}
-"""Suffixes of HydDown's input files, which describe vessels."""
 
 
 def bench_names() -> tuple[str, ...]:
     """Return the names of the built-in test benches."""
     return BENCHES.names
-
-
-def is_bench(where: str | Path) -> bool:
-    """Tell whether a built-in name or a file is that of a test bench that is not a machine."""
-    place, seen = str(where), set[str]()
-    if Path(place).suffix in HYDDOWN:
-        return True
-    while place not in seen and place not in MACHINES.names and exists(Path(place)):
-        seen.add(place)
-        raw = BENCHES.raw(place)
-        if "kind" in raw or not isinstance(raw.get("extends"), str):
-            return "kind" in raw
-        place = BENCHES.beside(place, raw["extends"])
-    return place in BENCHES.names
 
 
 def load_described(where: str | Path) -> Machine | BenchDescription:
