@@ -14,7 +14,7 @@ import numpy as np
 from layflat import changed, load
 from layflat.machine.model import Machine
 from layflat.rig.clock import Clock, VirtualClock
-from layflat.rig.device.link import Link, Spoil
+from layflat.rig.device.exchange import Link, Spoil
 from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 from layflat.rig.device.serial_server import SerialStation
@@ -95,7 +95,7 @@ class Threaded:
         self.device = FakeDevice(VirtualClock())
         self._loop = asyncio.new_event_loop()
         if isinstance(at, ModbusPort):
-            station = ModbusStation(self.device, ARM, lambda: 0.0)
+            station = ModbusStation(self.device, ARM)
             port = self._loop.run_until_complete(station.listen(at.host, at.port))
             self.address, self._close = f"modbus://{at.host}:{port}", station.close
         else:

@@ -57,11 +57,7 @@ class FakeDriver(Driver):
     def _configure(self) -> Capabilities:
         return Capabilities(len(self.machine.joints), 0.0, 10.0, 5.0, True, 0.001)
 
-    def _activate(self) -> None: ...
-
     def _deactivate(self) -> None: ...
-
-    def _finalize(self) -> None: ...
 
 
 class PlannedHost:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import Layout
-from layflat.rig.shared import MAILBOX, YOUNG, sweep
+from layflat.rig.system import MAILBOX, YOUNG, sweep
 
 LAYOUT = Layout.of(["a", "b"], {"phase": ("1", "phase")})
 WIDTH = LAYOUT.width

@@ -13,7 +13,6 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.machine import load
-from layflat.rig.process import lock
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session
 
@@ -36,7 +35,7 @@ def state(rig: Session) -> State | None:
 
 def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
     recorder = partial(drivers.LineRecorder, tmp_path / "lines")
-    with Session(ARM, drivers.simulated, "test-moves", recorder) as rig:
+    with Session(ARM, drivers.simulated, recorder) as rig:
         assert rig.process.pid is not None
         os.kill(rig.process.pid, signal.SIGINT)  # as Ctrl-C would: the host decides
         with pytest.raises(InputError, match="one a joint"):
@@ -49,13 +48,9 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
         shot = rig.snapshot()
         assert shot is not None
         assert list(shot["averaged_angle"]) == pytest.approx([0.2, 0.1], abs=0.05)  # type: ignore[arg-type]
-        with pytest.raises(LoopError, match="another loop runs this rig"):
-            Session(ARM, drivers.simulated, "test-moves")
     assert rig.process.exitcode == 0
     assert any("cycles, late by" in line for line in rig.messages)
     assert "moving -> stopped" in (tmp_path / "lines").read_text()
-    with lock("test-moves"):
-        pass
 
 
 @pytest.mark.parametrize(
@@ -67,18 +62,18 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
 )
 def test_what_is_wrong_is_one_line(driver: Callable[[], object], line: str) -> None:
     with pytest.raises(LoopError, match=line):
-        Session(ARM, driver, "test-wrong")  # type: ignore[arg-type]
+        Session(ARM, driver)  # type: ignore[arg-type]
 
 
 def test_a_loop_that_breaks_is_told() -> None:
-    with Session(ARM, drivers.breaking, "test-breaks") as rig:
+    with Session(ARM, drivers.breaking) as rig:
         rig.process.join(10.0)
         with pytest.raises(LoopError, match="out of order"):
             rig.check()
 
 
 def host(pipe: object) -> None:
-    rig = Session(ARM, drivers.simulated, "test-orphan", partial(drivers.LineRecorder, Path(os.environ["LINES"])))
+    rig = Session(ARM, drivers.simulated, partial(drivers.LineRecorder, Path(os.environ["LINES"])))
     rig.start()
     wait(lambda: state(rig) is State.READY)
     rig.ask([0.1, 0.1])
@@ -104,5 +99,3 @@ def test_a_host_that_is_killed_leaves_a_loop_that_vents_and_ends(
     lines = (tmp_path / "lines").read_text()
     assert "setpoint stale" in lines
     assert "moving -> stopped" in lines
-    with lock("test-orphan"):
-        pass

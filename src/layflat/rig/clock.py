@@ -21,11 +21,9 @@ class Clock(Protocol):
 
     def now(self) -> int:
         """Nanoseconds since some instant; it never runs backwards."""
-        ...
 
     def wait(self, until: int) -> None:
         """Return at `until` or as soon after it as may be; at once if it has passed."""
-        ...
 
 
 class MonotonicClock:

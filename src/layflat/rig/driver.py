@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.errors import InputError, LayflatError
+from layflat.machine import Machine
+from layflat.machine.parameters import drive_parts
 
 Array = NDArray[np.float64]
 
@@ -79,6 +81,33 @@ class Capabilities(NamedTuple):
     shortest_cycle: float
     """s"""
 
+    def check(self, machine: Machine) -> None:
+        """Make sure that this fits a machine.
+
+        Raises:
+            InputError: it does not.
+            MachineError: the machine has no valve or sensors.
+        """
+        valve, _, _ = drive_parts(machine)
+        low, high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
+        there = f"{self.voltage_low:g} to {self.voltage_high:g} V"
+        wrong = {
+            f"it has {self.joints} joints, the machine {len(machine.joints)}": self.joints != len(machine.joints),
+            f"its voltages are {there}, the valves need {low:g} to {high:g} V": (
+                self.voltage_low > low or self.voltage_high < high
+            ),
+            f"it falls back to {self.centre_voltage:g} V, the valves are closed at {valve.centre_voltage:g} V": (
+                abs(self.centre_voltage - valve.centre_voltage) > 1e-3 * valve.volts_to_full
+            ),
+            "it does not add the dither": valve.dithered is not None and not self.dithers,
+            f"its shortest cycle is {1e3 * self.shortest_cycle:g} ms, the controller's {1e3 * machine.cycle:g} ms": (
+                self.shortest_cycle > machine.cycle
+            ),
+        }
+        for what, is_so in wrong.items():
+            if is_so:
+                raise InputError(f"the device does not fit {machine.name!r}: {what}", where="driver")
+
 
 class LinkError(LayflatError):
     """A transaction failed; the loop counts these and goes on.
@@ -116,7 +145,6 @@ class Driver(ABC):
     def activate(self) -> None:
         """From now on commands are obeyed."""
         self._expect("activate", Lifecycle.INACTIVE)
-        self._activate()
         self.state = Lifecycle.ACTIVE
 
     def deactivate(self) -> None:
@@ -127,12 +155,9 @@ class Driver(ABC):
 
     def finalize(self) -> None:
         """Let go of the device, whatever state it is in; a second call does nothing."""
-        if self.state is Lifecycle.FINALIZED:
-            return
         if self.state is Lifecycle.ACTIVE:
             self.deactivate()
         self.state = Lifecycle.FINALIZED
-        self._finalize()
 
     def _expect(self, what: str, state: Lifecycle) -> None:
         if self.state is not state:
@@ -154,10 +179,4 @@ class Driver(ABC):
     def _configure(self) -> Capabilities: ...
 
     @abstractmethod
-    def _activate(self) -> None: ...
-
-    @abstractmethod
     def _deactivate(self) -> None: ...
-
-    @abstractmethod
-    def _finalize(self) -> None: ...

@@ -35,16 +35,13 @@ class Host(Protocol):
 
     def request(self, now: int) -> HostRequest:
         """What is wanted in the cycle that began at `now` (ns); edges are given once."""
-        ...
 
     def publish(self, row: Array) -> None:
         """Show a row of `record.Layout`; it is used again in the next cycle."""
-        ...
 
     @property
     def ended(self) -> bool:
         """Whether the loop is to end once it has let out the air."""
-        ...
 
 
 class Recorder(Protocol):
@@ -52,15 +49,12 @@ class Recorder(Protocol):
 
     def push(self, row: Array) -> object:
         """Take a row of `record.Layout`; it is used again in the next cycle."""
-        ...
 
     def event(self, text: str) -> object:
         """Take a line for people."""
-        ...
 
     def alive(self) -> bool:
         """Whether rows reach the disk: false within a second of its death."""
-        ...
 
 
 class NoRecorder:

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.record import Layout
 from layflat.rig.safety.supervisor import HostRequest
-from layflat.rig.shared import MAILBOX, new_file
-from layflat.rig.system import lock
+from layflat.rig.system import MAILBOX, lock, new_file
 
 Array = NDArray[np.float64]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
-from types import TracebackType
 
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
@@ -15,44 +15,38 @@ from layflat.rig.law import layout_of
 from layflat.rig.recorder.bag import Heading
 from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.process import part_of, start_recorder
-from layflat.rig.recorder.ring import RecorderState, Ring
+from layflat.rig.recorder.ring import Ring
 from layflat.rig.session import Session
 
 PATIENCE = 20.0
 """A recorder that has shown no sign of life for so long will not finish its log, s."""
 
 
-class Recorded:
+class Recorded(AbstractContextManager["Recorded"]):
     """A session and its recorder: `with Recorded(...) as rig: rig.session.start()`.
 
     Args:
         machine: with controller.
         driver: makes the driver; called in the loop's process, so it must be picklable.
-        address: what names the rig: two loops can't have it at a time.
+        address: of the rig, for the log.
         place: of the log, NAME.mcap.
-        realtime: whether the loop asks for priority and locked memory.
 
     Raises:
         OutputError: the log can't be written there.
         LoopError: the loop did not begin; its message says why.
     """
 
-    def __init__(
-        self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path, *, realtime: bool = True
-    ) -> None:
+    def __init__(self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path) -> None:
         self.machine, self.place = machine, place
-        self._ring = Ring.create(layout_of(machine))
-        try:
+        with ExitStack() as begun:
+            self._ring = Ring.create(layout_of(machine))
+            begun.callback(self._ring.close)
+            begun.callback(self._ring.remove)
             self.recorder = start_recorder(self._ring, place, Heading.of(machine, driver=address))
-        except BaseException:
-            self._let_go()
-            raise
-        try:
+            begun.callback(self._finish)
             client = partial(RecorderClient.join, self._ring.path)
-            self.session = Session(machine, driver, address, client, realtime=realtime)
-        except BaseException:
-            self._finish()
-            raise
+            self.session = begun.enter_context(Session(machine, driver, client))
+            self._begun = begun.pop_all()
 
     @property
     def recording(self) -> bool:
@@ -67,23 +61,10 @@ class Recorded:
 
     def close(self) -> None:
         """Stop, wait until the air is out, the loop has ended, and the log is whole; a second time does nothing."""
-        if self._ring_is_there:
-            try:
-                self.session.close()
-            finally:
-                self._finish()
+        self._begun.close()
 
-    def __enter__(self) -> Recorded:
-        """The session with its recorder."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close it."""
+    def __exit__(self, *_: object) -> None:
         self.close()
-
-    _ring_is_there = True
 
     def _finish(self) -> None:
         """Let the recorder finish; one that does nothing any more is ended."""
@@ -94,11 +75,3 @@ class Recorded:
             recorder.join(0.1)
             if time.monotonic_ns() - max(begun, ring.head.recorder_beat) > PATIENCE * SECOND:
                 recorder.kill()
-        self.finished = ring.recorder is RecorderState.DONE
-        """Whether the log is whole."""
-        self._let_go()
-
-    def _let_go(self) -> None:
-        self._ring.remove()
-        self._ring.close()
-        self._ring_is_there = False

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 import multiprocessing
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, suppress
+from dataclasses import replace
 from math import nan
-from pathlib import Path
-from types import TracebackType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,11 @@ from layflat.machine import Machine
 from layflat.rig.driver import Driver
 from layflat.rig.law import layout_of
 from layflat.rig.mailbox import Mailbox, Setpoints
-from layflat.rig.process import Job, Keeper, LoopMessage, run_loop
+from layflat.rig.process import Keeper, run_loop
 from layflat.rig.record import SHARED, Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
-from layflat.rig.shielded import shielded
+from layflat.rig.system import start_process
 
 Array = NDArray[np.float64]
 
@@ -69,58 +69,55 @@ class Snapshot:
         return Fault(int(self.row[self._layout.shared["fault"]]))
 
 
-class Session:
+class Session(AbstractContextManager["Session"]):
     """A rig in use: `with Session(...) as rig: rig.start(); rig.ask([0.3, 0.2])`.
 
     Args:
         machine: with controller.
         driver: makes the driver; called in the loop's process, so it must be picklable.
-        rig: what names the rig, such as the driver's address: two loops can't have it at a time.
         recorder: makes the recorder's end that takes rows, in the loop's process; picklable.
-        realtime: whether the loop asks for priority and locked memory.
-        refresh: whether a thread keeps setpoints fresh; otherwise `ask` or `refresh` has to be called every 50 ms.
+
+    Raises:
+        LoopError: the loop did not begin; its message says why.
     """
 
     def __init__(
-        self, machine: Machine, driver: Callable[[], Driver], rig: str, recorder: Callable[[], Keeper] | None = None,
-        *, realtime: bool = True, refresh: bool = True,
-    ) -> None:  # fmt: skip
+        self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Keeper] | None = None
+    ) -> None:
         self._layout = layout_of(machine)
-        self._path = Mailbox.create(self._layout)
-        self._mailbox = Mailbox(self._path, self._layout)
+        self.mailbox = Mailbox.create(self._layout)
+        """File of shared memory, in which anyone may look on."""
+        self._memory = Mailbox(self.mailbox, self._layout)
         self._wanted = Setpoints([nan] * len(machine.joints))
-        self._guard = threading.Lock()
-        self.refresh()
-        context = multiprocessing.get_context("spawn")
-        self._pipe, other = context.Pipe()
-        job = Job(machine, driver, self._path, rig, recorder, realtime)
-        self.process = context.Process(target=run_loop, args=(job, other), name="layflat-loop")
-        with shielded():
-            self.process.start()
-        other.close()
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._keep_fresh, daemon=True) if refresh else None
-        if self._thread is not None:
-            self._thread.start()
-        self.messages: tuple[str, ...] = ()
+        self._guard, self._over = threading.Lock(), threading.Event()
+        self._want()
+        self._pipe, its = multiprocessing.Pipe()
+        self.process = start_process(run_loop, (machine, driver, self.mailbox, recorder, its), "layflat-loop")
+        its.close()
+        self._thread = threading.Thread(target=self._keep_fresh, daemon=True)
+        self._thread.start()
+        self.messages: list[str] = []
         """Lines that the loop's process had to say."""
         try:
-            self._begun()
+            self._wait_for_loop()
         except BaseException:
             self.close()
             raise
 
     def start(self) -> None:
         """Bring the air, softly; demands are obeyed from then on."""
-        self._edge("starts")
+        self.check()
+        self._want(starts=self._wanted.starts + 1)
 
     def stop(self) -> None:
         """Hold the joints, then let out the air."""
-        self._edge("stops")
+        self.check()
+        self._want(stops=self._wanted.stops + 1)
 
     def reset(self) -> None:
         """Let go of latched faults that are over."""
-        self._edge("resets")
+        self.check()
+        self._want(resets=self._wanted.resets + 1)
 
     def ask(self, demands: Sequence[float]) -> None:
         """Angles for all joints, rad, from base to tip.
@@ -129,28 +126,15 @@ class Session:
             InputError: not one for each joint.
             LoopError: the loop is gone.
         """
-        if len(demands) != len(self._layout.joints):
-            raise InputError(
-                f"{len(demands)} angles for {len(self._layout.joints)} joints", where="demand", right="give one a joint"
-            )
+        joints = len(self._layout.joints)
+        if len(demands) != joints:
+            raise InputError(f"{len(demands)} angles for {joints} joints", where="demand", right="give one a joint")
         self.check()
-        with self._guard:
-            self._wanted.demands = [float(demand) for demand in demands]
-            self._mailbox.ask(self._wanted)
-
-    @property
-    def mailbox(self) -> Path:
-        """File of shared memory, in which anyone may look on."""
-        return self._path
-
-    def refresh(self) -> None:
-        """Show that the host lives."""
-        with self._guard:
-            self._mailbox.ask(self._wanted)
+        self._want(demands=[float(demand) for demand in demands])
 
     def snapshot(self) -> Snapshot | None:
         """The last cycle; None before the first."""
-        row = self._mailbox.shown()
+        row = self._memory.shown()
         return Snapshot(self._layout, row) if row is not None else None
 
     def check(self) -> None:
@@ -165,10 +149,7 @@ class Session:
 
     def end(self) -> None:
         """Stop, and let the loop end once the air is out; this does not wait for it."""
-        with self._guard:
-            self._wanted.ended = True
-            self._wanted.stops += 1
-            self._mailbox.ask(self._wanted)
+        self._want(ended=True, stops=self._wanted.stops + 1)
 
     def close(self) -> None:
         """Stop, wait until the air is out and the loop has ended."""
@@ -178,55 +159,46 @@ class Session:
             if self.process.is_alive():
                 self.process.kill()
                 self.process.join()
-            with contextlib.suppress(LoopError):
+            with suppress(LoopError):
                 self._listen()
         finally:
             self._over.set()
-            if self._thread is not None:
-                self._thread.join()
-            self._mailbox.close()
+            self._thread.join()
+            self._memory.close()
             self._pipe.close()
-            self._path.unlink(missing_ok=True)
+            self.mailbox.unlink(missing_ok=True)
 
-    def __enter__(self) -> Session:
-        """The session itself."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close it."""
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _edge(self, name: str) -> None:
-        self.check()
+    def _want(self, **changed: Any) -> None:
+        """Change what is wanted; even unchanged it shows that the host lives."""
         with self._guard:
-            setattr(self._wanted, name, getattr(self._wanted, name) + 1)
-            self._mailbox.ask(self._wanted)
+            self._wanted = replace(self._wanted, **changed)
+            self._memory.ask(self._wanted)
 
     def _keep_fresh(self) -> None:
         while not self._over.wait(REFRESH):
-            self.refresh()
+            self._want()
 
     def _listen(self) -> bool:
         """Take what the process has said, if anything."""
         try:
-            said: LoopMessage | None = self._pipe.recv() if self._pipe.poll() else None
+            if not self._pipe.poll():
+                return False
+            well, lines = self._pipe.recv()
         except (OSError, EOFError):  # it has ended
             return False
-        if said is not None:
-            self.messages += said.lines
-            if said.kind == "failed":
-                raise LoopError(said.lines[0])
-        return said is not None
+        self.messages += lines
+        if not well:
+            raise LoopError(lines[0])
+        return True
 
-    def _begun(self) -> None:
-        until = time.monotonic() + STARTS_WITHIN
-        while time.monotonic() < until:
+    def _wait_for_loop(self) -> None:
+        until, gone = time.monotonic() + STARTS_WITHIN, False
+        while time.monotonic() < until and not gone:
             gone = not self.process.is_alive()
             if self._listen():
                 return
-            if gone:
-                break
             time.sleep(0.01)
         raise LoopError(f"the loop's process did not start (status {self.process.exitcode})")

@@ -1,15 +1,28 @@
-"""What operating systems do differently: locks of files, processors, signals of a terminal."""
+"""What operating systems do differently, and processes share: locks, files of memory, processors, signals."""
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import sys
+import tempfile
+import time
+from collections.abc import Callable
+from multiprocessing.context import SpawnProcess
+from pathlib import Path
+from typing import Any
 
 from layflat.errors import InputError
 
 FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
 """Signals that a terminal sends to all of its processes."""
+
+MAILBOX, RING = "layflat-rig-", "layflat-ring-"
+"""How the names of files of shared memory begin."""
+
+YOUNG = 60.0
+"""For so long after it was made a file may be on its way to those who are going to lock it, s."""
 
 
 def require_posix(where: str) -> None:
@@ -24,6 +37,27 @@ def require_posix(where: str) -> None:
     if os.name != "posix":
         right = "run it there; logs can be read, repaired and drawn here"
         raise InputError(f"needs Linux or macOS, this is {sys.platform}", where=where, right=right)
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # only Linux tells
+        return os.cpu_count() or 1
+
+
+def start_process(
+    target: Callable[..., object], arguments: tuple[Any, ...], name: str, *, daemon: bool = False
+) -> SpawnProcess:
+    """Start a process that Ctrl-C never reaches, not even before its first line: its host decides what that means."""
+    process = multiprocessing.get_context("spawn").Process(target=target, args=arguments, name=name, daemon=daemon)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, FROM_TERMINAL)
+    try:
+        process.start()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    return process
 
 
 def lock(handle: int, *, shared: bool = False) -> None:
@@ -42,9 +76,38 @@ def lock(handle: int, *, shared: bool = False) -> None:
     fcntl.flock(handle, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
 
 
-def processors() -> int:
-    """Return how many processors this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # only Linux tells
-        return os.cpu_count() or 1
+def new_file(prefix: str, size: int) -> tuple[Path, int]:
+    """Make a file of shared memory, locked and open, in memory where it can be; those of dead processes go first.
+
+    Args:
+        prefix: of its name.
+        size: bytes.
+    """
+    sweep(prefix)
+    handle, name = tempfile.mkstemp(prefix=prefix, dir=_folder())
+    lock(handle, shared=True)
+    os.truncate(handle, size)
+    return Path(name), handle
+
+
+def _folder() -> Path:
+    memory = Path("/dev/shm")
+    return memory if os.access(memory, os.W_OK) else Path(tempfile.gettempdir())
+
+
+def sweep(prefix: str) -> None:
+    """Remove the memory of those who were killed: whoever has such a file open holds it locked."""
+    least = YOUNG if prefix == MAILBOX else 0.0  # a mailbox changes hands before it is locked
+    for path in _folder().glob(f"{prefix}*"):
+        try:
+            handle = os.open(path, os.O_RDWR)
+        except OSError:
+            continue
+        try:
+            if time.time() - os.fstat(handle).st_mtime >= least:
+                lock(handle)
+                path.unlink(missing_ok=True)
+        except OSError:
+            pass
+        finally:
+            os.close(handle)

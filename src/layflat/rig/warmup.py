@@ -60,11 +60,7 @@ class Resting(Driver):
     def _configure(self) -> Capabilities:
         return Capabilities(self._joints, 0.0, 10.0, 5.0, True, 1e-3)
 
-    def _activate(self) -> None: ...
-
     def _deactivate(self) -> None: ...
-
-    def _finalize(self) -> None: ...
 
 
 class WarmupLoop:

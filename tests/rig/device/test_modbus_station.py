@@ -27,7 +27,7 @@ def station() -> Iterator[SimpleNamespace]:
     clock = VirtualClock()
     device = FakeDevice(clock)
     loop = asyncio.new_event_loop()
-    served = ModbusStation(device, ARM, lambda: clock.now() * 1e-9)
+    served = ModbusStation(device, ARM)
     port = loop.run_until_complete(served.listen("127.0.0.1", 0))
     thread = threading.Thread(target=loop.run_forever)
     thread.start()

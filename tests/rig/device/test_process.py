@@ -12,8 +12,8 @@ from devices import ARM, FakeDevice, angle_after, burst, device_process, frozen,
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
-from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort, serve
-from layflat.rig.driver import Command, DriverError
+from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
+from layflat.rig.driver import Command
 from layflat.rig.drivers.address import driver_of
 
 PATIENT = patient(ARM, 5.0)
@@ -81,20 +81,18 @@ def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
 def test_a_port_that_is_taken() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with pytest.raises(DriverError, match=f"modbus://127.0.0.1:{port}: can't be listened at .*give another port"):
-            serve(FakeDevice, ARM, ModbusPort(port))
+        what = f"modbus://127.0.0.1:{port}: can't be listened at .*give another port"
+        with pytest.raises(LayflatError, match=what), device_process(ModbusPort(port)):
+            pass
 
 
-def test_without_a_handle_an_interrupt_ends_it() -> None:
-    addresses = []
-
-    def ready(address: str) -> None:
-        addresses.append(address)
-        os.kill(os.getpid(), signal.SIGINT)
-
-    serve(FakeDevice, ARM, SerialPort(), ready=ready)
-    assert addresses[0].startswith("serial:///dev/")
-    assert not Path(addresses[0].removeprefix("serial://")).exists()
+def test_who_is_terminated_leaves_nothing_behind() -> None:
+    with device_process(SerialPort()) as device:
+        assert device.address.startswith("serial:///dev/")
+        os.kill(device.pid, signal.SIGTERM)
+        device._process.join(10.0)
+        assert device._process.exitcode == 0
+    assert not Path(device.address.removeprefix("serial://")).exists()
 
 
 def test_noise_on_the_line_is_not_told(capfd: pytest.CaptureFixture[str]) -> None:

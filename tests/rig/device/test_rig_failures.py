@@ -201,7 +201,7 @@ def test_sizes_may_be_given() -> None:
 def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
     with pytest.raises(InputError, match="'fire' is no failure; failures are reply-lost, reply-crc"):
         failure("fire")
-    with pytest.raises(InputError, match="there is no joint 2; joints are 0 to 1"):
+    with pytest.raises(InputError, match="has no joint 2; joints are 0 to 1"):
         failure("push").begin(OpenLoopRig().device, 2)
 
 
@@ -221,4 +221,4 @@ def test_a_size_that_makes_no_sense_is_told(name: str, size: float, expected: st
 def test_each_says_what_it_does_in_a_line() -> None:
     for one in FAILURES.values():
         assert 10 < len(one.what) < 70
-        assert bool(one.unit) == (one.size is not None)
+        assert one.size is None or one.size.unit

@@ -16,7 +16,7 @@ from rigrows import LAYOUT, rows
 from layflat.errors import InputError
 from layflat.rig.record import Layout
 from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring
-from layflat.rig.shared import RING, sweep
+from layflat.rig.system import RING, sweep
 
 
 @pytest.fixture

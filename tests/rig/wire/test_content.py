@@ -10,16 +10,18 @@ from hypothesis import strategies as st
 
 from layflat import changed, load
 from layflat.machine.parameters import control, joints
-from layflat.physics.sensor import read_sensor
+from layflat.physics.sensor import Sensor, read_sensor
 from layflat.rig.driver import Command, DeviceState, Reading
-from layflat.rig.wire.content import Wire
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import ROUND, Converter, Wire, WireError, following, is_later
 
 ARM = load("paper-arm")
 FINE = changed(changed(ARM, "angle_sensor.bits", 24), "interface.supply_bits", 16)
 WIRES = {"12 bits": (ARM, Wire.of(ARM)), "24 bits": (FINE, Wire.of(FINE))}
 JOINTS = {name: joints(machine)[0] for name, (machine, _) in WIRES.items()}
 
+half_ranges = st.floats(1e-3, 1e7)
+bits = st.integers(4, 24)
+numbers = st.integers(0, ROUND - 1)
 pairs = st.lists(st.floats(-2.0, 2.0), min_size=2, max_size=2)
 
 
@@ -107,3 +109,48 @@ def test_commands_that_no_host_gives() -> None:
     for words, what in (([0, 1], "2 words"), ([4, 0, 0], "0x0004"), ([1, 256, 0], "256")):
         with pytest.raises(WireError, match=what):
             coarse.command(words)
+
+
+@given(half_ranges, bits, st.floats(-1.2, 1.2))
+def test_a_sensors_number_comes_back_bit_for_bit(half: float, bits: int, share: float) -> None:
+    sensor = Sensor(-half, half, 2 * half / 2**bits, 0.0, 0.0)
+    reported = read_sensor(sensor, share * half, 0.0)
+    converter = Converter.of_sensor(sensor)
+    words: list[int] = []
+    converter.put(words, reported)
+    assert len(words) == converter.words
+    assert all(0 <= word < 1 << 16 for word in words)
+    assert converter.take(words, 0) == reported
+
+
+@given(half_ranges, bits)
+def test_both_ends_of_the_range_have_counts(half: float, bits: int) -> None:
+    converter = Converter.of_sensor(Sensor(-half, half, 2 * half / 2**bits, 0.0, 0.0))
+    assert converter.top == 2**bits
+    assert converter.count(-2 * half) == 0
+    assert converter.count(2 * half) == 2**bits
+    assert converter.words == (1 if bits < 16 else 2)
+
+
+@given(bits, st.integers(1, 1 << 30))
+def test_a_count_that_no_converter_has_is_refused(bits: int, beyond: int) -> None:
+    converter = Converter(0.0, 1.0, 2**bits)
+    count = min(converter.top + beyond, (1 << 16 * converter.words) - 1)
+    if count > converter.top:
+        words = [count >> 16, count & 0xFFFF][-converter.words :]
+        with pytest.raises(WireError, match=str(count)):
+            converter.take(words, 0)
+
+
+@given(numbers, st.integers(1, ROUND // 2 - 1))
+def test_what_follows_is_later_and_never_the_other_way_round(number: int, steps: int) -> None:
+    later = (number + steps) % ROUND
+    assert is_later(later, number)
+    assert not is_later(number, later)
+
+
+@given(numbers)
+def test_a_number_is_not_later_than_itself(number: int) -> None:
+    assert not is_later(number, number)
+    assert is_later(following(number), number)
+    assert is_later(number, None)

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.rig.wire import frames as host
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import WireError
 
 SIDES = {"host": host, "firmware": firmware("frames")}
 BOTH = [(one, other) for one in SIDES for other in SIDES]

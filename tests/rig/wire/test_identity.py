@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from layflat import changed, load
 from layflat.errors import MachineError
 from layflat.rig.driver import Capabilities, DriverError
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import WireError
 from layflat.rig.wire.identity import IDENTITY_SIZE, MAGIC, Identity
 
 ARM = load("paper-arm")

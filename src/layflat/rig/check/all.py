@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from layflat.machine import Machine
-from layflat.rig.capabilities import check_capabilities
 from layflat.rig.check.open_loop import OpenLoopRig
 from layflat.rig.check.result import CheckResult
 from layflat.rig.check.signs import try_signs
@@ -32,7 +31,7 @@ def check_rig(
     """
     try:
         able = driver.configure()
-        check_capabilities(machine, able)
+        able.check(machine)
         volts = f"{able.voltage_low:g} to {able.voltage_high:g} V, closed at {able.centre_voltage:g} V"
         findings = [CheckResult("device", f"{able.joints} joints, {volts}, as described")]
         bench = OpenLoopRig(machine, driver, clock)

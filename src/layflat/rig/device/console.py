@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from layflat.errors import InputError
-from layflat.rig.device.failures import FAILURES, failure
+from layflat.rig.device.failures import FAILURES, Size, failure
 from layflat.rig.device.virtual import VirtualDevice
 
 HELP = "fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures or quit"
@@ -28,7 +28,7 @@ def obey(device: VirtualDevice, words: Sequence[str]) -> str:
         case ["state"]:
             return state(device)
         case ["failures"]:
-            return "\n".join(f"{one.name}: {one.what}{_sized(one.size, one.unit)}" for one in FAILURES.values())
+            return "\n".join(f"{one.name}: {one.what}{_sized(one.size)}" for one in FAILURES.values())
         case _:
             raise InputError(f"{' '.join(words)!r} is not understood", where="line", right=f"give {HELP}")
 
@@ -49,8 +49,8 @@ def _gauge(device: VirtualDevice, pressure: float) -> str:
     return f"{max(pressure - device.line.ambient, 0.0) / 1e5:.2f} bar"
 
 
-def _sized(size: float | None, unit: str) -> str:
-    return "" if size is None else f" (SIZE: {unit}; default: {size:g})"
+def _sized(size: Size | None) -> str:
+    return "" if size is None else f" (SIZE: {size.unit}; default: {size.usual:g})"
 
 
 def _joint_and_size(device: VirtualDevice, words: Sequence[str]) -> tuple[int, float | None]:

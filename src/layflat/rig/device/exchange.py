@@ -1,19 +1,63 @@
-"""What the device makes of words, whatever they came over."""
+"""What the device makes of words, whatever they came over, and what can be wrong with the wires."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import asyncio
+from collections.abc import Callable, Sequence
+from enum import Enum
+from math import inf
 from typing import Protocol
 
 from layflat.machine.model import Machine
-from layflat.rig.device.link import Link
+from layflat.rig.clock import Clock
 from layflat.rig.driver import Capabilities, Command, Reading
-from layflat.rig.wire.content import Wire
+from layflat.rig.wire.content import Wire, is_later
 from layflat.rig.wire.identity import Identity
-from layflat.rig.wire.sequence import is_later
 
 LATE = 1.5
 """Delay of a late reply, in times of the host's patience."""
+
+
+class Spoil(Enum):
+    """What becomes of a reply."""
+
+    LOST = "lost"
+    CRC = "crc"
+    SEQUENCE = "sequence"
+    LATE = "late"
+
+    @property
+    def told(self) -> str:
+        """What it is to who waits for the reply."""
+        return "lost" if self is Spoil.LATE else self.value
+
+
+class Link:
+    """A sound link, until told otherwise.
+
+    A spoilt reply follows a command that was heard. While the link is silent, nothing is heard either: who answers
+    leaves the command alone.
+    """
+
+    def __init__(self) -> None:
+        self.mend()
+
+    def spoil(self, kind: Spoil, replies: float = inf) -> None:
+        """Spoil so many of the coming replies."""
+        self._kind, self._left = kind, replies
+
+    def mend(self) -> None:
+        """All is well from now on."""
+        self.silent, self._kind, self._left = False, Spoil.LOST, 0.0
+
+    def next(self) -> Spoil | None:
+        """What becomes of the coming reply; None: it is sent as it is."""
+        if self.silent:
+            return Spoil.LOST
+        if self._left < 1.0:
+            return None
+        self._left -= 1.0
+        return self._kind
 
 
 class Device(Protocol):
@@ -23,56 +67,63 @@ class Device(Protocol):
     """What it can do."""
     link: Link
     """How well its wires do."""
+    clock: Clock
+    """Its own."""
 
     def obey(self, command: Command) -> None:
         """Take a command."""
-        ...
 
     def reading(self) -> Reading:
         """What the sensors say now."""
-        ...
 
     def tick(self) -> None:
         """Catch up with the clock: what moves, and the watchdog."""
-        ...
 
 
-class Exchange:
+class Station:
     """A device behind words.
 
     A command is obeyed if its number comes after that of the one before, so that none is obeyed twice, nor an old one
     that was under way for long; who asks for the identity begins anew.
+
+    Args:
+        device: what is behind it.
+        machine: its description.
+        patience: of who waits for a reply, s.
     """
 
-    def __init__(self, device: Device, machine: Machine) -> None:
+    def __init__(self, device: Device, machine: Machine, patience: float) -> None:
         self.device = device
-        self.wire = Wire.of(machine)
+        self._wire, self._patience = Wire.of(machine), patience
         self._identity = Identity.of(machine, device.capabilities).words()
         self._last: int | None = None
 
-    def identity(self) -> list[int]:
+    def _identify(self) -> list[int]:
         """Words that say what rig this is; the next command may have any number."""
         self._last = None
         return self._identity
 
-    def obey(self, sequence: int, words: Sequence[int]) -> bool:
+    def _obey(self, sequence: int, words: Sequence[int]) -> bool:
         """Take a command's number and words; whether it was a new one, which alone is obeyed.
 
         Raises:
             WireError: they are no command.
         """
-        command = self.wire.command(words)
+        command = self._wire.command(words)
         if not is_later(sequence, self._last):
             return False
         self._last = sequence
         self.device.obey(command)
         return True
 
-    @property
-    def last(self) -> int:
-        """Number of the last command that was obeyed; 0 before there was one."""
-        return self._last or 0
+    def _read(self) -> list[int]:
+        return self._wire.reading_words(self.device.reading())
 
-    def reading(self) -> list[int]:
-        """A reading's words."""
-        return self.wire.reading_words(self.device.reading())
+    def _send(self, reply: bytes, spoil: Spoil | None, damaged: int, write: Callable[[bytes], object]) -> None:
+        """Send a reply, or what becomes of it; `damaged` is the byte that a wrong checksum comes of."""
+        if spoil is Spoil.CRC:
+            reply = reply[:damaged] + bytes([reply[damaged] ^ 0x40]) + reply[damaged + 1 :]
+        if spoil is Spoil.LATE:
+            asyncio.get_running_loop().call_later(LATE * self._patience, write, reply)
+        elif spoil is not Spoil.LOST:
+            write(reply)

@@ -8,11 +8,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
+from typing import Any, NamedTuple
 
 from layflat.errors import InputError
-from layflat.rig.device.link import Spoil
-from layflat.rig.device.sensors import ANGLE, PRESSURE
-from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.device.exchange import Spoil
+from layflat.rig.device.virtual import ANGLE, PRESSURE, VirtualDevice
+
+
+class Size(NamedTuple):
+    """How much of a failure there is: its usual value, what it counts, and between which values it makes sense."""
+
+    usual: float
+    unit: str
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
@@ -22,20 +31,18 @@ class Failure:
     Args:
         name: by which it is asked for.
         what: what it does, in a line.
-        inject: makes it happen now, to a joint (where it is a joint's), of a size.
-        heal: mends it now.
-        size: usual size; None where it has none.
-        unit: what the size counts.
-        limits: between which a size makes sense.
+        put: puts a device's joint (where it is a joint's) into a state, as the last argument says.
+        failed: state in which it is there; that of a failure with a size is the size.
+        sound: state in which it is mended.
+        size: None where it has none.
     """
 
     name: str
     what: str
-    inject: Callable[[VirtualDevice, int, float], None]
-    heal: Callable[[VirtualDevice, int], None]
-    size: float | None = None
-    unit: str = ""
-    limits: tuple[float, float] = (0.0, inf)
+    put: Callable[[VirtualDevice, int, Any], None]
+    failed: Any = True
+    sound: Any = None
+    size: Size | None = None
 
     def begin(self, device: VirtualDevice, joint: int = 0, size: float | None = None) -> None:
         """Inject it at the present instant of the device's clock.
@@ -43,10 +50,16 @@ class Failure:
         Raises:
             InputError: there is no such joint, or a size that makes no sense.
         """
-        _check_joint(device, joint)
-        size = self._sized(size)
-        device.tick()
-        self.inject(device, joint, size)
+        if self.size is None and size is not None:
+            raise InputError(f"{size:g} was given", where=self.name, right="it has no size")
+        state = self.failed
+        if self.size is not None:
+            usual, unit, low, high = self.size
+            state = usual if size is None else size
+            if not low <= state <= high:
+                right = f"give {low:g} to {high:g}: {unit}"
+                raise InputError(f"{size:g} is out of range", where=self.name, right=right)
+        self._put(device, joint, state)
 
     def end(self, device: VirtualDevice, joint: int = 0) -> None:
         """Heal it at the present instant of the device's clock.
@@ -54,153 +67,93 @@ class Failure:
         Raises:
             InputError: there is no such joint.
         """
-        _check_joint(device, joint)
+        self._put(device, joint, self.sound)
+
+    def _put(self, device: VirtualDevice, joint: int, state: Any) -> None:
+        count = device.capabilities.joints
+        if not 0 <= joint < count:
+            raise InputError(f"has no joint {joint}", where="the rig", right=f"joints are 0 to {count - 1}")
         device.tick()
-        self.heal(device, joint)
-
-    def _sized(self, size: float | None) -> float:
-        if size is None:
-            return self.size or 0.0
-        if self.size is None:
-            raise InputError(f"{size:g} was given", where=self.name, right="it has no size")
-        low, high = self.limits
-        if not low <= size <= high:
-            raise InputError(
-                f"{size:g} is out of range", where=self.name, right=f"give {low:g} to {high:g}: {self.unit}"
-            )
-        return size
-
-
-def _check_joint(device: VirtualDevice, joint: int) -> None:
-    count = device.capabilities.joints
-    if not 0 <= joint < count:
-        raise InputError(f"there is no joint {joint}", where="failure", right=f"joints are 0 to {count - 1}")
+        self.put(device, joint, state)
 
 
 def _spoilt(name: str, what: str, kind: Spoil) -> Failure:
-    def inject(device: VirtualDevice, _: int, replies: float) -> None:
-        device.link.spoil(kind, replies)
+    def put(device: VirtualDevice, _: int, replies: float | None) -> None:
+        if replies is None:
+            device.link.mend()
+        else:
+            device.link.spoil(kind, replies)
 
-    return Failure(name, what, inject, lambda device, _: device.link.mend(), inf, "replies")
+    return Failure(name, what, put, size=Size(inf, "replies", 0.0, inf))
 
 
-def _sensed(name: str, what: str, fail: Callable[[VirtualDevice, int], None], *sensors: int) -> Failure:
-    def heal(device: VirtualDevice, joint: int) -> None:
+def _silence(device: VirtualDevice, _: int, there: bool | None) -> None:
+    device.link.mend()
+    device.link.silent = bool(there)
+
+
+def _sensed(name: str, what: str, rail: int | None, *sensors: int) -> Failure:
+    """A failure of converters, which report an end of their range from now on, or repeat their next sample."""
+
+    def put(device: VirtualDevice, joint: int, there: bool | None) -> None:
         for sensor in sensors:
-            device.converters.mend(joint, sensor)
+            if there:
+                device.converters.fail(joint, sensor, rail)
+            else:
+                device.converters.mend(joint, sensor)
 
-    return Failure(name, what, lambda device, joint, _: fail(device, joint), heal)
-
-
-def _silence(device: VirtualDevice, _joint: int, _size: float) -> None:
-    device.link.silent = True
-
-
-def _freeze_both(device: VirtualDevice, joint: int) -> None:
-    device.converters.freeze(joint, ANGLE)
-    device.converters.freeze(joint, PRESSURE)
+    return Failure(name, what, put)
 
 
-def _regulate(device: VirtualDevice, share: float) -> None:
+def _regulate(device: VirtualDevice, _: int, share: float) -> None:
     device.line.regulator = device.line.ambient + share * device.set_gauge
 
 
-def _press(device: VirtualDevice, *, pressed: bool) -> None:
-    device.stopped = pressed
+def _press(device: VirtualDevice, _: int, there: bool | None) -> None:
+    device.stopped = bool(there)
+
+
+def _burst(device: VirtualDevice, joint: int, hose: float | None) -> None:
+    device.plant.burst(joint, None if hose is None else int(hose))
 
 
 def _push(device: VirtualDevice, joint: int, share: float) -> None:
     device.plant.load[joint] = share * device.strengths[joint]
 
 
+OPENING = Size(0.3, "opening of the valve", -1.0, 1.0)
+HOSE = Size(0.0, "0 is hose A, 1 is hose B", 0.0, 1.0)
+PASSED = Size(0.001, "share of what passed", 0.0, 1.0)
+GAUGE = Size(1.5, "share of the set gauge pressure", 0.0, 3.0)
+HELD, PUSHED = (Size(1.5, "share of its greatest torque", low, high) for low, high in ((0.0, 10.0), (-3.0, 3.0)))
+
 ALL = (
     _spoilt("reply-lost", "commands are obeyed, replies do not come", Spoil.LOST),
     _spoilt("reply-crc", "replies come with a wrong checksum", Spoil.CRC),
     _spoilt("reply-sequence", "replies come with the number of another command", Spoil.SEQUENCE),
     _spoilt("reply-late", "replies come after the time limit", Spoil.LATE),
-    Failure("silence", "the wire is cut: nothing is heard, nothing is answered", _silence, lambda d, _: d.link.mend()),
-    _sensed("angle-open", "the angle sensor reads the low end", lambda d, j: d.converters.fix_low(j, ANGLE), ANGLE),
-    _sensed(
-        "angle-shorted", "the angle sensor reads the high end", lambda d, j: d.converters.fix_high(j, ANGLE), ANGLE
-    ),
-    _sensed("angle-frozen", "the angle repeats one reading", lambda d, j: d.converters.freeze(j, ANGLE), ANGLE),
-    _sensed(
-        "pressure-open",
-        "the pressure sensor reads the low end",
-        lambda d, j: d.converters.fix_low(j, PRESSURE),
-        PRESSURE,
-    ),
-    _sensed(
-        "pressure-frozen",
-        "the pressure repeats one reading",
-        lambda d, j: d.converters.freeze(j, PRESSURE),
-        PRESSURE,
-    ),
-    _sensed("converter-frozen", "angle and pressure repeat one reading", _freeze_both, ANGLE, PRESSURE),
+    Failure("silence", "the wire is cut: nothing is heard, nothing is answered", _silence),
+    _sensed("angle-open", "the angle sensor reads the low end", 0, ANGLE),
+    _sensed("angle-shorted", "the angle sensor reads the high end", 1, ANGLE),
+    _sensed("angle-frozen", "the angle repeats one reading", None, ANGLE),
+    _sensed("pressure-open", "the pressure sensor reads the low end", 0, PRESSURE),
+    _sensed("pressure-frozen", "the pressure repeats one reading", None, PRESSURE),
+    _sensed("converter-frozen", "angle and pressure repeat one reading", None, ANGLE, PRESSURE),
+    Failure("stuck-spool", "the joint's valve stays at an opening", lambda d, j, x: d.plant.seize(j, x), size=OPENING),
+    Failure("burst-hose", "a hose of the joint loses its air", _burst, size=HOSE),
     Failure(
-        "stuck-spool",
-        "the joint's valve stays at an opening",
-        lambda d, j, opening: d.plant.seize(j, opening),
-        lambda d, j: d.plant.seize(j, None),
-        0.3,
-        "opening of the valve",
-        (-1.0, 1.0),
+        "kinked-hose", "next to no air passes between the joint and its valve", lambda d, j, x: d.plant.kink(j, x),
+        sound=1.0, size=PASSED,
     ),
+    Failure("supply-lost", "the compressor is gone", _regulate, failed=0.0, sound=1.0),
+    Failure("supply-high", "the regulator gives too much", _regulate, sound=1.0, size=GAUGE),
+    Failure("e-stop", "the e-stop is pressed; healed, it is released", _press),
     Failure(
-        "burst-hose",
-        "a hose of the joint loses its air",
-        lambda d, j, hose: d.plant.burst(j, int(hose)),
-        lambda d, j: d.plant.burst(j, None),
-        0.0,
-        "0 is hose A, 1 is hose B",
-        (0.0, 1.0),
+        "grip", "somebody holds the joint where it is", lambda d, j, x: d.plant.grip(j, x * d.strengths[j]),
+        sound=0.0, size=HELD,
     ),
-    Failure(
-        "kinked-hose",
-        "next to no air passes between the joint and its valve",
-        lambda d, j, share: d.plant.kink(j, share),
-        lambda d, j: d.plant.kink(j, 1.0),
-        0.001,
-        "share of what passed",
-        (0.0, 1.0),
-    ),
-    Failure(
-        "supply-lost", "the compressor is gone", lambda d, _, __: _regulate(d, 0.0), lambda d, _: _regulate(d, 1.0)
-    ),
-    Failure(
-        "supply-high",
-        "the regulator gives too much",
-        lambda d, _, share: _regulate(d, share),
-        lambda d, _: _regulate(d, 1.0),
-        1.5,
-        "share of the set gauge pressure",
-        (0.0, 3.0),
-    ),
-    Failure(
-        "e-stop",
-        "the e-stop is pressed; healed, it is released",
-        lambda d, _, __: _press(d, pressed=True),
-        lambda d, _: _press(d, pressed=False),
-    ),
-    Failure(
-        "grip",
-        "somebody holds the joint where it is",
-        lambda d, j, share: d.plant.grip(j, share * d.strengths[j]),
-        lambda d, j: d.plant.grip(j, 0.0),
-        1.5,
-        "share of its greatest torque",
-        (0.0, 10.0),
-    ),
-    Failure(
-        "push",
-        "somebody turns the joint",
-        _push,
-        lambda d, j: _push(d, j, 0.0),
-        1.5,
-        "share of its greatest torque",
-        (-3.0, 3.0),
-    ),
-)
+    Failure("push", "somebody turns the joint", _push, sound=0.0, size=PUSHED),
+)  # fmt: skip
 
 FAILURES = {failure.name: failure for failure in ALL}
 

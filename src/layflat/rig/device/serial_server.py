@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import os
+from contextlib import suppress
 from pathlib import Path
 
 from layflat.errors import OutputError
 from layflat.machine.model import Machine
-from layflat.rig.device.exchange import LATE, Device, Exchange
-from layflat.rig.device.link import Spoil
+from layflat.rig.device.exchange import Device, Spoil, Station
 from layflat.rig.wire import frames
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import WireError
 
 
-class SerialStation:
+class SerialStation(Station):
     """Answers frames.
 
     Args:
@@ -23,8 +23,7 @@ class SerialStation:
     """
 
     def __init__(self, device: Device, machine: Machine) -> None:
-        self._exchange = Exchange(device, machine)
-        self._patience = machine.interface.serial.timeout
+        super().__init__(device, machine, machine.interface.serial.timeout)
         self._decoder = frames.Decoder()
         self._link: Path | None = None
 
@@ -53,12 +52,11 @@ class SerialStation:
                 link.symlink_to(path)
             except OSError as error:
                 self.close()
-                raise OutputError(
-                    f"can't be made ({error.strerror})", where=str(link), right="give a name that is free"
-                ) from None
+                what = f"can't be made ({error.strerror})"
+                raise OutputError(what, where=str(link), right="give a name that is free") from None
             self._link = link
         asyncio.get_running_loop().add_reader(self._near, self._hear)
-        return path if link is None else str(link)
+        return str(link or path)
 
     def close(self) -> None:
         """Serve no more, and leave nothing behind."""
@@ -70,44 +68,26 @@ class SerialStation:
             self._link.unlink(missing_ok=True)
 
     def _hear(self) -> None:
-        try:
-            data = os.read(self._near, 4096)
-        except BlockingIOError:
-            return
-        for frame in self._decoder.feed(data):
-            self._answer(frame)
+        with suppress(BlockingIOError):
+            for frame in self._decoder.feed(os.read(self._near, 4096)):
+                if not self.device.link.silent:
+                    self._answer(frame)
 
     def _answer(self, frame: frames.Frame) -> None:
-        link = self._exchange.device.link
-        if link.silent:
-            return
-        spoil = link.next()
-        behind = int(spoil is Spoil.SEQUENCE)
-        if frame.kind == frames.ASK:
-            kind, words = frames.TELL, self._exchange.identity()
-        elif frame.kind == frames.COMMAND and self._obeyed(frame):
-            kind, words = frames.READING, self._exchange.reading()
-        else:
-            return
-        reply = frames.encode(kind, (frame.sequence - behind) & 0xFFFF, frames.as_bytes(words))
-        if spoil is Spoil.CRC:
-            # Another byte than it was, and no zero.
-            middle = len(reply) // 2
-            reply = reply[:middle] + bytes([reply[middle] % 255 + 1]) + reply[middle + 1 :]
-        if spoil is Spoil.LATE:
-            asyncio.get_running_loop().call_later(LATE * self._patience, self._send, reply)
-        elif spoil is not Spoil.LOST:
-            self._send(reply)
-
-    def _obeyed(self, frame: frames.Frame) -> bool:
+        spoil = self.device.link.next()
         try:
-            return self._exchange.obey(frame.sequence, frames.as_words(frame.payload))
+            if frame.kind == frames.ASK:
+                kind, words = frames.TELL, self._identify()
+            elif frame.kind == frames.COMMAND and self._obey(frame.sequence, frames.as_words(frame.payload)):
+                kind, words = frames.READING, self._read()
+            else:
+                return
         except WireError:
-            return False
-
-    def _send(self, reply: bytes) -> None:
-        try:
-            os.write(self._near, reply)
-        except OSError:
-            # Full, since nobody reads, or closed since: as lost as a reply can be.
             return
+        number = (frame.sequence - (spoil is Spoil.SEQUENCE)) & 0xFFFF
+        reply = frames.encode(kind, number, frames.as_bytes(words))
+        self._send(reply, spoil, len(reply) // 2, self._write)
+
+    def _write(self, reply: bytes) -> None:
+        with suppress(OSError):  # full, since nobody reads, or closed since: as lost as a reply can be
+            os.write(self._near, reply)

@@ -12,25 +12,16 @@ start, as ISO 4414 asks for. While it is off the line is open to the atmosphere:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import exp, log
 
 NEAR = 1.0
 """Within so many Pa of where it is going a line has arrived."""
 
+SOFT_TIME, FILL_TIME, DUMP_TIME = 0.3, 0.02, 0.03
+"""Time constants of the soft start, through the open valve, and to the atmosphere, s."""
 
-@dataclass(frozen=True)
-class LineLaw:
-    """How fast a line fills and empties."""
-
-    soft_time: float = 0.3
-    """Time constant of the soft start, s."""
-    opens_at: float = 0.5
-    """Share of the regulator's gauge pressure at which the dump valve opens fully."""
-    fill_time: float = 0.02
-    """Time constant through the open valve, s."""
-    dump_time: float = 0.03
-    """Time constant to the atmosphere, s."""
+OPENS_AT = 0.5
+"""Share of the regulator's gauge pressure at which the dump valve opens fully."""
 
 
 class SupplyLine:
@@ -40,12 +31,10 @@ class SupplyLine:
         regulator: absolute pressure that the regulator gives, Pa.
         ambient: absolute pressure outside, Pa.
         air: whether it begins full, with air on; else empty.
-        law: how fast it fills and empties.
     """
 
-    def __init__(self, regulator: float, ambient: float, *, air: bool = False, law: LineLaw | None = None) -> None:
+    def __init__(self, regulator: float, ambient: float, *, air: bool = False) -> None:
         self.regulator, self.ambient, self.air = regulator, ambient, air
-        self.law = law or LineLaw()
         self.pressure = self.target
 
     @property
@@ -61,16 +50,16 @@ class SupplyLine:
     def advance(self, seconds: float) -> None:
         """Let time pass."""
         if not self.air:
-            self._approach(self.ambient, seconds / self.law.dump_time)
+            self._approach(self.ambient, seconds / DUMP_TIME)
             return
-        opens = self.ambient + self.law.opens_at * (self.regulator - self.ambient)
+        opens = self.ambient + OPENS_AT * (self.regulator - self.ambient)
         if self.pressure < opens:
-            soft = self.law.soft_time * log((self.regulator - self.pressure) / (self.regulator - opens))
+            soft = SOFT_TIME * log((self.regulator - self.pressure) / (self.regulator - opens))
             if soft > seconds:
-                self._approach(self.regulator, seconds / self.law.soft_time)
+                self._approach(self.regulator, seconds / SOFT_TIME)
                 return
             self.pressure, seconds = opens, seconds - soft
-        self._approach(self.regulator, seconds / self.law.fill_time)
+        self._approach(self.regulator, seconds / FILL_TIME)
 
     def _approach(self, end: float, times: float) -> None:
         gone = end + (self.pressure - end) * exp(-times)

@@ -11,21 +11,58 @@ opened fully to one end: a joint's hose A lets go through the line, its hose B t
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from layflat.machine import Machine, parameters
+from layflat.physics.sensor import read_sensor
 from layflat.rig.clock import SECOND, Clock
-from layflat.rig.device.link import Link
-from layflat.rig.device.plant import Plant
-from layflat.rig.device.sensors import Converters
-from layflat.rig.device.supply import LineLaw, SupplyLine
+from layflat.rig.device.exchange import Link
+from layflat.rig.device.plant import Array, Plant
+from layflat.rig.device.supply import SupplyLine
 from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
+from layflat.rig.wire.content import Wire
+
+ANGLE, PRESSURE = 0, 1
+"""The two sensors of a joint."""
 
 EMPTIES = 3 * SECOND // 10
 """ns: until valves are opened to a line that is let out; what is shut in brings the joints to rest meanwhile."""
 
 CHUNK = SECOND // 1000
 """ns: while the supply's pressure changes, the plant is moved on by so much at a time."""
+
+
+class Converters:
+    """Sound converters of a machine's sensors, until told otherwise."""
+
+    def __init__(self, machine: Machine) -> None:
+        read: Callable[..., float] = read_sensor
+        self._rails = [
+            [
+                (read(sensor, -1e9, 0.0), read(sensor, 1e9, 0.0))
+                for sensor in (joint.angle_sensor, joint.pressure_sensor)
+            ]
+            for joint in parameters.joints(machine)
+        ]
+        self._fixed: dict[tuple[int, int], float | None] = {}
+
+    def fail(self, joint: int, sensor: int, rail: int | None = None) -> None:
+        """From now on report the low (0) or high (1) end of the range; None: the next sample, again and again."""
+        self._fixed[joint, sensor] = None if rail is None else self._rails[joint][sensor][rail]
+
+    def mend(self, joint: int, sensor: int) -> None:
+        """Report what the sensor says."""
+        self._fixed.pop((joint, sensor), None)
+
+    def convert(self, *samples: Array) -> None:
+        """Put in place of angles and pressures what failed converters report."""
+        for (joint, sensor), value in self._fixed.items():
+            if value is None:
+                self._fixed[joint, sensor] = float(samples[sensor][joint])
+            else:
+                samples[sensor][joint] = value
 
 
 class VirtualDevice:
@@ -38,7 +75,6 @@ class VirtualDevice:
         plant: the machine in motion.
         clock: its own clock; the plant's time passes with it.
         running: start as a rollout does: full line, obeying.
-        line: how fast the supply line fills and empties.
 
     Attributes:
         link: what is wrong with the wires.
@@ -51,13 +87,11 @@ class VirtualDevice:
         MachineError: the machine has no valve or sensors.
     """
 
-    def __init__(
-        self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False, line: LineLaw | None = None
-    ) -> None:
+    def __init__(self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False) -> None:
         valve, *_ = parameters.drive_parts(machine)
         n, span = len(machine.joints), valve.volts_to_full
         self.plant, self.clock, self.link, self.converters = plant, clock, Link(), Converters(machine)
-        self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running, law=line)
+        self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running)
         self.capabilities = Capabilities(
             n, valve.centre_voltage - span, valve.centre_voltage + span, valve.centre_voltage, True, 1e-3
         )
@@ -69,8 +103,7 @@ class VirtualDevice:
         self._open = np.full(n, self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)
         self._until_centre = min(round(machine.interface.watchdog_cycles * machine.cycle * SECOND), self._until_dump)
-        self._lsb = machine.interface.supply_range_gauge / 2**machine.interface.supply_bits
-        self._counts = 2**machine.interface.supply_bits
+        self._supply = Wire.of(machine).supply
         self._at = self._heard = clock.now()
         self._begin = self._at - round(plant.time * SECOND)
         self._stopped, self._reset = False, True
@@ -109,7 +142,8 @@ class VirtualDevice:
         self.tick()
         angles, pressures = self.plant.sense()
         self.converters.convert(angles, pressures)
-        return Reading(angles, pressures, self._supply(), self._stopped, self.state)
+        supply = self._supply.value(self._supply.count(self.line.pressure))
+        return Reading(angles, pressures, supply, self._stopped, self.state)
 
     def tick(self) -> None:
         """Let the time pass that has passed, what the watchdog does in it included."""
@@ -150,8 +184,3 @@ class VirtualDevice:
         if self._at < until:
             self.plant.advance((until - self._begin) / SECOND)
             self._at = until
-
-    def _supply(self) -> float:
-        """Pressure of the line as its converter reports it, absolute, Pa."""
-        count = round((self.line.pressure - self.line.ambient) / self._lsb)
-        return float(self.line.ambient + self._lsb * min(max(count, 0), self._counts))

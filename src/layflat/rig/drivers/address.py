@@ -8,6 +8,9 @@ from layflat import extras
 from layflat.machine.model import Machine
 from layflat.rig.driver import Driver, DriverError
 
+PACKAGES = {"modbus": ("pymodbus",), "serial": ("serial", "cobs")}
+"""What each protocol takes."""
+
 MODBUS_PORT = 502
 """Where stations listen unless told otherwise."""
 
@@ -20,30 +23,23 @@ def driver_of(address: str, machine: Machine) -> Driver:
         MissingExtraError: the packages that it takes are not installed.
         MachineError: the machine's description does not suit a rig.
     """
-    split = urlsplit(address)
     try:
-        if split.scheme == "modbus":
-            extras.require("rig", "pymodbus", where=address)
-            return _modbus(address, split.hostname, split.port, split.path, machine)
-        if split.scheme == "serial":
-            extras.require("rig", "serial", "cobs", where=address)
-            return _serial(address, split.netloc, split.path, machine)
+        split = urlsplit(address)
+        port = split.port if split.scheme == "modbus" else None
     except ValueError:
         raise DriverError("has no port", where=address, right="give one from 1 to 65535: modbus://HOST:PORT") from None
-    raise DriverError("is no driver's address", where=address, right="give modbus://HOST:PORT or serial:///dev/NAME")
+    if split.scheme not in PACKAGES:
+        right = "give modbus://HOST:PORT or serial:///dev/NAME"
+        raise DriverError("is no driver's address", where=address, right=right)
+    extras.require("rig", *PACKAGES[split.scheme], where=address)
+    if split.scheme == "modbus":
+        from layflat.rig.drivers.modbus import ModbusDriver  # noqa: PLC0415  (needs an extra)
 
-
-def _modbus(address: str, host: str | None, port: int | None, path: str, machine: Machine) -> Driver:
-    from layflat.rig.drivers.modbus import ModbusDriver  # noqa: PLC0415  (needs an extra)
-
-    if not host or path.strip("/"):
-        raise DriverError("names no station", where=address, right="give modbus://HOST:PORT")
-    return ModbusDriver(machine, host, MODBUS_PORT if port is None else port)
-
-
-def _serial(address: str, netloc: str, path: str, machine: Machine) -> Driver:
+        if not split.hostname or split.path.strip("/"):
+            raise DriverError("names no station", where=address, right="give modbus://HOST:PORT")
+        return ModbusDriver(machine, split.hostname, MODBUS_PORT if port is None else port)
     from layflat.rig.drivers.serial import SerialDriver  # noqa: PLC0415  (needs an extra)
 
-    if netloc or not path.strip("/"):
+    if split.netloc or not split.path.strip("/"):
         raise DriverError("names no device", where=address, right="give its whole path: serial:///dev/ttyACM0")
-    return SerialDriver(machine, path)
+    return SerialDriver(machine, split.path)

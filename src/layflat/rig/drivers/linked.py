@@ -2,22 +2,39 @@
 
 from __future__ import annotations
 
+import os
 import time
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from select import select
 
 import numpy as np
 
 from layflat.machine.model import Machine
 from layflat.rig.driver import Capabilities, Command, Driver, DriverError, Lifecycle, LinkError, Reading
-from layflat.rig.drivers.lock import RigLock
-from layflat.rig.wire.content import Wire
-from layflat.rig.wire.converter import WireError
+from layflat.rig.drivers.lock import lock_rig
+from layflat.rig.wire.content import Wire, WireError, following
 from layflat.rig.wire.identity import Identity
-from layflat.rig.wire.sequence import following
 
 FAREWELLS = 3
 """How often a driver that is deactivated tries to say so."""
+LARGEST = 4096
+"""Bytes taken at once."""
+
+
+def pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator[bytes]:
+    """Bytes as they come, until one deadline for all of them: a reply that trickles is as late as one that is lost.
+
+    Raises:
+        OSError: the other end has hung up.
+    """
+    deadline, left = time.monotonic() + patience, patience
+    while left >= 0.0 and select([file], [], [], left)[0]:
+        data = read(LARGEST)
+        if not data:
+            raise ConnectionResetError
+        yield data
+        left = deadline - time.monotonic()
 
 
 class LinkedDriver(Driver):
@@ -33,11 +50,11 @@ class LinkedDriver(Driver):
         self.endpoint = endpoint
         self._machine = machine
         self._wire = Wire.of(machine)
-        self._safe = Command(np.full(self._wire.joints, self._wire.voltage.value(self._wire.centre)), air=False)
-        self._kept = self._wire.command_words(self._safe)
+        safe = Command(np.full(self._wire.joints, self._wire.voltage.value(self._wire.centre)), air=False)
+        self._safe = self._kept = self._wire.command_words(safe)
         # Not that of an earlier process, whose last reply may still be under way.
         self._sequence = time.monotonic_ns() // 1000 & 0xFFFF
-        self._lock = RigLock(endpoint)
+        self._lock = -1
 
     def read(self) -> Reading:
         """Send the kept command, and return what the device answers; while inactive that command is the safe one.
@@ -45,7 +62,7 @@ class LinkedDriver(Driver):
         Raises:
             LinkError: it did not answer well in time.
         """
-        if self.state not in (Lifecycle.ACTIVE, Lifecycle.INACTIVE):
+        if self.state is not Lifecycle.INACTIVE:
             self._expect("read", Lifecycle.ACTIVE)
         return self._transact()
 
@@ -53,6 +70,11 @@ class LinkedDriver(Driver):
         """Keep a command for the next `read`."""
         self._expect("write", Lifecycle.ACTIVE)
         self._kept = self._wire.command_words(command)
+
+    def finalize(self) -> None:
+        """Let go of the device and of its lock, whatever state it is in; a second call does nothing."""
+        super().finalize()
+        self._let_go()
 
     def _transact(self) -> Reading:
         self._sequence = following(self._sequence)
@@ -63,22 +85,19 @@ class LinkedDriver(Driver):
             raise LinkError("crc") from None
 
     def _configure(self) -> Capabilities:
-        self._lock.acquire()
+        self._lock = lock_rig(self.endpoint)
         try:
             self._connect()
             return self._identify().check(self._machine, self.endpoint)
         except WireError as error:
-            self._finalize()
+            self._let_go()
             raise DriverError(str(error), where=self.endpoint, right="give the address of a rig") from None
         except BaseException:
-            self._finalize()
+            self._let_go()
             raise
 
-    def _activate(self) -> None:
-        self._kept = self._wire.command_words(self._safe)
-
     def _deactivate(self) -> None:
-        self._kept = self._wire.command_words(self._safe)
+        self._kept = self._safe
         for _ in range(FAREWELLS):
             try:
                 self._transact()
@@ -86,9 +105,11 @@ class LinkedDriver(Driver):
                 continue
             return
 
-    def _finalize(self) -> None:
+    def _let_go(self) -> None:
         self._disconnect()
-        self._lock.release()
+        if self._lock >= 0:
+            os.close(self._lock)
+            self._lock = -1
 
     @abstractmethod
     def _connect(self) -> None:

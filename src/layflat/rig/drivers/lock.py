@@ -13,51 +13,30 @@ from layflat.rig.driver import DriverError
 from layflat.rig.system import lock
 
 
-class RigLock:
-    """Held from `acquire` to `release` by one driver on this machine.
+def lock_rig(endpoint: str) -> int:
+    """Lock a rig, by its one true name, for this process alone; returns the file to be closed when it is let go.
 
-    Args:
-        endpoint: what is locked, by its one true name.
+    Raises:
+        DriverError: somebody else has it, or the file can't be made.
     """
-
-    def __init__(self, endpoint: str) -> None:
-        self._endpoint = endpoint
-        self._file: int | None = None
-
-    def acquire(self) -> None:
-        """Take it.
-
-        Raises:
-            DriverError: somebody else has it, or the file can't be made.
-        """
-        folder = _folder()
-        path = folder / (re.sub(r"[^A-Za-z0-9.]+", "-", self._endpoint).strip("-") + ".lock")
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
-        except OSError as error:
-            raise DriverError(
-                f"the lock can't be made ({error.strerror})", where=str(path), right="set LAYFLAT_RUNTIME_DIR"
-            ) from None
-        try:
-            lock(file)
-        except OSError:
-            holder = os.read(file, 500).decode(errors="replace").strip()
-            os.close(file)
-            raise DriverError(
-                f"is driven by {holder or 'another process'} already",
-                where=self._endpoint,
-                right="one loop drives a rig: end the other first",
-            ) from None
-        os.ftruncate(file, 0)
-        os.write(file, f"process {os.getpid()} ({' '.join(Path(a).name for a in sys.argv[:3])})\n".encode())
-        self._file = file
-
-    def release(self) -> None:
-        """Let it go, if it is held; the file stays, as whoever waits for it may have it open."""
-        if self._file is not None:
-            os.close(self._file)
-            self._file = None
+    folder = _folder()
+    path = folder / (re.sub(r"[^A-Za-z0-9.]+", "-", endpoint).strip("-") + ".lock")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        file = os.open(path, os.O_RDWR | os.O_CREAT, 0o600)
+    except OSError as error:
+        what = f"the lock can't be made ({error.strerror})"
+        raise DriverError(what, where=str(path), right="set LAYFLAT_RUNTIME_DIR") from None
+    try:
+        lock(file)
+    except OSError:
+        holder = os.read(file, 500).decode(errors="replace").strip() or "another process"
+        os.close(file)
+        right = "one loop drives a rig: end the other first"
+        raise DriverError(f"is driven by {holder} already", where=endpoint, right=right) from None
+    os.ftruncate(file, 0)
+    os.write(file, f"process {os.getpid()} ({' '.join(Path(a).name for a in sys.argv[:3])})\n".encode())
+    return file  # it stays on the disk, as whoever waits for it may have it open
 
 
 def _folder() -> Path:

@@ -3,30 +3,25 @@
 from __future__ import annotations
 
 import os
-import stat
-import time
 from collections.abc import Sequence
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from select import select
 
 from serial import Serial, SerialException
 from serial.tools.list_ports import comports
 
 from layflat.machine.model import Machine
 from layflat.rig.driver import DriverError, LinkError
-from layflat.rig.drivers.linked import LinkedDriver
+from layflat.rig.drivers.linked import LinkedDriver, pieces
 from layflat.rig.wire import frames
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import WireError, following
 from layflat.rig.wire.identity import Identity
-from layflat.rig.wire.sequence import following
 
 ASKED = 10
 """How often a device is asked who it is; some boot when the port is opened."""
 WAIT = 0.2
 """For each answer, s."""
-LARGEST = 4096
-"""Bytes taken at once."""
 
 
 class SerialDriver(LinkedDriver):
@@ -61,24 +56,19 @@ class SerialDriver(LinkedDriver):
                 told = self._ask(self._sequence, frames.ASK, [], frames.TELL, WAIT)
                 return Identity.from_words(told)
         what = "answers, but not in frames" if self._decoder.bad else "does not answer"
-        raise DriverError(
-            what, where=self.endpoint, right="see that the firmware runs, and that interface.serial.baud fits"
-        )
+        right = "see that the firmware runs, and that interface.serial.baud fits"
+        raise DriverError(what, where=self.endpoint, right=right)
 
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
         return self._ask(sequence, frames.COMMAND, words, frames.READING, self._link.timeout)
 
     def _ask(self, sequence: int, kind: int, words: list[int], expected: int, patience: float) -> Sequence[int]:
         """Send a frame, and take the one that answers it; what answers another is stale."""
-        deadline = time.monotonic() + patience
         bad, why = self._decoder.bad, "lost"
         try:
             os.write(self._file, frames.encode(kind, sequence, frames.as_bytes(words)))
-            while (left := deadline - time.monotonic()) > 0 and select([self._file], [], [], left)[0]:
-                data = os.read(self._file, LARGEST)
-                if not data:
-                    raise LinkError("lost")
-                for frame in self._decoder.feed(data):
+            for piece in pieces(self._file, partial(os.read, self._file), patience):
+                for frame in self._decoder.feed(piece):
                     if frame.kind == expected and frame.sequence == sequence:
                         return frames.as_words(frame.payload)
                     why = "sequence"
@@ -98,25 +88,18 @@ class SerialDriver(LinkedDriver):
         path = Path(self._path)
         if not path.exists():
             there = ", ".join(sorted(port.device for port in comports())) or "none"
-            return DriverError("is not there", where=self.endpoint, right=f"serial ports that are: {there}")
-        status = path.stat()
-        if not stat.S_ISCHR(status.st_mode):
-            return DriverError(
-                "is no serial port", where=self.endpoint, right="give one, such as serial:///dev/ttyACM0"
-            )
-        if not os.access(path, os.R_OK | os.W_OK):
-            return DriverError(
-                "you may not open it",
-                where=self.endpoint,
-                right=f"join the group {_group(status.st_gid)!r} and log in anew",
-            )
-        return DriverError(f"can't be opened ({error})", where=self.endpoint, right="see that no other program has it")
+            what, right = "is not there", f"serial ports that are: {there}"
+        elif not path.is_char_device():
+            what, right = "is no serial port", "give one, such as serial:///dev/ttyACM0"
+        elif not os.access(path, os.R_OK | os.W_OK):
+            what, right = "you may not open it", f"join the group {_group(path)!r} and log in anew"
+        else:
+            what, right = f"can't be opened ({error})", "see that no other program has it"
+        return DriverError(what, where=self.endpoint, right=right)
 
 
-def _group(number: int) -> str:
+def _group(path: Path) -> str:
     try:
-        import grp  # noqa: PLC0415  # not on every system
-
-        return grp.getgrgid(number).gr_name
-    except (ImportError, KeyError):
-        return str(number)
+        return path.group()
+    except KeyError:  # it has no name
+        return str(path.stat().st_gid)

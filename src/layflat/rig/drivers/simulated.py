@@ -4,12 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from layflat.rig.device.link import Spoil
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Capabilities, Command, Driver, Lifecycle, LinkError, Reading
-
-KINDS = {Spoil.LOST: "lost", Spoil.LATE: "lost", Spoil.CRC: "crc", Spoil.SEQUENCE: "sequence"}
-"""What a spoilt reply is to who waits for it."""
 
 
 class SimulatedDriver(Driver):
@@ -31,7 +27,7 @@ class SimulatedDriver(Driver):
         """
         spoilt = self.device.link.next()
         if spoilt is not None:
-            raise LinkError(KINDS[spoilt])
+            raise LinkError(spoilt.told)
         return self.device.reading()
 
     def write(self, command: Command) -> None:
@@ -50,10 +46,6 @@ class SimulatedDriver(Driver):
     def _configure(self) -> Capabilities:
         return self.device.capabilities
 
-    def _activate(self) -> None: ...
-
     def _deactivate(self) -> None:
         limits = self.device.capabilities
         self._send(Command(np.full(limits.joints, limits.centre_voltage), air=False))
-
-    def _finalize(self) -> None: ...

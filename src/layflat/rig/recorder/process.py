@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import signal
 import sys
@@ -18,8 +17,7 @@ from layflat.rig.recorder.blackbox import BlackBox
 from layflat.rig.recorder.file import GrowingFile, synced
 from layflat.rig.recorder.repair import PART, indexed
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
-from layflat.rig.shielded import shielded
-from layflat.rig.system import FROM_TERMINAL
+from layflat.rig.system import FROM_TERMINAL, start_process
 
 TICK = 0.01
 """Between two looks into the ring, s."""
@@ -42,12 +40,7 @@ def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
         OutputError: the log can't be written there.
     """
     check_place(place)
-    process = multiprocessing.get_context("spawn").Process(
-        target=_record, args=(ring.path, place, heading), name="layflat recorder"
-    )
-    with shielded():
-        process.start()
-    return process
+    return start_process(_record, (ring.path, place, heading), "layflat recorder")
 
 
 def check_place(place: Path) -> None:

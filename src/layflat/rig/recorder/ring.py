@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
 from layflat.rig.record import Layout
-from layflat.rig.shared import RING, new_file
-from layflat.rig.system import lock
+from layflat.rig.system import RING, lock, new_file
 
 Array = NDArray[np.float64]
 

@@ -6,42 +6,97 @@ The transaction's number goes before them: in a register of its own, or in a fra
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import isfinite
+from math import floor, isfinite
+from typing import NamedTuple
 
 import numpy as np
 
+from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.machine.parameters import drive_parts, joints
 from layflat.physics.sensor import Sensor
 from layflat.rig.driver import Command, DeviceState, Reading
-from layflat.rig.wire.converter import Converter, WireError
 
+WORD = 16
+"""Bits."""
+ROUND = 1 << WORD
+"""Numbers of transactions go round, so that "later" means less than half a round ahead."""
 AIR, RESET = 1, 2
 """Bits of a command's flags."""
 STATE, STOPPED = 3, 4
 """Bits of a reading's flags: two of the device's state, one of the e-stop."""
 
 
-@dataclass(frozen=True)
-class Wire:
-    """Converters of a rig, and the words that they make of commands and readings.
+class WireError(LayflatError):
+    """Words that nobody who keeps to docs/rig-wires.md sends."""
 
-    Args:
-        joints: how many there are.
-        centre: count of the voltage that closes the valves.
-        voltage: of the valves' drivers; its top count is one short of the range, as in any such converter.
-        angle: of every joint.
-        pressure: of every joint, differential.
-        supply: absolute.
-    """
+
+def following(number: int) -> int:
+    """The number of the transaction after this one."""
+    return (number + 1) % ROUND
+
+
+def is_later(number: int, last: int | None) -> bool:
+    """Whether a number is neither the last one heard nor an older one; any number does at first."""
+    return last is None or 0 < (number - last) % ROUND < ROUND // 2
+
+
+class Converter(NamedTuple):
+    """A count c stands for low + lsb c; c goes from 0 to `top`, which belongs to it."""
+
+    low: float
+    lsb: float
+    top: int
+
+    @classmethod
+    def of_sensor(cls, sensor: Sensor) -> Converter:
+        """Counts as `read_sensor` makes them: both ends of the range are among them."""
+        return cls(sensor.low, sensor.lsb, round((sensor.high - sensor.low) / sensor.lsb))
+
+    @property
+    def words(self) -> int:
+        """Words that a count takes."""
+        return 1 if self.top < ROUND else 2
+
+    def count(self, value: float) -> int:
+        """Count nearest to a value, within the range."""
+        inside = min(max(value, self.low), self.value(self.top))
+        return floor((inside - self.low) / self.lsb + 0.5)
+
+    def value(self, count: int) -> float:
+        """What a count stands for: bit for bit what `read_sensor` says of it."""
+        return self.low + self.lsb * count
+
+    def put(self, words: list[int], value: float) -> None:
+        """Append a value's count, high word first."""
+        words += divmod(self.count(value), ROUND)[-self.words :]
+
+    def take(self, words: Sequence[int], at: int) -> float:
+        """The value whose count begins at a place among words.
+
+        Raises:
+            WireError: the converter has no such count.
+        """
+        count = words[at] if self.words == 1 else words[at] << WORD | words[at + 1]
+        if count > self.top:
+            raise WireError(f"count {count} of a converter that ends at {self.top}")
+        return self.value(count)
+
+
+class Wire(NamedTuple):
+    """Converters of a rig, and the words that they make of commands and readings."""
 
     joints: int
+    """How many there are."""
     centre: int
+    """Count of the voltage that closes the valves."""
     voltage: Converter
+    """Of the valves' drivers; its top count is one short of the range, as in any such converter."""
     angle: Converter
     pressure: Converter
+    """Differential."""
     supply: Converter
+    """Absolute."""
 
     @classmethod
     def of(cls, machine: Machine) -> Wire:
@@ -51,18 +106,16 @@ class Wire:
             MachineError: it has no valve or sensors.
         """
         valve, _, _ = drive_parts(machine)
-        first = joints(machine)[0]
-        own, ambient = machine.interface, machine.supply.ambient_pressure
-        counts = 2**own.voltage_bits
-        low, steps = valve.centre_voltage - valve.volts_to_full, 2**own.supply_bits
-        supply = Sensor(ambient, ambient + own.supply_range_gauge, own.supply_range_gauge / steps, 0.0, 0.0)
+        first, own, ambient = joints(machine)[0], machine.interface, machine.supply.ambient_pressure
+        counts, low = 2**own.voltage_bits, valve.centre_voltage - valve.volts_to_full
+        lsb = own.supply_range_gauge / 2**own.supply_bits
         return cls(
             len(machine.joints),
             counts // 2,
             Converter(low, 2 * valve.volts_to_full / counts, counts - 1),
             Converter.of_sensor(first.angle_sensor),
             Converter.of_sensor(first.pressure_sensor),
-            Converter.of_sensor(supply),
+            Converter.of_sensor(Sensor(ambient, ambient + own.supply_range_gauge, lsb, 0.0, 0.0)),
         )
 
     @property
@@ -87,15 +140,9 @@ class Wire:
         Raises:
             WireError: they are no command.
         """
-        if len(words) != self.command_size:
-            raise WireError(f"a command of {len(words)} words; this rig's have {self.command_size}")
-        flags, *counts = words
-        if flags & ~(AIR | RESET):
-            raise WireError(f"flags {flags:#06x}, of which only 1 (air) and 2 (reset) mean anything")
-        if max(counts) > self.voltage.top:
-            raise WireError(f"voltage's count {max(counts)} of a converter that ends at {self.voltage.top}")
-        voltages = np.array([self.voltage.value(count) for count in counts])
-        return Command(voltages, air=bool(flags & AIR), reset=bool(flags & RESET))
+        _check(words, self.command_size, AIR | RESET)
+        voltages = np.array([self.voltage.take(words, i) for i in range(1, len(words))])
+        return Command(voltages, air=bool(words[0] & AIR), reset=bool(words[0] & RESET))
 
     def reading_words(self, reading: Reading) -> list[int]:
         """A reading on the wire."""
@@ -112,14 +159,20 @@ class Wire:
         Raises:
             WireError: they are no reading.
         """
-        if len(words) != self.reading_size:
-            raise WireError(f"a reading of {len(words)} words; this rig's have {self.reading_size}")
-        flags = words[0]
-        if flags & ~(STATE | STOPPED) or flags & STATE > DeviceState.DUMPED:
+        _check(words, self.reading_size, STATE | STOPPED)
+        flags, each, pair = words[0], self.angle.words, self.angle.words + self.pressure.words
+        if flags & STATE > DeviceState.DUMPED:
             raise WireError(f"flags {flags:#06x}, which mean nothing")
-        supply = self.supply.take(words, 1)
-        at, each, pair = 1 + self.supply.words, self.angle.words, self.angle.words + self.pressure.words
-        starts = range(at, len(words), pair)
+        starts = range(1 + self.supply.words, len(words), pair)
         angles = np.array([self.angle.take(words, i) for i in starts])
         pressures = np.array([self.pressure.take(words, i + each) for i in starts])
+        supply = self.supply.take(words, 1)
         return Reading(angles, pressures, supply, bool(flags & STOPPED), DeviceState(flags & STATE))
+
+
+def _check(words: Sequence[int], size: int, flags: int) -> None:
+    """Refuse words of another number, and other flags than these."""
+    if len(words) != size:
+        raise WireError(f"{len(words)} words; this rig's have {size}")
+    if words[0] & ~flags:
+        raise WireError(f"flags {words[0]:#06x}, which mean nothing")

@@ -13,7 +13,7 @@ from zlib import crc32
 
 from cobs import cobs
 
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import WireError
 
 VERSION = 1
 HEAD = struct.Struct(">BBH")

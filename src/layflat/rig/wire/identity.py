@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ from layflat.errors import MachineError
 from layflat.machine.model import Machine
 from layflat.machine.parameters import drive_parts
 from layflat.rig.driver import Capabilities, DriverError
-from layflat.rig.wire.converter import WireError
+from layflat.rig.wire.content import WireError
 
 MAGIC = 0x4C46
 """Nothing else that answers is taken for a rig."""
@@ -19,7 +20,7 @@ DITHERS = 1
 
 
 class Identity(NamedTuple):
-    """Words by which a device can be known; lengths of time and voltages are rounded to those units."""
+    """Words by which a device can be known: voltages in mV, the cycle in us, times without a command in ms."""
 
     magic: int
     version: int
@@ -29,18 +30,12 @@ class Identity(NamedTuple):
     pressure_bits: int
     supply_bits: int
     voltage_low: int
-    """mV"""
     voltage_high: int
-    """mV"""
     centre_voltage: int
-    """mV"""
     flags: int
     shortest_cycle: int
-    """us"""
     centres_after: int
-    """Without a command, ms."""
     dumps_after: int
-    """Without a command, ms."""
 
     @classmethod
     def of(cls, machine: Machine, able: Capabilities | None = None) -> Identity:
@@ -58,22 +53,10 @@ class Identity(NamedTuple):
         if max(abs(able.voltage_low), abs(able.voltage_high)) > 32.0:
             raise MachineError(f"reaches from {low:g} to {high:g} V", where="valve", right="rigs have up to +-32 V")
         own = machine.interface
-        return cls(
-            MAGIC,
-            VERSION,
-            able.joints,
-            own.voltage_bits,
-            angle_sensor.bits,
-            pressure_sensor.bits,
-            own.supply_bits,
-            round(1e3 * able.voltage_low),
-            round(1e3 * able.voltage_high),
-            round(1e3 * able.centre_voltage),
-            DITHERS * able.dithers,
-            round(1e6 * able.shortest_cycle),
-            round(1e3 * own.watchdog_cycles * machine.controller.cycle),
-            round(1e3 * own.dump_after),
-        )
+        bits = own.voltage_bits, angle_sensor.bits, pressure_sensor.bits, own.supply_bits
+        voltages = (round(1e3 * voltage) for voltage in (able.voltage_low, able.voltage_high, able.centre_voltage))
+        times = (1e6 * able.shortest_cycle, 1e3 * own.watchdog_cycles * machine.cycle, 1e3 * own.dump_after)
+        return cls._make((MAGIC, VERSION, able.joints, *bits, *voltages, DITHERS * able.dithers, *map(round, times)))
 
     def words(self) -> list[int]:
         """As it goes over the wire; negative numbers are those of two's complement."""
@@ -90,8 +73,7 @@ class Identity(NamedTuple):
             raise WireError("what answers is no rig of layflat's")
         if words[1] != VERSION:
             raise WireError(f"what answers speaks version {words[1]} of the protocol; this is version {VERSION}")
-        told = cls(*words)
-        return told._replace(**{name: _signed(getattr(told, name)) for name in _SIGNED})
+        return cls(*struct.unpack("=7H3h4H", struct.pack("=14H", *words)))
 
     def check(self, machine: Machine, where: str) -> Capabilities:
         """Make sure that this is the device of a machine.
@@ -103,34 +85,20 @@ class Identity(NamedTuple):
         for name, words in _EXPECTED.items():
             there, here = getattr(self, name), getattr(expected, name)
             if there != here:
-                raise DriverError(
-                    f"the rig has {words.format(there)}, the machine {machine.name!r} {words.format(here)}",
-                    where=where,
-                    right="give the description of this rig",
-                )
+                what = f"the rig has {words.format(there)}, the machine {machine.name!r} {words.format(here)}"
+                raise DriverError(what, where=where, right="give the description of this rig")
         valve, _, _ = drive_parts(machine)
         if valve.dithered is not None and not self.flags & DITHERS:
             raise DriverError("the rig adds no dither", where=where, right="its firmware has to, nobody else does")
-        if machine.controller is not None and self.shortest_cycle > 1e6 * machine.controller.cycle:
-            cycle = f"{1e3 * machine.controller.cycle:g} ms"
-            raise DriverError(
-                f"the rig needs {self.shortest_cycle} us a cycle, the machine's is {cycle}",
-                where=where,
-                right="make controller.cycle longer",
-            )
-        return Capabilities(
-            self.joints,
-            valve.centre_voltage - valve.volts_to_full,
-            valve.centre_voltage + valve.volts_to_full,
-            valve.centre_voltage,
-            bool(self.flags & DITHERS),
-            1e-6 * self.shortest_cycle,
-        )
+        if self.shortest_cycle > 1e6 * machine.cycle:
+            what = f"the rig needs {self.shortest_cycle} us a cycle, the machine's is {1e3 * machine.cycle:g} ms"
+            raise DriverError(what, where=where, right="make controller.cycle longer")
+        low, high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
+        dithers, shortest = bool(self.flags & DITHERS), 1e-6 * self.shortest_cycle
+        return Capabilities(self.joints, low, high, valve.centre_voltage, dithers, shortest)
 
 
 IDENTITY_SIZE = len(Identity._fields)
-
-_SIGNED = ("voltage_low", "voltage_high", "centre_voltage")
 
 _EXPECTED = {
     "joints": "{} joint(s)",
@@ -144,7 +112,3 @@ _EXPECTED = {
     "centres_after": "a watchdog of {} ms",
     "dumps_after": "{} ms until it dumps",
 }
-
-
-def _signed(word: int) -> int:
-    return word - 0x10000 if word & 0x8000 else word

@@ -25,20 +25,15 @@ class Registers(NamedTuple):
             MachineError: it goes beyond the last register, or what is read overlaps.
         """
         wire, link = Wire.of(machine), machine.interface.modbus
-        sizes = {"commands": 1 + wire.command_size, "readings": 1 + wire.reading_size, "identity": IDENTITY_SIZE}
-        found = cls(*(range(getattr(link, name), getattr(link, name) + size) for name, size in sizes.items()))
         where = f"{machine.origin}: interface.modbus"
-        for name, registers in zip(sizes, found, strict=True):
-            if registers.stop > 0x10000:
-                raise MachineError(
-                    f"{len(registers)} registers from {registers.start} on go beyond 65535",
-                    where=f"{where}.{name}",
-                    right=f"give up to {0x10000 - len(registers)}",
-                )
+        sizes = {"commands": 1 + wire.command_size, "readings": 1 + wire.reading_size, "identity": IDENTITY_SIZE}
+        for name, size in sizes.items():
+            start, last = getattr(link, name), 0x10000 - size
+            if start > last:
+                what = f"{size} registers from {start} on go beyond 65535"
+                raise MachineError(what, where=f"{where}.{name}", right=f"give up to {last}")
+        found = cls(*(range(getattr(link, name), getattr(link, name) + size) for name, size in sizes.items()))
         if found.readings.start < found.identity.stop and found.identity.start < found.readings.stop:
-            raise MachineError(
-                f"register {found.identity.start} is too near to the readings, from {found.readings.start} on",
-                where=f"{where}.identity",
-                right=f"give {found.readings.stop} or more",
-            )
+            what = f"register {link.identity} is too near to the readings, from {link.readings} on"
+            raise MachineError(what, where=f"{where}.identity", right=f"give {found.readings.stop} or more")
         return found
