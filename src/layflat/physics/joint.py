@@ -127,6 +127,6 @@ def joint_at_rest(joint, q, p_1, p_2, around):
 
 @law
 def is_sound(state):
-    """False once the state is beyond any meaning (not a number included)."""
-    sane = abs(state.motion.angle) < 10.0 and abs(state.motion.velocity) < 1e4
-    return sane and state.hose_a.mass > 0.0 and state.hose_b.mass > 0.0
+    """False once a joint has diverged: beyond any possible motion, without air, or not a number."""
+    moves = (abs(state.motion.angle) < 10.0) & (abs(state.motion.velocity) < 1e4)
+    return moves & (state.hose_a.mass > 0.0) & (state.hose_b.mass > 0.0)

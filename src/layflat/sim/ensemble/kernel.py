@@ -45,7 +45,7 @@ class Runs(NamedTuple):
     pressures: np.ndarray
     """At the start, Pa, (joints, 2, runs)"""
     usual: np.ndarray
-    """The numbers of `Usual`: (joints, 4, runs)"""
+    """The numbers of `Defaults`: (joints, 4, runs)"""
     usual_shared: np.ndarray
     """Gauge supply pressure and payload where the scenario gives none: (2, runs)"""
     noise: np.ndarray
@@ -65,7 +65,7 @@ class Given(NamedTuple):
     noise_pressure: float
 
 
-class Usual(NamedTuple):
+class Defaults(NamedTuple):
     """What a run adds to its scenario: a factor of the brake, what comes on top of load and drift, and a lead.
 
     The lead (V/rad) draws a joint that follows given voltages towards the demand.
@@ -82,7 +82,7 @@ NOTHING = Given(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 @composition
 def _usual(runs, first, j):
-    return read_lanes(Usual(0.0, 0.0, 0.0, 0.0), runs.usual[j, :, first:])
+    return read_lanes(Defaults(0.0, 0.0, 0.0, 0.0), runs.usual[j, :, first:])
 
 
 @composition

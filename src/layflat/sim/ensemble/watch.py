@@ -8,6 +8,7 @@ import numpy as np
 from layflat.jit import composition, law
 from layflat.lanes import gather, read_lanes, select, slots, width, write_lanes
 from layflat.physics.arms import tip
+from layflat.physics.joint import is_sound
 from layflat.physics.valves import net_opening
 from layflat.sim.ensemble.results import Totals, Traced
 from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
@@ -170,11 +171,9 @@ def trace(watch, results, joint, state, voltage, first, j, k):
 
 @composition
 def note_divergence(state, course, k):
-    """Note where a joint has left all meaning (not a number included) in control cycle k for the first time."""
-    sane = (abs(state.motion.angle) < 10.0) & (abs(state.motion.velocity) < 1e4)
-    sound = sane & (state.hose_a.mass > 0.0) & (state.hose_b.mass > 0.0)
+    """Note where a joint has diverged in control cycle k for the first time."""
     c = course[0]
-    diverged = select(sound | (c.diverged <= k), c.diverged, k)
+    diverged = select(is_sound(state) | (c.diverged <= k), c.diverged, k)
     course[0] = Course(c.move, c.tally, c.tip, diverged)
 
 
