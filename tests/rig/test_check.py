@@ -11,7 +11,7 @@ from layflat.cli.virtual_rig import VirtualRig
 from layflat.errors import InputError
 from layflat.machine import load
 from layflat.rig.check.all import check_rig
-from layflat.rig.check.result import CheckResult
+from layflat.rig.check.open_loop import CheckResult
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.failures import failure
 from layflat.rig.driver import Capabilities, Command, DeviceState, Lifecycle, Reading

@@ -10,9 +10,6 @@ from layflat.rig.safety.detectors import (
     doubt,
     following,
     joint,
-    outside,
-    over_pressure,
-    over_speed,
     pressure_frozen,
     rail,
     supply,
@@ -24,10 +21,10 @@ from layflat.rig.safety.faults import Fault
 CYCLE = 0.005
 SPEED = 14.0
 LIMITS = joint.Limits(
-    rail.Limits(-1.3, 1.3, 3),
-    over_pressure.Limits(5e5, 2),
-    over_speed.Limits(SPEED, 2),
-    outside.Limits(1.2, 2),
+    rail.Limits(-1.3, 1.3),
+    5e5,
+    SPEED,
+    1.2,
     doubt.Limits(6e-4, 1.0, 0.25, 0.0125),
     angle_frozen.Limits(6e-4, 1e5, 0.0375, 0.09, 0.29, 0.6),
     valve_unresponsive.Limits(1000.0, 0.17),
@@ -148,7 +145,7 @@ def test_a_ripple_that_is_gone_is_a_valve_that_does_not_respond() -> None:
 
 
 def judged(pressures: list[float], *, still: bool = False, level: float = AIR) -> list[Fault]:
-    limits, memory, found = supply.Limits(3e5, 6e5, 2, 3, 0.06), supply.FRESH, []
+    limits, memory, found = supply.Limits(3e5, 6e5, 0.06), supply.Memory(), []
     for pressure in pressures:
         memory, fault = supply.find(limits, memory, pressure, still, CYCLE, level)
         found.append(Fault(fault))

@@ -94,7 +94,7 @@ class Loop:
         law = ArmLaw(machine)
         self.driver, self.clock, self.host = driver, clock, host
         self.recorder: Recorder = recorder if recorder is not None else NoRecorder()
-        self.supervisor = Supervisor(machine, machine.cycle, law)
+        self.supervisor = Supervisor(machine, law)
         self.deadlines = Deadlines(clock, machine.cycle)
         self.layout = law.layout
         self.row = np.zeros(self.layout.width)

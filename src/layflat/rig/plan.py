@@ -11,7 +11,7 @@ from pathlib import Path
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine, parameters
 from layflat.rig.recorded import Recorded
-from layflat.rig.safety.faults import TABLE, Fault
+from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Snapshot
 
@@ -162,4 +162,4 @@ def fault_text(shot: Snapshot, joints: Sequence[str]) -> str:
         return "stopped by the loop"
     each = list(shot["joint_fault"])  # type: ignore[arg-type]
     where = f"joint {joints[each.index(shot.fault)]!r}: " if shot.fault in each else ""
-    return where + TABLE[shot.fault].title
+    return where + shot.fault.title

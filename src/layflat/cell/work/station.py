@@ -22,7 +22,6 @@ from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, Recorder
 from layflat.rig.record import RIG_SIGNALS
-from layflat.rig.safety.faults import TABLE
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
 
@@ -82,7 +81,7 @@ class Arm:
         self.loop.cycle()
         supervisor = self.loop.supervisor
         if supervisor.state not in {State.READY, State.MOVING}:
-            raise RigStoppedError(f"the rig stopped: {TABLE[supervisor.ledger.worst].title}")
+            raise RigStoppedError(f"the rig stopped: {supervisor.ledger.worst.title}")
 
     def request(self, now: int) -> HostRequest:  # noqa: ARG002  (as the rig's hosts)
         """Return the next row of the course that it is on."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from layflat.machine import Machine
-from layflat.rig.check.open_loop import OpenLoopRig
-from layflat.rig.check.result import CheckResult
+from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.check.signs import try_signs
 from layflat.rig.check.still import look
 from layflat.rig.clock import Clock

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,12 +15,25 @@ from layflat.rig.deadlines import Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.cycle import JUDGE
-from layflat.rig.safety.debounce import CountDebounce
 from layflat.rig.safety.detectors.sample import MOTION
-from layflat.rig.safety.faults import TABLE, Fault
+from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_limits
 
 Array = NDArray[np.float64]
+
+
+class CheckResult(NamedTuple):
+    """One thing that was looked at."""
+
+    what: str
+    found: str
+    action: str = ""
+    """What to do; empty where the check passed."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing has to be done."""
+        return not self.action
 
 
 class UnsafeError(LayflatError):
@@ -38,7 +53,7 @@ class OpenLoopRig:
         self.machine, self.driver, self.clock = machine, driver, clock
         self.names = list(machine.joints)
         self.cycle = machine.cycle
-        self.limits = [joint_limits(machine, name, self.cycle) for name in self.names]
+        self.limits = [joint_limits(machine, name) for name in self.names]
         valve, self.angle_part, self.pressure_part = drive_parts(machine)
         self.span = valve.volts_to_full
         self.centred = np.full(len(self.names), valve.centre_voltage)
@@ -47,8 +62,7 @@ class OpenLoopRig:
         """Time that each took, s."""
         self.lost = 0
         """Transactions without a good reply."""
-        self._core = Core(machine, self.cycle)
-        self._gone = CountDebounce(TABLE[Fault.LINK_LOST].cycles)
+        self._core = Core(machine)
         self._obeyed = False
 
     def cycles(self, seconds: float) -> int:
@@ -73,12 +87,12 @@ class OpenLoopRig:
         Raises:
             UnsafeError: it is not safe to go on.
         """
+        lost = 0
         while True:
-            reading = self.look()
-            if reading is not None:
+            if (reading := self.look()) is not None:
                 self._judge(reading)
-            elif self._gone(True):
-                raise UnsafeError(TABLE[Fault.LINK_LOST].title)
+            elif (lost := lost + 1) >= Fault.LINK_LOST.cycles:
+                raise UnsafeError(Fault.LINK_LOST.title)
             self.driver.write(Command(voltages.copy(), air=True, reset=reset))
             if reading is not None:
                 return reading
@@ -94,7 +108,6 @@ class OpenLoopRig:
         self.driver.deactivate()
 
     def _judge(self, reading: Reading) -> None:
-        self._gone(False)
         self._core.take(reading)
         self._core.perform(JUDGE, reading.supply, self.cycle, self.cycle, MOTION)
         fault, faults = self._core.found
@@ -104,7 +117,7 @@ class OpenLoopRig:
         if reading.stopped:
             fault = Fault.E_STOP
         if fault:
-            raise UnsafeError(TABLE[fault].title)
+            raise UnsafeError(fault.title)
         for name, found in zip(self.names, faults, strict=True):
             if found:
-                raise UnsafeError(f"joint {name!r}: {TABLE[found].title}")
+                raise UnsafeError(f"joint {name!r}: {found.title}")

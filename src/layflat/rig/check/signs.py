@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.rig.check.open_loop import OpenLoopRig, UnsafeError
-from layflat.rig.check.result import CheckResult
+from layflat.rig.check.open_loop import CheckResult, OpenLoopRig, UnsafeError
 from layflat.rig.safety.state_machine import RESET_HIGH, RESET_LOW
 
 Array = NDArray[np.float64]
@@ -74,21 +73,18 @@ def try_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list[C
 
 
 def _bring_air(bench: OpenLoopRig) -> CheckResult:
-    for k in range(RESET_LOW + RESET_HIGH):
-        bench.act(bench.centred, reset=k >= RESET_LOW)
     safety, supply = bench.machine.safety, bench.machine.supply
-    ready = supply.ambient_pressure + safety.supply_ready * supply.pressure_gauge
-    reading = bench.act(bench.centred)
-    took = RESET_LOW + RESET_HIGH + 1
-    while not reading.supply >= ready:
-        if took > bench.cycles(safety.start_time):
-            gauge = (reading.supply - supply.ambient_pressure) / 1e5
-            right = "look at compressor, regulator, dump valve and the sensor behind it"
-            return CheckResult("air", f"{gauge:.2f} bar after {safety.start_time:g} s", right)
+    ready, edge = supply.ambient_pressure + safety.supply_ready * supply.pressure_gauge, RESET_LOW + RESET_HIGH
+    for k in range(edge):
+        reading = bench.act(bench.centred, reset=k >= RESET_LOW)
+    for took in range(edge + 1, bench.cycles(safety.start_time) + 2):
         reading = bench.act(bench.centred)
-        took += 1
-    _rest(bench)
-    return CheckResult("air", f"there {took * bench.cycle:.2f} s after it was asked for")
+        if reading.supply >= ready:
+            _rest(bench)
+            return CheckResult("air", f"there {took * bench.cycle:.2f} s after it was asked for")
+    gauge = (reading.supply - supply.ambient_pressure) / 1e5
+    right = "look at compressor, regulator, dump valve and the sensor behind it"
+    return CheckResult("air", f"{gauge:.2f} bar after {safety.start_time:g} s", right)
 
 
 def _rest(bench: OpenLoopRig) -> None:
@@ -114,18 +110,6 @@ def _pulse(bench: OpenLoopRig, joint: int, way: int) -> Pulse:
     return pulse
 
 
-def judged(pulses: list[Pulse], joint: int, names: list[str]) -> CheckResult:
-    """What two pulses of a joint's valve, one each way, say of its valve and sensors."""
-    turned = [_sign(pulse.way * pulse.angles[joint], STIRS / 2) for pulse in pulses]
-    pressed = [_sign(pulse.way * pulse.pressures[joint], ANSWERS) for pulse in pulses]
-    found = "; ".join(
-        f"{pulse.way * 100 * pulse.opening:+.1f} % open gave {pulse.pressures[joint] / 1e5:+.2f} bar, "
-        f"{np.degrees(pulse.angles[joint]):+.1f} deg"
-        for pulse in pulses
-    )
-    return CheckResult(f"signs of {names[joint]}", found, _right(turned, pressed, _other(pulses, joint, names)))
-
-
 WRONG = {
     ((1, 1), (1, 1)): "",
     ((-1, -1), (-1, -1)): "its valve goes the wrong way: swap its two hoses",
@@ -136,17 +120,24 @@ WRONG = {
 """What is wrong, by the ways that angle and pressure went when hose A was to be filled, then hose B."""
 
 
-def _right(turned: list[int], pressed: list[int], other: str) -> str:
-    if other:
-        return f"its valve moves {other}: swap their plugs or hoses"
-    (a, b), (p, q) = turned, pressed
-    if ((a, b), (p, q)) in WRONG:
-        return WRONG[(a, b), (p, q)]
-    if not any(turned):
-        return "it does not turn: it is blocked, or its angle sensor is loose"
-    if not any(pressed):
-        return "its pressure does not answer: look at the pressure sensor's lines"
-    return "it does not go one way with its valve: look at the valve's centre, and for leaks"
+def judged(pulses: list[Pulse], joint: int, names: list[str]) -> CheckResult:
+    """What two pulses of a joint's valve, one each way, say of its valve and sensors."""
+    turned = tuple(_sign(pulse.way * pulse.angles[joint], STIRS / 2) for pulse in pulses)
+    pressed = tuple(_sign(pulse.way * pulse.pressures[joint], ANSWERS) for pulse in pulses)
+    if other := _other(pulses, joint, names):
+        wrong = f"its valve moves {other}: swap their plugs or hoses"
+    elif not any(turned):
+        wrong = "it does not turn: it is blocked, or its angle sensor is loose"
+    elif not any(pressed):
+        wrong = "its pressure does not answer: look at the pressure sensor's lines"
+    else:
+        wrong = "it does not go one way with its valve: look at the valve's centre, and for leaks"
+    found = "; ".join(
+        f"{pulse.way * 100 * pulse.opening:+.1f} % open gave {pulse.pressures[joint] / 1e5:+.2f} bar, "
+        f"{np.degrees(pulse.angles[joint]):+.1f} deg"
+        for pulse in pulses
+    )
+    return CheckResult(f"signs of {names[joint]}", found, wrong if other else WRONG.get((turned, pressed), wrong))
 
 
 def _other(pulses: list[Pulse], joint: int, names: list[str]) -> str:

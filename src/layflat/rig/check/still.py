@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.machine.parameters import sensor as sensor_law
+from layflat.machine.parameters import sensor
 from layflat.physics.sensor import Sensor
-from layflat.rig.check.open_loop import OpenLoopRig
-from layflat.rig.check.result import CheckResult
+from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.driver import DeviceState, Reading
 
 Array = NDArray[np.float64]
@@ -42,10 +41,9 @@ def look(bench: OpenLoopRig) -> list[CheckResult]:
     if not found:
         return findings
     findings += [_device_state(found[-1]), _supply(bench, found)]
-    angles, pressures = np.array([r.angles for r in found]), np.array([r.pressures for r in found])
-    angle, pressure = sensor_law(bench.angle_part), sensor_law(bench.pressure_part)
     for j, name in enumerate(bench.names):
-        findings += [_angle(bench, j, name, angles[:, j], angle), _pressure(bench, j, name, pressures[:, j], pressure)]
+        findings.append(_angle(bench, j, name, np.array([reading.angles[j] for reading in found])))
+        findings.append(_pressure(bench, j, name, np.array([reading.pressures[j] for reading in found])))
     return findings
 
 
@@ -78,40 +76,30 @@ def _supply(bench: OpenLoopRig, found: list[Reading]) -> CheckResult:
     return CheckResult("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right)
 
 
-def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -> CheckResult:
-    limits, middle = bench.limits[j], float(np.median(samples))
+def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
+    rail, middle, wrong = bench.limits[j].rail, float(np.median(samples)), ""
     end = 0.5 * bench.machine.joint[name].stops.mechanical_stroke
-    right = ""
-    if not limits.rail.low < middle < limits.rail.high:
-        right = "at its rail: it is open or shorted, look at its wires"
+    if not rail.low < middle < rail.high:
+        wrong = "at its rail: it is open or shorted, look at its wires"
     elif abs(middle) > end:
-        right = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
-    right = right or _noise(samples, law)
-    told = f"{np.degrees(middle):.2f} deg, noise {_spread(samples) / law.lsb:.1f} counts"
-    return CheckResult(f"angle of {name}", told, right)
+        wrong = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
+    return _sensor(f"angle of {name}", f"{np.degrees(middle):.2f} deg", sensor(bench.angle_part), samples, wrong)
 
 
-def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array, law: Sensor) -> CheckResult:
-    middle = float(np.median(samples))
-    right = ""
-    if not abs(middle) < bench.limits[j].over_pressure.pressure:
-        right = "at its rail: look at its wires"
+def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
+    middle, wrong = float(np.median(samples)), ""
+    if not abs(middle) < bench.limits[j].over_pressure:
+        wrong = "at its rail: look at its wires"
     elif abs(middle) > NO_PRESSURE:
-        right = "let the air out of the hoses, or set its zero"
-    right = right or _noise(samples, law)
-    told = f"{middle / 1e5:+.3f} bar, noise {_spread(samples) / law.lsb:.1f} counts"
-    return CheckResult(f"pressure of {name}", told, right)
+        wrong = "let the air out of the hoses, or set its zero"
+    return _sensor(f"pressure of {name}", f"{middle / 1e5:+.3f} bar", sensor(bench.pressure_part), samples, wrong)
 
 
-def _noise(samples: Array, law: Sensor) -> str:
-    """What is wrong with a sensor's noise."""
-    if law.noise > LIVELY * law.lsb and np.ptp(samples) == 0.0:
-        return "it repeats itself: its converter is frozen, or the wire is off"
-    if _spread(samples) > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
-        return "much noise: look at its screen and ground"
-    return ""
-
-
-def _spread(samples: Array) -> float:
-    """Noise without drift: of the differences from one sample to the next."""
-    return float(np.std(np.diff(samples)) / np.sqrt(2.0)) if len(samples) > 2 else 0.0
+def _sensor(what: str, shown: str, law: Sensor, samples: Array, wrong: str) -> CheckResult:
+    """Tell of a sensor what is wrong with its values, or else with its noise: that of differences, without drift."""
+    noise = float(np.std(np.diff(samples)) / np.sqrt(2.0)) if len(samples) > 2 else 0.0
+    if not wrong and law.noise > LIVELY * law.lsb and np.ptp(samples) == 0.0:
+        wrong = "it repeats itself: its converter is frozen, or the wire is off"
+    elif not wrong and noise > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
+        wrong = "much noise: look at its screen and ground"
+    return CheckResult(what, f"{shown}, noise {noise / law.lsb:.1f} counts", wrong)

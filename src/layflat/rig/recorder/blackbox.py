@@ -14,14 +14,14 @@ from layflat.files import whole_file
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.file import synced
 from layflat.rig.recorder.ring import Event, Level
-from layflat.rig.safety.faults import TABLE, Reaction
+from layflat.rig.safety.faults import Fault, Reaction
 
 Array = NDArray[np.float64]
 
 BEFORE, AFTER = 10.0, 2.0
 """s around a fault that are kept."""
 
-MILD = max(fault for fault, entry in TABLE.items() if entry.reaction is Reaction.TELL)
+MILD = max(fault for fault in Fault if fault.reaction is Reaction.TELL)
 """Up to this one faults are told and no more: they make no file."""
 
 MOST = 100

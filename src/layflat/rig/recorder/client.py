@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from layflat.errors import OutputError
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
-from layflat.rig.safety.faults import REACTIONS, Reaction
+from layflat.rig.safety.faults import Fault, Reaction
 
-LEVELS = [Level.INFO, *(Level.WARN if reaction is Reaction.TELL else Level.ERROR for reaction in REACTIONS[1:])]
+LEVELS = [Level.INFO, *(Level.WARN if fault.reaction is Reaction.TELL else Level.ERROR for fault in list(Fault)[1:])]
 """How much a cycle's events matter, by its worst fault."""
 
 CHANGE = " -> "

@@ -39,17 +39,16 @@ class Core:
 
     Args:
         machine: with valve and sensors.
-        cycle: of the loop, s.
         law: of control; the detectors alone work where there is none.
 
     Raises:
         MachineError: the machine has no valve or sensors.
     """
 
-    def __init__(self, machine: Machine, cycle: float, law: ArmLaw | None = None) -> None:
+    def __init__(self, machine: Machine, law: ArmLaw | None = None) -> None:
         names = list(machine.joints)
-        self.rig = NamedRows([rig_settings(machine, cycle)])
-        self.settings = NamedRows([joint_settings(machine, name, cycle) for name in names])
+        self.rig = NamedRows([rig_settings(machine)])
+        self.settings = NamedRows([joint_settings(machine, name) for name in names])
         self.memory, self.inputs, self.law = (
             NamedRows([compiled.MEMORY] * len(names)),
             NamedRows([compiled.INPUTS]),
@@ -88,7 +87,7 @@ class Core:
     def reset(self) -> None:
         """Forget what the detectors saw; what the hoses hold, and demands, are kept."""
         self.memory.replace("detectors", joint.FRESH)
-        self.inputs.replace("lines", supply.FRESH)
+        self.inputs.replace("lines", supply.Memory())
         self.inputs["even"][0] = compiled.CALM
 
     def begin(self, reading: Reading, *, filled: bool) -> None:

@@ -14,15 +14,12 @@ from layflat.rig.safety.detectors import (
     doubt,
     following,
     joint,
-    outside,
-    over_pressure,
-    over_speed,
     pressure_frozen,
     rail,
     supply,
     valve_unresponsive,
 )  # fmt: skip
-from layflat.rig.safety.faults import TABLE, Fault
+from layflat.rig.safety.faults import Fault
 
 LIVELY = 0.3
 """Noise of a sensor, in counts, from which on it never reports the same count for 20 samples."""
@@ -30,12 +27,11 @@ LIVELY = 0.3
 RAIL = 2.0
 """Counts from the end of a converter's range, at which a sensor is taken to be open or shorted."""
 
-
 NOISE = 2.0
 """Counts by which a sample may be wrong: a joint at a limit is found in spite of them."""
 
-RIPPLE_AFTER = 4.0
-"""Cycles that the ripple takes to show that there is none any more."""
+SPARE, RIPPLE_AFTER = 2.0, 4.0
+"""Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none."""
 
 ASLEEP = 0.29
 """A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
@@ -43,28 +39,19 @@ ASLEEP = 0.29
 HELD = 0.6
 """The same by more than noise, which may go to and fro by a count, s."""
 
-
-DIPS = 3
-"""Samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
-
 DOUBTFUL, SURE = 2.5, 7.5
 """Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit."""
 
 
-def within(fault: Fault, cycle: float, spare: float = 2.0) -> float:
-    """How long a condition has to last, s: some cycles less than the table of faults gives to find it."""
-    return TABLE[fault].seconds - spare * cycle
-
-
-def rig_settings(machine: Machine, cycle: float) -> Rig:
-    """What holds of the machine as a whole; `cycle` of the loop, s.
+def rig_settings(machine: Machine) -> Rig:
+    """What holds of the machine as a whole.
 
     Raises:
         MachineError: the machine has no valve or sensors.
     """
     valve, _, _ = drive_parts(machine)
-    safety, source, span = machine.safety, machine.supply, valve.volts_to_full
-    lost = TABLE[Fault.SUPPLY_LOST].seconds - RIPPLE_AFTER * cycle
+    safety, source, span, cycle = machine.safety, machine.supply, valve.volts_to_full, machine.cycle
+    lost = Fault.SUPPLY_LOST.seconds - RIPPLE_AFTER * cycle
     return Rig(
         cycle,
         valve.centre_voltage,
@@ -78,15 +65,13 @@ def rig_settings(machine: Machine, cycle: float) -> Rig:
         supply.Limits(
             low=source.ambient_pressure + safety.supply_low * source.pressure_gauge,
             high=source.ambient_pressure + safety.overpressure * source.pressure_gauge,
-            samples=TABLE[Fault.OVER_PRESSURE].cycles,
-            dips=DIPS,
-            patience=max(lost - 2.0 * cycle, cycle),
+            patience=max(lost - SPARE * cycle, cycle),
         ),
     )
 
 
-def joint_settings(machine: Machine, name: str, cycle: float) -> Settings:
-    """What holds of a joint; `cycle` of the loop, s.
+def joint_settings(machine: Machine, name: str) -> Settings:
+    """What holds of a joint.
 
     Raises:
         MachineError: the machine has no valve or sensors.
@@ -94,7 +79,7 @@ def joint_settings(machine: Machine, name: str, cycle: float) -> Settings:
     stops, safety = machine.joint[name].stops, machine.safety
     averaged = getattr(machine.controller, "averaged", True)
     return Settings(
-        joint_limits(machine, name, cycle),
+        joint_limits(machine, name),
         parameters.air_parts(machine, name),
         Gate(0.5 * stops.working_stroke, 0.5 * stops.mechanical_stroke, safety.demand_speed),
         parameters.torque_constant(machine.joint[name]),
@@ -102,42 +87,40 @@ def joint_settings(machine: Machine, name: str, cycle: float) -> Settings:
     )
 
 
-def joint_limits(machine: Machine, name: str, cycle: float) -> joint.Limits:
-    """Limits of the detectors of a joint; `cycle` of the loop, s.
+def joint_limits(machine: Machine, name: str) -> joint.Limits:
+    """Limits of the detectors of a joint.
 
     Raises:
         MachineError: the machine has no valve or sensors.
     """
     _, angle_part, pressure_part = drive_parts(machine)
-    part, safety, gauge = machine.joint[name], machine.safety, machine.supply.pressure_gauge
+    part, safety, gauge, cycle = machine.joint[name], machine.safety, machine.supply.pressure_gauge, machine.cycle
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
     working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
     friction = 2.0 * part.brake.torque / parameters.torque_constant(part) + parameters.loss_share(part) * gauge
-    seen = _dither_is_seen(machine)
-    sure = SURE * cycle
+    seen, sure = _dither_is_seen(machine), SURE * cycle
     return joint.Limits(
-        rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb, TABLE[Fault.ANGLE_AT_RAIL].cycles),
-        over_pressure.Limits(
-            min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb), TABLE[Fault.OVER_PRESSURE].cycles
-        ),
-        over_speed.Limits(safety.speed - NOISE * angle.lsb / machine.cycle, TABLE[Fault.OVER_SPEED].cycles),
-        outside.Limits(
-            working + safety.overrun * (mechanical - working) - NOISE * angle.lsb, TABLE[Fault.OUTSIDE_STROKE].cycles
-        ),
+        rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb),
+        min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
+        safety.speed - NOISE * angle.lsb / cycle,
+        working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
         doubt.Limits(
             angle.lsb,
             1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
             safety.surplus if part.acting == "double" else inf,
             DOUBTFUL * cycle,
         ),
-        angle_frozen.Limits(angle.lsb, friction, sure, within(Fault.ANGLE_FROZEN, cycle), ASLEEP, HELD),
+        angle_frozen.Limits(angle.lsb, friction, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle, ASLEEP, HELD),
         valve_unresponsive.Limits(
             getattr(machine.controller, "air_ripple", 0.0) if seen else 0.0,
-            within(Fault.VALVE_UNRESPONSIVE, cycle, 2.0 + RIPPLE_AFTER),
+            Fault.VALVE_UNRESPONSIVE.seconds - (SPARE + RIPPLE_AFTER) * cycle,
         ),
-        pressure_frozen.Limits(within(Fault.PRESSURE_FROZEN, cycle), sure),
+        pressure_frozen.Limits(Fault.PRESSURE_FROZEN.seconds - SPARE * cycle, sure),
         following.Limits(
-            safety.following_error, safety.following_time, safety.demand_speed, within(Fault.FOLLOWING_ERROR, cycle)
+            safety.following_error,
+            safety.following_time,
+            safety.demand_speed,
+            Fault.FOLLOWING_ERROR.seconds - SPARE * cycle,
         ),
     )
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from layflat.machine import Machine
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.core import Core
-from layflat.rig.safety.debounce import TimeDebounce
 from layflat.rig.safety.detectors.sample import AIR as ALL
 from layflat.rig.safety.detectors.sample import MOTION, SENSORS
 from layflat.rig.safety.estimator import Estimate
@@ -48,7 +47,6 @@ class StateMachine:
         self.safety, self.core = machine.safety, core
         self.ledger = Ledger(list(machine.joints))
         self._ready = machine.supply.ambient_pressure + machine.safety.supply_ready * machine.supply.pressure_gauge
-        self._there = TimeDebounce(THERE)
         self.state, self.valve_mode = State.OFF, ValveMode.CENTRE
         self.wake = True
         """Whether the controllers have to begin anew in this cycle."""
@@ -56,7 +54,7 @@ class StateMachine:
         """Whether no start is allowed, since nothing is recorded."""
         self.pressed = False
         """Whether the e-stop is pressed."""
-        self._in_state = self._in_mode = 0.0
+        self._in_state = self._in_mode = self._there_for = 0.0
         self._reset_for = 0
         self._obeyed = False
 
@@ -92,7 +90,7 @@ class StateMachine:
     def enter(self, state: State, mode: ValveMode) -> None:
         """Be in a state, with the valves in a mode."""
         if state is not self.state:
-            self.ledger.say(f"{self.state.name.lower()} -> {state.name.lower()}")
+            self.ledger.events.append(f"{self.state.name.lower()} -> {state.name.lower()}")
             self.state, self._in_state = state, 0.0
         if mode is not self.valve_mode:
             if AIR[mode] and not AIR[self.valve_mode]:
@@ -118,7 +116,8 @@ class StateMachine:
     def starting(self, supply: float, elapsed: float) -> None:
         """Look whether a soft start is over, or takes too long; `supply` absolute, Pa, `elapsed` in s."""
         filled = self.core.hoses_are_filled(supply) or self._in_state > FILLS * self.safety.start_time
-        if self._there(self.core.air_is_there(supply, self._ready), elapsed) and filled:
+        self._there_for = self._there_for + elapsed if self.core.air_is_there(supply, self._ready) else 0.0
+        if self._there_for >= THERE and filled:
             self.core.reset()
             self.enter(State.READY, ValveMode.HOLD)
         elif self._in_state > self.safety.start_time:
@@ -127,21 +126,20 @@ class StateMachine:
     def start(self) -> None:
         """Bring the air, or go on with it."""
         if self.ledger.latched or self.pressed:
-            self.ledger.say("no start: a fault is latched; give a reset first")
+            self.ledger.events.append("no start: a fault is latched; give a reset first")
         elif self.barred:
-            self.ledger.say("no start: nothing is recorded")
+            self.ledger.events.append("no start: nothing is recorded")
         elif self.state is State.HOLDING and AIR[self.valve_mode]:
             self.enter(State.READY, ValveMode.HOLD)
         elif self.state in {State.OFF, State.STOPPED}:
             self.freeze()
-            self._obeyed, self._reset_for = False, RESET_LOW + RESET_HIGH
-            self._there(False, 0.0)
+            self._obeyed, self._reset_for, self._there_for = False, RESET_LOW + RESET_HIGH, 0.0
             self.enter(State.STARTING, ValveMode.HOLD)
 
     def stop(self) -> None:
         """Controlled stop: the joints are held, then the air is let out."""
         if self.state is State.FAULT:
-            self.ledger.worsen(Reaction.STOP)
+            self.ledger.reaction = max(self.ledger.reaction, Reaction.STOP)
         elif self.state is State.STARTING:
             self.enter(State.STOPPED, ValveMode.CENTRE)
         elif self.state is not State.STOPPED:
@@ -153,7 +151,7 @@ class StateMachine:
     def reset(self) -> None:
         """Let go of latched faults that are over."""
         if self.pressed or (self.ledger.now >= Fault.DEVICE_CENTRED and AIR[self.valve_mode]):
-            self.ledger.say("no reset: the fault is still there")
+            self.ledger.events.append("no reset: the fault is still there")
             return
         self.ledger.clear()
         self._reset_for = RESET_LOW + RESET_HIGH

@@ -17,9 +17,8 @@ from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.cycle import BAD, CHANGED, CONTROL, DEMAND, ESTIMATE, FOUND, GATE, JUDGE
-from layflat.rig.safety.debounce import CountDebounce
 from layflat.rig.safety.demands import REFUSED
-from layflat.rig.safety.faults import REACTIONS, TABLE, Fault, Reaction
+from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import StateMachine
 from layflat.rig.safety.states import State, ValveMode
 
@@ -53,19 +52,18 @@ class Supervisor(StateMachine):
     """State, faults and what is done about them.
 
     Args:
-        machine: with valve, sensors and controller.
-        cycle: of the loop, s.
+        machine: with valve and sensors.
         law: of control.
 
     Raises:
-        MachineError: the machine has no valve, sensors or controller.
+        MachineError: the machine has no valve or sensors.
     """
 
-    def __init__(self, machine: Machine, cycle: float, law: ArmLaw | None = None) -> None:
-        core = Core(machine, cycle, law or ArmLaw(machine))
+    def __init__(self, machine: Machine, law: ArmLaw) -> None:
+        core = Core(machine, law)
         super().__init__(machine, core)
-        self._lost = CountDebounce(TABLE[Fault.LINK_LOST].cycles)
-        self._stale_after = machine.safety.setpoint_age - cycle
+        self._lost = 0
+        self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
         self.demands, self.voltages = core.demands, core.voltages
@@ -96,7 +94,7 @@ class Supervisor(StateMachine):
         core.asked[:] = request.demands
         if reading is not None:
             core.take(reading)
-            self._lost(False)
+            self._lost = 0
             if not self._goes_on(reading, request):
                 self._judge(reading, elapsed)
             elif (came := self._perform(JUDGE | MOVE | GATE, reading.supply, elapsed, since)) & FOUND:
@@ -107,7 +105,8 @@ class Supervisor(StateMachine):
                 return
         else:
             self.ledger.note(Fault.REPLY_LOST)
-            if self._lost(True):
+            self._lost += 1
+            if self._lost >= Fault.LINK_LOST.cycles:
                 self.ledger.note(Fault.LINK_LOST)
         for fault in self.noted:
             self.ledger.note(fault)
@@ -129,14 +128,11 @@ class Supervisor(StateMachine):
         )
 
     def _perform(self, stages: int, supply: float, elapsed: float, since: float) -> int:
-        came = self.core.perform(stages, supply, elapsed, since, self.level, follow=self._follows, wake=self.wake)
+        follow = self.valve_mode is ValveMode.FOLLOW
+        came = self.core.perform(stages, supply, elapsed, since, self.level, follow=follow, wake=self.wake)
         if stages & CONTROL and not came & FOUND:
             self.wake = False
         return came
-
-    @property
-    def _follows(self) -> bool:
-        return self.valve_mode is ValveMode.FOLLOW
 
     def _judge(self, reading: Reading, elapsed: float) -> None:
         """Look at what was read, and note every fault."""
@@ -156,7 +152,7 @@ class Supervisor(StateMachine):
             self.ledger.note(fault)
         for j, found in enumerate(faults):
             if found:
-                self.ledger.note_joint(j, found)
+                self.ledger.note(found, j)
 
     def _decide(self, request: HostRequest) -> None:
         """Decide on state and valve mode."""
@@ -181,11 +177,11 @@ class Supervisor(StateMachine):
         if came & CHANGED:
             for j, outcome in enumerate(self.core.outcomes.tolist()):
                 if outcome:
-                    self.ledger.note_joint(j, Fault.DEMAND_REFUSED if outcome == REFUSED else Fault.DEMAND_LIMITED)
+                    self.ledger.note(Fault.DEMAND_REFUSED if outcome == REFUSED else Fault.DEMAND_LIMITED, j)
         if came & BAD:
             for j, volts in enumerate(self.core.voltages_asked.tolist()):
                 if not self._low <= volts <= self._high:
-                    self.ledger.note_joint(j, Fault.BAD_COMMAND)
+                    self.ledger.note(Fault.BAD_COMMAND, j)
             self.react(self.demands)
             self.wake = True
 
@@ -194,7 +190,7 @@ class Supervisor(StateMachine):
         out.fill(self._high if self.valve_mode is ValveMode.VENT else self._centre)
         if self.valve_mode is ValveMode.VENT_JOINT:
             for j, fault in enumerate(self.ledger.joints):
-                if REACTIONS[fault] is Reaction.VENT_JOINT:
+                if fault.reaction is Reaction.VENT_JOINT:
                     out[j] = self._high
         elif self.valve_mode is ValveMode.CENTRE and self.ledger.latched >= Fault.VALVE_UNRESPONSIVE:
             for j, fault in enumerate(self.ledger.joints):

@@ -12,7 +12,7 @@ import numpy as np
 from layflat.rig.clock import SECOND
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState
-from layflat.rig.safety.faults import TABLE, Fault
+from layflat.rig.safety.faults import Fault
 from layflat.rig.trials.cases import ROWS, FaultCase, Safe
 from layflat.rig.trials.rig import TrialRig
 
@@ -220,11 +220,11 @@ class Trial:
                 beyond = case.since(rig, self.joint)
                 since = (since or now - round(rig.period * SECOND)) if beyond else None
             said = "\n".join(rig.recorder.lines)
-            by = [fault for fault in case.found if TABLE[fault].title in said]
+            by = [fault for fault in case.found if fault.title in said]
             if by and now > instant:
                 if case.brief:
                     case.end(rig, self.joint)
-                return (now - (since if since is not None else now)) / SECOND, TABLE[by[0]].title, limit
+                return (now - (since if since is not None else now)) / SECOND, by[0].title, limit
         return inf, "", limit
 
     def _host_gone(self) -> tuple[float, str, float]:

@@ -169,7 +169,7 @@ class TrialRig:
         driver.activate()
         assert machine.controller is not None  # the loop has taken its gains
         self.period = machine.controller.cycle
-        self.following = [joint_limits(machine, name, self.period).following for name in machine.joints]
+        self.following = [joint_limits(machine, name).following for name in machine.joints]
         self.peaks = Peaks([0.0] * len(machine.joints))
         self._line = 0.0
         self.truth: Truth = device.call(truth)

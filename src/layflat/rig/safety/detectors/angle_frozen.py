@@ -41,19 +41,16 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """What the joint has borne since its angle last changed, and for how long it has not followed."""
 
-    least: float
+    least: float = 0.0
     """Differential pressure since the angle last changed, Pa."""
-    most: float
-    net_least: float
+    most: float = 0.0
+    net_least: float = 0.0
     """The same less what joints that turn would hold off, Pa."""
-    net_most: float
-    asleep: float
-    anchor: float
+    net_most: float = 0.0
+    asleep: float = 0.0
+    anchor: float = nan
     """Where it was when it last moved by more than noise, rad."""
-    held: float
-
-
-FRESH = Memory(0.0, 0.0, 0.0, 0.0, 0.0, nan, 0.0)
+    held: float = 0.0
 
 
 @law

@@ -25,8 +25,8 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """For how long the pressure has been the same (s), and 1 where a sensor is suspect."""
 
-    same_pressure: float
-    suspect: float
+    same_pressure: float = 0.0
+    suspect: float = 0.0
 
 
 class Doubt(NamedTuple):
@@ -40,9 +40,6 @@ class Doubt(NamedTuple):
     """The air does what the valve was not asked for, or a sensor is wrong."""
     suspect: bool
     """A sensor may be frozen, and the air has been wrong since."""
-
-
-FRESH = Memory(0.0, 0.0)
 
 
 @law

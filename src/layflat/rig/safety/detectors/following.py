@@ -26,11 +26,8 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """Where the joint should be by now (rad; not a number at first), and for how long it has been too far from it."""
 
-    reach: float
-    off: float
-
-
-FRESH = Memory(nan, 0.0)
+    reach: float = nan
+    off: float = 0.0
 
 
 @law

@@ -21,9 +21,12 @@ class Limits(NamedTuple):
     """Limits of each detector."""
 
     rail: rail.Limits
-    over_pressure: over_pressure.Limits
-    over_speed: over_speed.Limits
-    outside: outside.Limits
+    over_pressure: float
+    """Of the differential pressure, Pa."""
+    over_speed: float
+    """rad/s."""
+    outside: float
+    """rad from mid-stroke."""
     doubt: doubt.Limits
     angle_frozen: angle_frozen.Limits
     valve_unresponsive: valve_unresponsive.Limits
@@ -35,20 +38,19 @@ class Memory(NamedTuple):
     """Memory of each detector."""
 
     trace: sample.Trace
-    rail: rail.Memory
-    over_pressure: over_pressure.Memory
-    over_speed: over_speed.Memory
-    outside: outside.Memory
+    rail: float
+    """Samples at fault, as the next three."""
+    over_pressure: float
+    over_speed: float
+    outside: float
     doubt: doubt.Memory
     angle_frozen: angle_frozen.Memory
-    valve_unresponsive: valve_unresponsive.Memory
+    valve_unresponsive: float
+    """s without a ripple."""
     following: following.Memory
 
 
-FRESH = Memory(
-    sample.FRESH, rail.FRESH, over_pressure.FRESH, over_speed.FRESH, outside.FRESH, doubt.FRESH, angle_frozen.FRESH,
-    valve_unresponsive.FRESH, following.FRESH,
-)  # fmt: skip
+FRESH = Memory(sample.Trace(), 0.0, 0.0, 0.0, 0.0, doubt.Memory(), angle_frozen.Memory(), 0.0, following.Memory())
 """Of detectors that begin."""
 
 

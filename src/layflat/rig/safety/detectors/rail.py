@@ -6,24 +6,14 @@ from layflat.jit import law
 from layflat.rig.safety.detectors.sample import counted
 from layflat.rig.safety.faults import Fault
 
-FAULT = int(Fault.ANGLE_AT_RAIL)
+FAULT, SAMPLES = int(Fault.ANGLE_AT_RAIL), Fault.ANGLE_AT_RAIL.cycles
 
 
 class Limits(NamedTuple):
-    """At or beyond these angles (rad) the sensor is at its rail; so many samples are enough."""
+    """Angles at or beyond which the sensor is at its rail, rad."""
 
     low: float
     high: float
-    samples: float
-
-
-class Memory(NamedTuple):
-    """Samples at the rail."""
-
-    run: float
-
-
-FRESH = Memory(0.0)
 
 
 @law
@@ -33,7 +23,7 @@ def sound(limits, angle):
 
 
 @law
-def find(limits, memory, sample):
-    """Count samples at the rail, with or without air."""
-    count = counted(memory.run, not sound(limits, sample.angle))
-    return Memory(count), FAULT if count >= limits.samples else 0
+def find(limits, before, sample):
+    """Count samples at the rail, with or without air, on from those before."""
+    run = counted(before, not sound(limits, sample.angle))
+    return run, FAULT if run >= SAMPLES else 0

@@ -39,22 +39,19 @@ class Sample(NamedTuple):
 class Trace(NamedTuple):
     """What the last samples left."""
 
-    angle: float
+    angle: float = nan
     """The last sample, rad."""
-    pressure_1: float
+    pressure_1: float = nan
     """The last samples, newest first, Pa."""
-    pressure_2: float
-    pressure_3: float
-    swing: float
-    ripple: float
+    pressure_2: float = nan
+    pressure_3: float = nan
+    swing: float = nan
+    ripple: float = inf
     """Amplitude of the pressure at a quarter of the loop's rate, whatever its slope; infinite at first, Pa."""
-    step: float
+    step: float = 0.0
     """By which the angle last changed, rad."""
-    same_angle: float
+    same_angle: float = 0.0
     """For which the angle has not changed, s."""
-
-
-FRESH = Trace(nan, nan, nan, nan, nan, inf, 0.0, 0.0)
 
 
 @law

@@ -6,7 +6,10 @@ from layflat.jit import law
 from layflat.rig.safety.detectors.sample import AIR, counted, lasted
 from layflat.rig.safety.faults import Fault
 
-TOO_HIGH, LOST = int(Fault.OVER_PRESSURE), int(Fault.SUPPLY_LOST)
+TOO_HIGH, LOST, SAMPLES = int(Fault.OVER_PRESSURE), int(Fault.SUPPLY_LOST), Fault.OVER_PRESSURE.cycles
+
+DIPS = 3
+"""Samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
 
 
 class Limits(NamedTuple):
@@ -15,10 +18,6 @@ class Limits(NamedTuple):
     low: float
     """Absolute, Pa, as the next."""
     high: float
-    samples: float
-    """At or above the upper limit that are enough."""
-    dips: float
-    """Samples below the lower one that are enough: while valves are open, hoses empty into the line."""
     patience: float
     """How long the ripple of several joints may be gone at once, s."""
 
@@ -26,20 +25,17 @@ class Limits(NamedTuple):
 class Memory(NamedTuple):
     """Samples above and below the limits, and for how long no joint has had a ripple (s)."""
 
-    above: float
-    below: float
-    still: float
-
-
-FRESH = Memory(0.0, 0.0, 0.0)
+    above: float = 0.0
+    below: float = 0.0
+    still: float = 0.0
 
 
 @law
 def find(limits, memory, supply, all_still, elapsed, level):
     """Judge the supply (absolute, Pa); that all of several joints lack their ripple is no fault of theirs."""
     above = counted(memory.above, not supply < limits.high)
-    if above >= limits.samples:
+    if above >= SAMPLES:
         return Memory(above, memory.below, memory.still), TOO_HIGH
     below = counted(memory.below, level >= AIR and supply < limits.low)
     still = lasted(memory.still, level >= AIR and all_still, elapsed)
-    return Memory(above, below, still), LOST if still >= limits.patience or below >= limits.dips else 0
+    return Memory(above, below, still), LOST if still >= limits.patience or below >= DIPS else 0

@@ -18,19 +18,13 @@ class Limits(NamedTuple):
     """How long the ripple may be gone, s."""
 
 
-class Memory(NamedTuple):
-    """For how long the ripple has been gone, s."""
-
-    quiet: float
-
-
-FRESH = Memory(0.0)
-
-
 @law
-def find(limits, memory, doubts, blocked, now, sample):
-    """Whether the air is wrong beyond doubt and the joint not blocked, or the dither's ripple is gone."""
+def find(limits, before, doubts, blocked, now, sample):
+    """Time for which the ripple has been gone (s), on from that before; air that is wrong beyond doubt is at fault.
+
+    Not where the joint is blocked: then it is that which the air does not fit.
+    """
     gone = sample.level >= AIR and sample.alone > 0.0 and now.ripple < limits.ripple
-    quiet = lasted(memory.quiet, gone, sample.elapsed)
+    quiet = lasted(before, gone, sample.elapsed)
     wrong = doubts.wrong and not doubts.any and not blocked
-    return Memory(quiet), FAULT if wrong or quiet >= limits.patience else 0
+    return quiet, FAULT if wrong or quiet >= limits.patience else 0
