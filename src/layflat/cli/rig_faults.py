@@ -77,11 +77,10 @@ def _tried(
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
-    from layflat.rig.trials.campaign import HOST_GONE  # noqa: PLC0415
     from layflat.rig.trials.cases import ROWS  # noqa: PLC0415
 
     context = get_context("spawn")
-    trials = instants * len((HOST_GONE, *ROWS))
+    trials = instants * len(ROWS)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with (
         context.Manager() as manager,
@@ -112,7 +111,7 @@ def campaign(machine: Machine, protocol: str, instants: int, seed: int, told: Qu
     from layflat.machine import changed  # noqa: PLC0415
     from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort  # noqa: PLC0415
     from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
-    from layflat.rig.trials.campaign import Campaign  # noqa: PLC0415
+    from layflat.rig.trials.campaign import campaign as trials  # noqa: PLC0415
     from layflat.rig.trials.rig import TrialRig  # noqa: PLC0415
 
     patient = changed(machine, f"interface.{protocol}.timeout", LONG_ENOUGH)
@@ -120,7 +119,7 @@ def campaign(machine: Machine, protocol: str, instants: int, seed: int, told: Qu
     outcomes = []
     with DeviceProcess(VirtualRig(patient, seed), patient, at, lockstep=True) as device:
         rig = TrialRig(patient, device, driver_of(device.address, patient))
-        for outcome in Campaign(rig, instants, seed).run():
+        for outcome in trials(rig, instants, seed):
             outcomes.append(outcome)
             told.put((protocol, len(outcomes)))
     return outcomes

@@ -110,20 +110,20 @@ def _pulse(bench: OpenLoopRig, joint: int, way: int) -> Pulse:
     return pulse
 
 
-WRONG = {
-    ((1, 1), (1, 1)): "",
-    ((-1, -1), (-1, -1)): "its valve goes the wrong way: swap its two hoses",
-    ((1, 1), (-1, -1)): "its pressure sensor goes the wrong way: swap its two lines",
-    ((-1, -1), (1, 1)): "its angle sensor goes the wrong way: turn its sign",
-    ((0, 0), (0, 0)): "nothing stirs: look at the plug of its valve, and at its lines",
+WRONG: dict[tuple[int, ...], str] = {
+    (1, 1, 1, 1): "",
+    (-1, -1, -1, -1): "its valve goes the wrong way: swap its two hoses",
+    (1, 1, -1, -1): "its pressure sensor goes the wrong way: swap its two lines",
+    (-1, -1, 1, 1): "its angle sensor goes the wrong way: turn its sign",
+    (0, 0, 0, 0): "nothing stirs: look at the plug of its valve, and at its lines",
 }
 """What is wrong, by the ways that angle and pressure went when hose A was to be filled, then hose B."""
 
 
 def judged(pulses: list[Pulse], joint: int, names: list[str]) -> CheckResult:
     """What two pulses of a joint's valve, one each way, say of its valve and sensors."""
-    turned = tuple(_sign(pulse.way * pulse.angles[joint], STIRS / 2) for pulse in pulses)
-    pressed = tuple(_sign(pulse.way * pulse.pressures[joint], ANSWERS) for pulse in pulses)
+    turned = [_sign(pulse.way * pulse.angles[joint], STIRS / 2) for pulse in pulses]
+    pressed = [_sign(pulse.way * pulse.pressures[joint], ANSWERS) for pulse in pulses]
     if other := _other(pulses, joint, names):
         wrong = f"its valve moves {other}: swap their plugs or hoses"
     elif not any(turned):
@@ -137,7 +137,7 @@ def judged(pulses: list[Pulse], joint: int, names: list[str]) -> CheckResult:
         f"{np.degrees(pulse.angles[joint]):+.1f} deg"
         for pulse in pulses
     )
-    return CheckResult(f"signs of {names[joint]}", found, wrong if other else WRONG.get((turned, pressed), wrong))
+    return CheckResult(f"signs of {names[joint]}", found, wrong if other else WRONG.get((*turned, *pressed), wrong))
 
 
 def _other(pulses: list[Pulse], joint: int, names: list[str]) -> str:

@@ -39,8 +39,9 @@ class Fault(IntEnum):
     """Found in so many control cycles, where seconds do not count."""
 
     def __new__(
-        cls, number: int, title: str, reaction: Reaction, latched: bool, seconds: float = 0.0, cycles: int = 1
-    ) -> Fault:
+        cls, number: int, title: str = "", reaction: Reaction = Reaction.TELL, latched: bool = False,
+        seconds: float = 0.0, cycles: int = 1,
+    ) -> Fault:  # fmt: skip
         """Make a row of the table."""
         fault = int.__new__(cls, number)
         fault._value_ = number
@@ -48,7 +49,7 @@ class Fault(IntEnum):
         fault.seconds, fault.cycles = seconds, cycles
         return fault
 
-    NONE = 0, "", Reaction.TELL, False
+    NONE = 0
     RECORDER_DEAD = 1, "recorder dead: no new start", Reaction.TELL, False, 1.0
     DEMAND_LIMITED = 2, "demand too fast: limited", Reaction.TELL, False
     DEMAND_REFUSED = 3, "demand outside the working stroke: refused", Reaction.TELL, False

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf
 from typing import NamedTuple
 
@@ -12,8 +11,7 @@ import numpy as np
 from layflat.rig.clock import SECOND
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState
-from layflat.rig.safety.faults import Fault
-from layflat.rig.trials.cases import ROWS, FaultCase, Safe
+from layflat.rig.trials.cases import HOST_GONE, ROWS, FaultCase
 from layflat.rig.trials.rig import TrialRig
 
 SPAN = 0.5
@@ -31,6 +29,9 @@ ON_ITS_WAY = (0.06, 0.2)
 GOING = 0.6
 """Speed that it has then at least, rad/s."""
 
+GONE = (0.5, 2.0)
+"""For which a loop is stopped, s."""
+
 PATIENCE = 1.0
 """Beyond the time in which a fault has to be found, until it counts as missed, s."""
 
@@ -42,22 +43,6 @@ HOME = 0.5
 
 HAND = 2.0
 """Torque of that hand, as a multiple of what the brake holds."""
-
-EMPTY = 0.3e5
-"""Gauge pressure below which a hose is empty, Pa."""
-
-STILL = 0.02
-"""Speed below which a joint stands still, rad/s."""
-
-HOST_GONE = "host dead, frozen or late"
-LATE = FaultCase(
-    "late host",
-    lambda *_: None,
-    lambda *_: None,
-    (Fault.DEVICE_CENTRED, Fault.DEVICE_DUMPED),
-    Safe.ALL_VENTED,
-    cycles=4,
-)
 
 
 class Outcome(NamedTuple):
@@ -91,39 +76,19 @@ class Outcome(NamedTuple):
         return self.found_after <= self.limit + 1e-9 and self.safe_after < inf and (self.turned <= 1.0 or self.pushed)
 
 
-@dataclass(frozen=True)
-class Campaign:
-    """Trials of all rows on one rig.
-
-    Args:
-        rig: rig and loop.
-        instants: trials of each row.
-        seed: of moves, joints, ways and instants.
-        rows: which; all where not given.
-    """
-
-    rig: TrialRig
-    instants: int = 20
-    seed: int = 0
-    rows: tuple[str, ...] = (HOST_GONE, *ROWS)
-
-    def run(self) -> Iterator[Outcome]:
-        """All trials, one after the other."""
-        for row in self.rows:
-            ways = (LATE,) if row == HOST_GONE else ROWS[row]
-            for number in range(self.instants):
-                random = np.random.default_rng((self.seed, [HOST_GONE, *ROWS].index(row), number))
-                yield Trial(self.rig, row, ways[number % len(ways)], random).run()
+def campaign(rig: TrialRig, instants: int = 20, seed: int = 0) -> Iterator[Outcome]:
+    """Try each row so often, one trial after the other; the seed is that of moves, joints, ways and instants."""
+    for i, (row, ways) in enumerate(ROWS.items()):
+        for number in range(instants):
+            yield Trial(rig, row, ways[number % len(ways)], np.random.default_rng((seed, i, number))).run()
 
 
 def lead_home(device: VirtualDevice, home: float) -> bool:
     """Turn joints that are further than `home` (rad) from mid-stroke towards it; whether there are any."""
-    plant, away = device.plant, False
-    for j, angle in enumerate(plant.angles):
-        away_now = abs(angle) > home
-        plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if away_now else 0.0
-        away = away or bool(away_now)
-    return away
+    away = np.abs(device.plant.angles) > home
+    for j, angle in enumerate(device.plant.angles):
+        device.plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if away[j] else 0.0
+    return bool(away.any())
 
 
 class Trial:
@@ -131,9 +96,9 @@ class Trial:
 
     def __init__(self, rig: TrialRig, row: str, case: FaultCase, random: np.random.Generator) -> None:
         self.rig, self.row, self.case, self.random = rig, row, case, random
-        names = list(rig.machine.joints)
-        self.joint = int(random.integers(len(names)))
-        self.name = names[self.joint]
+        self.joints = list(rig.machine.joints.values())
+        self.joint = int(random.integers(len(self.joints)))
+        self._reaches = [0.5 * SPAN * joint.stops.working_stroke for joint in self.joints]
         self._next = 0
 
     def run(self) -> Outcome:
@@ -146,19 +111,19 @@ class Trial:
         if self.row == HOST_GONE:
             found, by, limit = self._host_gone()
         else:
-            rig.clock.at(instant, lambda: case.begin(rig, self.joint))
+            rig.clock.at(instant, lambda: case.switch(rig, self.joint, True))
             found, by, limit = self._found(instant)
         safe = self._safe(instant)
         turned = max(
             angle / (0.5 * joint.stops.mechanical_stroke)
-            for angle, joint in zip(rig.peaks.angles, rig.machine.joints.values(), strict=True)
+            for angle, joint in zip(rig.furthest, self.joints, strict=True)
         )
-        outcome = Outcome(
-            self.row, case.name, self.name, (instant - begun) / SECOND, found, limit, by, safe, case.safe.value, turned,
-            rig.peaks.above_supply, case.pushed,
-        )  # fmt: skip
+        above_supply = rig.above_supply
         self._mend()
-        return outcome
+        return Outcome(
+            self.row, case.name, list(rig.machine.joints)[self.joint], (instant - begun) / SECOND, found, limit, by,
+            safe, case.safe.name, turned, above_supply, case.pushed,
+        )  # fmt: skip
 
     # Before
 
@@ -184,23 +149,17 @@ class Trial:
             rig.host.demands = self._place()
 
     def _place(self) -> list[float]:
-        half = [0.5 * SPAN * joint.stops.working_stroke for joint in self.rig.machine.joints.values()]
-        return [float(self.random.uniform(-reach, reach)) for reach in half]
+        return [float(self.random.uniform(-reach, reach)) for reach in self._reaches]
 
     def _off(self) -> bool:
-        """Ask the joint to go far, in this cycle."""
-        rig, reach = (
-            self.rig,
-            0.5 * SPAN * list(self.rig.machine.joints.values())[self.joint].stops.working_stroke,
-        )
-        here = rig.truth.angles[self.joint]
+        """Ask the joint to go far, in this cycle; False if it did not come to that."""
+        here, demands = self.rig.truth.angles[self.joint], self._place()
         side = -1.0 if here > 0.0 else 1.0
-        demands = self._place()
-        demands[self.joint] = float(self.random.uniform(0.0, reach)) * side
+        demands[self.joint] = float(self.random.uniform(0.0, self._reaches[self.joint])) * side
         if abs(demands[self.joint] - here) < self.case.way_to_go:
             return False
-        rig.host.demands = demands
-        self._next = rig.clock.now() + round(PAUSE[1] * SECOND)
+        self.rig.host.demands = demands
+        self._next = self.rig.clock.now() + round(PAUSE[1] * SECOND)
         return True
 
     # After
@@ -223,64 +182,45 @@ class Trial:
             by = [fault for fault in case.found if fault.title in said]
             if by and now > instant:
                 if case.brief:
-                    case.end(rig, self.joint)
+                    case.switch(rig, self.joint, False)
                 return (now - (since if since is not None else now)) / SECOND, by[0].title, limit
         return inf, "", limit
 
     def _host_gone(self) -> tuple[float, str, float]:
         """Stop the loop for a while: the device has to centre its valves, and to let out the air later."""
-        rig, machine = self.rig, self.rig.machine
+        rig, interface = self.rig, self.rig.machine.interface
         last = rig.clock.now()
-        limit = machine.interface.watchdog_cycles * rig.period
         found, dumped, step = inf, inf, SECOND // 1000
-        end = last + round(self.random.uniform(0.5, 2.0) * SECOND)
+        end = last + round(self.random.uniform(*GONE) * SECOND)
         while rig.clock.now() < end:
             rig.clock.wait(rig.clock.now() + step)
             rig.look()
             quiet = (rig.clock.now() - last) / SECOND
-            if rig.truth.device is not DeviceState.RUNNING and found == inf:
-                found = quiet
-            if rig.truth.device is DeviceState.DUMPED and dumped == inf:
-                dumped = quiet
-        on_time = dumped <= machine.interface.dump_after + 1e-3 + 1e-9
-        return (
-            (found if on_time else inf),
-            f"by the device: centred, dumped after {1e3 * dumped:.0f} ms",
-            limit + 1e-3,
-        )
+            if rig.truth.device is not DeviceState.RUNNING:
+                found = min(found, quiet)
+            if rig.truth.device is DeviceState.DUMPED:
+                dumped = min(dumped, quiet)
+        if dumped > interface.dump_after + 1e-3 + 1e-9:
+            found = inf
+        by = f"by the device: centred, dumped after {1e3 * dumped:.0f} ms"
+        return found, by, interface.watchdog_cycles * rig.period + 1e-3
 
     def _safe(self, instant: int) -> float:
         """How long after the failure what is safe was reached, s."""
         rig = self.rig
         until = rig.clock.now() + round(SETTLES * SECOND)
-        while True:
-            if self._is_safe():
-                return (rig.clock.now() - instant) / SECOND
+        while not self.case.safe.is_reached(rig, self.joint):
             if rig.clock.now() >= until:
                 return inf
             rig.cycle()
-
-    def _is_safe(self) -> bool:
-        truth, empty = self.rig.truth, self.rig.machine.supply.ambient_pressure + EMPTY
-        match self.case.safe:
-            case Safe.TOLD:
-                return True
-            case Safe.HELD:
-                return all(abs(speed) < STILL for speed in truth.velocities)
-            case Safe.VENTED:
-                return truth.pressures[self.joint] < empty
-            case Safe.ALL_VENTED:
-                return all(pressure < empty for pressure in truth.pressures)
-            case Safe.OTHERS_VENTED:
-                others = [pressure for j, pressure in enumerate(truth.pressures) if j != self.joint]
-                return all(pressure < empty for pressure in others) and abs(truth.velocities[self.joint]) < STILL
+        return (rig.clock.now() - instant) / SECOND
 
     def _mend(self) -> None:
         """Heal, stop, let the air out, and reset."""
-        rig = self.rig
-        self.case.end(rig, self.joint)
+        rig, safety = self.rig, self.rig.machine.safety
+        self.case.switch(rig, self.joint, False)
         rig.host.edges = {"stop"}
-        for _ in range(round((rig.machine.safety.hold_time + rig.machine.safety.vent_time) / rig.period)):
+        for _ in range(round((safety.hold_time + safety.vent_time) / rig.period)):
             rig.cycle()
         # By hand, as anyone would who finds a joint at its stop without air.
         while rig.device.call(lead_home, HOME):
@@ -291,17 +231,11 @@ class Trial:
 
 
 def judged(outcomes: list[Outcome]) -> dict[str, dict[str, float | int]]:
-    """By row: trials, good ones, longest time to find, its limit, longest time to be safe, furthest turn."""
+    """By row: trials, good ones, and the worst of what was measured."""
     rows: dict[str, dict[str, float | int]] = {}
     for row in dict.fromkeys(outcome.row for outcome in outcomes):
         own = [outcome for outcome in outcomes if outcome.row == row]
-        rows[row] = {
-            "trials": len(own),
-            "good": sum(outcome.good for outcome in own),
-            "found_after": max(outcome.found_after for outcome in own),
-            "limit": max(outcome.limit for outcome in own),
-            "safe_after": max(outcome.safe_after for outcome in own),
-            "turned": max(outcome.turned for outcome in own),
-            "above_supply": max(outcome.above_supply for outcome in own),
-        }
+        worst = ("found_after", "limit", "safe_after", "turned", "above_supply")
+        rows[row] = {"trials": len(own), "good": sum(outcome.good for outcome in own)}
+        rows[row] |= {name: max(getattr(outcome, name) for outcome in own) for name in worst}
     return rows
