@@ -97,7 +97,7 @@ def test_machine_code_depends_on_laws_alone() -> None:
         for f in sources(path)
         if f.relative_to(PACKAGE).parts[0] not in ("jit", "lanes", "physics", "control")
         and f.name != "__init__.py"
-        and not any(word in texts[f] for word in ("NamedTuple", "@law", "@kernel", "layflat.lanes"))
+        and not any(word in texts[f] for word in ("NamedTuple", "IntEnum", "@law", "@kernel", "layflat.lanes"))
     }
     assert not strangers
 
