@@ -1,4 +1,4 @@
-"""The command line as a person uses it: real processes, their exit status and what they print."""
+"""The command line as a person uses it: exit status and what is printed; real processes where start or end count."""
 
 import json
 import os
@@ -10,25 +10,9 @@ import time
 from pathlib import Path
 
 import pytest
+from commands import LAYFLAT, layflat, refused
 
 from layflat.sim.dataset import open_run
-
-
-def layflat(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
-
-
-def refused(*words: str, cwd: Path | None = None) -> str:
-    """The one line that a refused command leaves on stderr."""
-    done = layflat(*words, cwd=cwd)
-    assert done.returncode == 2, done
-    assert "Traceback" not in done.stderr
-    lines = done.stderr.strip().splitlines()
-    assert len(lines) == 1, done.stderr
-    assert lines[0].startswith("layflat: ")
-    return lines[0]
-
 
 LEFT = 1 << 14
 
@@ -52,7 +36,7 @@ def limited() -> None:
 )
 def test_a_full_disk(words: tuple[str, ...], tmp_path: Path) -> None:
     """One line, exit status 2, and no file that is half written."""
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words, "--out", str(tmp_path / "out")]
+    command = [*LAYFLAT, *words, "--out", str(tmp_path / "out")]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, preexec_fn=limited)
     assert done.returncode == 2, done.stderr
     assert "(File too large); free some space, or give another folder" in done.stderr.splitlines()[-1]
@@ -62,7 +46,7 @@ def test_a_full_disk(words: tuple[str, ...], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("words", [("show", "paper-arm", "--toml"), ("machines",), ("--help",), ("schema",)])
 def test_standard_output_on_a_full_disk(words: tuple[str, ...]) -> None:
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
+    command = [*LAYFLAT, *words]
     with Path("/dev/full").open("w", encoding="utf-8") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False, timeout=300)
     assert done.returncode == 2
@@ -89,7 +73,8 @@ def test_ctrl_c_in_a_long_run(tmp_path: Path) -> None:
 def test_the_version() -> None:
     import layflat as package
 
-    assert layflat("--version").stdout == f"layflat {package.__version__}\n"
+    done = subprocess.run([*LAYFLAT, "--version"], capture_output=True, text=True, check=False, timeout=300)
+    assert (done.returncode, done.stdout) == (0, f"layflat {package.__version__}\n")
 
 
 def test_without_a_command_the_help_is_shown() -> None:
@@ -253,6 +238,13 @@ def test_a_mistake_gives_one_line(words: tuple[str, ...], expected: str, tmp_pat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("words", [("show", "papr-arm"), ("simulate", "paper-arm", "--move", "40"), ("simulat",)])
+def test_a_mistake_in_a_process_gives_one_line_and_its_status(words: tuple[str, ...], tmp_path: Path) -> None:
+    done = subprocess.run([*LAYFLAT, *words], capture_output=True, text=True, cwd=tmp_path, check=False, timeout=300)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"{refused(*words, cwd=tmp_path)}\n"
+
+
 @pytest.mark.parametrize(
     "words",
     [
@@ -323,12 +315,16 @@ def test_reproduce_evaluates_a_machine_of_one_joint_by_what_it_has(tmp_path: Pat
 
 STOPPED = """
 import sys
-from layflat.experiments.open_loop import OpenLoop
+from layflat.experiments import Bench
 
-def stopped(*words, **options):
-    raise KeyboardInterrupt
+curve = Bench.curve
 
-OpenLoop._curve = stopped
+def stopped(bench, *words, brake, **options):
+    if brake == 0.0:
+        raise KeyboardInterrupt
+    return curve(bench, *words, brake=brake, **options)
+
+Bench.curve = stopped
 sys.argv = ["layflat", "reproduce", "--out", "out"]
 from layflat.cli import main
 main()

@@ -1,12 +1,11 @@
 """`layflat excite` and `layflat identify` as a person uses them."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import layflat
 
 from layflat.identify.identification import begin
 from layflat.identify.page import write_page
@@ -24,11 +23,6 @@ name = "{name}"
 torque = "{torque} N m"
 viscous = "0.05 N m s/rad"
 """
-
-
-def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
 
 
 def demand(path: Path, levels: list[float]) -> None:

@@ -6,14 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import layflat
 
 from layflat.sim import rollout
 from layflat.sim.dataset import save
-
-
-def layflat(*words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
 
 
 @pytest.fixture(scope="module")

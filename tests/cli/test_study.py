@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from commands import layflat
 
 STUDY = """
 name = "brakes"
@@ -21,11 +22,6 @@ low = "0 N m"
 high = "4 N m"
 points = 5
 """
-
-
-def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words]
-    return subprocess.run(command, capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
 
 
 @pytest.fixture

@@ -7,14 +7,9 @@ import time
 from pathlib import Path
 
 import pytest
+from commands import LAYFLAT, layflat, refused
 
 from layflat.machine import load
-
-LAYFLAT = [sys.executable, "-c", "from layflat.cli import main; main()"]
-
-
-def layflat(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*LAYFLAT, *words], capture_output=True, text=True, cwd=cwd, check=False, timeout=300)
 
 
 def test_gains_a_table_and_a_page(tmp_path: Path) -> None:
@@ -72,11 +67,7 @@ def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
     ],
 )
 def test_a_mistake_gives_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
-    done = layflat("tune", *words, cwd=tmp_path)
-    assert done.returncode == 2
-    (line,) = done.stderr.splitlines()
-    assert line.startswith("layflat: ")
-    assert expected in line
+    assert expected in refused("tune", *words, cwd=tmp_path)
     assert not list(tmp_path.iterdir())
 
 

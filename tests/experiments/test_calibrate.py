@@ -3,7 +3,7 @@ import pytest
 
 from layflat.experiments import calibrate as c
 from layflat.experiments.bench import bench
-from layflat.experiments.calibrated_files import replaced
+from layflat.experiments.calibrate import replaced
 from layflat.machine import load
 from layflat.tune.knobs import gain_knobs, values_of
 
@@ -55,15 +55,9 @@ def test_a_search_improves_and_repeats_itself() -> None:
 TIME = np.arange(0.0, 4.0, 0.005)
 
 
-def moved(error: np.ndarray) -> np.ndarray:
-    """Rows of a run of one joint whose goal is zero, with the error (deg) from 0.5 s on."""
-    rows = np.zeros((len(TIME), 1, 1))
-    rows[100:, 0, 0] = np.radians(error[: len(TIME) - 100])
-    return rows
-
-
 def cost(error: np.ndarray) -> float:
-    return c._verdict(moved(error), 0.005, 0, 0.0, 0.5, 3.5)
+    """Of errors (deg) over the three seconds after the step."""
+    return c.verdict(np.radians(error[:600]), 0.005)
 
 
 def test_a_calibrated_step_costs_its_time_its_overshoot_and_what_remains() -> None:
@@ -82,7 +76,7 @@ def test_a_knob_of_weights_keeps_their_sum() -> None:
     machine = c.with_values(load("paper-arm"), [c.WEIGHT_KNOB], [0.3])
     for joint in machine.joints.values():
         assert joint.losses.weights == pytest.approx((0.3, 0.35, 0.35))
-    assert c._texts([c.WEIGHT_KNOB], np.array([0.3]))["joint.small.losses.weights"] == [0.3, 0.35, 0.35]
+    assert c.written([c.WEIGHT_KNOB], np.array([0.3]))["joint.small.losses.weights"] == [0.3, 0.35, 0.35]
 
 
 def test_knobs_of_joints_that_are_not_there_are_passed_over() -> None:

@@ -11,11 +11,10 @@ import xarray
 from layflat.errors import DivergedError, InputError, MachineError
 from layflat.experiments.axis_one import AT, DURATION, AxisOne
 from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule, claim
+from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, frequency_response
-from layflat.experiments.drift import Drift
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import MEASURED, PRINTED_MEAN, Statics
-from layflat.experiments.timing import Timing
 from layflat.experiments.two_axis import END, REPEATS, TwoAxis, final_settling
 from layflat.machine import load
 from layflat.sim.metrics import disturbance
@@ -209,8 +208,8 @@ def test_hysteresis_is_told_in_percent(earlier: float, now: float, braked: float
 def test_a_brake_that_adds_nothing_keeps_nothing() -> None:
     same = curve(0.2)
     shapes = {"unbraked": same, "braked": same, "earlier": same}
-    bench = SimpleNamespace(brake=1.0, earlier=None)
-    found, said = evaluated(OpenLoop.character, **shapes, bench=bench, _curve=lambda *_, **__: same)
+    bench = SimpleNamespace(brake=1.0, earlier=None, curve=lambda *_, **__: same)
+    found, said = evaluated(OpenLoop.character, **shapes, bench=bench)
     assert found == {"height kept with brake": 0.0, "height kept by the earlier": 100.0}
     assert said is False
 
@@ -219,7 +218,8 @@ def test_a_brake_that_adds_nothing_keeps_nothing() -> None:
     ("name", "top", "agrees"), [("large", 88.0, True), ("large", 79.0, False), ("small", 25.0, True)]
 )
 def test_torque_is_compared_with_what_was_measured(name: str, top: float, agrees: bool) -> None:
-    made = SimpleNamespace(curve=lambda _: SimpleNamespace(maximum_torque=top))
+    bench = SimpleNamespace(brake=1.0, curve=lambda _, **__: SimpleNamespace(maximum_torque=top))
+    made = SimpleNamespace(bench=bench)
     made._torque = lambda *words: Statics._torque(made, *words)  # type: ignore[arg-type]
     rule: Rule = getattr(Statics, f"{name}_joint_torque")
     ((quantity,), said) = rule.evaluate(made)
@@ -271,17 +271,17 @@ def test_the_integral_may_learn_at_rest_only() -> None:
         return xarray.Dataset({"long_term": (("time", "joint"), values)}, {"time": [0.0, 5.0, 9.0], "joint": ["small"]})
 
     bench = SimpleNamespace(axis_one=machine)
-    found, said = evaluated(Drift.rules_of_the_integral, bench=bench, volts=0.25, run=run)
+    found, said = evaluated(Controller.rules_of_the_integral, bench=bench, volts=0.25, run=run)
     assert found == pytest.approx({"drift taken over": 96.0, "air off": 0.0, "in motion": 0.0, "offset load": 0.0})
     assert said
     moving = lambda **changes: run(0.01 if "demand" in changes else 0.0, **changes)  # noqa: E731
-    found, said = evaluated(Drift.rules_of_the_integral, bench=bench, volts=0.25, run=moving)
+    found, said = evaluated(Controller.rules_of_the_integral, bench=bench, volts=0.25, run=moving)
     assert found["in motion"] == pytest.approx(0.01)
     assert not said
 
 
 @pytest.mark.parametrize(("seconds", "agrees"), [(1e-6, True), (2e-5, False)])
 def test_a_cycle_has_a_limit(seconds: float, agrees: bool) -> None:
-    found, said = evaluated(Timing.control_cycle, all_axes=seconds)
+    found, said = evaluated(Controller.control_cycle, all_axes=seconds)
     assert found == pytest.approx({"time of a cycle": 1e6 * seconds})
     assert said is agrees

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+from layflat.description.change import changed_all
 from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.machine.parts import Joint
 from layflat.physics.valves.spool import SpoolValvePart
+from layflat.sim.sweep import Loop, sweep
 
 RIGS = (
     "rig-polyester",
@@ -65,6 +67,18 @@ class Bench:
             raise MachineError("has no spool valve", where=self.arm.origin, right='add a valve of kind "spool"')
         return self.arm.valve
 
+    def curve(
+        self, name: str, machine: Machine | None = None, *, brake: float = 1.0, share: float | None = None
+    ) -> Loop:
+        """Sweep a joint at supply pressure, over its stroke or over a share of the small joint's.
+
+        Raises:
+            MachineError: the machine under test has no such joint.
+        """
+        self.joint(name)
+        stroke = share and share * self.joint("small").stops.working_stroke
+        return sweep(machine or self.arm, name, self.arm.supply.pressure_gauge, brake=brake, stroke=stroke)
+
     @cached_property
     def axis_one(self) -> Machine:
         """The small joint alone with the paper's 2 kg at 0.4 m, and the controller of the earlier actuator."""
@@ -78,11 +92,11 @@ class Bench:
         if gains is None:
             return self.earlier
         scale = maximum_torque(self.earlier, "small") / maximum_torque(self.arm, "small")
-        for phase in ("far", "near", "close"):
-            own = getattr(gains, phase)
-            own = own.model_copy(update={"pressure": own.pressure * scale})
-            gains = gains.model_copy(update={phase: own})
-        return changed(self.earlier, "joint.small.gains", gains)
+        scaled = {
+            f"joint.small.gains.{phase}.pressure": getattr(gains, phase).pressure * scale
+            for phase in ("far", "near", "close")
+        }
+        return changed_all(self.earlier, scaled)
 
     @cached_property
     def rigs(self) -> dict[str, Machine]:

@@ -15,19 +15,25 @@ ten minutes on two cores.
 
 from __future__ import annotations
 
+import json
+import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from importlib.resources import as_file
 from math import degrees, radians
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from layflat.description.change import changed_all
 from layflat.experiments.bench import Bench, bench, payload_for_inertia
-from layflat.experiments.calibrated_files import write_values
+from layflat.files import write_text
 from layflat.machine import Machine, changed, load
+from layflat.machine.loader import BUILT_IN
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, settling_time
 from layflat.sim.run import prepare
@@ -38,7 +44,6 @@ from layflat.tune.search import Strategy
 Array = NDArray[np.float64]
 AT, LAST = 0.5, 3.0
 """Time of the step, and how long it may take, s."""
-
 
 BOTH = ("large", "small")
 
@@ -53,81 +58,9 @@ MEMORY_KNOBS = [
 WEIGHT_KNOB = Knob(tuple(f"joint.{j}.losses.weights.0" for j in BOTH), 0.1, 0.45)
 """The first element's weight; the other two share the rest."""
 
-
-def with_values(machine: Machine, knobs: Iterable[Knob], values: Iterable[float]) -> Machine:
-    """A machine with the knobs' values in place; paths that it does not have are passed over."""
-    for knob, value in zip(knobs, values, strict=True):
-        number = float(f"{value:.3g}") * knob.si
-        for path in knob.paths:
-            if path.startswith("joint.") and path.split(".")[1] not in machine.joint:
-                continue
-            if path.endswith("weights.0"):
-                rest = 0.5 * (1.0 - number)
-                machine = changed(machine, path.removesuffix(".0"), (number, rest, rest))
-            else:
-                machine = changed(machine, path, number)
-    return machine
-
-
-def losses() -> dict[str, float]:
-    """Stage 1: loss shares, by the path in the description of each rig."""
-
-    def strap(share: float) -> float:
-        rig = changed(load("rig-polyester"), "joint.small.strap.loss_share", share)
-        return sweep(rig, "small", 3e5).hysteresis - 0.21
-
-    def shell(factor: float) -> float:
-        rig = changed(load("rig-shell-steel"), "joint.small.cover.loss_factor", factor)
-        return sweep(rig, "small", 3e5).hysteresis - 0.08
-
-    return {"strap": float(brentq(strap, 0.0, 0.5, xtol=1e-4)), "shell": float(brentq(shell, 0.0, 1.0, xtol=1e-4))}
-
-
-def step_cost(machine: Machine, step: float, inertia: float, brake: float) -> float:
-    """Settling time of a step (deg) of a joint alone (s), and what error remains (deg)."""
-    return _judge(machine, _step(machine, step, inertia, brake), 0, radians(step / 2), AT, AT + LAST)
-
-
-def _step(machine: Machine, step: float, inertia: float, brake: float) -> Scenario:
-    half = radians(step / 2)
-    payload = payload_for_inertia(machine, machine.arm.joints[0], inertia)
-    return Scenario(demand=[(0.0, -half), (AT, half)], duration=AT + LAST, payload=payload, brake=brake, seed=1)
-
-
-def swing(machine: Machine, inertia: float) -> float:
-    """How far a joint without brake swings about its demand in the end, deg rms."""
-    rows, _, _ = prepare(machine, _step(machine, 40, inertia, 0.0)).run()
-    last = rows[int(0.7 * len(rows)) :, 0, 0] - radians(20.0)
-    return degrees(float(np.sqrt(np.mean(np.square(last)))))
-
-
-def _judge(machine: Machine, case: Scenario, joint: int, goal: float, since: float, until: float) -> float:
-    prepared = prepare(machine, case)
-    rows, _, diverged = prepared.run()
-    return 20.0 if diverged >= 0 else _verdict(rows, prepared.timing.cycle, joint, goal, since, until)
-
-
-def _verdict(rows: Array, cycle: float, joint: int, goal: float, since: float, until: float) -> float:
-    """Seconds until a joint stays close to its goal, and degrees that it overshoots and is off in the end."""
-    error = rows[round(since / cycle) : round(until / cycle), joint, 0] - goal
-    time: Array = np.arange(len(error)) * np.float64(cycle)
-    rest = degrees(float(np.sqrt(np.mean(np.square(error[int(0.7 * len(error)) :])))))
-    beyond = degrees(float(np.max(-np.sign(error[0]) * error)))
-    settling = max(min(settling_time(time, error, MARGIN * BAND), until - since), SOON)
-    return settling + OVERSHOOT * max(0.0, beyond - 1.0) + min(OFF * rest, 5.0)
-
-
 BRAKED = [
-    (40, 0.32),
-    (-40, 0.32),
-    (10, 0.32),
-    (2, 0.32),
-    (-100, 0.32),
-    (40, 0.08),
-    (10, 0.08),
-    (40, 0.5),
-    (40, 1.0),
-    (40, 1.2),
+    *((40, 0.32), (-40, 0.32), (10, 0.32), (2, 0.32), (-100, 0.32)),
+    *((40, 0.08), (10, 0.08), (40, 0.5), (40, 1.0), (40, 1.2)),
 ]
 """Steps (deg) and inertias (kg m2) that the new joint with its brake has to settle."""
 EARLIER = [(40, 0.33), (-40, 0.33), (10, 0.33), (40, 0.36), (40, 0.2)]
@@ -148,10 +81,116 @@ MARGIN = 2.0 / 3.0
 """Share of the band that joints are asked to stay in, so that noise does not decide."""
 
 
+def written(knobs: Iterable[Knob], values: Iterable[float]) -> dict[str, Any]:
+    """Return what stands in a description for the knobs' values, by path; of a first weight all three."""
+    found: dict[str, Any] = {}
+    for knob, value in zip(knobs, values, strict=True):
+        for path in knob.paths:
+            found[path] = knob.text(float(value))
+            if path.endswith("weights.0"):
+                first = found.pop(path)
+                rest = round(0.5 * (1.0 - first), 6)
+                found[path.removesuffix(".0")] = [first, rest, rest]
+    return found
+
+
+def with_values(machine: Machine, knobs: Iterable[Knob], values: Iterable[float]) -> Machine:
+    """Return a machine with the knobs' values in place; paths of joints that it does not have are passed over."""
+    others = [name for name in BOTH if name not in machine.joint]
+    found = written(knobs, values)
+    known = {path: text for path, text in found.items() if not path.startswith(tuple(f"joint.{j}." for j in others))}
+    return changed_all(machine, known)
+
+
+def put_into(name: str, values: dict[str, Any]) -> None:
+    """Replace values by dotted path in the file of a built-in description, and leave all else as it stands.
+
+    Raises:
+        KeyError: the description itself has no such line, or does not mark it as calibrated.
+    """
+    with as_file(BUILT_IN / f"{name}.toml") as path:
+        text = path.read_text(encoding="utf-8")
+        for key, value in values.items():
+            text = replaced(text, key, value)
+        write_text(path, text)
+
+
+def replaced(text: str, path: str, value: object) -> str:
+    """Return the text of a description with one value replaced; an item of a list by its index."""
+    keys = path.split(".")
+    index = int(keys.pop()) if keys[-1].isdigit() else None
+    key = keys.pop()
+    start = text.find(f"[{'.'.join(keys)}]\n")
+    if start < 0:
+        raise KeyError(path)
+    end = text.find("\n[", start + 1)
+    section = text[start : end if end >= 0 else len(text)]
+    line = re.search(rf'^{re.escape(key)} = \{{ value = (.+?), source = "calibrated"', section, flags=re.MULTILINE)
+    if line is None:
+        raise KeyError(path)
+    if index is not None:
+        items = json.loads(line.group(1))
+        items[index] = value
+        value = items
+    return text[: start + line.start(1)] + json.dumps(value) + text[start + line.end(1) :]
+
+
+def losses() -> dict[str, float]:
+    """Stage 1: return the loss shares of strap and shell."""
+
+    def share(rig: str, path: str, hysteresis: float, most: float) -> float:
+        def off(tried: float) -> float:
+            return sweep(changed(load(rig), path, tried), "small", 3e5).hysteresis - hysteresis
+
+        return float(f"{brentq(off, 0.0, most, xtol=1e-4):.3g}")
+
+    return {
+        "strap": share("rig-polyester", "joint.small.strap.loss_share", 0.21, 0.5),
+        "shell": share("rig-shell-steel", "joint.small.cover.loss_factor", 0.08, 1.0),
+    }
+
+
+def _stepped(machine: Machine, step: float, inertia: float, brake: float) -> tuple[Array, float, bool]:
+    """Errors of a joint alone that is asked for a step (deg), rad; the cycle between them, s; whether it diverged."""
+    half = radians(step / 2)
+    payload = payload_for_inertia(machine, machine.arm.joints[0], inertia)
+    demand: list[tuple[str | float, float]] = [(0.0, -half), (AT, half)]
+    prepared = prepare(machine, Scenario(demand=demand, duration=AT + LAST, payload=payload, brake=brake, seed=1))
+    rows, _, diverged = prepared.run()
+    return rows[:, 0, 0] - half, prepared.timing.cycle, diverged >= 0
+
+
+def step_cost(machine: Machine, step: float, inertia: float, brake: float) -> float:
+    """Return the settling time of a step (deg) of a joint alone (s), and what error remains (deg)."""
+    error, cycle, diverged = _stepped(machine, step, inertia, brake)
+    return 20.0 if diverged else verdict(error[round(AT / cycle) : round((AT + LAST) / cycle)], cycle)
+
+
+def swing(machine: Machine, inertia: float) -> float:
+    """Return how far a joint without brake swings about its demand in the end, deg rms."""
+    return _rms_of_end(_stepped(machine, 40, inertia, 0.0)[0])
+
+
+def _rms_of_end(error: Array) -> float:
+    return degrees(float(np.sqrt(np.mean(np.square(error[int(0.7 * len(error)) :])))))
+
+
+def verdict(error: Array, cycle: float) -> float:
+    """Return the seconds until a joint stays close to its goal, and degrees that it overshoots and is off in the end.
+
+    Args:
+        error: demand missed from the step on, rad, one a cycle.
+        cycle: s.
+    """
+    time: Array = np.arange(len(error)) * np.float64(cycle)
+    beyond = degrees(float(np.max(-np.sign(error[0]) * error)))
+    settling = max(min(settling_time(time, error, MARGIN * BAND), LAST), SOON)
+    return settling + OVERSHOOT * max(0.0, beyond - 1.0) + min(OFF * _rms_of_end(error), 5.0)
+
+
 def axis_one_cost(knobs: list[Knob], on: Bench, values: Array) -> float:
-    """Stage 2: seconds and degrees over all moves."""
-    arm = with_values(on.arm, knobs, values)
-    tried = Bench(arm, with_values(on.earlier, knobs, values))
+    """Stage 2: return seconds and degrees over all moves."""
+    tried = Bench(with_values(on.arm, knobs, values), with_values(on.earlier, knobs, values))
     new, earlier = tried.axis_one, tried.earlier_scaled
     cost = sum(step_cost(new, step, inertia, 1.0) for step, inertia in BRAKED)
     cost += 1.5 * sum(step_cost(earlier, step, inertia, 0.0) for step, inertia in EARLIER)
@@ -160,30 +199,25 @@ def axis_one_cost(knobs: list[Knob], on: Bench, values: Array) -> float:
 
 
 def arm_cost(knobs: list[Knob], arm: Machine, values: Array) -> float:
-    """Stage 3: the same over steps of both joints, and how far the small joint's step pushes the large one."""
+    """Stage 3: return the same over steps of both joints, and how far the small joint's step pushes the large one."""
     tried = with_values(arm, knobs, values)
     cost = 0.0
     for payload, step in ((1.5, 40.0), (1.5, -40.0), (0.0, 40.0), (2.0, 40.0), (1.5, 10.0)):
         half, second = radians(step / 2), AT + LAST
-        case = Scenario(
-            demand=[(0.0, (-half, -half)), (AT, (half, -half)), (second, (half, half))],
-            duration=second + LAST,
-            payload=payload,
-            seed=2,
-        )
-        prepared = prepare(tried, case)
+        demand: list[tuple[str | float, Any]] = [(0.0, (-half, -half)), (AT, (half, -half)), (second, (half, half))]
+        prepared = prepare(tried, Scenario(demand=demand, duration=second + LAST, payload=payload, seed=2))
         rows, _, diverged = prepared.run()
         if diverged >= 0:
             return 1e3
         cycle = prepared.timing.cycle
-        moves = [(0, half, AT), (1, -half, AT), (1, half, second), (0, half, second)]
-        cost += sum(_verdict(rows, cycle, joint, goal, since, since + LAST) for joint, goal, since in moves)
+        for joint, goal, since in ((0, half, AT), (1, -half, AT), (1, half, second), (0, half, second)):
+            cost += verdict(rows[round(since / cycle) : round((since + LAST) / cycle), joint, 0] - goal, cycle)
         later = rows[round(second / cycle) :, 0, 0]
         cost += degrees(float(np.abs(later - later[0]).max()))
     return cost
 
 
-def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, rounds: int, seed: int) -> Array:
+def search(cost: Callable[[Array], float], knobs: Sequence[Knob], start: Array, rounds: int, seed: int) -> Array:
     """Seek least cost over the knobs' ranges, from `start` (in the knobs' units); two candidates at a time."""
     low, high = np.array([k.low for k in knobs]), np.array([k.high for k in knobs])
     strategy = Strategy((start - low) / (high - low), 24, seed)
@@ -201,36 +235,22 @@ def search(cost: Callable[[Array], float], knobs: list[Knob], start: Array, roun
 def main(rounds: int = 150) -> None:
     """All stages, in order."""
     shares = losses()
-    write_values("earlier-actuator", {"joint.small.strap.loss_share": float(f"{shares['strap']:.3g}")})
-    write_values("rig-shell-steel", {"joint.small.cover.loss_factor": float(f"{shares['shell']:.3g}")})
-    write_values("paper-arm", {f"joint.{j}.cover.loss_factor": float(f"{shares['shell']:.3g}") for j in BOTH})
+    put_into("earlier-actuator", {"joint.small.strap.loss_share": shares["strap"]})
+    put_into("rig-shell-steel", {"joint.small.cover.loss_factor": shares["shell"]})
+    put_into("paper-arm", {f"joint.{j}.cover.loss_factor": shares["shell"] for j in BOTH})
 
     on = bench()
     knobs = [*gain_knobs("small"), *VALVE_KNOBS, *MEMORY_KNOBS, WEIGHT_KNOB]
     found = search(partial(axis_one_cost, knobs, on), knobs, values_of(on.arm, knobs), rounds, seed=1)
-    texts = _texts(knobs, found)
-    gains = {path: text for path, text in texts.items() if ".gains." in path}
-    write_values("paper-small-joint", gains)
+    texts = written(knobs, found)
+    put_into("paper-small-joint", {path: text for path, text in texts.items() if ".gains." in path})
     # The arm's small joint is given the same gains; tuned for the arm they may become others.
-    write_values("paper-arm", texts)
+    put_into("paper-arm", texts)
 
     arm = load("paper-arm")
     knobs = gain_knobs("large")
     found = search(partial(arm_cost, knobs, arm), knobs, values_of(arm, knobs), rounds // 2, seed=2)
-    write_values("paper-arm", _texts(knobs, found))
-
-
-def _texts(knobs: list[Knob], values: Array) -> dict[str, object]:
-    texts: dict[str, object] = {}
-    for knob, value in zip(knobs, values, strict=True):
-        for path in knob.paths:
-            texts[path] = knob.text(float(value))
-            if path.endswith("weights.0"):
-                first = float(f"{value:.3g}")
-                rest = round(0.5 * (1.0 - first), 6)
-                texts.pop(path)
-                texts[path.removesuffix(".0")] = [first, rest, rest]
-    return texts
+    put_into("paper-arm", written(knobs, found))
 
 
 if __name__ == "__main__":

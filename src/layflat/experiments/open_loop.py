@@ -7,7 +7,6 @@ from itertools import pairwise
 
 from layflat.experiments.bench import RIGS
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
-from layflat.machine import Machine
 from layflat.sim.sweep import Loop, sweep
 
 BAR = 1e5
@@ -18,7 +17,8 @@ SMALL_SWEEP = 0.05
 OF_TORQUE = "% of torque"
 
 
-def _percent(curve: Loop) -> float:
+def percent(curve: Loop) -> float:
+    """Return the height of a curve, % of greatest torque."""
     return 100.0 * curve.hysteresis
 
 
@@ -33,29 +33,20 @@ class OpenLoop(Experiment):
             for name, rig in self.bench.rigs.items()
         }
 
-    def _curve(
-        self, name: str, *, brake: float = 1.0, machine: Machine | None = None, share: float | None = None
-    ) -> Loop:
-        """Sweep a joint at supply pressure, over its stroke or over a share of the small joint's."""
-        self.bench.joint(name)
-        stroke = share and share * self.bench.joint("small").stops.working_stroke
-        arm = self.bench.arm
-        return sweep(machine or arm, name, arm.supply.pressure_gauge, brake=brake, stroke=stroke)
-
     @cached_property
     def unbraked(self) -> Loop:
         """Axis one without brake."""
-        return self._curve("small", brake=0.0)
+        return self.bench.curve("small", brake=0.0)
 
     @cached_property
     def braked(self) -> Loop:
         """Axis one with its brake."""
-        return self._curve("small", brake=self.bench.brake)
+        return self.bench.curve("small", brake=self.bench.brake)
 
     @cached_property
     def earlier(self) -> Loop:
         """The earlier actuator."""
-        return self._curve("small", machine=self.bench.earlier)
+        return self.bench.curve("small", self.bench.earlier)
 
     @claim(
         "open-loop-hysteresis",
@@ -65,7 +56,7 @@ class OpenLoop(Experiment):
     )
     def hysteresis(self) -> Evaluated:
         """Compare the height of the curves."""
-        before, now, braked = _percent(self.earlier), _percent(self.unbraked), _percent(self.braked)
+        before, now, braked = percent(self.earlier), percent(self.unbraked), percent(self.braked)
         return [
             Quantity("earlier", before, OF_TORQUE, "25"),
             Quantity("new", now, OF_TORQUE, "7"),
@@ -80,8 +71,8 @@ class OpenLoop(Experiment):
     )
     def character(self) -> Evaluated:
         """Compare what is left of the curves' height over a small part of the stroke."""
-        small = {brake: self._curve("small", brake=brake, share=SMALL_SWEEP) for brake in (self.bench.brake, 0.0)}
-        small_earlier = self._curve("small", machine=self.bench.earlier, share=SMALL_SWEEP)
+        small = {brake: self.bench.curve("small", brake=brake, share=SMALL_SWEEP) for brake in (self.bench.brake, 0.0)}
+        small_earlier = self.bench.curve("small", self.bench.earlier, share=SMALL_SWEEP)
         full = self.braked.height - self.unbraked.height
         kept = small[self.bench.brake].height - small[0.0].height
         # A brake that adds nothing keeps nothing.
@@ -100,10 +91,10 @@ class OpenLoop(Experiment):
     )
     def variants(self) -> Evaluated:
         """Compare the rigs."""
-        at = {name: _percent(self.rigs[name][RIG_PRESSURE]) for name in RIGS}
+        at = {name: percent(self.rigs[name][RIG_PRESSURE]) for name in RIGS}
         ordered = ("rig-polyester", "rig-polyester-plate", "rig-kevlar-plate", "rig-shell-steel")
         falling = all(
-            all(_percent(rig[low]) > _percent(rig[high]) for low, high in pairwise(PRESSURES))
+            all(percent(rig[low]) > percent(rig[high]) for low, high in pairwise(PRESSURES))
             for rig in self.rigs.values()
         )
         plain, given = at["rig-polyester"], {"rig-polyester": "21", "rig-shell-steel": "8"}
@@ -116,15 +107,3 @@ class OpenLoop(Experiment):
             and abs(at["rig-polyester-polythene"] - plain) <= 1.0
             and falling,
         )
-
-    @claim(
-        "overall-hysteresis",
-        "4.2",
-        "brakes at ±8 % of maximum torque make about 25 % over all, on both joints",
-        "23 to 27 on both",
-    )
-    def overall(self) -> Evaluated:
-        """Compare the curves of both joints with their brakes."""
-        both = {"large": _percent(self._curve("large", brake=self.bench.brake)), "small": _percent(self.braked)}
-        quantities = [Quantity(name, value, OF_TORQUE, "about 25") for name, value in both.items()]
-        return quantities, all(23.0 <= value <= 27.0 for value in both.values())

@@ -12,7 +12,7 @@ from layflat.experiments.claim import Claim
 from layflat.experiments.figures import figures
 from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.machine.listing import Line
 from layflat.plot.page import page
 
@@ -50,11 +50,7 @@ def write_claims(found: Reproduction, path: Path) -> Path:
         OutputError: it can't be written there.
     """
     records = [claim.record() for claim in found.claims]
-    with whole_file(path) as temporary:
-        temporary.write_text(
-            json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8"
-        )
-    return path
+    return write_text(path, json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: Sequence[Answer] = ()) -> Path:
@@ -81,6 +77,4 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: 
         assumed=assumed,
         answers=list(answers),
     )
-    with whole_file(path) as temporary:
-        temporary.write_text(html, encoding="utf-8")
-    return path
+    return write_text(path, html)

@@ -8,35 +8,15 @@ from dataclasses import dataclass, field
 from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench
 from layflat.experiments.claim import Claim
+from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither
-from layflat.experiments.drift import Drift
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import Statics
-from layflat.experiments.timing import Timing
 from layflat.experiments.two_axis import TwoAxis
 
-ORDER = (
-    "table-1",
-    "mean-torque",
-    "large-joint-torque",
-    "small-joint-torque",
-    "torque-per-mass",
-    "constant-torque",
-    "open-loop-hysteresis",
-    "loop-character",
-    "rig-variants",
-    "unbraked-joint",
-    "braked-joint",
-    "two-axis-settling",
-    "repeatability",
-    "coupling",
-    "overall-hysteresis",
-    "dither-motion",
-    "dither-need",
-    "averaging",
-    "long-term-integral",
-    "control-cycle",
-)
+EXPERIMENTS = (Statics, OpenLoop, AxisOne, TwoAxis, Dither, Controller)
+
+ORDER = tuple(rule.claim.id for experiment in EXPERIMENTS for rule in experiment.rules())
 """The claims in the order of the paper."""
 
 STOPPED = "stopped before it was evaluated"
@@ -92,8 +72,7 @@ def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: No
     """
     found = Reproduction(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench))
     drawn = (found.statics, found.open_loop, found.axis_one, found.two_axis, found.dither)
-    rules = [(rule, experiment) for experiment in (*drawn, Drift(bench), Timing(bench)) for rule in experiment.rules()]
-    rules.sort(key=lambda pair: ORDER.index(pair[0].claim.id))
+    rules = [(rule, experiment) for experiment in (*drawn, Controller(bench)) for rule in experiment.rules()]
     try:
         for rule, experiment in rules:
             found.claims.append(rule.evaluated(experiment))

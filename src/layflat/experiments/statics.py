@@ -16,7 +16,7 @@ from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.machine import Machine, changed, parameters
 from layflat.machine.loader import restored
 from layflat.sim import Scenario, rollout
-from layflat.sim.sweep import Loop, sweep
+from layflat.sim.sweep import Loop
 
 if TYPE_CHECKING:
     import xarray
@@ -93,21 +93,10 @@ class Statics(Experiment):
         return table1()
 
     @cached_property
-    def torque(self) -> dict[str, float]:
-        """Maximum torque by joint, N m."""
-        return {name: self.curve(name).maximum_torque for name in MEASURED if name in self.bench.arm.joints}
-
-    @cached_property
     def design(self) -> JointDesign:
         """The large joint, designed."""
         self.bench.joint("large")
         return design_joint(self.bench.arm, "large")
-
-    def curve(self, name: str, machine: Machine | None = None) -> Loop:
-        """Sweep a joint with its brake at supply pressure."""
-        self.bench.joint(name)
-        arm = self.bench.arm
-        return sweep(machine or arm, name, arm.supply.pressure_gauge, brake=self.bench.brake)
 
     @claim(
         "table-1",
@@ -138,8 +127,7 @@ class Statics(Experiment):
         ], round(crude, 5) == PRINTED_MEAN and abs(exact / PRINTED_MEAN - 1.0) <= 0.005
 
     def _torque(self, name: str, percent: float) -> Evaluated:
-        top = self.curve(name).maximum_torque
-        measured = MEASURED[name]
+        top, measured = self.bench.curve(name, brake=self.bench.brake).maximum_torque, MEASURED[name]
         return [Quantity("maximum torque", top, "N m", f"{measured:g}")], abs(top / measured - 1.0) <= percent / 100.0
 
     @claim("large-joint-torque", "2.3, 4.1", "85 N m by design, 84 N m measured, at 4 bar", "within 5 % of 84 N m")
@@ -155,8 +143,8 @@ class Statics(Experiment):
     @claim("torque-per-mass", "5", "3.5 N m/kg per bar", "mean of both joints within 10 %")
     def torque_per_mass(self) -> Evaluated:
         """Compare torque per mass."""
-        mass = {name: self.bench.joint(name).body.mass for name in MEASURED}
-        each = {name: self.torque[name] / mass[name] / 4.0 for name in mass}
+        curves = {name: self.bench.curve(name, brake=self.bench.brake) for name in MEASURED}
+        each = {name: own.maximum_torque / self.bench.joint(name).body.mass / 4.0 for name, own in curves.items()}
         mean = float(np.mean(list(each.values())))
         unit = "N m/(kg bar)"
         return [
@@ -172,10 +160,11 @@ class Statics(Experiment):
     )
     def constant_torque(self) -> Evaluated:
         """Compare torque over the stroke, and stiffness over position and pressure."""
-        cam = cam_torque(self.design)
-        spread = 100.0 * float(np.ptp(cam) / np.mean(cam))
-        roller = self.curve("large", changed(self.bench.arm, "joint.large.output.kind", "roller"))
-        geometric = 100.0 * _slope(self.curve("large")) / _slope(roller)
+        over_stroke = cam_torque(self.design)
+        spread = 100.0 * float(np.ptp(over_stroke) / np.mean(over_stroke))
+        with_roller = changed(self.bench.arm, "joint.large.output.kind", "roller")
+        cam, roller = (self.bench.curve("large", one, brake=self.bench.brake) for one in (None, with_roller))
+        geometric = 100.0 * _slope(cam) / _slope(roller)
         found = [stiffness(squeeze(self.bench.arm, pressure)) / pressure for pressure in STIFFNESS_PRESSURES]
         follows = 100.0 * float(np.ptp(found) / np.mean(found))
         left = 100.0 * float(roller.lossless.min() / roller.lossless.max())

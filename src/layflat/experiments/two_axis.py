@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
+from layflat.experiments.open_loop import OF_TORQUE, percent
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.kinematics import tip_position
 from layflat.sim.metrics import BAND, disturbance, move, settling_time, tip_settling
@@ -28,7 +29,6 @@ REPEATS = 20
 REPEAT_TIME = 2.5
 FINAL_BAND = radians(0.1)
 
-
 Steps = list[tuple[str | float, tuple[float, float]]]
 
 
@@ -41,7 +41,7 @@ def final_settling(run: xarray.Dataset, joint: str, since: float, until: float) 
 
 
 class TwoAxis(Experiment):
-    """Steps of each axis in turn, and approaches of one place from both sides."""
+    """Steps of each axis in turn, approaches of one place from both sides, and the hysteresis of both joints."""
 
     @cached_property
     def steps(self) -> xarray.Dataset:
@@ -134,3 +134,15 @@ class TwoAxis(Experiment):
             Quantity("small disturbed", float(np.degrees(small)), "deg", "more"),
             Quantity("worst error at rest", float(np.degrees(max(ends))), "deg"),
         ], large <= 0.35 * small and max(ends) <= BAND
+
+    @claim(
+        "overall-hysteresis",
+        "4.2",
+        "brakes at ±8 % of maximum torque make about 25 % over all, on both joints",
+        "23 to 27 on both",
+    )
+    def overall(self) -> Evaluated:
+        """Compare the curves of both joints with their brakes."""
+        both = {name: percent(self.bench.curve(name, brake=self.bench.brake)) for name in MOVES}
+        quantities = [Quantity(name, value, OF_TORQUE, "about 25") for name, value in both.items()]
+        return quantities, all(23.0 <= value <= 27.0 for value in both.values())

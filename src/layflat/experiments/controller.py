@@ -1,7 +1,8 @@
-"""The long-term integral: what it learns, and its three rules (section 3)."""
+"""The controller: what its long-term integral learns, by three rules, and how long a cycle takes (section 3)."""
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from functools import cached_property
 from math import pi, radians
@@ -9,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat.experiments.bench import maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
+from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
 from layflat.sim import Scenario, rollout
 
@@ -21,6 +24,8 @@ DRIFT = 0.05
 DURATION = 60.0
 OFFSET_LOAD = 0.4
 """Offset load of rule 3, share of the maximum torque at supply pressure."""
+CYCLES, BATCHES = 1000, 101
+"""Cycles that are timed together, and how often."""
 
 
 def learnt(run: xarray.Dataset, since: float = 0.0) -> float:
@@ -34,8 +39,8 @@ def _sway(t: float) -> float:
     return radians(40.0) * float(np.sin(2 * pi * 0.5 * t))
 
 
-class Drift(Experiment):
-    """Axis one with its valve's neutral drifted by 5 %."""
+class Controller(Experiment):
+    """Axis one with its valve's neutral drifted by 5 %; the controllers of all axes on noisy samples."""
 
     @cached_property
     def volts(self) -> float:
@@ -57,7 +62,7 @@ class Drift(Experiment):
     def rules_of_the_integral(self) -> Evaluated:
         """Let the integral learn at rest, with the air off, in motion, and under an offset load."""
         machine = self.bench.axis_one
-        load = OFFSET_LOAD * parameters.torque_constant(machine.joint["small"]) * machine.supply.pressure_gauge
+        load = OFFSET_LOAD * maximum_torque(machine, "small")
         ambient = machine.supply.ambient_pressure
         taken = 100.0 * learnt(self.run(duration=DURATION)) / self.volts
         still = {
@@ -69,3 +74,22 @@ class Drift(Experiment):
             Quantity("drift taken over", taken, "%", "all"),
             *(Quantity(name, value, "V", "0") for name, value in still.items()),
         ], 90.0 <= taken <= 110.0 and all(value == 0.0 for value in still.values())
+
+    @cached_property
+    def all_axes(self) -> float:
+        """Median time of one cycle of all axes, s."""
+        settings = parameters.control(self.bench.arm)
+        noise = np.random.default_rng(5).standard_normal((3, 256))
+        samples = (0.1 * noise[0], 1e5 * noise[1], 0.5 * noise[2])
+        control_cycles(settings, *samples, CYCLES)
+        times = []
+        for _ in range(BATCHES):
+            begin = time.perf_counter()
+            control_cycles(settings, *samples, CYCLES)
+            times.append((time.perf_counter() - begin) / CYCLES)
+        return float(np.median(times))
+
+    @claim("control-cycle", "3", "two axes in under 2.5 ms on a 386", "all axes' step under 10 us at the median")
+    def control_cycle(self) -> Evaluated:
+        """Time one cycle of all axes."""
+        return [Quantity("time of a cycle", 1e6 * self.all_axes, "us", "under 2500")], self.all_axes < 1e-5
