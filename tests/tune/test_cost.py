@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 import xarray
 
-from layflat.tune.conditions import Conditions
-from layflat.tune.cost import candidate_costs, move_costs
+from layflat.tune.conditions import Conditions, candidate_costs, move_costs
 
 
 def runs(**metrics: Any) -> xarray.Dataset:

@@ -5,8 +5,8 @@ from layflat.machine import Machine, changed, load
 from layflat.tune import search as s
 from layflat.tune.conditions import conditions
 from layflat.tune.knobs import PHASES, from_shares, gain_knobs, neutral_gains, rounded, to_shares, values_of
-from layflat.tune.methods import parts
-from layflat.tune.search import Found, Part, Stage, judge, search
+from layflat.tune.methods import Part, Stage, parts
+from layflat.tune.search import Found, judge, search
 
 JOINT = load("paper-small-joint")
 KNOBS = gain_knobs("small")

@@ -45,26 +45,26 @@ def study(
 
     Writes a table of metrics, a row a run, and a figure. A stopped study continues where it was.
     """
-    from layflat.study import names, read, run  # noqa: PLC0415
+    from layflat.study import names, read, run, table  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
-    from layflat.study.results import write_picture  # noqa: PLC0415
+    from layflat.study.results import draw, write_figure  # noqa: PLC0415
 
     described = read(file)
     place = out or Path("build/study") / described.name
     try:
         with steps_bar("runs") as advance:
-            table = run(described, place, scheduler=scheduler, progress=advance)
+            path = run(described, place, scheduler=scheduler, progress=advance)
     except ChangedError as error:
         typer.echo(f"layflat: {error}", err=True)
         for line in error.differences:
             typer.echo(f"  {line}", err=True)
         raise typer.Exit(2) from None
     _print_summary(described, place)
-    typer.echo(f"wrote {table} and .csv")
+    typer.echo(f"wrote {path} and .csv")
     if file in names():
         _answer(file, place)
     else:
-        typer.echo(f"wrote {write_picture(described, place)} and .png")
+        typer.echo(f"wrote {write_figure(draw(described, table(place)), place)} and .png")
 
 
 def _answer(name: str, out: Path) -> None:

@@ -37,7 +37,7 @@ def tune(
     the nominal ones most. Ctrl-C ends the search; the best gains so far are kept.
     """
     from layflat.tune import begin  # noqa: PLC0415
-    from layflat.tune.cost import STATEMENT  # noqa: PLC0415
+    from layflat.tune.conditions import STATEMENT  # noqa: PLC0415
     from layflat.tune.page import figures_of, write_page  # noqa: PLC0415
     from layflat.tune.validation import validate, warnings  # noqa: PLC0415
 

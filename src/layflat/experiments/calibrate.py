@@ -224,7 +224,7 @@ def search(cost: Callable[[Array], float], knobs: Sequence[Knob], start: Array, 
     inner = strategy.inner
     with ThreadPoolExecutor(2) as pool:
         while not inner.stop() and inner.countiter < rounds:
-            strategy.advance(lambda shares: pool.map(lambda c: cost(low + c * (high - low)), shares))
+            strategy.tell(pool.map(lambda share: cost(low + share * (high - low)), strategy.ask()))
             sys.stderr.write(f"\rround {inner.countiter} of {rounds}: cost {inner.result.fbest:.3f}  ")
     sys.stderr.write("\n")
     # No worse than before, however short the search.

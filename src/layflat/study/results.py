@@ -90,15 +90,14 @@ def draw(study: Study, frame: pandas.DataFrame) -> Figure:
     return study_figure(varied, results, _cases(frame))
 
 
-def write_picture(study: Study, out: Path) -> Path:
-    """Draw the table in a study's folder, beside it, as SVG and as PNG; return the SVG's path.
+def write_figure(drawn: Figure, out: Path) -> Path:
+    """Write a figure beside the table in a study's folder, as SVG and as PNG; return the SVG's path.
 
     Raises:
         OutputError: it can't be written.
     """
     from layflat.plot.style import save, to_svg  # noqa: PLC0415
 
-    drawn = draw(study, table(out))
     save(drawn, out / PNG)
     return write_text(out / SVG, to_svg(drawn))
 

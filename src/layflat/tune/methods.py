@@ -3,13 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import cycle
 from math import ceil
 
 from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.tune.knobs import PHASES, Knob, gain_knobs
-from layflat.tune.search import GENERATIONS, Part, Stage
+
+GENERATIONS = 10_000
+"""At most; each has a seed of its own."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """So many generations, of candidates that are each judged by so many runs (a power of two)."""
+
+    generations: int
+    runs: int
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is looked for at a time.
+
+    Args:
+        name: for people.
+        knobs: places, among all knobs, of those that are turned; the others stay as they are.
+        population: candidates of a generation.
+        stages: few runs first, more later.
+    """
+
+    name: str
+    knobs: tuple[int, ...]
+    population: int
+    stages: tuple[Stage, ...]
+
 
 AT_ONCE = (Stage(40, 8), Stage(50, 16), Stage(20, 32))
 AT_ONCE_POPULATION = 32

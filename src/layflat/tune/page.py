@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
 import layflat
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.machine import Machine
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim.metrics import BAND
-from layflat.tune.conditions import POSTURES, REST
-from layflat.tune.cost import STATEMENT
+from layflat.tune.conditions import POSTURES, REST, STATEMENT
 from layflat.tune.knobs import values_of
 from layflat.tune.tuning import Tuning
 from layflat.tune.validation import LIMIT, Validation, fresh, warnings
@@ -26,40 +23,31 @@ Row = list[str]
 
 
 def figures_of(machine: Machine, before: Validation | None, after: Validation) -> list[Row]:
-    """What is compared: its name, before, after."""
+    """Return what is compared: its name, before, after."""
     by = fresh(machine)
 
-    def row(name: str, of: Callable[[Validation], str]) -> Row:
-        return [name, "none" if before is None else of(before), of(after)]
+    def figures(of: Validation) -> dict[str, str]:
+        moves = {f"{machine.arm.payload:g} kg: {m}": s for m, s in zip(nominal_moves(machine), of.nominal, strict=True)}
+        return {
+            **{f"nominal, {move}": _seconds(seconds) for move, seconds in moves.items()},
+            **{f"nominal: {what}": f"{np.degrees(far):.2g} deg" for what, far in of.pushed.items()},
+            f"worst over {by.runs} runs": _seconds(of.worst),
+            f"moves not settled in {LIMIT:g} s": f"{of.late} of {of.settling.size}",
+            "cost": _seconds(of.cost),
+        }
 
-    return [
-        *(
-            row(f"nominal, {machine.arm.payload:g} kg: {move}", partial(_nominal, i))
-            for i, move in enumerate(nominal_moves(machine))
-        ),
-        *(row(f"nominal: {what}", partial(_pushed, what)) for what in after.pushed),
-        row(f"worst over {by.runs} runs", lambda v: _seconds(v.worst)),
-        row(f"moves not settled in {LIMIT:g} s", lambda v: f"{v.late} of {v.settling.size}"),
-        row("cost", lambda v: _seconds(v.cost)),
-    ]
+    was = {} if before is None else figures(before)
+    return [[name, was.get(name, "none"), now] for name, now in figures(after).items()]
 
 
 def nominal_moves(machine: Machine) -> list[str]:
-    """What is moved under nominal conditions, and how far, in words."""
+    """Return what is moved under nominal conditions, and how far, in words."""
     halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
     moved = np.degrees(np.diff(np.array(POSTURES[len(halves)][0]), axis=0) * halves)
     return [
         " and ".join(f"{name} joint by {by:.3g} deg" for name, by in zip(machine.joints, step, strict=True) if by)
         for step in moved
     ]
-
-
-def _nominal(move: int, of: Validation) -> str:
-    return _seconds(of.nominal[move])
-
-
-def _pushed(what: str, of: Validation) -> str:
-    return f"{np.degrees(of.pushed[what]):.2g} deg" if what in of.pushed else "none"
 
 
 def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after: Validation, path: Path) -> Path:
@@ -90,30 +78,26 @@ def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after:
         drawn=_drawn(tuning, before, after),
         gains=gains_table(tuning, tuned),
     )
-    with whole_file(path) as temporary:
-        temporary.write_text(html, encoding="utf-8")
-    return path
+    return write_text(path, html)
 
 
 def gains_table(tuning: Tuning, tuned: Machine) -> list[Row]:
-    """Every gain: its path, and its value and source before and after."""
-    rows = []
-    now = values_of(tuning.machine, tuning.knobs)
+    """Return every gain: its path, and its value and source before and after."""
+
+    def source(machine: Machine, path: str) -> str:
+        known = machine.provenance[path]
+        return f"{known.source}: {known.note}" if known.note else known.source
+
+    rows, now = [], values_of(tuning.machine, tuning.knobs)
     for knob, was, found in zip(tuning.knobs, now, values_of(tuned, tuning.knobs), strict=True):
         path = knob.paths[0]
-        known = path in tuning.base.provenance
-        old = [str(knob.text(was)), _source(tuning.base, path)] if known else ["none", ""]
-        rows.append([path, *old, str(knob.text(found)), _source(tuned, path)])
+        old = [str(knob.text(was)), source(tuning.base, path)] if path in tuning.base.provenance else ["none", ""]
+        rows.append([path, *old, str(knob.text(found)), source(tuned, path)])
     return rows
 
 
-def _source(machine: Machine, path: str) -> str:
-    known = machine.provenance[path]
-    return f"{known.source}: {known.note}" if known.note else known.source
-
-
 def _drawn(tuning: Tuning, before: Validation | None, after: Validation) -> list[Drawn]:
-    shown = {**({"before": before} if before is not None else {}), "after": after}
+    shown = {label: one for label, one in (("before", before), ("after", after)) if one is not None}
     runs = {label: one.response for label, one in shown.items()}
     settled = {label: one.settling for label, one in shown.items()}
     return [

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,9 +18,9 @@ from layflat.extras import module
 from layflat.machine import Machine
 from layflat.sim import STEP
 from layflat.sim.ensemble import ensemble
-from layflat.tune.conditions import Conditions, conditions
-from layflat.tune.cost import candidate_costs
+from layflat.tune.conditions import Conditions, candidate_costs, conditions
 from layflat.tune.knobs import Knob, from_shares, rounded, to_shares
+from layflat.tune.methods import GENERATIONS, Part
 
 Array = NDArray[np.float64]
 
@@ -32,33 +31,6 @@ COARSE = 1e-3
 whatever is reported, is simulated with the default."""
 PANEL, PANEL_SEED, EVERY = 128, 1_000_000_000, 5
 """Runs of the panel, its seed, and generations from one judgement by it to the next."""
-GENERATIONS = 10_000
-"""At most; each has a seed of its own."""
-
-
-@dataclass(frozen=True)
-class Stage:
-    """So many generations, of candidates that are each judged by so many runs (a power of two)."""
-
-    generations: int
-    runs: int
-
-
-@dataclass(frozen=True)
-class Part:
-    """What is looked for at a time.
-
-    Args:
-        name: for people.
-        knobs: places, among all knobs, of those that are turned; the others stay as they are.
-        population: candidates of a generation.
-        stages: few runs first, more later.
-    """
-
-    name: str
-    knobs: tuple[int, ...]
-    population: int
-    stages: tuple[Stage, ...]
 
 
 @dataclass(frozen=True)
@@ -87,10 +59,14 @@ class Strategy:
         cma = module("tune", "cma", where="tune")
         self.inner: Any = cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), WIDTH, options)
 
-    def advance(self, costs: Callable[[Array], Iterable[float]]) -> None:
-        """Ask for a generation, (candidates, dimensions), and tell what each of it costs."""
-        asked = self.inner.ask()
-        self.inner.tell(asked, list(costs(np.array(asked))))
+    def ask(self) -> Array:
+        """Return the candidates of the next generation, (candidates, dimensions)."""
+        self._asked = self.inner.ask()
+        return np.array(self._asked)
+
+    def tell(self, costs: Iterable[float]) -> None:
+        """Take what each of these candidates costs."""
+        self.inner.tell(self._asked, list(costs))
 
     @property
     def mean(self) -> Array:
@@ -146,13 +122,12 @@ def search(
             values[:, places] = from_shares(turned, shares)
             return values
 
-        def costs(shares: Array, met: Conditions, whole: Callable[[Array], Array] = whole) -> Array:
-            return judge(machine, knobs, whole(shares), met, COARSE)
-
         strategy = Strategy(to_shares(turned, base[places]), part.population, seed + 1 + done)
         todo = [stage.runs for stage in part.stages for _ in range(stage.generations)]
         for left, runs in zip(reversed(range(len(todo))), todo, strict=True):
-            strategy.advance(partial(costs, met=conditions(machine, runs, seed=seed * GENERATIONS + done)))
+            met = conditions(machine, runs, seed=seed * GENERATIONS + done)
+            asked = strategy.ask()
+            strategy.tell(judge(machine, knobs, whole(asked), met, COARSE))
             done += 1
             if done % EVERY == 0 or left == 0:
                 middle = rounded(whole(strategy.mean[None]))

@@ -9,15 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
+from layflat.description.change import value_at
+from layflat.description.provenance import Provenance
 from layflat.errors import InputError
 from layflat.extras import require
 from layflat.files import check_folder
 from layflat.machine import Machine, load
-from layflat.machine.derived import derived_path
-from layflat.tune.knobs import Knob, neutral_gains, values_of, with_gains
-from layflat.tune.methods import knobs_of, parts
-from layflat.tune.search import Found, Part, judge, panel, search
-from layflat.tune.tuned_file import write_tuned
+from layflat.machine.derived import derived_path, write_derived
+from layflat.tune.knobs import INTEGRAL_LIMIT, Knob, neutral_gains, values_of, with_gains
+from layflat.tune.methods import Part, knobs_of, parts
+from layflat.tune.search import Found, judge, panel, search
 
 Progress = Callable[[Found, int, str], None]
 """Told the best so far, the generations done, and what is looked for; before the first generation too."""
@@ -123,11 +124,18 @@ class Tuning:
         Raises:
             OutputError: they can't be written.
         """
-        best = self.told[-1]
-        if self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base))[0] <= best.cost:
-            self.kept = True
-            return write_tuned(self.given, self.base, [], [], self.command, self.path)
-        return write_tuned(self.given, self.base, self.knobs, list(best.values), self.command, self.path)
+        best, texts, sources = self.told[-1], dict[str, str](), dict[str, Provenance]()
+        self.kept = self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base))[0] <= best.cost
+        if not self.kept:
+            for knob, value in zip(self.knobs, best.values, strict=True):
+                texts[knob.paths[0]] = str(knob.text(value))
+                sources[knob.paths[0]] = Provenance("calibrated", self.command)
+        for name in self.base.joints:
+            if self.base.joint[name].gains is None:
+                limit = f"joint.{name}.gains.integral_limit"
+                texts[limit] = f"{INTEGRAL_LIMIT * value_at(self.base, 'valve.volts_to_full'):g} V"
+                sources[limit] = Provenance("assumed", f"{100 * INTEGRAL_LIMIT:g} % of full opening")
+        return write_derived(self.given, f"{self.base.title}, tuned", texts, sources, self.path)
 
 
 def begin(

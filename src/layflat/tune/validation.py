@@ -12,8 +12,7 @@ from layflat.machine import Machine
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import disturbance
 from layflat.sim.run import rollout_as_far
-from layflat.tune.conditions import POSTURES, REST, Conditions, conditions
-from layflat.tune.cost import candidate_costs
+from layflat.tune.conditions import POSTURES, REST, Conditions, candidate_costs, conditions
 
 if TYPE_CHECKING:
     import xarray
@@ -70,9 +69,8 @@ def validate(machine: Machine) -> Validation:
     settling = np.where(np.isnan(settling), np.inf, settling)
     nominal: Array = settling[: by.nominal].max(axis=2).mean(axis=0)
     response = rollout_as_far(machine, scenario=by.scenarios[0], seed=int(by.vary["seed"][0]))
-    return Validation(
-        settling, nominal, float(candidate_costs(runs, by, 1)[0]), response, _pushed(machine, response, by.window)
-    )
+    cost, pushed = float(candidate_costs(runs, by, 1)[0]), _pushed(machine, response, by.window)
+    return Validation(settling, nominal, cost, response, pushed)
 
 
 def _pushed(machine: Machine, response: xarray.Dataset, window: float) -> dict[str, float]:

@@ -7,35 +7,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
-from layflat.experiments.questions import (
-    assumptions,
-    brake_and_inertia,
-    dither,
-    losses_and_brake,
-    supply_pressure,
-    valves,
-)
-from layflat.files import whole_file
-from layflat.plot.style import save, to_svg
+from layflat.files import write_text
 from layflat.study import finished, read, run, table
 from layflat.study.folder import ANSWER
+from layflat.study.results import write_figure
 
 __all__ = ["QUESTIONS", "Answer", "answer", "answers", "ask"]
 
-PNG, SVG, TEXT = ANSWER
+_, SVG, TEXT = ANSWER
 
-QUESTIONS: dict[str, ModuleType] = {
-    "brake-and-inertia": brake_and_inertia,
-    "losses-and-brake": losses_and_brake,
-    "dither": dither,
-    "valves": valves,
-    "supply-pressure": supply_pressure,
-    "assumptions": assumptions,
-}
-"""By the name of the built-in study."""
+ASKED = ("brake-and-inertia", "losses-and-brake", "dither", "valves", "supply-pressure", "assumptions")
+QUESTIONS: dict[str, ModuleType] = {name: import_module(f"{__name__}.{name.replace('-', '_')}") for name in ASKED}
+"""By the name of the built-in study, in the order of the report."""
 
 
 @dataclass(frozen=True)
@@ -56,29 +43,22 @@ def ask(name: str, out: Path, progress: Callable[[int, int], None] | None = None
 
 
 def answer(name: str, out: Path) -> Answer:
-    """The answer to a question from the table of its study; its figure and text are written beside the table.
+    """Return the answer to a question from the table of its study; its figure and text are written beside the table.
 
     Raises:
         InputError: there is no table.
         OutputError: the figure can't be written.
     """
     question, study, frame = QUESTIONS[name], read(name), table(out)
-    drawn = question.figure(study, frame)
-    found = Answer(f"question-{name}", question.TITLE, question.CAPTION, question.finding(study, frame), to_svg(drawn))
-    save(drawn, out / PNG)
-    for file, text in ((SVG, found.svg), (TEXT, found.finding + "\n")):
-        with whole_file(out / file) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-    return found
+    write_figure(question.figure(study, frame), out)
+    write_text(out / TEXT, question.finding(study, frame) + "\n")
+    return _kept(name, out)
 
 
 def answers(out: Path) -> list[Answer]:
-    """What is answered below `out`: questions whose tables, of these very studies, are there with their figures."""
-    return [_kept(name, out / name) for name in QUESTIONS if _is_answered(name, out / name)]
-
-
-def _is_answered(name: str, out: Path) -> bool:
-    return all((out / file).exists() for file in ANSWER) and finished(read(name), out)
+    """Return what is answered below `out`: whose tables, of these very studies, are there with their figures."""
+    there = [name for name in QUESTIONS if all((out / name / file).exists() for file in ANSWER)]
+    return [_kept(name, out / name) for name in there if finished(read(name), out / name)]
 
 
 def _kept(name: str, out: Path) -> Answer:

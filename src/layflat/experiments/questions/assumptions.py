@@ -33,7 +33,7 @@ SHOWN = 10
 """Indices in the figure."""
 HOLDS, FAILS = 0.9, 0.5
 """A result holds whatever was assumed if it does in this share of the machines; in less than the other it depends."""
-LEAST_DISTANCE, LEAST_RIPPLE = 1e-4, np.radians(0.01)
+LEAST = {"tip error": 1e-4, "ripple": np.radians(0.01)}
 """Less is taken for this, where a logarithm is taken: m, rad."""
 
 HELD = {
@@ -46,51 +46,45 @@ HELD = {
 """What is not the paper's but does not vary here, and why."""
 
 
+def _worst(frame: pandas.DataFrame, names: list[str], most: float) -> Array:
+    """Of several columns; what is not finite, or more than the most, counts as that."""
+    return np.asarray(frame[names].fillna(np.inf).clip(upper=most).max(axis=1), dtype=float)
+
+
 def results(frame: pandas.DataFrame) -> dict[str, Array]:
-    """What is looked at in braked runs, the worst of their moves: settling (s), error of the tip (m), ripple (rad)."""
-    own = frame[frame["scenario"] == "braked"]
-    joints = moves_of(frame)
+    """Return the worst of the moves of braked runs: settling (s), error of the tip (m), ripple (rad)."""
+    own, moves = frame[frame["scenario"] == "braked"], moves_of(frame)
     tips = [name for name in frame.columns if name.startswith("tip_error.")]
-
-    def worst(columns: list[str], most: float) -> Array:
-        values: Array = own[columns].fillna(np.inf).clip(upper=most).max(axis=1).to_numpy(dtype=float)
-        return values
-
     return {
-        "settling": worst([f"settling.{name}" for name in joints], WINDOW),
-        "tip error": worst(tips, 1.0),
-        "ripple": worst([f"ripple.{name}" for name in joints], np.pi),
+        "settling": _worst(own, [f"settling.{name}" for name in moves], WINDOW),
+        "tip error": _worst(own, tips, 1.0),
+        "ripple": _worst(own, [f"ripple.{name}" for name in moves], np.pi),
     }
 
 
 def shares(study: Study, frame: pandas.DataFrame) -> dict[str, float]:
-    """In what share of independently drawn machines each result holds."""
-    assert study.file.runs is not None
-    drawn = slice(0, 2 * study.file.runs)
-    found = {name: values[drawn] for name, values in results(frame).items()}
+    """Return in what share of independently drawn machines each result holds."""
     free = frame[frame["scenario"] == "without brake"]
-    settling = free[[f"settling.{name}" for name in moves_of(frame)]].fillna(np.inf).max(axis=1).to_numpy()[drawn]
-    return {
-        "does not settle\nwithout brake": float(np.mean(settling > GOOD_TIME)),
-        f"settles within\n{GOOD_TIME:g} s": float(np.mean(found["settling"] <= GOOD_TIME)),
-        "tip within 2 mm": float(np.mean(found["tip error"] <= 2e-3)),
-        "at rest within\n0.1 deg": float(np.mean(found["ripple"] <= np.radians(0.1))),
+    unbraked = _worst(free, [f"settling.{name}" for name in moves_of(frame)], np.inf)
+    found = results(frame)
+    holds = {
+        "does not settle\nwithout brake": unbraked > GOOD_TIME,
+        f"settles within\n{GOOD_TIME:g} s": found["settling"] <= GOOD_TIME,
+        "tip within 2 mm": found["tip error"] <= 2e-3,
+        "at rest within\n0.1 deg": found["ripple"] <= np.radians(0.1),
     }
+    return {name: float(np.mean(own[: 2 * (study.file.runs or 0)])) for name, own in holds.items()}
 
 
 def indices(study: Study, frame: pandas.DataFrame) -> dict[str, Indices]:
-    """Of settling, and of the logarithms of the tip's error and of the ripple."""
+    """Return the indices of settling, and of the logarithms of the tip's error and of the ripple."""
     found = results(frame)
-    things = len(study.blocks)
-    return {
-        "settling": sobol_indices(found["settling"], things),
-        "tip error": sobol_indices(np.log(np.maximum(found["tip error"], LEAST_DISTANCE)), things),
-        "ripple": sobol_indices(np.log(np.maximum(found["ripple"], LEAST_RIPPLE)), things),
-    }
+    found |= {key: np.log(np.maximum(found[key], least)) for key, least in LEAST.items()}
+    return {key: sobol_indices(values, len(study.blocks)) for key, values in found.items()}
 
 
 def plain(path: str) -> str:
-    """A path as people read it; those of one joint stand for both."""
+    """Return a path as people read it; those of one joint stand for both."""
     return path.removeprefix("joint.large.").replace("_", " ").replace(".", " ")
 
 
@@ -100,47 +94,44 @@ def _ranked(study: Study, found: Indices) -> list[int]:
 
 
 def figure(study: Study, frame: pandas.DataFrame) -> Figure:
-    """Shares, and the greatest total indices of two results."""
+    """Draw shares, and the greatest total indices of two results."""
     holds, found = shares(study, frame), indices(study, frame)
     with new_figure(1, 3, width=10.8, height=4.0, beside=0.55, between=1.75) as (made, (share, *panels)):
         draw_bars(share, list(holds), [100 * value for value in holds.values()], form="{:.0f}")
-        share.set_xlim(0.0, 115.0)
-        share.set_xlabel("Of all machines (%)")
+        share.set(xlim=(0.0, 115.0), xlabel="Of all machines (%)")
         for axes, name in zip(panels, ("settling", "tip error"), strict=True):
-            own = found[name]
-            top = _ranked(study, own)[:SHOWN]
-            kinds = [KINDS.index(study.varied[i].group or KINDS[0]) for i in top]
-            ends = [(own.total_ends[0, i], own.total_ends[1, i]) for i in top]
+            own, top = found[name], _ranked(study, found[name])[:SHOWN]
             draw_bars(
-                axes, [plain(study.varied[i].path) for i in top], [own.total[i] for i in top], ends=ends, kinds=kinds
+                axes,
+                [plain(study.varied[i].path) for i in top],
+                own.total[top].tolist(),
+                ends=[(low, high) for low, high in own.total_ends[:, top].T],
+                kinds=[KINDS.index(study.varied[i].group or KINDS[0]) for i in top],
             )
             axes.set_xlabel(f"Total index of {name}")
     return made
 
 
 def finding(study: Study, frame: pandas.DataFrame) -> str:
-    """Which results hold whatever was assumed, which do not, and what decides."""
+    """Say which results hold whatever was assumed, which do not, and what decides."""
     holds, found = shares(study, frame), indices(study, frame)
     sentences = []
-    for group, words in (
-        ({k: v for k, v in holds.items() if v >= HOLDS}, "holds whatever was assumed"),
-        ({k: v for k, v in holds.items() if FAILS <= v < HOLDS}, "holds in most machines"),
-        ({k: v for k, v in holds.items() if v < FAILS}, "depends on what was assumed"),
+    for low, high, one, more in (
+        (HOLDS, np.inf, "holds whatever was assumed", "hold whatever was assumed"),
+        (FAILS, HOLDS, "holds in most machines", "hold in most machines"),
+        (-1.0, FAILS, "depends on what was assumed", "depend on what was assumed"),
     ):
-        if group:
-            named = [f"“{' '.join(name.split())}” ({100 * value:.0f} %)" for name, value in group.items()]
-            sentences.append(f"{listed(named)} {words if len(named) == 1 else words.replace('s ', ' ', 1)}.")
+        named = [f"“{' '.join(k.split())}” ({100 * v:.0f} %)" for k, v in holds.items() if low <= v < high]
+        if named:
+            sentences.append(f"{listed(named)} {one if len(named) == 1 else more}.")
     for name, own in found.items():
         top = [f"{plain(study.varied[i].path)} ({own.total[i]:.2f})" for i in _ranked(study, own)[:3]]
         sentences.append(f"{'Settling' if name == 'settling' else 'The ' + name} depends most on {listed(top)}.")
-    return " ".join([*sentences, _groups(study, found["settling"])]).strip()
-
-
-def _groups(study: Study, own: Indices) -> str:
-    """How much of the variance of settling goes with each group alone."""
-    each = {name: float(own.first[i]) for i, name in enumerate(study.blocks) if i >= len(study.varied)}
-    if not each:
-        return ""
-    said = [f"{100 * max(value, 0.0):.0f} % with {name}" for name, value in each.items()]
-    rest = 100 * max(1.0 - sum(max(value, 0.0) for value in each.values()), 0.0)
-    return f"Of the variance of settling {listed(said)} alone would go; {rest:.0f} % is in how these meet."
+    # How much of the variance of settling goes with each group alone.
+    groups = study.blocks[len(study.varied) :]
+    each = [max(float(value), 0.0) for value in found["settling"].first[len(study.varied) :]]
+    if groups:
+        said = listed([f"{100 * value:.0f} % with {name}" for name, value in zip(groups, each, strict=True)])
+        rest = 100 * max(1.0 - sum(each), 0.0)
+        sentences.append(f"Of the variance of settling {said} alone would go; {rest:.0f} % is in how these meet.")
+    return " ".join(sentences)

@@ -30,8 +30,7 @@ ENOUGH = 0.8
 
 def _levels(study: Study, brakes: Array) -> Array:
     """Total hysteresis, %, of the paper's joint with its brake at these levels."""
-    machine = study.machine
-    without, full = (hysteresis(machine, level) for level in (0.0, 1.0))
+    without, full = (hysteresis(study.machine, level) for level in (0.0, 1.0))
     return without + brakes * (full - without)
 
 
@@ -53,55 +52,43 @@ def _limits(ratios: Array, times: Array, allowed: float) -> Array:
 
 
 def figure(study: Study, frame: pandas.DataFrame) -> Figure:
-    """A map for each variant of the gains."""
+    """Draw a map for each variant of the gains."""
     fields = _fields(study, frame)
+    style: dict[str, Any] = {"color": "#c23b4e", "linewidth": 2.0}
     with new_figure(1, len(fields), width=8.6, height=4.3, above=0.62) as (made, all_axes):
         for axes, (name, _, levels, ratios, times) in zip(all_axes, fields, strict=True):
             draw_map(axes, levels, ratios, times, f"Time to settle (s), {name}", low=0.0, high=SCAN)
             for allowed, dashes in ((GOOD_TIME, "-"), (SCAN, "--")):
                 limit = _limits(ratios, times, allowed)
-                style: dict[str, Any] = {"color": "#c23b4e", "linestyle": dashes, "linewidth": 2.0}
-                axes.plot(levels, np.where(limit > 0.0, limit, np.nan), label=f"limit in {allowed:g} s", **style)
+                shown = np.where(limit > 0.0, limit, np.nan)
+                axes.plot(levels, shown, label=f"limit in {allowed:g} s", linestyle=dashes, **style)
             axes.axvline(_levels(study, np.ones(1))[0], color="#1b1b1b", linewidth=1.0)
             axes.axhline(INERTIA_PER_TORQUE, color="#1b1b1b", linewidth=1.0, linestyle=":")
-            axes.set_yscale("log")
-            axes.set_xlim(*edges(levels))
-            axes.set_ylim(*edges(ratios, log=True))
-            axes.set_xlabel("Total hysteresis (%)")
-            axes.set_ylabel("Inertia per torque (kg m$^2$ per N m)")
+            axes.set(yscale="log", xlim=edges(levels), ylim=edges(ratios, log=True))
+            axes.set(xlabel="Total hysteresis (%)", ylabel="Inertia per torque (kg m$^2$ per N m)")
         all_axes[0].legend(loc="upper right", fontsize=8)
     return made
 
 
 def finding(study: Study, frame: pandas.DataFrame) -> str:
-    """Where each variant carries most, what the paper's brake carries, and where the joint stalls."""
-    sentences = []
-    for name, brakes, levels, ratios, times in _fields(study, frame):
-        quick, slow = (_limits(ratios, times, allowed) for allowed in (GOOD_TIME, SCAN))
-        if quick.max() == 0.0:
-            sentences.append(f"With {name} no level of the brake lets the joint settle within {GOOD_TIME:g} s.")
-            continue
-        best, paper = int(np.argmax(quick)), int(np.argmin(np.abs(brakes - 1.0)))
-        share = quick[paper] / quick[best]
-        verdict = (
-            f"the paper's {levels[paper]:.0f} % carries as much or nearly so"
-            if share >= ENOUGH
-            else f"the paper's {levels[paper]:.0f} % carries {100 * share:.0f} % of that"
-        )
-        sentences.append(
-            f"With {name} a joint settles most inertia within {GOOD_TIME:g} s at {levels[best]:.0f} % of total "
-            f"hysteresis, {quick[best]:.3f} kg m2 per N m; {verdict}, and without brake it carries "
-            f"{_carried(quick[0])}."
-        )
-        late = int(np.argmax(slow))
-        sentences.append(f"If {SCAN:g} s are allowed it is {levels[late]:.0f} %, with {slow[late]:.3f}.")
-        moving = np.flatnonzero(np.isfinite(times).any(axis=0))
-        if moving[-1] + 1 < len(levels):
-            sentences.append(
-                f"From {levels[moving[-1] + 1]:.0f} % on it stalls before it has arrived, whatever it carries."
-            )
-    return " ".join(sentences)
+    """Say where each variant carries most, what the paper's brake carries, and where the joint stalls."""
+    return " ".join(_found(*field) for field in _fields(study, frame))
 
 
-def _carried(limit: float) -> str:
-    return f"{limit:.3f}" if limit > 0.0 else f"less than {INERTIA_PER_TORQUE:g}"
+def _found(name: str, brakes: Array, levels: Array, ratios: Array, times: Array) -> str:
+    quick, slow = (_limits(ratios, times, allowed) for allowed in (GOOD_TIME, SCAN))
+    if quick.max() == 0.0:
+        return f"With {name} no level of the brake lets the joint settle within {GOOD_TIME:g} s."
+    best, late, paper = int(np.argmax(quick)), int(np.argmax(slow)), int(np.argmin(np.abs(brakes - 1.0)))
+    share = quick[paper] / quick[best]
+    most = "as much or nearly so" if share >= ENOUGH else f"{100 * share:.0f} % of that"
+    least = f"{quick[0]:.3f}" if quick[0] > 0.0 else f"less than {INERTIA_PER_TORQUE:g}"
+    said = (
+        f"With {name} a joint settles most inertia within {GOOD_TIME:g} s at {levels[best]:.0f} % of total "
+        f"hysteresis, {quick[best]:.3f} kg m2 per N m; the paper's {levels[paper]:.0f} % carries {most}, and without "
+        f"brake it carries {least}. If {SCAN:g} s are allowed it is {levels[late]:.0f} %, with {slow[late]:.3f}."
+    )
+    stalls = 1 + np.flatnonzero(np.isfinite(times).any(axis=0))[-1]
+    if stalls < len(levels):
+        said += f" From {levels[stalls]:.0f} % on it stalls before it has arrived, whatever it carries."
+    return said

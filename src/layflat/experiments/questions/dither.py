@@ -9,7 +9,7 @@ import numpy as np
 from layflat.experiments.questions.tables import Array, listed, moves_of
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.plot.maps import draw_map, edges
-from layflat.plot.style import LINES, QUIET
+from layflat.plot.style import LINES, mark
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
 
@@ -25,22 +25,22 @@ CAPTION = (
 )
 FRICTION, AMPLITUDE, FREQUENCY = "valve.friction", "valve.dither.amplitude", "valve.dither.frequency"
 """Columns of the table."""
-AROUND = (40.0, 60.0)
-"""Frequencies that count as about 50 Hz."""
+AROUND, FAST = (40.0, 60.0), (130.0, 170.0)
+"""Frequencies that count as about 50 Hz, and as fast."""
 GOOD = 1.5
 """An amplitude is enough where the error is at most so many times the least that any amplitude reaches."""
-FAST = (130.0, 170.0)
-"""Frequencies that count as fast."""
 WORTH, TINY = 1.5, 1e-6
 """Dither is worth it where it makes the error or the ripple so many times smaller; no number, deg."""
 
 
-def _measured(frame: pandas.DataFrame) -> pandas.DataFrame:
-    """Runs with their error at rest and their ripple (deg), means over all moves."""
-    moves = moves_of(frame)
+def _measured(study: Study, frame: pandas.DataFrame) -> tuple[pandas.DataFrame, SpoolValvePart, float]:
+    """Runs with error at rest and ripple (deg, means over all moves), the arm's valve, and the friction nearest its."""
+    moves, valve, frictions = moves_of(frame), study.machine.valve, frame[FRICTION].unique()
+    assert isinstance(valve, SpoolValvePart)
     error = np.degrees(frame[[f"steady_error.{move}" for move in moves]].abs().mean(axis=1))
     ripple = np.degrees(frame[[f"ripple.{move}" for move in moves]].mean(axis=1))
-    return frame.assign(error=error, ripple=ripple)
+    own = float(frictions[np.argmin(np.abs(frictions - valve.friction))])
+    return frame.assign(error=error, ripple=ripple), valve, own
 
 
 def _by_amplitude(
@@ -59,71 +59,52 @@ def _enough(amplitudes: Array, errors: Array) -> float:
 
 
 def figure(study: Study, frame: pandas.DataFrame) -> Figure:
-    """Error and ripple by amplitude; a map of the error over frequency and amplitude."""
-    runs, valve = _measured(frame), study.machine.valve
-    assert isinstance(valve, SpoolValvePart)
+    """Draw error and ripple by amplitude, and a map of the error over frequency and amplitude."""
+    runs, valve, own = _measured(study, frame)
+    wide = runs[runs[FRICTION] == own].groupby([AMPLITUDE, FREQUENCY])["error"].mean().unstack()
+    x, y, z = (each.to_numpy(dtype=float) for each in (wide.columns, wide.index, wide))
+    labels = {"error": "Error at rest (deg)", "ripple": "Ripple at rest (deg, peak to peak)"}
     with new_figure(1, 3, width=10.4, height=4.0, above=0.62) as (made, (error, ripple, both)):
-        for order, friction in enumerate(np.sort(frame[FRICTION].unique())):
-            style = {**LINES[order], "marker": "os^D"[order % 4], "ms": 3.5, "label": f"{100 * friction:g} %"}
-            for axes, column in ((error, "error"), (ripple, "ripple")):
+        for axes, (column, label) in zip((error, ripple), labels.items(), strict=True):
+            for order, friction in enumerate(np.sort(frame[FRICTION].unique())):
                 amplitudes, values = _by_amplitude(runs, column, friction)
-                axes.plot(100 * amplitudes, values, **style)
-        for axes, what in ((error, "Error at rest (deg)"), (ripple, "Ripple at rest (deg, peak to peak)")):
-            axes.set_ylabel(what)
-            axes.set_xlabel("Amplitude of dither (% of full opening)")
-            axes.set_ylim(bottom=0.0)
-            axes.axvline(100 * valve.dither.amplitude, **QUIET)
+                style = {**LINES[order], "marker": "os^D"[order % 4], "ms": 3.5}
+                axes.plot(100 * amplitudes, values, label=f"{100 * friction:g} %", **style)
+            axes.set(xlabel="Amplitude of dither (% of full opening)", ylabel=label, ylim=(0.0, None))
+            mark(axes, 100 * valve.dither.amplitude, "built in", upright=True)
         ripple.legend(title="friction of the spool\n(% of full opening)", loc="upper right")
-        own = runs[runs[FRICTION] == _nearest(frame[FRICTION], valve.friction)]
-        wide = own.groupby([AMPLITUDE, FREQUENCY])["error"].mean().unstack()
-        x, y = (axis.to_numpy(dtype=float) for axis in (wide.columns, wide.index))
-        z = wide.to_numpy(dtype=float)
-        draw_map(both, x, 100 * y, z, "Error at rest (deg)", low=0.0, high=float(np.quantile(z, 0.95)))
+        draw_map(both, x, 100 * y, z, labels["error"], low=0.0, high=float(np.quantile(z, 0.95)))
         both.plot(valve.dither.frequency, 100 * valve.dither.amplitude, "+", color="#c23b4e", ms=12, mew=2.5)
         both.set_xscale("log")
         both.set_xticks([20, 50, 100, 200], ["20", "50", "100", "200"])
         both.minorticks_off()
-        both.set_xlim(*edges(x, log=True))
-        both.set_ylim(*edges(100 * y))
-        both.set_xlabel("Frequency of dither (Hz)")
-        both.set_ylabel("Amplitude (% of full opening)")
+        both.set(xlim=edges(x, log=True), ylim=edges(100 * y))
+        both.set(xlabel="Frequency of dither (Hz)", ylabel="Amplitude (% of full opening)")
     return made
 
 
-def _nearest(column: pandas.Series, value: float) -> float:
-    values = column.unique()
-    return float(values[np.argmin(np.abs(values - value))])
-
-
 def finding(study: Study, frame: pandas.DataFrame) -> str:
-    """What dither gains, how much of it is enough, at which frequency, and what air it takes."""
-    runs, valve = _measured(frame), study.machine.valve
-    assert isinstance(valve, SpoolValvePart)
+    """Say what dither gains, how much of it is enough, at which frequency, and what air it takes."""
+    runs, valve, own = _measured(study, frame)
     frictions = np.sort(frame[FRICTION].unique())
     worst = float(frictions[-1])
     (_, errors), (_, ripples) = (_by_amplitude(runs, column, worst) for column in ("error", "ripple"))
-    sentences = [
-        f"With a spool whose friction is {100 * worst:g} % of full opening the joint rests {errors[0]:.2f} deg off and "
-        f"goes on moving by {ripples[0]:.2f} deg without dither; with dither near 50 Hz it is {errors.min():.2f} and "
-        f"{ripples.min():.2f} deg at best."
-    ]
-    if max(errors[0] / max(errors.min(), TINY), ripples[0] / max(ripples.min(), TINY)) < WORTH:
-        sentences.append("Dither makes little difference.")
-    else:
+    gains = "Dither makes little difference."
+    if max(errors[0] / max(errors.min(), TINY), ripples[0] / max(ripples.min(), TINY)) >= WORTH:
         enough = [
             f"{100 * _enough(*_by_amplitude(runs, 'error', friction)):.0f} % with {100 * friction:g} % of friction"
             for friction in frictions[frictions > 0.0]
         ]
-        sentences.append(f"Enough near 50 Hz is an amplitude of {listed(enough)}.")
-    own = _nearest(frame[FRICTION], valve.friction)
+        gains = f"Enough near 50 Hz is an amplitude of {listed(enough)}."
     slow, fast = (_enough(*_by_amplitude(runs, "error", own, band)) for band in (AROUND, FAST))
     more = f"takes {100 * fast:.0f} % where {100 * slow:.0f} % do near 50 Hz" if fast > slow else "does it with no more"
     amplitudes, air = _by_amplitude(runs, "air_used", own)
     given = int(np.argmin(np.abs(amplitudes - valve.dither.amplitude)))
     change = 100.0 * (air[given] / air[0] - 1.0)
-    sentences.append(f"A dither of {FAST[0]:g} to {FAST[1]:g} Hz {more}, with {100 * own:g} % of friction.")
-    sentences.append(
-        f"The arm's own amplitude, {100 * amplitudes[given]:.0f} %, takes {abs(change):.0f} % "
-        f"{'more' if change >= 0.0 else 'less'} air than none in the same moves."
+    return (
+        f"With a spool whose friction is {100 * worst:g} % of full opening the joint rests {errors[0]:.2f} deg off and "
+        f"goes on moving by {ripples[0]:.2f} deg without dither; with dither near 50 Hz it is {errors.min():.2f} and "
+        f"{ripples.min():.2f} deg at best. {gains} A dither of {FAST[0]:g} to {FAST[1]:g} Hz {more}, with "
+        f"{100 * own:g} % of friction. The arm's own amplitude, {100 * amplitudes[given]:.0f} %, takes "
+        f"{abs(change):.0f} % {'more' if change >= 0.0 else 'less'} air than none in the same moves."
     )
-    return " ".join(sentences)

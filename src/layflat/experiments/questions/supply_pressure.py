@@ -31,64 +31,60 @@ REST = 4.5
 WITH, WITHOUT = "with dither", "without dither"
 
 
-def _of(frame: pandas.DataFrame, variant: str, scenario: str, column: str) -> tuple[Array, Array]:
-    """Supply pressures (bar, gauge), and the median of a column; what is not a number counts as infinite."""
-    own = frame[(frame["variant"] == variant) & (frame["scenario"] == scenario)]
-    median = own[column].fillna(inf).groupby(own[PRESSURE]).quantile(0.5, interpolation="higher")
-    return median.index.to_numpy(dtype=float) / 1e5, median.to_numpy(dtype=float)
-
-
 def results(frame: pandas.DataFrame) -> dict[str, Array]:
-    """By supply pressure (bar): stiffnesses (N m per deg), settling (s), air at rest (l/min) and of a step (l)."""
-    pressure, turned = _of(frame, WITHOUT, "push, air shut in", "steady_error.small.0")
-    _, gave = _of(frame, WITH, "push 4 N m", "ripple.small.0")
-    _, settling = _of(frame, WITH, "step", "settling.small.0")
-    _, held = _of(frame, WITH, "hold", "air_used")
-    _, leaked = _of(frame, WITHOUT, "hold", "air_used")
-    _, stepped = _of(frame, WITH, "step", "air_used")
+    """Return by supply pressure (bar): stiffnesses (N m per deg), settling (s), air at rest (l/min), of a step (l)."""
+    by = [frame["variant"], frame["scenario"], frame[PRESSURE]]
+
+    def of(variant: str, scenario: str, column: str) -> Array:
+        median = frame[column].fillna(inf).groupby(by).quantile(0.5, interpolation="higher")
+        return np.asarray(median.loc[variant, scenario], dtype=float)
+
+    held = of(WITH, "hold", "air_used")
     return {
-        "pressure": pressure,
-        "air stiffness": SHUT_LOAD / np.degrees(np.abs(turned)),
-        "joint stiffness": LOAD / np.degrees(gave),
-        "settling": settling,
+        "pressure": np.sort(frame[PRESSURE].unique()) / 1e5,
+        "air stiffness": SHUT_LOAD / np.degrees(np.abs(of(WITHOUT, "push, air shut in", "steady_error.small.0"))),
+        "joint stiffness": LOAD / np.degrees(of(WITH, "push 4 N m", "ripple.small.0")),
+        "settling": of(WITH, "step", "settling.small.0"),
         "air at rest": 60.0 / REST * held,
-        "leakage": 60.0 / REST * leaked,
-        "air of a step": stepped - held,
+        "leakage": 60.0 / REST * of(WITHOUT, "hold", "air_used"),
+        "air of a step": of(WITH, "step", "air_used") - held,
     }
 
 
 def figure(_: Study, frame: pandas.DataFrame) -> Figure:
-    """Stiffness, settling and air against pressure."""
+    """Draw stiffness, settling and air against pressure."""
     found = results(frame)
-    p = found["pressure"]
+    p, late = found["pressure"], ~np.isfinite(found["settling"])
     with new_figure(1, 3, width=10.4, height=3.5) as (made, (stiffness, settling, air)):
-        stiffness.plot(p, found["joint stiffness"], label="joint with brake and controller", **LINES[0])
-        stiffness.plot(p, found["air stiffness"], label="air alone", **LINES[1])
-        stiffness.set_ylabel("Stiffness (N m per deg)")
-        settled = np.isfinite(found["settling"])
-        settling.plot(p[settled], found["settling"][settled], **LINES[0], marker="o", ms=3)
-        settling.plot(p[~settled], np.full(int((~settled).sum()), 4.0), "x", color=LINES[0]["color"])
+        for axes, label, column, order in (
+            (stiffness, "joint with brake and controller", "joint stiffness", 0),
+            (stiffness, "air alone", "air stiffness", 1),
+            (air, "at rest, per minute", "air at rest", 0),
+            (air, "the same without dither", "leakage", 1),
+            (air, "of a 40 deg step", "air of a step", 2),
+        ):
+            axes.plot(p, found[column], label=label, **LINES[order])
+        settling.plot(p[~late], found["settling"][~late], **LINES[0], marker="o", ms=3)
+        settling.plot(p[late], np.full(int(late.sum()), 4.0), "x", color=LINES[0]["color"])
         mark(settling, GOOD_TIME, f"goal, {GOOD_TIME:g} s")
-        settling.set_ylabel("Time to settle (s)")
-        air.plot(p, found["air at rest"], label="at rest, per minute", **LINES[0])
-        air.plot(p, found["leakage"], label="the same without dither", **LINES[1])
-        air.plot(p, found["air of a step"], label="of a 40 deg step", **LINES[2])
         air.set_yscale("log")
         air.set_yticks([0.3, 1, 3, 10, 30], ["0.3", "1", "3", "10", "30"])
         air.minorticks_off()
-        air.set_ylabel("Air (normal litres)")
-        for axes in (stiffness, settling):
-            axes.set_ylim(0.0, 1.3 * axes.get_ylim()[1])
-        air.set_ylim(top=8.0 * air.get_ylim()[1])
-        for axes in (stiffness, air):
-            axes.legend(loc="upper left", fontsize=8)
-        for axes in (stiffness, settling, air):
-            axes.set_xlabel("Supply pressure (bar, gauge)")
+        for axes, label in (
+            (stiffness, "Stiffness (N m per deg)"),
+            (settling, "Time to settle (s)"),
+            (air, "Air (normal litres)"),
+        ):
+            axes.set(xlabel="Supply pressure (bar, gauge)", ylabel=label)
+            low, high = axes.get_ylim()
+            axes.set_ylim((low, 8.0 * high) if axes is air else (0.0, 1.3 * high))
+            if axes is not settling:
+                axes.legend(loc="upper left", fontsize=8)
     return made
 
 
 def finding(study: Study, frame: pandas.DataFrame) -> str:
-    """Stiffness over the range, from where on the joint settles in good time, and what air goes for."""
+    """Say how stiffness goes over the range, from where on the joint settles in good time, and what air goes for."""
     found = results(frame)
     p, air, joint = found["pressure"], found["air stiffness"], found["joint stiffness"]
     low, high = p[0], p[-1]

@@ -23,7 +23,7 @@ JOINT = "small"
 
 
 def grid(frame: pandas.DataFrame, across: str, upward: str, column: str) -> tuple[Array, Array, Array]:
-    """Values of two columns in order, and the median of a third where they meet, (upward, across).
+    """Return values of two columns in order, and the median of a third where they meet, (upward, across).
 
     A run that diverged counts as infinite, and so does the median of runs half of which are.
     """
@@ -33,12 +33,12 @@ def grid(frame: pandas.DataFrame, across: str, upward: str, column: str) -> tupl
 
 
 def inertia_per_torque(machine: Machine, payload: Array) -> Array:
-    """Inertia of payloads (kg) at the end of the link, per maximum torque, kg m2 per N m."""
+    """Return inertia of payloads (kg) at the end of the link, per maximum torque, kg m2 per N m."""
     return payload * machine.joint[JOINT].link.length ** 2 / maximum_torque(machine, JOINT)
 
 
 def limits(ratios: Array, times: Array, allowed: float) -> Array:
-    """Largest inertia per torque, from the paper's comparison on, up to which every one settles in the time allowed.
+    """Return the largest inertia per torque, from the paper's comparison on, up to which all settle in time.
 
     Args:
         ratios: inertia per torque, kg m2 per N m, growing.
@@ -53,23 +53,22 @@ def limits(ratios: Array, times: Array, allowed: float) -> Array:
 
 
 def hysteresis(machine: Machine, brake: float = 1.0) -> float:
-    """Loop height over greatest torque at supply pressure, %."""
+    """Return loop height over greatest torque at supply pressure, %."""
     return 100.0 * sweep(machine, JOINT, machine.supply.pressure_gauge, brake=brake).hysteresis
 
 
 def at_rest(frame: pandas.DataFrame, moves: Sequence[str]) -> Array:
-    """How far a joint is from its goal at the end of each move, deg: mean error and half the ripple, (runs, moves)."""
+    """Return how far a joint is off at the end of each move, deg: mean error and half the ripple, (runs, moves)."""
     error = frame[[f"steady_error.{move}" for move in moves]].abs().to_numpy(dtype=float)
     ripple = frame[[f"ripple.{move}" for move in moves]].to_numpy(dtype=float)
-    off: Array = np.degrees(error + 0.5 * ripple)
-    return off
+    return np.asarray(np.degrees(error + 0.5 * ripple))
 
 
 def moves_of(frame: pandas.DataFrame) -> list[str]:
-    """Joint and number of every move of a table, such as "small.0"."""
+    """Return joint and number of every move of a table, such as "small.0"."""
     return [name.removeprefix("settling.") for name in frame.columns if name.startswith("settling.")]
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words as a list in a sentence."""
+    """Return words as a list in a sentence."""
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

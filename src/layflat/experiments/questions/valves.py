@@ -27,18 +27,24 @@ WINDOW = 2.0
 ALIKE = 0.25
 """Times that differ by less than this share are alike."""
 
-RESULTS = ("settling", "error", "ripple", "air")
+RESULTS = {
+    "settling": "Slowest move settles in (s)",
+    "error": "Error at rest (deg)",
+    "ripple": "Ripple (deg)",
+    "air": "Air (normal litres)",
+}
+"""What is compared, and how it is called in the figure."""
 
 
 def best(study: Study, frame: pandas.DataFrame) -> pandas.DataFrame:
     """By valve: settling of the slowest move (s), error at rest and ripple (deg), air of the run (l)."""
+    import pandas  # noqa: PLC0415  # it comes with the extra of studies
+
     moves = moves_of(frame)
-    settling = frame[[f"settling.{move}" for move in moves]].fillna(np.inf).clip(upper=WINDOW)
-    ripple = np.degrees(frame[[f"ripple.{move}" for move in moves]])
-    own = frame.assign(
-        settling=settling.max(axis=1), error=at_rest(frame, moves).mean(axis=1), ripple=ripple.mean(axis=1),
-        air=frame["air_used"],
-    )  # fmt: skip
+    settling = frame[[f"settling.{move}" for move in moves]].fillna(np.inf).clip(upper=WINDOW).max(axis=1)
+    ripple = np.degrees(frame[[f"ripple.{move}" for move in moves]]).mean(axis=1)
+    error = at_rest(frame, moves).mean(axis=1)
+    own = frame.assign(settling=settling, error=error, ripple=ripple, air=frame["air_used"])
     gains = [one.path for one in study.varied if one.relative]
     means = own.groupby(["variant", *gains])[list(RESULTS)].mean()
     chosen = {}
@@ -46,44 +52,33 @@ def best(study: Study, frame: pandas.DataFrame) -> pandas.DataFrame:
         mine = means.loc[one.name]
         good = mine[mine["settling"] <= SLACK * mine["settling"].min()]
         chosen[one.name] = good.loc[good["air"].idxmin()]
-    import pandas  # noqa: PLC0415  # it comes with the extra of studies
-
     return pandas.DataFrame(chosen).T
 
 
 def figure(study: Study, frame: pandas.DataFrame) -> Figure:
-    """A row a valve, a panel a result."""
+    """Draw a row a valve, a panel a result."""
     found = best(study, frame)
-    labels = {
-        "settling": "Slowest move settles in (s)",
-        "error": "Error at rest (deg)",
-        "ripple": "Ripple (deg)",
-        "air": "Air (normal litres)",
-    }
     with new_figure(1, 4, width=10.6, height=0.9 + 0.34 * len(found), beside=0.95) as (made, all_axes):
-        for axes, (column, label) in zip(all_axes, labels.items(), strict=True):
-            kinds = [0 if i == 0 else 1 for i in range(len(found))]
+        for axes, (column, label) in zip(all_axes, RESULTS.items(), strict=True):
             names = list(found.index) if axes is all_axes[0] else []
-            draw_bars(axes, names, found[column].tolist(), kinds=kinds)
+            draw_bars(axes, names, found[column].tolist(), kinds=[0, *[1] * (len(found) - 1)])
             axes.set_xlabel(label)
     return made
 
 
 def finding(study: Study, frame: pandas.DataFrame) -> str:
-    """Which valve settles fastest, rests best, and takes least air; and how much that matters."""
+    """Say which valve settles fastest, rests best, and takes least air; and how much that matters."""
     found = best(study, frame)
-    quick, slow = found["settling"].idxmin(), found["settling"].idxmax()
-    close, far = found["error"].idxmin(), found["error"].idxmax()
-    lean, greedy = found["air"].idxmin(), found["air"].idxmax()
 
-    def value(name: str, column: str) -> float:
-        return float(found.loc[name, column])
+    def ends(column: str) -> list[tuple[float, str]]:
+        return [(float(found.loc[name, column]), name) for name in (found[column].idxmin(), found[column].idxmax())]
 
-    ratio = value(slow, "settling") / value(quick, "settling") - 1.0
-    matter = "the valve hardly matters for settling" if ratio < ALIKE else "the valve matters for settling"
+    (time, quick), (longest, slow) = ends("settling")
+    (error, close), (greatest, far) = ends("error")
+    (air, lean), (most, greedy) = ends("air")
+    matters = "hardly matters" if longest / time - 1.0 < ALIKE else "matters"
     return (
-        f"With gains of its own for each, {matter}: {value(quick, 'settling'):.2f} s ({quick}) to "
-        f"{value(slow, 'settling'):.2f} s ({slow}). At rest the joint is {value(close, 'error'):.2f} deg off "
-        f"({close}) to {value(far, 'error'):.2f} deg ({far}); the same moves take {value(lean, 'air'):.1f} normal "
-        f"litres ({lean}) to {value(greedy, 'air'):.1f} ({greedy})."
+        f"With gains of its own for each, the valve {matters} for settling: {time:.2f} s ({quick}) to {longest:.2f} s "
+        f"({slow}). At rest the joint is {error:.2f} deg off ({close}) to {greatest:.2f} deg ({far}); the same moves "
+        f"take {air:.1f} normal litres ({lean}) to {most:.1f} ({greedy})."
     )
