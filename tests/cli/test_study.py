@@ -103,12 +103,12 @@ def test_built_in_studies_are_listed_and_can_be_started_from(tmp_path: Path) -> 
 
 STOPPED = """
 import sys
-from layflat.study import chunk
+from layflat.study import runs
 
 def stopped(*words, **options):
     raise KeyboardInterrupt
 
-chunk.ensemble = stopped
+runs.ensemble = stopped
 sys.argv = ["layflat", "study", "study.toml", "--out", "out"]
 from layflat.cli import main
 main()

@@ -12,11 +12,11 @@ from layflat.errors import DivergedError, InputError, MachineError
 from layflat.experiments.axis_one import AT, DURATION, AxisOne
 from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule, claim
 from layflat.experiments.controller import Controller
-from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, frequency_response
+from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, followed, frequency_response
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import MEASURED, PRINTED_MEAN, Statics
 from layflat.experiments.two_axis import END, REPEATS, TwoAxis, final_settling
-from layflat.machine import load
+from layflat.machine import load, parameters
 from layflat.sim.metrics import disturbance
 
 TIME = np.arange(0.0, AT + DURATION + 1e-9, 0.005)
@@ -256,10 +256,13 @@ def test_an_amplitude_is_found_in_noise_free_ripple() -> None:
     assert amplitude_at(time, signal, 70.0) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_an_average_of_four_has_the_response_of_its_formula() -> None:
-    frequency, cycle = np.array([1.0, 17.0, 50.0]), 0.005
-    z = np.exp(-2j * np.pi * frequency * cycle)
-    assert frequency_response(frequency, cycle) == pytest.approx((1 + z + z**2 + z**3) / 4)
+@pytest.mark.parametrize("frequency", [1.0, 17.0, 50.0])
+def test_the_response_of_the_average_is_that_of_the_controller(frequency: float) -> None:
+    arm = load("paper-arm")
+    time = arm.cycle * np.arange(404)
+    used = followed(parameters.control(arm).joints[-1], arm.cycle, np.sin(2 * np.pi * frequency * time))[4:]
+    (gain,) = frequency_response(np.array([frequency]), arm.cycle)
+    assert amplitude_at(time[4:], used, frequency) == pytest.approx(gain, abs=1e-9)
 
 
 def test_the_integral_may_learn_at_rest_only() -> None:

@@ -11,9 +11,8 @@ import pytest
 from studies import SMALL, written
 
 from layflat.errors import InputError
-from layflat.study import Study, chunk, cluster, read, run
-from layflat.study.chunk import made_with, measured_there
-from layflat.study.run import _work
+from layflat.study import Study, cluster, read, run, runs
+from layflat.study.runs import _work, made_with, measured_there
 
 distributed = pytest.importorskip("distributed")
 
@@ -41,7 +40,7 @@ def die_in_a_chunk(when: Path) -> None:
             time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGKILL)
 
-    chunk.measured = killed
+    runs.measured = killed
 
 
 def test_a_lost_worker_changes_nothing(tmp_path: Path, study: Study, client: Any) -> None:

@@ -4,8 +4,18 @@ import pytest
 from layflat.machine import Machine, changed, load
 from layflat.tune import search as s
 from layflat.tune.conditions import conditions
-from layflat.tune.knobs import PHASES, from_shares, gain_knobs, neutral_gains, rounded, to_shares, values_of
-from layflat.tune.methods import Part, Stage, parts
+from layflat.tune.knobs import (
+    PHASES,
+    Part,
+    Stage,
+    from_shares,
+    gain_knobs,
+    neutral_gains,
+    parts,
+    rounded,
+    to_shares,
+    values_of,
+)
 from layflat.tune.search import Found, judge, search
 
 JOINT = load("paper-small-joint")

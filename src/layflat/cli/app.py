@@ -71,12 +71,13 @@ Seed = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="of the random num
 def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
     """Let a command take a dataclass of options: typer sees an option for each of its fields."""
     own = signature(command, eval_str=True).parameters
-    name, options = next((key, one.annotation) for key, one in own.items() if is_dataclass(one.annotation))
+    name = next(key for key, one in own.items() if is_dataclass(one.annotation))
+    options: Any = own[name].annotation
     fields = signature(options, eval_str=True).parameters
 
     @wraps(command)
     def called(**given: Any) -> Any:
-        made = options(**{key: given.pop(key) for key in fields})  # type: ignore[operator]
+        made = options(**{key: given.pop(key) for key in fields})
         return command(**given, **{name: made})
 
     shown = [each for key, one in own.items() for each in (fields.values() if key == name else [one])]

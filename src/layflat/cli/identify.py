@@ -86,18 +86,12 @@ def identify(
 
 def _print(session: Identification, found: Fit) -> str | None:
     """Print all that the page says, and return why it is not to be trusted."""
-    from layflat.identify.report_text import (  # noqa: PLC0415
-        count_identified,
-        issue_section,
-        prediction,
-        sections,
-        untrusted,
-    )
+    from layflat.identify import report_text as told  # noqa: PLC0415
 
     values = session.values(found)
-    for title, columns, rows in (issue_section(session.issues), *sections(found, values)):
+    for title, columns, rows in (told.issue_section(session.issues), *told.sections(found, values)):
         if rows:
             print_table(columns, rows, title)
             typer.echo()
-    typer.echo(f"{prediction(found)} {count_identified(values)}")
-    return untrusted(found, values)
+    typer.echo(f"{told.prediction(found)} {told.count_identified(values)}")
+    return told.untrusted(found, values)

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from layflat.errors import InputError, LayflatError
 from layflat.extras import module
-from layflat.study.chunk import made_with, measured_there
+from layflat.study.runs import made_with, measured_there
 from layflat.study.study import Study
 
 if TYPE_CHECKING:
     import pyarrow
 
-    from layflat.study.run import Work
+    from layflat.study.runs import Work
 
 PATIENCE = 4.0
 """A scheduler has to answer within, s."""

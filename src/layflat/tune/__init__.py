@@ -1,4 +1,4 @@
-"""Find a controller's gains. A reader's way: knobs, conditions, search, methods, tuning, validation, page."""
+"""Find a controller's gains. A reader's way: knobs, conditions, search, tuning, validation, page."""
 
 from layflat.tune.tuning import Progress, Tuning, begin
 

@@ -19,8 +19,7 @@ from layflat.machine import Machine
 from layflat.sim import STEP
 from layflat.sim.ensemble import ensemble
 from layflat.tune.conditions import Conditions, candidate_costs, conditions
-from layflat.tune.knobs import Knob, from_shares, rounded, to_shares
-from layflat.tune.methods import GENERATIONS, Part
+from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to_shares
 
 Array = NDArray[np.float64]
 

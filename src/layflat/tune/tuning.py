@@ -16,8 +16,7 @@ from layflat.extras import require
 from layflat.files import check_folder
 from layflat.machine import Machine, load
 from layflat.machine.derived import derived_path, write_derived
-from layflat.tune.knobs import INTEGRAL_LIMIT, Knob, neutral_gains, values_of, with_gains
-from layflat.tune.methods import Part, knobs_of, parts
+from layflat.tune.knobs import INTEGRAL_LIMIT, Knob, Part, knobs_of, neutral_gains, parts, values_of, with_gains
 from layflat.tune.search import Found, judge, panel, search
 
 Progress = Callable[[Found, int, str], None]
