@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from commands import layflat
 
+from layflat.study import read
+
 STUDY = """
 name = "brakes"
 machine = "paper-small-joint"
@@ -73,7 +75,11 @@ def test_a_mistake_gives_one_line(folder: Path, old: str, new: str, expected: st
     assert not (folder / "out").exists()
 
 
-def test_a_built_in_study_prints_its_finding_and_draws_its_figure(tmp_path: Path) -> None:
+def test_a_built_in_study_prints_its_finding_and_draws_its_figure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for place in ("layflat.study", "layflat.experiments.questions"):
+        monkeypatch.setattr(f"{place}.read", lambda name: read(name).thinned(3))
     done = layflat("study", "supply-pressure", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     out = tmp_path / "build" / "study" / "supply-pressure"

@@ -1,5 +1,6 @@
 """Claims and their rules: made-up runs give made-up verdicts."""
 
+from collections.abc import Callable
 from math import inf, nan, radians
 from types import SimpleNamespace
 from typing import Any
@@ -10,7 +11,7 @@ import xarray
 
 from layflat.errors import DivergedError, InputError, MachineError
 from layflat.experiments.axis_one import AT, DURATION, AxisOne
-from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule, claim
+from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, followed, frequency_response
 from layflat.experiments.open_loop import OpenLoop
@@ -38,6 +39,10 @@ def one_joint(angle: np.ndarray, time: np.ndarray = TIME) -> xarray.Dataset:
 def arriving(after: float, time: np.ndarray = TIME) -> xarray.Dataset:
     """A run that jumps to its demand so many seconds after the step."""
     return one_joint(np.where(time >= AT + after - 1e-9, 20.0, -20.0), time)
+
+
+def claim(*texts: str) -> Callable[[Callable[[Any], Evaluated]], Rule]:
+    return lambda evaluate: Rule(Claim(*texts), evaluate)
 
 
 class Made(Experiment):

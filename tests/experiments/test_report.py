@@ -37,9 +37,14 @@ def test_claims_json_is_a_list_of_records(paper: Reproduction, tmp_path: Path) -
         assert record["agrees"] is True
 
 
-def test_the_report_stands_alone_with_figures_in_the_papers_order(paper: Reproduction, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def html(paper: Reproduction, tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The report of the paper's arm."""
     assumed = [line for line in listing(*tables("paper-arm")) if line.source == "assumed"]
-    html = write_report(paper, assumed, tmp_path / "report.html").read_text(encoding="utf-8")
+    return write_report(paper, assumed, tmp_path_factory.mktemp("report") / "r.html").read_text(encoding="utf-8")
+
+
+def test_the_report_stands_alone_with_figures_in_the_papers_order(html: str) -> None:
     page = Links()
     page.feed(html)
     assert page.outside == []
@@ -49,7 +54,7 @@ def test_the_report_stands_alone_with_figures_in_the_papers_order(paper: Reprodu
         *(f"fig-{n}" for n in (10, 11, 12, 13, 14)),
     ]
     assert html.count("✓ agrees") == 20
-    assert all(title.split(".")[0] in html for title, *_ in FIGURES.values())
+    assert all(texts["title"].split(".")[0] in html for texts in FIGURES.values())
 
 
 def partly(paper: Reproduction, evaluated: set[str]) -> Reproduction:
@@ -61,8 +66,7 @@ def partly(paper: Reproduction, evaluated: set[str]) -> Reproduction:
     return replace(paper, claims=claims)
 
 
-def test_every_number_of_the_claims_stands_in_the_report(paper: Reproduction, tmp_path: Path) -> None:
-    html = write_report(paper, [], tmp_path / "report.html").read_text(encoding="utf-8")
+def test_every_number_of_the_claims_stands_in_the_report(paper: Reproduction, html: str) -> None:
     for claim in paper.claims:
         part = html.partition(f'<tbody id="{claim.id}">')[2].partition("</tbody>")[0]
         for one in claim.quantities:

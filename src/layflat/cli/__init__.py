@@ -15,8 +15,7 @@ from layflat.errors import LayflatError, StoppedError
 
 __all__ = ["app", "main"]
 
-STOPPED = 130
-"""Exit status after Ctrl-C."""
+STOPPED = 130  # exit status after Ctrl-C
 
 
 def main() -> None:

@@ -86,8 +86,7 @@ def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
-WIDTH = 100
-"""Columns that a table may take."""
+WIDTH = 100  # columns that a table may take
 
 
 def print_table(columns: list[str], rows: list[list[str]], title: str = "") -> None:

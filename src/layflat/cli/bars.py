@@ -9,8 +9,7 @@ from threading import Thread
 from time import perf_counter
 from typing import Any
 
-LOOKS = 0.1
-"""Between two looks whether some work is done, s; Ctrl-C is heard so soon."""
+LOOKS = 0.1  # between two looks whether some work is done, s; Ctrl-C is heard so soon
 
 COMPILES = "(compiles for some seconds the first time)"
 """What is shown before the first step of anything that is simulated."""

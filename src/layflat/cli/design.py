@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from layflat.machine import Machine
 
 
-ROWS = 11
-"""Rows of the cam's table, as the paper's Table 1 has."""
+ROWS = 11  # rows of the cam's table, as the paper's Table 1 has
 
 
 @app.command()

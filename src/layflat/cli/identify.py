@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from layflat.identify.fit import Fit
     from layflat.identify.identification import Identification
 
-NOT_TRUSTED = 3
-"""Exit status of a fit that hit a bound, did not converge, or does not predict."""
+NOT_TRUSTED = 3  # exit status of a fit that hit a bound, did not converge, or does not predict
 
 
 @app.command()

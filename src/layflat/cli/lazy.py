@@ -10,8 +10,7 @@ import typer
 from typer.core import TyperGroup
 from typer.main import get_command, get_command_name
 
-WIDTH = 100
-"""Columns that a help may take."""
+WIDTH = 100  # columns that a help may take
 
 
 class LazyTyper(typer.Typer):

@@ -31,7 +31,7 @@ def reproduce(
     evaluated until then is kept. The report shows the open questions whose studies are done below the folder.
     """
     from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
-    from layflat.experiments.questions import answers  # noqa: PLC0415
+    from layflat.experiments.questions import QUESTIONS, answers, ask  # noqa: PLC0415
     from layflat.experiments.report import COLUMNS, table  # noqa: PLC0415
     from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
@@ -40,8 +40,9 @@ def reproduce(
 
     on = bench(machine)
     check_folder(out)
-    if questions:
-        _ask(out / "questions")
+    for number, name in enumerate(QUESTIONS if questions else (), 1):
+        with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
+            ask(name, out / "questions" / name, advance)
     with steps_bar("claims", len(ORDER)) as advance:
         found = reproduce(on, advance)
     write_claims(found, out / "claims.json")
@@ -56,12 +57,3 @@ def reproduce(
     if found.stopped:
         raise StoppedError(f"{len(found.evaluated)} of {len(ORDER)} claims", out)
     return 0 if found.agrees else 1
-
-
-def _ask(out: Path) -> None:
-    """Run the studies of the open questions, or what is left of them."""
-    from layflat.experiments.questions import QUESTIONS, ask  # noqa: PLC0415
-
-    for number, name in enumerate(QUESTIONS, 1):
-        with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
-            ask(name, out / name, advance)

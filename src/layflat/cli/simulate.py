@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,11 +21,8 @@ if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.sim.scenario import Scenario, Signal
 
-LEAD = 0.1
-"""A move without a time begins so long after the start, s: the joints are at rest before it."""
-
-USUALLY = "3 s"
-"""Duration of a run."""
+LEAD = 0.1  # a move without a time begins so long after the start, s: the joints are at rest before it
+USUALLY = "3 s"  # duration of a run
 
 LASTS_AS_LONG = ("duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
 """Options that are called the same in a scenario."""
@@ -86,6 +83,7 @@ class Asked:
             key: timed(getattr(self, key) or [], first, f"--{key}", bare=key == "brake") for key, first in usual.items()
         }
         moves, lasts = acting["move"], self.duration or USUALLY
+        others: dict[str, Any] = {key: steps for key, steps in acting.items() if key != "move"}
         demand: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
         if self.demand is not None:
             demand, lasts = _from_file(machine, self.demand)
@@ -95,7 +93,7 @@ class Asked:
             start=begin,
             opening=timed([self.opening], still, "--opening", bare=True) if self.opening else None,
             seed=self.seed,
-            **{key: acting[key] for key in usual if key != "move"},
+            **others,
         )
         _check_times(acting, lasts)
         return scenario

@@ -61,18 +61,13 @@ def study(
         raise typer.Exit(2) from None
     _print_summary(described, place)
     typer.echo(f"wrote {path} and .csv")
-    if file in names():
-        _answer(file, place)
-    else:
+    if file not in names():
         typer.echo(f"wrote {write_figure(draw(described, table(place)), place)} and .png")
+        return
+    from layflat.experiments.questions import answer  # noqa: PLC0415  # one of the paper's open questions
 
-
-def _answer(name: str, out: Path) -> None:
-    """What a built-in study finds, and its figure."""
-    from layflat.experiments.questions import answer  # noqa: PLC0415
-
-    found = answer(name, out)
-    typer.echo(f"wrote {out / 'figure.svg'} and .png\n\n{fill(found.finding, WIDTH)}")
+    found = answer(file, place)
+    typer.echo(f"wrote {place / 'figure.svg'} and .png\n\n{fill(found.finding, WIDTH)}")
 
 
 def _print_summary(described: Study, out: Path) -> None:

@@ -23,8 +23,7 @@ RIGS = (
 )
 """The single-acting rigs of Figs 2 to 5."""
 
-INERTIA_PER_TORQUE = 1e-2
-"""kg m2 per N m: the ratio at which the paper compares joints (sections 4.1 and 5)."""
+INERTIA_PER_TORQUE = 1e-2  # kg m2 per N m: the ratio at which the paper compares joints (sections 4.1 and 5)
 
 
 def alone(arm: Machine, joint: str, payload: float) -> Machine:
@@ -34,17 +33,11 @@ def alone(arm: Machine, joint: str, payload: float) -> Machine:
 
 @dataclass(frozen=True)
 class Bench:
-    """The machine under test and the paper's other machines.
+    """The machine under test and the paper's other machines."""
 
-    Args:
-        arm: under test; experiments ask it for the joints "large" and "small".
-        earlier: the earlier actuator, with a joint named "small".
-        brake: share of the brakes' torque in every experiment with brakes.
-    """
-
-    arm: Machine
-    earlier: Machine
-    brake: float = 1.0
+    arm: Machine  # under test; experiments ask it for the joints "large" and "small"
+    earlier: Machine  # the earlier actuator, with a joint named "small"
+    brake: float = 1.0  # share of the brakes' torque in every experiment with brakes
 
     def joint(self, name: str) -> Joint:
         """Return a joint of the machine under test.

@@ -42,8 +42,7 @@ from layflat.tune.knobs import PER_DEG, Knob, gain_knobs, values_of
 from layflat.tune.search import Strategy
 
 Array = NDArray[np.float64]
-AT, LAST = 0.5, 3.0
-"""Time of the step, and how long it may take, s."""
+AT, LAST = 0.5, 3.0  # time of the step, and how long it may take, s
 
 BOTH = ("large", "small")
 
@@ -63,22 +62,14 @@ BRAKED = [
     *((40, 0.08), (10, 0.08), (40, 0.5), (40, 1.0), (40, 1.2)),
 ]
 """Steps (deg) and inertias (kg m2) that the new joint with its brake has to settle."""
-EARLIER = [(40, 0.33), (-40, 0.33), (10, 0.33), (40, 0.36), (40, 0.2)]
-"""The same of the earlier actuator."""
-BEYOND = (0.6, 0.7, 0.8)
-"""Inertias beyond the earlier actuator's limit: about twice what it is good at, kg m2."""
-UNBRAKED = (0.15, 0.27)
-"""Inertias at which the new joint without brake should at least stay close, kg m2."""
-OVERSHOOT, OFF = 0.1, 5.0
-"""Cost of overshoot beyond 1 deg and of the error that remains, 1/deg."""
-OSCILLATION = 0.15
-"""Cost of a swing, 1/deg."""
-SLOW = 1.8
-"""There it should take longer than this, s."""
-SOON = 0.8
-"""Settling faster than this is worth nothing more, s: haste costs stability."""
-MARGIN = 2.0 / 3.0
-"""Share of the band that joints are asked to stay in, so that noise does not decide."""
+EARLIER = [(40, 0.33), (-40, 0.33), (10, 0.33), (40, 0.36), (40, 0.2)]  # the same of the earlier actuator
+BEYOND = (0.6, 0.7, 0.8)  # inertias beyond the earlier actuator's limit: about twice what it is good at, kg m2
+UNBRAKED = (0.15, 0.27)  # inertias at which the new joint without brake should at least stay close, kg m2
+OVERSHOOT, OFF = 0.1, 5.0  # cost of overshoot beyond 1 deg and of the error that remains, 1/deg
+OSCILLATION = 0.15  # cost of a swing, 1/deg
+SLOW = 1.8  # there it should take longer than this, s
+SOON = 0.8  # settling faster than this is worth nothing more, s: haste costs stability
+MARGIN = 2.0 / 3.0  # share of the band that joints are asked to stay in, so that noise does not decide
 
 
 def written(knobs: Iterable[Knob], values: Iterable[float]) -> dict[str, Any]:

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from math import isfinite
 from typing import Any
 
 from layflat.errors import InputError, MachineError
 from layflat.experiments.bench import Bench
+
+
+def texts_of(file: str) -> dict[str, Any]:
+    """Return the tables of a file of texts that stands beside this one."""
+    return tomllib.loads((files("layflat.experiments") / file).read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True)
@@ -23,25 +30,15 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Claim:
-    """One claim of the paper, as it was evaluated.
+    """One claim of the paper, as it was evaluated."""
 
-    Args:
-        id: short name.
-        where: section, table or figure of the paper.
-        says: what the paper says, in our words.
-        criterion: when simulation and paper agree.
-        quantities: what is simulated; none where the claim was not evaluated.
-        agrees: whether the criterion holds; None where the claim was not evaluated.
-        reason: why it was not evaluated.
-    """
-
-    id: str
-    where: str
-    says: str
-    criterion: str
-    quantities: tuple[Quantity, ...] = ()
-    agrees: bool | None = None
-    reason: str = ""
+    id: str  # short name
+    where: str  # section, table or figure of the paper
+    says: str  # what the paper says, in our words
+    criterion: str  # when simulation and paper agree
+    quantities: tuple[Quantity, ...] = ()  # what is simulated; none where the claim was not evaluated
+    agrees: bool | None = None  # whether the criterion holds; None where the claim was not evaluated
+    reason: str = ""  # why it was not evaluated
 
     @property
     def verdict(self) -> str:
@@ -73,8 +70,7 @@ def _json(value: float) -> float | None:
     return round(float(value), 6) if isfinite(value) else None
 
 
-Evaluated = tuple[list[Quantity], bool]
-"""What a claim's rule computes: its quantities, and whether its criterion holds."""
+Evaluated = tuple[list[Quantity], bool]  # what a claim's rule computes: its quantities, and whether its criterion holds
 
 
 @dataclass(frozen=True)
@@ -102,9 +98,13 @@ class Rule:
         return replace(self.claim, reason=reason)
 
 
-def claim(identifier: str, where: str, says: str, criterion: str) -> Callable[[Callable[[Any], Evaluated]], Rule]:
+CLAIMS = {key: Claim(key, **texts) for key, texts in texts_of("claims.toml").items()}
+"""By their short names, in the order of the paper."""
+
+
+def claim(identifier: str) -> Callable[[Callable[[Any], Evaluated]], Rule]:
     """Declare a method of an experiment to be the rule of a claim."""
-    return lambda evaluate: Rule(Claim(identifier, where, says, criterion), evaluate)
+    return lambda evaluate: Rule(CLAIMS[identifier], evaluate)
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,10 @@ from layflat.sim import Scenario, rollout
 if TYPE_CHECKING:
     import xarray
 
-DRIFT = 0.05
-"""Drift of the valve's neutral, share of full opening."""
+DRIFT = 0.05  # drift of the valve's neutral, share of full opening
 DURATION = 60.0
-OFFSET_LOAD = 0.4
-"""Offset load of rule 3, share of the maximum torque at supply pressure."""
-CYCLES, BATCHES = 1000, 101
-"""Cycles that are timed together, and how often."""
+OFFSET_LOAD = 0.4  # offset load of rule 3, share of the maximum torque at supply pressure
+CYCLES, BATCHES = 1000, 101  # cycles that are timed together, and how often
 
 
 def learnt(run: xarray.Dataset, since: float = 0.0) -> float:
@@ -53,12 +50,7 @@ class Controller(Experiment):
         case = Scenario(drift=self.volts, brake=self.bench.brake, seed=4, duration=20.0)
         return rollout(self.bench.axis_one, scenario=replace(case, **changes))
 
-    @claim(
-        "long-term-integral",
-        "3",
-        "the long-term integral builds only with air, at rest, without offset load",
-        "at least 90 % of a 5 % drift within 60 s; no change with the air off, in motion or under an offset load",
-    )
+    @claim("long-term-integral")
     def rules_of_the_integral(self) -> Evaluated:
         """Let the integral learn at rest, with the air off, in motion, and under an offset load."""
         machine = self.bench.axis_one
@@ -89,7 +81,7 @@ class Controller(Experiment):
             times.append((time.perf_counter() - begin) / CYCLES)
         return float(np.median(times))
 
-    @claim("control-cycle", "3", "two axes in under 2.5 ms on a 386", "all axes' step under 10 us at the median")
+    @claim("control-cycle")
     def control_cycle(self) -> Evaluated:
         """Time one cycle of all axes."""
         return [Quantity("time of a cycle", 1e6 * self.all_axes, "us", "under 2500")], self.all_axes < 1e-5

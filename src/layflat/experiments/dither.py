@@ -18,12 +18,9 @@ from layflat.physics.valves import VALVES
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim import rollout
 
-SETTLED = 1.0
-"""Ripple is measured from this time on, s."""
-SMALL_SIGNAL = 0.05
-"""Commands up to this are small, share of full opening."""
-HIGH_FREQUENCY = 400.0
-"""A dither too fast for the spool, Hz."""
+SETTLED = 1.0  # ripple is measured from this time on, s
+SMALL_SIGNAL = 0.05  # commands up to this are small, share of full opening
+HIGH_FREQUENCY = 400.0  # a dither too fast for the spool, Hz
 OPENING = "of full opening"
 
 
@@ -91,8 +88,7 @@ def followed(gains: Any, cycle: float, signal: NDArray[Any]) -> NDArray[np.float
 class Dither(Experiment):
     """Ripple with and without brake; sweeps of the valve; response of the averaged signal."""
 
-    frequency = np.linspace(0.5, 100.0, 400)
-    """At which the averaged signal is probed, Hz."""
+    frequency = np.linspace(0.5, 100.0, 400)  # at which the averaged signal is probed, Hz
 
     @cached_property
     def response(self) -> NDArray[np.float64]:
@@ -109,12 +105,7 @@ class Dither(Experiment):
             "fast": sweep_valve(valve, own.amplitude, HIGH_FREQUENCY),
         }
 
-    @claim(
-        "dither-motion",
-        "3",
-        "unbraked joints follow the 50 Hz dither; the brake stops that, but the pressure still ripples",
-        "angle ripple at least 10 times smaller, pressure ripple at least 70 % kept",
-    )
+    @claim("dither-motion")
     def motion(self) -> Evaluated:
         """Compare the ripple of angle and pressure with and without brake."""
         arm, at = self.bench.arm, self.bench.valve.dither.frequency
@@ -127,12 +118,7 @@ class Dither(Experiment):
             Quantity("pressure ripple kept", kept, "%", "kept"),
         ], min(angle.values()) > 0.0 and smaller >= 10.0 and kept >= 70.0
 
-    @claim(
-        "dither-need",
-        "3",
-        "without dither friction gives the valve hysteresis; a faster dither makes it more of an on/off valve",
-        "hysteresis at least 5 times smaller at 50 Hz; small-signal gain rises when dither no longer moves the spool",
-    )
+    @claim("dither-need")
     def need(self) -> Evaluated:
         """Compare the valve's sweeps."""
         without, normal, fast = (self.sweeps[name] for name in ("without", "normal", "fast"))
@@ -143,12 +129,7 @@ class Dither(Experiment):
             Quantity("gain when too fast", fast.gain, paper="greater"),
         ], without.hysteresis >= 5.0 * normal.hysteresis and fast.gain > 1.05 * normal.gain
 
-    @claim(
-        "averaging",
-        "3",
-        "sampling over the full 20 ms avoids aliasing and costs delay",
-        "50 Hz suppressed by at least 40 dB; delay 7.5 to 10 ms",
-    )
+    @claim("averaging")
     def averaging(self) -> Evaluated:
         """Probe the angle that the controller uses with the dither's frequency and with a ramp."""
         gains, cycle = parameters.control(self.bench.arm).joints[-1], self.bench.arm.cycle

@@ -12,8 +12,7 @@ from layflat.sim.sweep import Loop, sweep
 BAR = 1e5
 RIG_PRESSURE = 3 * BAR
 PRESSURES = (1 * BAR, 2 * BAR, 3 * BAR, 4 * BAR)
-SMALL_SWEEP = 0.05
-"""Share of the stroke over which hysteresis curves of small motions are compared."""
+SMALL_SWEEP = 0.05  # share of the stroke over which hysteresis curves of small motions are compared
 OF_TORQUE = "% of torque"
 
 
@@ -48,12 +47,7 @@ class OpenLoop(Experiment):
         """The earlier actuator."""
         return self.bench.curve("small", self.bench.earlier)
 
-    @claim(
-        "open-loop-hysteresis",
-        "4.1, Figs 10-12",
-        "25 % for the earlier actuator, 7 % for the new joint, 25 % with its brake",
-        "25 ± 2, 7 ± 1, 23 to 27",
-    )
+    @claim("open-loop-hysteresis")
     def hysteresis(self) -> Evaluated:
         """Compare the height of the curves."""
         before, now, braked = percent(self.earlier), percent(self.unbraked), percent(self.braked)
@@ -63,12 +57,7 @@ class OpenLoop(Experiment):
             Quantity("new with brake", braked, OF_TORQUE, "25"),
         ], 23.0 <= before <= 27.0 and 6.0 <= now <= 8.0 and 23.0 <= braked <= 27.0
 
-    @claim(
-        "loop-character",
-        "4.1",
-        "Coulomb friction opposes small motions fully, the earlier actuator's hysteresis less",
-        "of the curve's height over 5 % of the stroke the brake keeps at least 95 %, the earlier actuator at most 60 %",
-    )
+    @claim("loop-character")
     def character(self) -> Evaluated:
         """Compare what is left of the curves' height over a small part of the stroke."""
         small = {brake: self.bench.curve("small", brake=brake, share=SMALL_SWEEP) for brake in (self.bench.brake, 0.0)}
@@ -83,12 +72,7 @@ class OpenLoop(Experiment):
             Quantity("height kept by the earlier", earlier, "%", "less"),
         ], brake >= 95.0 and earlier <= 60.0
 
-    @claim(
-        "rig-variants",
-        "2.1, Figs 2-5",
-        "polyester 21 %, rigid shell with steel 8 % at 3 bar; plate and Kevlar between; falls with pressure",
-        "21 ± 2, 8 ± 1; polyester > + plate > Kevlar + plate > shell; others within 1; falling from 1 to 4 bar",
-    )
+    @claim("rig-variants")
     def variants(self) -> Evaluated:
         """Compare the rigs."""
         at = {name: percent(self.rigs[name][RIG_PRESSURE]) for name in RIGS}

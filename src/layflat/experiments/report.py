@@ -16,8 +16,7 @@ from layflat.files import write_text
 from layflat.machine.listing import Line
 from layflat.plot.page import page
 
-TINY, LARGE = 1e-4, 1e5
-"""Numbers below and above these are not written out."""
+TINY, LARGE = 1e-4, 1e5  # numbers below and above these are not written out
 
 
 def number(value: float) -> str:

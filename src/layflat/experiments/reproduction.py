@@ -7,17 +7,14 @@ from dataclasses import dataclass, field
 
 from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench
-from layflat.experiments.claim import Claim
+from layflat.experiments.claim import CLAIMS, Claim
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import Statics
 from layflat.experiments.two_axis import TwoAxis
 
-EXPERIMENTS = (Statics, OpenLoop, AxisOne, TwoAxis, Dither, Controller)
-
-ORDER = tuple(rule.claim.id for experiment in EXPERIMENTS for rule in experiment.rules())
-"""The claims in the order of the paper."""
+ORDER = tuple(CLAIMS)  # the claims in the order of the paper
 
 STOPPED = "stopped before it was evaluated"
 

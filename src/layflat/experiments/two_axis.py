@@ -19,12 +19,9 @@ from layflat.sim.run import rollout_as_far
 if TYPE_CHECKING:
     import xarray
 
-HALF = radians(20.0)
-"""Half of a step, rad."""
-FIRST, SECOND, END = 0.5, 4.0, 7.5
-"""Times of the large joint's step, of the small joint's, and of the end, s."""
-MOVES = {"large": (FIRST, SECOND - 0.005), "small": (SECOND, END)}
-"""From when to when each joint's move lasts, s."""
+HALF = radians(20.0)  # half of a step, rad
+FIRST, SECOND, END = 0.5, 4.0, 7.5  # times of the large joint's step, of the small joint's, and of the end, s
+MOVES = {"large": (FIRST, SECOND - 0.005), "small": (SECOND, END)}  # from when to when each joint's move lasts, s
 REPEATS = 20
 REPEAT_TIME = 2.5
 FINAL_BAND = radians(0.1)
@@ -79,12 +76,7 @@ class TwoAxis(Experiment):
             self.bench.joint(name)
         return rollout_as_far(self.bench.arm, demand, duration=duration, brake=self.bench.brake, seed=seed)
 
-    @claim(
-        "two-axis-settling",
-        "4.2, Fig. 14",
-        "reached within about 1.5 s with 1.5 kg, to ±0.1 deg on each joint and ±2 mm at the tip",
-        "both joints within 0.3 deg of demand and 0.1 deg of their final value, tip within 2 mm, in 1.5 s",
-    )
+    @claim("two-axis-settling")
     def settling(self) -> Evaluated:
         """Settle joints and tip after a step of either joint."""
         run = self.steps
@@ -100,12 +92,7 @@ class TwoAxis(Experiment):
             found += [Quantity(f"{name} step: {what}", time, "s", "about 1.5") for what, time in times.items()]
         return found, max(one.value for one in found) <= 1.5
 
-    @claim(
-        "repeatability",
-        "4.2",
-        "±0.1 deg on each joint, ±1 to 2 mm at the tip: here half the spread of 20 approaches",
-        "within 0.1 deg and 2 mm",
-    )
+    @claim("repeatability")
     def repeatability(self) -> Evaluated:
         """Compare where the arm comes to rest."""
         whole = len(self.rest) == REPEATS
@@ -118,12 +105,7 @@ class TwoAxis(Experiment):
             Quantity("tip", reach, "mm", "1 to 2"),
         ], spread.max() <= 0.1 and reach <= 2.0
 
-    @claim(
-        "coupling",
-        "4.2, Fig. 14",
-        "the small joint's motion has little effect on the large one, not so the reverse; accuracy is not affected",
-        "the large joint's peak at most 0.35 of the small one's; both end within 0.3 deg",
-    )
+    @claim("coupling")
     def coupling(self) -> Evaluated:
         """Compare how far each joint's step pushes the other joint."""
         large = disturbance(self.steps, "large", *MOVES["small"])
@@ -135,12 +117,7 @@ class TwoAxis(Experiment):
             Quantity("worst error at rest", float(np.degrees(max(ends))), "deg"),
         ], large <= 0.35 * small and max(ends) <= BAND
 
-    @claim(
-        "overall-hysteresis",
-        "4.2",
-        "brakes at ±8 % of maximum torque make about 25 % over all, on both joints",
-        "23 to 27 on both",
-    )
+    @claim("overall-hysteresis")
     def overall(self) -> Evaluated:
         """Compare the curves of both joints with their brakes."""
         both = {name: percent(self.bench.curve(name, brake=self.bench.brake)) for name in MOVES}

@@ -18,11 +18,8 @@ if TYPE_CHECKING:
 
     from layflat.study.runs import Work
 
-PATIENCE = 4.0
-"""A scheduler has to answer within, s."""
-
-AHEAD = 64
-"""Chunks that wait at the scheduler, beside two for every thread: new workers find work at once."""
+PATIENCE = 4.0  # a scheduler has to answer within, s
+AHEAD = 64  # chunks that wait at the scheduler, beside two for every thread: new workers find work at once
 
 
 def on_cluster(study: Study, work: Work, scheduler: str) -> Iterator[tuple[int, pyarrow.Table]]:

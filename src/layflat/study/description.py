@@ -17,8 +17,7 @@ from layflat.errors import InputError
 
 COMPLETE = "a study has a name, a machine and [scenario], and each of its variants a name"
 
-GREATEST = 1e6
-"""Of a number without unit."""
+GREATEST = 1e6  # of a number without unit
 
 
 @dataclass(frozen=True)
@@ -71,8 +70,7 @@ def _number(value: object, kind: u.Quantity | None) -> float:
         raise wrong(error.what, error.right, value) from None
 
 
-MOST_SEED = 10**15
-"""The seeds of an ensemble are floating-point numbers, which hold whole numbers up to 9e15."""
+MOST_SEED = 10**15  # the seeds of an ensemble are floating-point numbers, which hold whole numbers up to 9e15
 
 Angles = Annotated[Any, Signal(u.ANGLE)]
 Numbers = Annotated[Any, Signal(None)]

@@ -15,25 +15,19 @@ from layflat.description.hints import nearest
 from layflat.errors import InputError
 from layflat.machine import Machine
 
-SHARED: dict[str, Any] = {"payload": u.Mass, "supply": u.Gauge}
-"""Settings of a scenario that all joints share."""
+SHARED: dict[str, Any] = {"payload": u.Mass, "supply": u.Gauge}  # settings of a scenario that all joints share
 
 BY_JOINT: dict[str, Any] = {"brake": Annotated[float, Ge(0)], "load": Annotated[float, u.TORQUE], "drift": u.Voltage}
 """Settings of a scenario for all joints, or with a joint's name behind for this one."""
 
-ONE_FOR_ALL = "controller.cycle"
-"""A number of the machine that is the same in all runs: the time between records."""
+ONE_FOR_ALL = "controller.cycle"  # a number of the machine that is the same in all runs: the time between records
 
 
 @dataclass(frozen=True)
 class Kind:
-    """How the values of something that varies are written.
+    """How the values of something that varies are written."""
 
-    Args:
-        annotation: of the number, with its quantity and its bounds, as in a machine's description.
-    """
-
-    annotation: Any
+    annotation: Any  # of the number, with its quantity and its bounds, as in a machine's description
 
     @property
     def quantity(self) -> u.Quantity | None:
@@ -80,8 +74,7 @@ class Kind:
         return f"{value!r} {self.unit}" if self.quantity else value
 
 
-FACTOR = Kind(Annotated[float, Ge(0)])
-"""Of what is given relative to what the machine says."""
+FACTOR = Kind(Annotated[float, Ge(0)])  # of what is given relative to what the machine says
 
 
 def kind(machine: Machine, path: str, where: str) -> Kind:

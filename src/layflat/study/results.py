@@ -18,33 +18,24 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-SHARES = (0.05, 0.5, 0.95)
-"""Of the runs below a quantile."""
+SHARES = (0.05, 0.5, 0.95)  # of the runs below a quantile
 
 SHOWN = {"rad": ("deg", 180.0 / pi), "m": ("mm", 1000.0), "Pa": ("bar", 1e-5)}
 """Units that people read more easily, and how many of them make an SI unit."""
 
-MOST_RESULTS, MOST_VARIED = 4, 5
-"""Panels of the picture, upward and across."""
+MOST_RESULTS, MOST_VARIED = 4, 5  # panels of the picture, upward and across
 
 PNG, SVG, _ = ANSWER
 
 
 @dataclass(frozen=True)
 class Summary:
-    """A study in a few lines.
-
-    Args:
-        runs: how many.
-        settled: share of runs in which every joint settles in every move; None where that was not kept.
-        diverged: runs that did.
-        quantiles: unit, and the values at `SHARES`, by the name of the metric; of runs that did not diverge.
-    """
+    """A study in a few lines."""
 
     runs: int
-    settled: float | None
-    diverged: int
-    quantiles: dict[str, tuple[str, tuple[float, ...]]]
+    settled: float | None  # share of runs in which every joint settles in every move; None where that was not kept
+    diverged: int  # runs that did
+    quantiles: dict[str, tuple[str, tuple[float, ...]]]  # unit and values at `SHARES`, of runs that did not diverge
 
 
 def columns_of(frame: pandas.DataFrame, metric: str) -> list[str]:

@@ -27,12 +27,10 @@ if TYPE_CHECKING:
     import pyarrow
     import xarray
 
-CHUNK = 512
-"""Runs that are kept together: what is lost at most when a study is stopped."""
+CHUNK = 512  # runs that are kept together: what is lost at most when a study is stopped
 
 Progress = Callable[[int, int], None]
-Work = Iterable[tuple[int, dict[str, Array]]]
-"""Numbers of chunks, and their runs."""
+Work = Iterable[tuple[int, dict[str, Array]]]  # numbers of chunks, and their runs
 
 
 def run(

@@ -78,19 +78,12 @@ def rows(
 
 @dataclass(frozen=True)
 class Indices:
-    """Sobol indices, one for each thing or group in order, with the ends of their intervals.
+    """Sobol indices, one for each thing or group in order, with the ends of their intervals."""
 
-    Args:
-        first: share of the variance that goes if this alone is known.
-        total: share of the variance that stays if all but this is known.
-        first_ends: (2, things)
-        total_ends: (2, things)
-    """
-
-    first: Array
-    total: Array
-    first_ends: Array
-    total_ends: Array
+    first: Array  # share of the variance that goes if this alone is known
+    total: Array  # share of the variance that stays if all but this is known
+    first_ends: Array  # (2, things)
+    total_ends: Array  # (2, things)
 
 
 def sobol_indices(values: Array, things: int) -> Indices:

@@ -26,27 +26,18 @@ BUILT_IN = Path(__file__).parent / "builtin"
 
 STUDIES = Library(BUILT_IN, "study", "`layflat studies` lists them", 'low = "1 kg"', InputError)
 
-MOST_HELD = 50_000_000
-"""Numbers that the samples of a study may be: 400 MB, and as much again for each of some copies."""
+MOST_HELD = 50_000_000  # numbers that the samples of a study may be: 400 MB, and as much again for each of some copies
 
 
 @dataclass(frozen=True)
 class Study:
-    """A study that can be run.
+    """A study that can be run."""
 
-    Args:
-        file: as it was written.
-        variants: the machines that it compares; one of no name where it has but one.
-        scenarios: each sample runs in every one.
-        varied: what varies, by path in alphabetical order.
-        metrics: names of the metrics to keep.
-    """
-
-    file: StudyFile
-    variants: tuple[Variant, ...]
-    scenarios: tuple[Scenario, ...]
-    varied: tuple[Varied, ...]
-    metrics: tuple[str, ...]
+    file: StudyFile  # as it was written
+    variants: tuple[Variant, ...]  # the machines that it compares; one of no name where it has but one
+    scenarios: tuple[Scenario, ...]  # each sample runs in every one
+    varied: tuple[Varied, ...]  # what varies, by path in alphabetical order
+    metrics: tuple[str, ...]  # names of the metrics to keep
 
     @property
     def name(self) -> str:

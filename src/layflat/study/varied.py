@@ -17,41 +17,27 @@ from layflat.study.kinds import FACTOR, Kind, kind
 
 Array = NDArray[np.float64]
 
-EDGE = 1e-12
-"""A normal distribution is cut off where less than this share of it lies beyond."""
+EDGE = 1e-12  # a normal distribution is cut off where less than this share of it lies beyond
 
 WHOLE = "is a whole number; give values, such as values = [10, 12]"
 
 
 @dataclass(frozen=True)
 class Varied:
-    """Something that varies, in SI units: among `values`, normally where there is a `deviation`, else evenly.
-
-    Args:
-        path: what varies.
-        kind: of its values.
-        low, high: the least and the greatest value; a normal distribution may have none.
-        points: on a grid.
-        log: whether it is the logarithm that is spread evenly.
-        values: to choose from.
-        mean, deviation: of a normal distribution, before it is cut off at `low` and `high`.
-        also: paths that vary along with it.
-        relative: whether its values are factors on what the machine says.
-        group: what it belongs to, where sensitivity is asked for.
-    """
+    """Something that varies, in SI units: among `values`, normally where there is a `deviation`, else evenly."""
 
     path: str
-    kind: Kind
-    low: float = -inf
+    kind: Kind  # of its values
+    low: float = -inf  # a normal distribution may have no ends
     high: float = inf
-    points: int | None = None
-    log: bool = False
-    values: tuple[float, ...] = ()
-    mean: float = 0.0
-    deviation: float = 0.0
-    also: tuple[str, ...] = ()
-    relative: bool = False
-    group: str | None = None
+    points: int | None = None  # on a grid
+    log: bool = False  # whether it is the logarithm that is spread evenly
+    values: tuple[float, ...] = ()  # to choose from
+    mean: float = 0.0  # of a normal distribution, before it is cut off at `low` and `high`
+    deviation: float = 0.0  # of a normal distribution
+    also: tuple[str, ...] = ()  # paths that vary along with it
+    relative: bool = False  # whether its values are factors on what the machine says
+    group: str | None = None  # what it belongs to, where sensitivity is asked for
 
     @property
     def paths(self) -> tuple[str, ...]:

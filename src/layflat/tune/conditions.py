@@ -45,14 +45,9 @@ POSTURES = {
 Of 120 deg that makes steps of 40 deg of one joint at a time either way, and others of both together, from 2 to 60 deg.
 """
 
-REST = 0.3
-"""Time at the first posture, s."""
-
-PULL = 0.15
-"""Shares of a range that count as its ends: there the worst is met."""
-
-NOMINAL = 8
-"""One run in so many is nominal."""
+REST = 0.3  # time at the first posture, s
+PULL = 0.15  # shares of a range that count as its ends: there the worst is met
+NOMINAL = 8  # one run in so many is nominal
 
 
 STATEMENT = (
@@ -69,38 +64,23 @@ WORST, WEIGHT = 20, 0.5
 
 @dataclass(frozen=True)
 class Spread:
-    """How far conditions may be from nominal.
+    """How far conditions may be from nominal."""
 
-    Args:
-        payload: from nothing to this share of the nominal one: the paper's arm carries 1.5 kg, and here up to 2 kg.
-        supply: share of the gauge supply pressure, either way.
-        losses: share of the losses in hoses and straps, either way.
-        drift: of the valves' centres, V, either way.
-        window: time that a move is given, s.
-    """
-
-    payload: float = 4 / 3
-    supply: float = 0.1
-    losses: float = 0.3
-    drift: float = 0.1
-    window: float = 1.7
+    payload: float = 4 / 3  # from nothing to this share of the nominal one: the paper's arm carries up to 2 kg
+    supply: float = 0.1  # share of the gauge supply pressure, either way
+    losses: float = 0.3  # share of the losses in hoses and straps, either way
+    drift: float = 0.1  # of the valves' centres, V, either way
+    window: float = 1.7  # time that a move is given, s
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a candidate is judged by: a number of runs, each with its own conditions and one of the sequences of moves.
+    """What a candidate is judged by: runs, each with its own conditions and one of the sequences of moves."""
 
-    Args:
-        scenarios: the sequences.
-        vary: one number a run, by path (see `sim.ensemble`).
-        nominal: so many runs, the first ones, are nominal; they make the first sequence.
-        window: time that a move is given, s.
-    """
-
-    scenarios: list[Scenario]
-    vary: Mapping[str, Array]
-    nominal: int
-    window: float
+    scenarios: list[Scenario]  # the sequences
+    vary: Mapping[str, Array]  # one number a run, by path (see `sim.ensemble`)
+    nominal: int  # so many runs, the first ones, are nominal; they make the first sequence
+    window: float  # time that a move is given, s
 
     @property
     def runs(self) -> int:

@@ -56,8 +56,7 @@ GAINS = (
 PHASES = {"far": (0, 1), "near": (2, 3, 4, 5), "close": (6, 7, 8, 9, 10)}
 """Which of a joint's gains each phase of a move has, the threshold below which it holds included."""
 
-INTEGRAL_LIMIT = 0.4
-"""Of a joint without gains: share of full opening."""
+INTEGRAL_LIMIT = 0.4  # of a joint without gains: share of full opening
 
 
 def gain_knobs(joint: str) -> list[Knob]:
@@ -115,8 +114,7 @@ def with_gains(machine: Machine) -> Machine:
     return machine
 
 
-GENERATIONS = 10_000
-"""At most; each has a seed of its own."""
+GENERATIONS = 10_000  # at most; each has a seed of its own
 
 
 @dataclass(frozen=True)
@@ -129,19 +127,12 @@ class Stage:
 
 @dataclass(frozen=True)
 class Part:
-    """What is looked for at a time.
+    """What is looked for at a time."""
 
-    Args:
-        name: for people.
-        knobs: places, among all knobs, of those that are turned; the others stay as they are.
-        population: candidates of a generation.
-        stages: few runs first, more later.
-    """
-
-    name: str
-    knobs: tuple[int, ...]
-    population: int
-    stages: tuple[Stage, ...]
+    name: str  # for people
+    knobs: tuple[int, ...]  # places, among all knobs, of those that are turned; the others stay as they are
+    population: int  # candidates of a generation
+    stages: tuple[Stage, ...]  # few runs first, more later
 
 
 AT_ONCE = (Stage(40, 8), Stage(50, 16), Stage(20, 32))

@@ -23,8 +23,7 @@ from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to
 
 Array = NDArray[np.float64]
 
-WIDTH = 0.15
-"""Spread of the first generation, share of each knob's range."""
+WIDTH = 0.15  # spread of the first generation, share of each knob's range
 COARSE = 1e-3
 """Step of the plant while searching, s: it ranks gains as well as the default, and lets more be tried. The panel, and
 whatever is reported, is simulated with the default."""

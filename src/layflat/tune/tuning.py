@@ -28,34 +28,21 @@ SEEDS = 10_000
 
 @dataclass
 class Tuning:
-    """A search for the gains of a machine.
+    """A search for the gains of a machine."""
 
-    Args:
-        given: built-in name or file.
-        base: what it describes; its joints may have no gains.
-        machine: the same with neutral gains where it has none.
-        method, start, seed: of the search.
-        asked: generations, where they were given.
-        parts: what is looked for, in order.
-        path: where the tuned description is put.
-    """
-
-    given: str
-    base: Machine
-    machine: Machine
+    given: str  # built-in name or file
+    base: Machine  # what it describes; its joints may have no gains
+    machine: Machine  # the same with neutral gains where it has none
     method: str
     start: str
     seed: int
-    asked: int | None
-    parts: list[Part]
-    path: Path
-    told: list[Found] = field(default_factory=list)
-    """The best after every generation, the start first."""
-    seconds: float = 0.0
-    """That the search took, compilation not counted."""
+    asked: int | None  # generations, where they were given
+    parts: list[Part]  # what is looked for, in order
+    path: Path  # where the tuned description is put
+    told: list[Found] = field(default_factory=list)  # the best after every generation, the start first
+    seconds: float = 0.0  # that the search took, compilation not counted
     stopped: bool = False
-    kept: bool = False
-    """Whether the gains that were there stay, since none better were found."""
+    kept: bool = False  # whether the gains that were there stay, since none better were found
 
     @property
     def knobs(self) -> list[Knob]:

@@ -19,31 +19,21 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FRESH, FRESH_SEED = 256, 2_000_000_000
-"""Runs of the validation, and their seed."""
-LIMIT = 1.5
-"""Time in which the paper's arm settles, s: section 4.2."""
+FRESH, FRESH_SEED = 256, 2_000_000_000  # runs of the validation, and their seed
+LIMIT = 1.5  # time in which the paper's arm settles, s: section 4.2
 PUSHED, MORE = np.radians(3.0), 2.0
 """A joint that another one's step pushes further than this (rad), and so many times as far as before, is warned of."""
 
 
 @dataclass(frozen=True)
 class Validation:
-    """What a machine does over the fresh conditions.
+    """What a machine does over the fresh conditions."""
 
-    Args:
-        settling: of every joint in every move of every run, s; infinite where it does not settle.
-        nominal: time until both joints have settled, mean over the nominal runs, s; one a move, one joint's step each.
-        cost: s.
-        response: the first nominal run, with its trace.
-        pushed: how far a joint is pushed by another one's step in it, rad, by both in words.
-    """
-
-    settling: Array
-    nominal: Array
-    cost: float
-    response: xarray.Dataset
-    pushed: dict[str, float]
+    settling: Array  # of every joint in every move of every run, s; infinite where it does not settle
+    nominal: Array  # time until both joints have settled in each move, one joint's step each, mean of nominal runs, s
+    cost: float  # s
+    response: xarray.Dataset  # the first nominal run, with its trace
+    pushed: dict[str, float]  # how far a joint is pushed by another one's step in it, rad, by both in words
 
     @property
     def worst(self) -> float:

@@ -1,6 +1,6 @@
 """The paper's open questions: each a built-in study, with a figure and a finding made from its table.
 
-Each module has a TITLE, a CAPTION, `figure(study, frame)` and `finding(study, frame)`.
+Each has a module with `figure(study, frame)` and `finding(study, frame)`; titles and captions stand in questions.toml.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
+from layflat.experiments.claim import texts_of
 from layflat.files import write_text
 from layflat.study import finished, read, run, table
 from layflat.study.folder import ANSWER
@@ -20,8 +21,8 @@ __all__ = ["QUESTIONS", "Answer", "answer", "answers", "ask"]
 
 _, SVG, TEXT = ANSWER
 
-ASKED = ("brake-and-inertia", "losses-and-brake", "dither", "valves", "supply-pressure", "assumptions")
-QUESTIONS: dict[str, ModuleType] = {name: import_module(f"{__name__}.{name.replace('-', '_')}") for name in ASKED}
+TEXTS = texts_of("questions/questions.toml")
+QUESTIONS: dict[str, ModuleType] = {name: import_module(f"{__name__}.{name.replace('-', '_')}") for name in TEXTS}
 """By the name of the built-in study, in the order of the report."""
 
 
@@ -62,6 +63,5 @@ def answers(out: Path) -> list[Answer]:
 
 
 def _kept(name: str, out: Path) -> Answer:
-    question = QUESTIONS[name]
     finding, svg = ((out / file).read_text(encoding="utf-8") for file in (TEXT, SVG))
-    return Answer(f"question-{name}", question.TITLE, question.CAPTION, finding.strip(), svg)
+    return Answer(f"question-{name}", **TEXTS[name], finding=finding.strip(), svg=svg)

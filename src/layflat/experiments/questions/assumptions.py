@@ -17,33 +17,12 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-WINDOW = 2.0
-"""How long a move lasts, s."""
-TITLE = "Which of the paper's results depend on what we assumed?"
-CAPTION = (
-    "Every value that is not the paper's varies at once: what is assumed by a factor of 2, what is calibrated by 1.4, "
-    "gains by 1.25. Left: in what share of all these machines a result holds. Middle and right: total Sobol indices, "
-    "the share of the variance that stays if all but this one is known, with 90 % intervals; hatched what is "
-    f"calibrated, dotted the gains. A move that has not settled after {WINDOW:g} s counts as that; of the error the "
-    "logarithm is taken."
-)
-KINDS = ("assumed values", "calibrated values", "gains")
-"""Groups of what varies, in the order of their looks."""
-SHOWN = 10
-"""Indices in the figure."""
+WINDOW = 2.0  # how long a move lasts, s
+KINDS = ("assumed values", "calibrated values", "gains")  # groups of what varies, in the order of their looks
+SHOWN = 10  # indices in the figure
 HOLDS, FAILS = 0.9, 0.5
 """A result holds whatever was assumed if it does in this share of the machines; in less than the other it depends."""
-LEAST = {"tip error": 1e-4, "ripple": np.radians(0.01)}
-"""Less is taken for this, where a logarithm is taken: m, rad."""
-
-HELD = {
-    "losses.weights": "they add up to one; what turn each element takes to slip varies instead",
-    "hose.loss_share": "only its product with the cover's factor counts, which varies",
-    "valve.centre_voltage": "driver and controller share it",
-    "stops": "no move reaches them",
-    "valve.volts_to_full": "a driver's range is known; another would ask for other gains in proportion",
-}
-"""What is not the paper's but does not vary here, and why."""
+LEAST = {"tip error": 1e-4, "ripple": np.radians(0.01)}  # less is taken for this, where a logarithm is taken: m, rad
 
 
 def _worst(frame: pandas.DataFrame, names: list[str], most: float) -> Array:

@@ -17,15 +17,8 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-TITLE = "How much brake, for how much inertia?"
-CAPTION = (
-    "Time to settle after a 40 deg step (hatched: not in 4 s) over total hysteresis, which the brake sets, and "
-    "inertia. Below the solid line every inertia from the paper's comparison on (dotted) settles within 1.5 s, below "
-    "the dashed line within 4 s, in the median with the neighbouring fields. The vertical line is the paper's brake."
-)
 
-ENOUGH = 0.8
-"""What carries this share of the most carries nearly as much."""
+ENOUGH = 0.8  # what carries this share of the most carries nearly as much
 
 
 def _levels(study: Study, brakes: Array) -> Array:

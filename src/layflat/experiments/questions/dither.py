@@ -17,18 +17,10 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-TITLE = "How much dither, and how fast?"
-CAPTION = (
-    "Left: how far the braked joint is from its goal at rest, with dither near 50 Hz, by the friction of the "
-    "spool; middle: how much it still moves. Right: the error over frequency and amplitude, at the friction that the "
-    "paper's arm is given; the cross is the paper's frequency, with the calibrated amplitude."
-)
 FRICTION, AMPLITUDE, FREQUENCY = "valve.friction", "valve.dither.amplitude", "valve.dither.frequency"
 """Columns of the table."""
-AROUND, FAST = (40.0, 60.0), (130.0, 170.0)
-"""Frequencies that count as about 50 Hz, and as fast."""
-GOOD = 1.5
-"""An amplitude is enough where the error is at most so many times the least that any amplitude reaches."""
+AROUND, FAST = (40.0, 60.0), (130.0, 170.0)  # frequencies that count as about 50 Hz, and as fast
+GOOD = 1.5  # an amplitude is enough where the error is at most so many times the least that any amplitude reaches
 WORTH, TINY = 1.5, 1e-6
 """Dither is worth it where it makes the error or the ripple so many times smaller; no number, deg."""
 

@@ -18,20 +18,11 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-TITLE = "Is hysteresis of the hose worth as much as that of a brake?"
-CAPTION = (
-    "Joints of the same total hysteresis, of which the brake has more and the hose less from left to right. Left: how "
-    f"much inertia settles within {SCAN:g} s, from the paper's comparison on. Right: what is left of the motion then, "
-    "with the inertia of that comparison."
-)
-TOTALS = (15.0, 20.0, 25.0, 30.0)
-"""Total hysteresis, %."""
+TOTALS = (15.0, 20.0, 25.0, 30.0)  # total hysteresis, %
 LOSS, BRAKE, PAYLOAD = "joint.small.hose.loss_share", "joint.small.brake.torque", "scenario.payload"
 """Columns of the table."""
-MUCH = 1.25
-"""What carries so many times as much carries more."""
-CALM = 0.05
-"""Less motion than this is rest, deg."""
+MUCH = 1.25  # what carries so many times as much carries more
+CALM = 0.05  # less motion than this is rest, deg
 
 
 def _lines(study: Study, frame: pandas.DataFrame) -> dict[float, Array]:

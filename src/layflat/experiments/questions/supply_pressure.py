@@ -17,17 +17,9 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-TITLE = "What does the supply pressure change?"
-CAPTION = (
-    "Left: torque per turn of a joint that only the air shut in its hoses holds (no brake, no controller, no dither), "
-    "and of the whole joint by what it gives at most when 4 N m come on top. Middle: a 40 deg step with 2 kg; crosses "
-    "have not settled in 4 s. Right: air at rest, and of the step alone."
-)
 PRESSURE = "supply.pressure_gauge"
-SHUT_LOAD, LOAD = 2.0, 4.0
-"""Loads of the scenarios, N m."""
-REST = 4.5
-"""How long a run lasts, s."""
+SHUT_LOAD, LOAD = 2.0, 4.0  # loads of the scenarios, N m
+REST = 4.5  # how long a run lasts, s
 WITH, WITHOUT = "with dither", "without dither"
 
 

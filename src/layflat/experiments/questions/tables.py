@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-JOINT = "small"
-"""That the studies of one joint are about."""
+JOINT = "small"  # that the studies of one joint are about
 
 
 def grid(frame: pandas.DataFrame, across: str, upward: str, column: str) -> tuple[Array, Array, Array]:

@@ -15,17 +15,9 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-TITLE = "Which valve?"
-CAPTION = (
-    "Each valve with the gains of a grid that suit it: of those that settle the slowest of three moves with 1 to 3 kg "
-    "within 10 % of the shortest time, the pair that takes least air. Error at rest includes half of the ripple."
-)
-SLACK = 1.1
-"""Gains that settle within so many times the shortest time are as good."""
-WINDOW = 2.0
-"""A move lasts so long, s; one that has not settled counts as this."""
-ALIKE = 0.25
-"""Times that differ by less than this share are alike."""
+SLACK = 1.1  # gains that settle within so many times the shortest time are as good
+WINDOW = 2.0  # a move lasts so long, s; one that has not settled counts as this
+ALIKE = 0.25  # times that differ by less than this share are alike
 
 RESULTS = {
     "settling": "Slowest move settles in (s)",
