@@ -78,23 +78,16 @@ def export_log(
 
 
 def _read(log: Path) -> xarray.Dataset:
-    with busy("reading"):
-        if log.suffix == ".nc":
-            return _read_exported(log)
-        from layflat.rig.recorder.run import read_run  # noqa: PLC0415
-
-        return read_run(log)
-
-
-def _read_exported(log: Path) -> xarray.Dataset:
-    """Read what `log export` wrote as NetCDF.
+    """Read what a rig recorded, or what `log export` wrote of it as NetCDF.
 
     Raises:
         InputError: it can't be read, or is no log of a rig.
     """
+    from layflat.rig.recorder.run import read_run  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
 
-    run = open_run(log)
+    with busy("reading"):
+        run = open_run(log) if log.suffix == ".nc" else read_run(log)
     if "lateness" not in run or "event" not in run.sizes:
         right = "give a log that `layflat rig run` wrote, or `layflat log export` made of one"
         raise InputError("holds no log of a rig", where=str(log), right=right)

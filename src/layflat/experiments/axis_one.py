@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
+from itertools import takewhile
 from math import inf, radians
 from typing import TYPE_CHECKING
 
@@ -36,11 +37,6 @@ def _case(payload: float, brake: float, duration: float, seed: int) -> Scenario:
     return Scenario(demand=demand, duration=AT + duration, payload=payload, brake=brake, seed=seed)
 
 
-def step_run(machine: Machine, payload: float, brake: float) -> xarray.Dataset:
-    """Return the step as a run, up to where it diverged if it did."""
-    return rollout_as_far(machine, scenario=_case(payload, brake, DURATION, seed=1))
-
-
 def settling(run: xarray.Dataset) -> float:
     """Return the time from the step until the joint stays within 0.3 deg of its demand, s."""
     if float(run["time"][-1]) < AT + 1.0:
@@ -51,22 +47,14 @@ def settling(run: xarray.Dataset) -> float:
 def settling_times(machine: Machine, brake: float) -> dict[float, float]:
     """Return settling times (s) by inertia per torque, kg m2 per N m."""
     torque = maximum_torque(machine, "small")
+    payloads = {ratio: payload_for_inertia(machine, "small", ratio * torque) for ratio in RATIOS}
     runs = [prepare(machine, _case(0.0, brake, SCAN, seed)) for seed in range(SEEDS)]
-    times: dict[float, float] = {}
-    for ratio in RATIOS:
-        payload = payload_for_inertia(machine, "small", ratio * torque)
-        times[ratio] = float(np.median([_settled(run, payload) for run in runs]))
-    return times
+    return {ratio: float(np.median([_settled(run, payload) for run in runs])) for ratio, payload in payloads.items()}
 
 
 def limit_within(times: dict[float, float], allowed: float) -> float:
     """Return the largest inertia per torque up to which all settle within the time allowed (s); 0 where none does."""
-    limit = 0.0
-    for ratio, time in times.items():
-        if time > allowed:
-            break
-        limit = ratio
-    return limit
+    return max((ratio for ratio, _ in takewhile(lambda found: found[1] <= allowed, times.items())), default=0.0)
 
 
 def _settled(prepared: Prepared, payload: float) -> float:
@@ -78,28 +66,29 @@ def _settled(prepared: Prepared, payload: float) -> float:
     return inf if diverged >= 0 else settling_time(cycle * np.arange(len(error)), error, BAND)
 
 
-def _comparable(machine: Machine) -> float:
-    """Payload (kg) that makes the inertia per torque of the paper's comparison."""
-    return payload_for_inertia(machine, "small", INERTIA_PER_TORQUE * maximum_torque(machine, "small"))
-
-
 class AxisOne(Experiment):
     """Runs of a 40 deg step, and the settling times of both joints by the inertia per torque that they carry."""
 
+    def _step(self, machine: Machine, brake: float, payload: float | None = None) -> xarray.Dataset:
+        """A step, up to where it diverged if it did; usually at the inertia per torque of the paper's comparison."""
+        inertia = INERTIA_PER_TORQUE * maximum_torque(machine, "small")
+        carried = payload_for_inertia(machine, "small", inertia) if payload is None else payload
+        return rollout_as_far(machine, scenario=_case(carried, brake, DURATION, seed=1))
+
     @cached_property
     def unbraked(self) -> xarray.Dataset:
-        """The new joint without brake, at the inertia per torque of the paper's comparison."""
-        return step_run(self.bench.axis_one, _comparable(self.bench.axis_one), 0.0)
+        """The new joint without brake."""
+        return self._step(self.bench.axis_one, 0.0)
 
     @cached_property
     def earlier(self) -> xarray.Dataset:
-        """The earlier actuator at the same inertia per torque."""
-        return step_run(self.bench.earlier_scaled, _comparable(self.bench.earlier_scaled), 0.0)
+        """The earlier actuator."""
+        return self._step(self.bench.earlier_scaled, 0.0)
 
     @cached_property
     def braked(self) -> xarray.Dataset:
         """The new joint with its brake and the paper's 2 kg."""
-        return step_run(self.bench.axis_one, self.bench.axis_one.arm.payload, self.bench.brake)
+        return self._step(self.bench.axis_one, self.bench.brake, self.bench.axis_one.arm.payload)
 
     @cached_property
     def times_braked(self) -> dict[float, float]:
