@@ -5,22 +5,22 @@ An "error" is what can't be made or breaks, a "warning" what works badly, a "not
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import degrees, pi, radians
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from layflat.design.cam import Cam
-from layflat.design.characteristic import Characteristic
-from layflat.design.outline import Outline
-from layflat.design.strap import StrapStress
 from layflat.errors import DesignError
-from layflat.machine import Joint
+
+if TYPE_CHECKING:
+    from layflat.design.summary import JointDesign
 
 Severity = Literal["error", "warning", "note"]
 ORDER: tuple[Severity, ...] = ("error", "warning", "note")
+Found = Iterator[tuple[Severity, str, str, str, str]]
+"""Severity, rule, key within the joint, what is so, and what would be right or what it leads to."""
 
 WRAP_LIMIT = radians(120.0)
 """Over this wrap the hose kinks and slides. Source: section 2.1.1."""
@@ -64,34 +64,12 @@ class Finding:
         return f"{text}; {self.right}" if self.right else text
 
 
-@dataclass(frozen=True)
-class Checked:
-    """What the rules look at: a joint (named `where` in findings) with its curve, cam and strap."""
-
-    where: str
-    joint: Joint
-    characteristic: Characteristic
-    cam: Cam | None
-    outline: Outline | None
-    stresses: Sequence[StrapStress]
-
-    @property
-    def straight(self) -> Cam | None:
-        """The cam, if it can be made and the strap runs straight from the shell to it."""
-        deflected = self.joint.deflecting_roller is not None or self.joint.output.shaft_offset == 0
-        return None if deflected or self.outline is None else self.cam
-
-
-Found = Iterator[tuple[Severity, str, str, str]]
-"""Severity, key within the joint, what is so, and what would be right or what it leads to."""
-
-
-def check(checked: Checked) -> tuple[Finding, ...]:
+def check(design: JointDesign) -> tuple[Finding, ...]:
     """Return the findings of all rules, worst first."""
     found = [
-        Finding(severity, name, f"{checked.where}.{key}" if key else checked.characteristic.source, what, right)
-        for name, rule in RULES.items()
-        for severity, key, what, right in rule(checked)
+        Finding(severity, rule, f"{design.where}.{key}" if key else design.characteristic.source, what, right)
+        for rules in (_sizes, _strap, _torque)
+        for severity, rule, key, what, right in rules(design)
     ]
     return tuple(sorted(found, key=lambda finding: ORDER.index(finding.severity)))
 
@@ -107,105 +85,71 @@ def refuse_errors(findings: Sequence[Finding]) -> None:
             raise DesignError(finding.what, where=finding.where, right=finding.right)
 
 
-def _wrap(at: Checked) -> Found:
-    wrap = at.joint.hose.wrap
+def _sizes(design: JointDesign) -> Found:
+    wrap, cam = design.joint.hose.wrap, design.cam
     if wrap > WRAP_GREATEST + SLACK:
-        yield "error", "hose.wrap", f"{degrees(wrap):.4g} deg", "at most 180 deg; up to 120 deg works well"
+        right = "at most 180 deg; up to 120 deg works well"
+        yield "error", "wrap", "hose.wrap", f"{degrees(wrap):.4g} deg", right
     elif wrap > WRAP_LIMIT + SLACK:
-        yield (
-            "warning",
-            "hose.wrap",
-            f"{degrees(wrap):.4g} deg",
-            "over 120 deg the hose kinks and slides: loss and wear",
-        )
-
-
-def _convex(at: Checked) -> Found:
-    if at.cam is not None and not at.cam.convex:
-        worst = degrees(at.cam.angle[int(np.argmin(at.cam.curvature_radius))])
-        hollow = f"the cam is hollow at {worst:.4g} deg (radius of curvature {at.cam.smallest_radius * 1e3:.4g} mm)"
+        right = "over 120 deg the hose kinks and slides: loss and wear"
+        yield "warning", "wrap", "hose.wrap", f"{degrees(wrap):.4g} deg", right
+    if cam is not None and not cam.convex:
+        worst = degrees(cam.angle[int(np.argmin(cam.curvature_radius))])
+        hollow = f"the cam is hollow at {worst:.4g} deg (radius of curvature {cam.smallest_radius * 1e3:.4g} mm)"
         right = "a larger output.radius (shorter stroke) or another output.shaft_offset may help"
-        yield "error", "output", f"{hollow}, so a strap can't lie on it", right
-
-
-def _strap_width(at: Checked) -> Found:
-    strap, hose = at.joint.strap.width * 1e3, at.joint.hose.width * 1e3
+        yield "error", "convexity", "output", f"{hollow}, so a strap can't lie on it", right
+    strap, hose = design.joint.strap.width * 1e3, design.joint.hose.width * 1e3
     if strap > hose:
-        yield "error", "strap.width", f"{strap:.4g} mm is wider than the hose", f"at most {hose:.4g} mm"
+        what = f"{strap:.4g} mm is wider than the hose"
+        yield "error", "strap width", "strap.width", what, f"at most {hose:.4g} mm"
 
 
-def _strap_stress(at: Checked) -> Found:
-    right = "a thinner strap bends easier, a wider one or more layers pull less each"
-    for stress in at.stresses:
+def _strap(design: JointDesign) -> Found:
+    for stress in design.stresses:
         what = (
             f"{stress.total / 1e6:.4g} MPa over the {stress.place} (tension {stress.tensile / 1e6:.4g}, bending over "
             f"{stress.bend_radius * 1e3:.4g} mm {stress.bending / 1e6:.4g}), yield {stress.yield_stress / 1e6:.4g} MPa"
         )
+        right = "a thinner strap bends easier, a wider one or more layers pull less each"
         if stress.safety < 1:
-            yield "error", "strap", what, right
+            yield "error", "strap stress", "strap", what, right
         elif stress.safety < SAFETY_WANTED:
-            yield "warning", "strap", f"{what}: safety {stress.safety:.3g}", right
-
-
-def _deflection(at: Checked) -> Found:
-    roller = at.joint.deflecting_roller
+            yield "warning", "strap stress", "strap", f"{what}: safety {stress.safety:.3g}", right
+    roller, offset, cam = design.joint.deflecting_roller, "output.shaft_offset", design.cam
     if roller is not None:
         from layflat.machine.parameters import loss_share  # noqa: PLC0415  # with the laws of all parts
 
-        share = loss_share(at.joint) - loss_share(at.joint.model_copy(update={"deflecting_roller": None}))
+        joint = design.joint
+        share = loss_share(joint) - loss_share(joint.model_copy(update={"deflecting_roller": None}))
         what = f"{roller.count} of {roller.diameter * 1e3:.4g} mm bend the strap and cost {100 * share:.2g} % of torque"
         right = "larger rollers or a thinner strap lose less; an offset output shaft needs none"
-        yield "warning", "deflecting_roller", what, right
-    elif at.cam is not None and at.joint.output.shaft_offset == 0:
+        yield "warning", "deflection", "deflecting_roller", what, right
+    elif cam is not None and design.joint.output.shaft_offset == 0:
         what = "0 mm without deflecting_roller, so the strap bends over the cylinder's edge"
         right = "offset the shaft, for example by half of the cylinder's radius, or describe deflecting_roller"
-        yield "warning", "output.shaft_offset", what, right
+        yield "warning", "deflection", offset, what, right
+    elif cam is not None and cam.convex:  # straight from the shell to the cam
+        if cam.alignment.min() < ALIGNMENT_WANTED:
+            share = 100 * float(cam.alignment.min())
+            what = f"the strap pulls across the shell's motion: only {share:.3g} % of its tension works"
+            yield "warning", "alignment", offset, what, "place the shaft further from the clamps"
+        if cam.dip > LEAST_SLOT:
+            what = f"the strap dips {cam.dip * 1e3:.3g} mm below the cylinder's free edge"
+            right = "slot the cylinder there as wide as the strap, or place the shaft further from the clamps"
+            yield "note", "slot", offset, what, right
 
 
-def _alignment(at: Checked) -> Found:
-    if at.straight is not None and at.straight.alignment.min() < ALIGNMENT_WANTED:
-        share = f"only {100 * at.straight.alignment.min():.3g} % of its tension works"
-        what = f"the strap pulls across the shell's motion: {share}"
-        yield "warning", "output.shaft_offset", what, "place the shaft further from the clamps"
-
-
-def _slot(at: Checked) -> Found:
-    if at.straight is not None and at.straight.dip > LEAST_SLOT:
-        what = f"the strap dips {at.straight.dip * 1e3:.3g} mm below the cylinder's free edge"
-        right = "slot the cylinder there as wide as the strap, or place the shaft further from the clamps"
-        yield "note", "output.shaft_offset", what, right
-
-
-def _stroke(at: Checked) -> Found:
-    full = at.characteristic.full_travel / at.joint.output.radius
-    working = at.joint.stops.working_stroke
-    if full < working - SLACK:
-        what = f"{degrees(working):.4g} deg, but the hose turns the output by {degrees(full):.4g} deg only"
-        yield "error", "stops.working_stroke", what, "a smaller output.radius gives more stroke and less torque"
-
-
-def _constant(at: Checked) -> Found:
-    if at.cam is None:
-        left = 100 * at.characteristic.force[-1] / at.characteristic.force.max()
+def _torque(design: JointDesign) -> Found:
+    characteristic, working = design.characteristic, design.joint.stops.working_stroke
+    if design.stroke < working - SLACK:
+        what = f"{degrees(working):.4g} deg, but the hose turns the output by {degrees(design.stroke):.4g} deg only"
+        right = "a smaller output.radius gives more stroke and less torque"
+        yield "error", "stroke", "stops.working_stroke", what, right
+    if design.cam is None:
+        left = 100 * characteristic.force[-1] / characteristic.force.max()
         what = f"on a round roller torque falls to {left:.3g} % of its greatest"
-        yield "note", "output.kind", what, 'kind = "cam" keeps it constant'
-
-
-def _measured(at: Checked) -> Found:
-    if at.characteristic.fit_error > FIT_WANTED:
-        what = f"points lie up to {100 * at.characteristic.fit_error:.2g} % from the curve through them"
-        yield "warning", "", what, "check for outliers; of a hysteresis curve, give the mean of both directions"
-
-
-RULES: dict[str, Callable[[Checked], Found]] = {
-    "wrap": _wrap,
-    "convexity": _convex,
-    "strap width": _strap_width,
-    "strap stress": _strap_stress,
-    "deflection": _deflection,
-    "alignment": _alignment,
-    "slot": _slot,
-    "stroke": _stroke,
-    "constant torque": _constant,
-    "measured table": _measured,
-}
+        yield "note", "constant torque", "output.kind", what, 'kind = "cam" keeps it constant'
+    if characteristic.fit_error > FIT_WANTED:
+        what = f"points lie up to {100 * characteristic.fit_error:.2g} % from the curve through them"
+        right = "check for outliers; of a hysteresis curve, give the mean of both directions"
+        yield "warning", "measured table", "", what, right

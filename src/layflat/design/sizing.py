@@ -10,7 +10,6 @@ from itertools import islice
 from math import ceil, degrees
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
@@ -20,7 +19,7 @@ from layflat.design.mass import joint_mass
 from layflat.design.outline import cam_outline
 from layflat.design.request import SizingRequest
 from layflat.design.rules import LEAST_SLOT, Finding
-from layflat.design.sized import SizedJoint, description, description_text
+from layflat.design.sized import SizedJoint, description
 from layflat.design.strap import choose_strap
 from layflat.design.summary import JointDesign, design_joint
 from layflat.errors import DesignError
@@ -46,14 +45,12 @@ class Sized:
 
     Args:
         request: what it was sized for.
-        tables: the description as nested tables; each value with its provenance.
-        toml: the description as text.
+        toml: its description, each value with its provenance.
         machine: the machine that this text describes.
         design: its design at supply pressure.
     """
 
     request: SizingRequest
-    tables: dict[str, Any]
     toml: str
     machine: Machine
     design: JointDesign
@@ -134,9 +131,11 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
         swept_volume=characteristic.swept_volume,
         mass=joint_mass(joint, characteristic.full_travel, outline).counted / counted_share,
     )
-    tables = description(sized, model, MODEL, request.name)
-    text = description_text(tables)
-    machine = _read_back(text)
+    text = description(sized, model, MODEL)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "sized.toml"
+        path.write_text(text, encoding="utf-8")
+        machine = load(path)
     design = design_joint(machine)
     if design.mean_torque < request.torque or design.stroke < request.stroke:
         raise DesignError(
@@ -144,7 +143,7 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
             where="size",
             right="ask for a little less, or give hose_width and cylinder_diameter",
         )
-    return Sized(request, tables, text, machine, design)
+    return Sized(request, text, machine, design)
 
 
 def _with_shaft(request: SizingRequest, joint: Joint, characteristic: Characteristic) -> tuple[Joint, Cam]:
@@ -174,10 +173,3 @@ def _with_shaft(request: SizingRequest, joint: Joint, characteristic: Characteri
 
 def _half_mm(value: float) -> float:
     return max(1e-3, round(value * 2e3) / 2e3)
-
-
-def _read_back(text: str) -> Machine:
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "sized.toml"
-        path.write_text(text, encoding="utf-8")
-        return load(path)

@@ -15,7 +15,7 @@ from layflat.design.characteristic import Characteristic, of_cylinder
 from layflat.design.curves import Through, spline
 from layflat.design.mass import Air, Mass, air_per_stroke, joint_mass
 from layflat.design.outline import Outline, cam_outline
-from layflat.design.rules import Checked, Finding, check, refuse_errors
+from layflat.design.rules import Finding, check, refuse_errors
 from layflat.design.strap import StrapStress, strap_stress
 from layflat.errors import DesignError, MachineError
 from layflat.machine import Joint, Machine, load
@@ -34,8 +34,6 @@ class JointDesign:
         characteristic: force of one hose over its travel.
         cam: the exact cam; None with a round roller.
         outline: the cam as a part to be cut; None with a round roller.
-        stresses: of the strap, wherever it bends.
-        findings: worst first.
     """
 
     machine: Machine
@@ -44,13 +42,32 @@ class JointDesign:
     characteristic: Characteristic
     cam: Cam | None
     outline: Outline | None
-    stresses: tuple[StrapStress, ...]
-    findings: tuple[Finding, ...]
+
+    @property
+    def where(self) -> str:
+        """File and joint, for messages."""
+        return f"{self.machine.origin}: joint.{self.name}"
 
     @property
     def joint(self) -> Joint:
         """The described joint."""
         return self.machine.joint[self.name]
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What the design rules find, worst first."""
+        return check(self)
+
+    @cached_property
+    def stresses(self) -> tuple[StrapStress, ...]:
+        """Stresses of the strap, wherever it bends."""
+        over = [("roller", self.joint.output.radius)]
+        if self.cam is not None:
+            over = [("cam", self.cam.smallest_radius)] if self.cam.convex else []
+        if self.joint.deflecting_roller is not None:
+            over.append(("deflecting roller", self.joint.deflecting_roller.diameter / 2))
+        tension = float(self.tension.max())
+        return tuple(strap_stress(self.joint.strap, place, radius, tension) for place, radius in over)
 
     @cached_property
     def mass(self) -> Mass:
@@ -152,54 +169,24 @@ def design_joint(
         DesignError: it can't be made, in one line that says why.
     """
     machine = load(machine)
-    name = _joint_name(machine, joint)
-    described, pressure = machine.joint[name], machine.supply.pressure_gauge
-    where = f"{machine.origin}: joint.{name}"
+    names = list(machine.joints)
+    if joint is None and len(names) > 1:
+        raise MachineError("the joint is missing", where=machine.origin, right=f"name one of {', '.join(names)}")
+    name = joint or names[0]
+    if name not in machine.joint:
+        raise MachineError(f"unknown joint {name!r}", where=machine.origin, right=f"name one of {', '.join(names)}")
+    described = machine.joint[name]
     characteristic = measured or of_cylinder(described, through=through)
     cam = outline = None
     if described.output.kind == "cam":
         try:
-            cam = synthesise(
-                characteristic, straplines.of_joint(described), characteristic.full_travel / described.output.radius
-            )
+            stroke = characteristic.full_travel / described.output.radius
+            cam = synthesise(characteristic, straplines.of_joint(described), stroke)
             outline = cam_outline(cam, bore) if cam.convex else None
         except DesignError as error:
-            raise DesignError(error.what, where=f"{where}.output", right=error.right) from None
-    stresses = _stresses(described, characteristic, cam, pressure)
-    findings = check(Checked(where, described, characteristic, cam, outline, stresses))
+            where = f"{machine.origin}: joint.{name}.output"
+            raise DesignError(error.what, where=where, right=error.right) from None
+    design = JointDesign(machine, name, machine.supply.pressure_gauge, characteristic, cam, outline)
     if strict:
-        refuse_errors(findings)
-    return JointDesign(
-        machine=machine,
-        name=name,
-        pressure=pressure,
-        characteristic=characteristic,
-        cam=cam,
-        outline=outline,
-        stresses=stresses,
-        findings=findings,
-    )
-
-
-def _joint_name(machine: Machine, name: str | None) -> str:
-    names = list(machine.joints)
-    if name is None and len(names) == 1:
-        return names[0]
-    if name is None or name not in machine.joint:
-        what = "the joint is missing" if name is None else f"unknown joint {name!r}"
-        raise MachineError(what, where=machine.origin, right=f"name one of {', '.join(names)}")
-    return name
-
-
-def _stresses(
-    joint: Joint, characteristic: Characteristic, cam: Cam | None, pressure: float
-) -> tuple[StrapStress, ...]:
-    if cam is None:
-        tension = float(characteristic.force.max()) * pressure
-        over = [("roller", joint.output.radius)]
-    else:
-        tension = float(cam.tension.max()) * pressure
-        over = [("cam", cam.smallest_radius)] if cam.convex else []
-    if joint.deflecting_roller is not None:
-        over.append(("deflecting roller", joint.deflecting_roller.diameter / 2))
-    return tuple(strap_stress(joint.strap, place, radius, tension) for place, radius in over)
+        refuse_errors(design.findings)
+    return design
