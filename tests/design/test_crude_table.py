@@ -30,7 +30,7 @@ ROWS = [line.split(",") for line in PRINTED.splitlines()]
 @pytest.mark.parametrize("column", range(len(ROWS[0])), ids=ROWS[0])
 def test_every_cell_rounds_to_the_printed_digits(column: int) -> None:
     name = ROWS[0][column]
-    values = table1().columns()[name]
+    values = table1().columns[name]
     for row, value in zip(ROWS[1:], values, strict=True):
         printed = row[column]
         digits = len(printed.partition(".")[2])
@@ -38,7 +38,7 @@ def test_every_cell_rounds_to_the_printed_digits(column: int) -> None:
 
 
 def test_columns_stand_in_the_printed_order() -> None:
-    assert list(table1().columns()) == ROWS[0]
+    assert list(table1().columns) == ROWS[0]
 
 
 def test_mean_torque_rounds_to_the_printed_one() -> None:
@@ -46,9 +46,9 @@ def test_mean_torque_rounds_to_the_printed_one() -> None:
 
 
 def test_intermediate_values_make_the_torque() -> None:
-    t, k = table1(), Table1Constants()
-    np.testing.assert_allclose(t.Z, (t.B - t.C_m * t.D) / t.A, rtol=1e-14)
-    np.testing.assert_allclose(t.T_Nm, t.Z * k.pressure * k.cylinder_radius * k.roller_radius / 2, rtol=1e-14)
+    t, k = table1().columns, Table1Constants()
+    np.testing.assert_allclose(t["Z"], (t["B"] - t["C_m"] * t["D"]) / t["A"], rtol=1e-14)
+    np.testing.assert_allclose(t["T_Nm"], t["Z"] * k.pressure * k.cylinder_radius * k.roller_radius / 2, rtol=1e-14)
 
 
 def test_true_pi_with_the_printed_hose_radius_gives_the_mean_of_the_notes() -> None:

@@ -11,10 +11,12 @@ from layflat.design import design_joint, read_characteristic, table1
 from layflat.errors import InputError
 from layflat.machine import load
 
-TABLE = table1()
-TURNED = "angle_deg,torque_Nm\n" + "".join(f"{b:.9g},{T:.9g}\n" for b, T in zip(TABLE.b_deg, TABLE.T_Nm, strict=True))
+TABLE = table1().columns
+TURNED = "angle_deg,torque_Nm\n" + "".join(
+    f"{b:.9g},{T:.9g}\n" for b, T in zip(TABLE["b_deg"], TABLE["T_Nm"], strict=True)
+)
 PULLED = "travel_mm,force_N\n" + "".join(
-    f"{s * 1e3:.9g},{F:.9g}\n" for s, F in zip(TABLE.move_m, TABLE.force_N, strict=True)
+    f"{s * 1e3:.9g},{F:.9g}\n" for s, F in zip(TABLE["move_m"], TABLE["force_N"], strict=True)
 )
 
 
@@ -50,8 +52,8 @@ def test_pressure_may_stand_in_a_column_and_comments_anywhere(tmp_path: Path) ->
 
 
 def test_noise_does_not_make_the_cam_hollow(tmp_path: Path) -> None:
-    noise = np.random.default_rng(1).normal(0.0, 0.5, TABLE.T_Nm.size)
-    rows = "".join(f"{b},{T}\n" for b, T in zip(TABLE.b_deg, TABLE.T_Nm + noise, strict=True))
+    noise = np.random.default_rng(1).normal(0.0, 0.5, TABLE["T_Nm"].size)
+    rows = "".join(f"{b},{T}\n" for b, T in zip(TABLE["b_deg"], TABLE["T_Nm"] + noise, strict=True))
     measured = read_characteristic(
         written(tmp_path, "angle_deg,torque_Nm\n" + rows), pressure=4e5, roller_radius=0.026, degree=2
     )

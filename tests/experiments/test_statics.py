@@ -1,10 +1,8 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import xarray
 
-from layflat.design import design_joint, table1
+from layflat.design import Table1, design_joint, table1
 from layflat.experiments import bench
 from layflat.experiments.statics import Statics, cam_torque, printed_table, stiffness, wrong_cells
 from layflat.machine import load, parameters
@@ -17,9 +15,9 @@ def test_every_cell_of_table_1_rounds_to_the_printed_digits() -> None:
 
 def test_a_wrong_cell_is_found() -> None:
     table = table1()
-    bent = table.T_Nm.copy()
+    bent = table.columns["T_Nm"].copy()
     bent[3] += 1e-4
-    assert wrong_cells(replace(table, T_Nm=bent)) == ["T_Nm, row 4"]
+    assert wrong_cells(Table1(table.columns | {"T_Nm": bent})) == ["T_Nm, row 4"]
 
 
 def test_the_printed_table_is_whole() -> None:

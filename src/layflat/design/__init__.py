@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from layflat.design.rules import Finding, refuse_errors
     from layflat.design.sizing import Sized, size_joint
     from layflat.design.strap import StrapStress, strap_stress
-    from layflat.design.straplines import Lines, RollerLine, ShellLine, StrapLine
+    from layflat.design.straplines import Lines, RollerLine, ShellLine
     from layflat.design.summary import JointDesign, design_joint
 
 __all__ = [
@@ -41,7 +41,6 @@ __all__ = [
     "ShellLine",
     "Sized",
     "SizingRequest",
-    "StrapLine",
     "StrapStress",
     "Table1",
     "Table1Constants",

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.design.characteristic import Characteristic
-from layflat.design.straplines import StrapLine
+from layflat.design.straplines import StrapLine, turned, unit
 from layflat.errors import DesignError
 
 Array = NDArray[np.float64]
@@ -89,8 +89,7 @@ class Cam:
     @property
     def dip(self) -> float:
         """How far the strap runs below the strap point's first place, m: that deep a slot the cylinder's edge needs."""
-        normals = np.stack((np.cos(self.line_normal), np.sin(self.line_normal)), axis=-1)
-        return float((normals @ (self.strap_point[0] - np.array(self.axis)) - self.lever).max())
+        return float((unit(self.line_normal) @ (self.strap_point[0] - np.array(self.axis)) - self.lever).max())
 
 
 def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -> Cam:
@@ -121,8 +120,7 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
             right="a longer stroke, or an output axis further from the strap point",
         )
     _, slope, bend = (values[::-1] for values in characteristic.through(eta[::-1], lines.lever[::-1]))
-    normal = np.stack((np.cos(eta), np.sin(eta)), axis=-1)
-    tangent = np.stack((-np.sin(eta), np.cos(eta)), axis=-1)
+    normal = unit(eta)
     return Cam(
         torque_constant=K,
         travel=s,
@@ -132,7 +130,7 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
         line_normal=lines.normal_angle,
         normal=eta,
         curvature_radius=lines.lever + bend,
-        profile=lines.lever[:, None] * normal + slope[:, None] * tangent,
+        profile=lines.lever[:, None] * normal + slope[:, None] * turned(normal),
         strap_point=lines.strap_point,
         axis=line.axis,
     )

@@ -16,7 +16,7 @@ it rests on pi = 3.14. For exact work use `layflat.design.cam`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
@@ -44,33 +44,14 @@ class Table1Constants:
 
 @dataclass(frozen=True)
 class Table1:
-    """Columns of Table 1, each of shape (rows,), named by symbol and unit as in the table; and their mean torque."""
+    """Columns of Table 1, each of shape (rows,), in the printed order, named by symbol and unit."""
 
-    gamma_rad: Array
-    alpha_rad: Array
-    A: Array
-    B: Array
-    C_m: Array
-    D: Array
-    Z: Array
-    b_deg: Array
-    T_Nm: Array
-    work_Nm_deg: Array
-    move_m: Array
-    force_N: Array
-    cam_radius_m: Array
-    cam_angle_rad: Array
-    cam_angle_deg: Array
-    output_torque_Nm: Array
+    columns: dict[str, Array]
 
     @property
     def mean_torque(self) -> float:
         """Sum of the work done over the stroke, N m."""
-        return float(self.work_Nm_deg.sum() / self.b_deg[-1])
-
-    def columns(self) -> dict[str, Array]:
-        """Return all columns by name, in the order in which they are printed."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return float(self.columns["work_Nm_deg"].sum() / self.columns["b_deg"][-1])
 
 
 def table1(constants: Table1Constants | None = None) -> Table1:
@@ -95,24 +76,25 @@ def table1(constants: Table1Constants | None = None) -> Table1:
     mean = work.sum() / b[-1]
     cam_radius = mean / force
     cam_angle = _after_zero(np.cumsum(np.diff(move) / ((cam_radius[1:] + cam_radius[:-1]) / 2)))
-    return Table1(
-        gamma_rad=np.full(k.rows, g),
-        alpha_rad=a,
-        A=A,
-        B=k.pi * R_h * D,
-        C_m=R * (g - a) / 2,
-        D=D,
-        Z=2 * T / (k.pressure * R * r),
-        b_deg=b,
-        T_Nm=T,
-        work_Nm_deg=work,
-        move_m=move,
-        force_N=force,
-        cam_radius_m=cam_radius,
-        cam_angle_rad=cam_angle,
-        cam_angle_deg=cam_angle * 180 / k.pi,
-        output_torque_Nm=force * cam_radius,
-    )
+    columns = {
+        "gamma_rad": np.full(k.rows, g),
+        "alpha_rad": a,
+        "A": A,
+        "B": k.pi * R_h * D,
+        "C_m": R * (g - a) / 2,
+        "D": D,
+        "Z": 2 * T / (k.pressure * R * r),
+        "b_deg": b,
+        "T_Nm": T,
+        "work_Nm_deg": work,
+        "move_m": move,
+        "force_N": force,
+        "cam_radius_m": cam_radius,
+        "cam_angle_rad": cam_angle,
+        "cam_angle_deg": cam_angle * 180 / k.pi,
+        "output_torque_Nm": force * cam_radius,
+    }
+    return Table1(columns)
 
 
 def _after_zero(rest: Array) -> Array:

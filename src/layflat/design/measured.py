@@ -12,15 +12,16 @@ A column `pressure_bar` gives the gauge pressure of each row; without it, one pr
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from io import StringIO
 from math import isfinite, radians
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
-from layflat.description.text import check_regular
+from layflat.description.text import read_text
 from layflat.design.characteristic import POINTS, Characteristic
 from layflat.errors import InputError
 
@@ -39,10 +40,28 @@ DEGREE = 4
 """Of the polynomial through the points. A cam's curvature hangs on second derivatives, so noise must not pass."""
 
 
-@dataclass(frozen=True)
-class _Table:
+class _Table(NamedTuple):
+    """Columns by name, and the line of each row."""
+
+    where: str
     columns: dict[str, Array]
     lines: list[int]
+
+    def one_of(self, known: dict[str, float]) -> tuple[str, Array]:
+        """Return name and values (SI) of the only known column."""
+        found = [name for name in known if name in self.columns]
+        if len(found) != 1:
+            what = f"columns {', '.join(found)} say the same" if found else f"no column {' or '.join(known)}"
+            right = f"columns here are {', '.join(self.columns)}; name one of them so"
+            raise InputError(what, where=self.where, right=right)
+        return found[0], self.columns[found[0]] * known[found[0]]
+
+    def refuse(self, wrong: NDArray[np.bool_], name: str, what: str, right: str) -> None:
+        """Raise an error that names the first wrong row of a column, with its number in place of {}."""
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            where = f"{self.where}, line {self.lines[row]}: {name}"
+            raise InputError(what.format(f"{self.columns[name][row]:.6g}"), where=where, right=right)
 
 
 def read_characteristic(
@@ -59,52 +78,53 @@ def read_characteristic(
     Raises:
         InputError: in one line, which file, line and column is wrong and what would be right.
     """
-    where = str(path)
     if degree < 1:
-        raise InputError(
-            f"{degree} is below 1", where="degree of the polynomial", right=f"give 1 or more, such as {DEGREE}"
-        )
+        where = "degree of the polynomial"
+        raise InputError(f"{degree} is below 1", where=where, right=f"give 1 or more, such as {DEGREE}")
     table = _read(path)
-    travel_name, travel_unit = _one_of(table, TRAVELS, where)
-    force_name, force_unit = _one_of(table, FORCES, where)
-    s = table.columns[travel_name] * travel_unit
-    F = table.columns[force_name] * force_unit
+    travel_name, s = table.one_of(TRAVELS)
+    force_name, F = table.one_of(FORCES)
     turning = travel_name.startswith("angle")
     if turning != (force_name == "torque_Nm"):
-        raise InputError(
-            f"{travel_name} beside {force_name}", where=where, right="pair angle with torque_Nm, or travel with force_N"
-        )
+        right = "pair angle with torque_Nm, or travel with force_N"
+        raise InputError(f"{travel_name} beside {force_name}", where=table.where, right=right)
     if turning:
-        r = _radius(roller_radius, where)
-        s, F = s * r, F / r
-    f = F / _pressures(table, pressure, where)
-    _check_rows(s, f, table, (travel_name, force_name), where)
-    return _smooth(s - s[0], f, min(degree, s.size - 1), path.name)
+        if roller_radius is None or not (isfinite(roller_radius) and roller_radius > 0):
+            what = "is missing" if roller_radius is None else f"{roller_radius:.6g} is not positive"
+            right = "give that of the roller which was measured, in metres"
+            raise InputError(what, where=f"{table.where}: roller radius", right=right)
+        s, F = s * roller_radius, F / roller_radius
+    f = F / _pressures(table, pressure)
+    right = "order the rows by travel; of a hysteresis curve, give the mean of both directions"
+    table.refuse(np.diff(s, prepend=-np.inf) <= 0, travel_name, "{} does not rise above the line before", right)
+    right = "give what the hose pulls, as a positive number, and end the table before it pulls no more"
+    table.refuse(~(f > 0), force_name, "{} is not positive", right)
+    fitted = Chebyshev.fit(s - s[0], f, min(degree, s.size - 1))
+    nodes = np.linspace(0.0, s[-1] - s[0], POINTS)
+    error = float(np.abs(fitted(s - s[0]) - f).max() / f.max())
+    return Characteristic(nodes, np.asarray(fitted(nodes), dtype=float), path.name, error)
 
 
 def _read(path: Path) -> _Table:
     where = str(path)
-    check_regular(path, where, "give a CSV file with columns such as angle_deg,torque_Nm")
+    text = read_text(path, where, "give a CSV file with columns such as angle_deg,torque_Nm")
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [(number, row) for number, row in enumerate(csv.reader(file, strict=True), 1) if _holds_data(row)]
-    except OSError as error:
-        right = "give a CSV file with columns such as angle_deg,torque_Nm"
-        raise InputError(f"can't be read ({error.strerror})", where=where, right=right) from None
-    except UnicodeDecodeError:
-        raise InputError("is not a text file in UTF-8", where=where, right="save the table as CSV") from None
+        rows = [
+            (line, row)
+            for line, row in enumerate(csv.reader(StringIO(text, newline=""), strict=True), 1)
+            if _holds_data(row)
+        ]
     except csv.Error as error:
         raise InputError(f"is not CSV ({error})", where=where, right="separate columns by commas") from None
     if len(rows) <= LEAST_ROWS:
-        raise InputError(
-            f"{max(len(rows) - 1, 0)} rows of data", where=where, right=f"give a header and at least {LEAST_ROWS} rows"
-        )
+        right = f"give a header and at least {LEAST_ROWS} rows"
+        raise InputError(f"{max(len(rows) - 1, 0)} rows of data", where=where, right=right)
     names = [name.strip() for name in rows[0][1]]
-    doubled = next((name for name in names if names.count(name) > 1), None)
-    if doubled is not None:
-        raise InputError(f"column {doubled!r} appears twice", where=f"{where}, line {rows[0][0]}", right="keep one")
-    values = [_numbers(row, names, f"{where}, line {number}") for number, row in rows[1:]]
-    return _Table(dict(zip(names, np.array(values).T, strict=True)), [number for number, _ in rows[1:]])
+    doubled = [name for name in names if names.count(name) > 1]
+    if doubled:
+        raise InputError(f"column {doubled[0]!r} appears twice", where=f"{where}, line {rows[0][0]}", right="keep one")
+    values = [_numbers(row, names, f"{where}, line {line}") for line, row in rows[1:]]
+    return _Table(where, dict(zip(names, np.array(values).T, strict=True)), [line for line, _ in rows[1:]])
 
 
 def _holds_data(row: list[str]) -> bool:
@@ -117,71 +137,27 @@ def _numbers(row: list[str], names: list[str], where: str) -> list[float]:
     numbers = []
     for name, cell in zip(names, row, strict=True):
         try:
-            number = float(cell)
+            numbers.append(float(cell))
         except ValueError:
             raise InputError(f"{cell.strip()!r} is not a number", where=f"{where}: {name}", right="use 12.5") from None
-        if not isfinite(number):
-            raise InputError(
-                f"{cell.strip()!r} is not finite", where=f"{where}: {name}", right="drop rows without data"
-            )
-        numbers.append(number)
+        if not isfinite(numbers[-1]):
+            what = f"{cell.strip()!r} is not finite"
+            raise InputError(what, where=f"{where}: {name}", right="drop rows without data")
     return numbers
 
 
-def _one_of(table: _Table, known: dict[str, float], where: str) -> tuple[str, float]:
-    found = [name for name in known if name in table.columns]
-    if len(found) != 1:
-        what = f"columns {', '.join(found)} say the same" if found else f"no column {' or '.join(known)}"
-        raise InputError(what, where=where, right=f"columns here are {', '.join(table.columns)}; name one of them so")
-    return found[0], known[found[0]]
-
-
-def _radius(value: float | None, where: str) -> float:
-    if value is None or not (isfinite(value) and value > 0):
-        what = "is missing" if value is None else f"{value:.6g} is not positive"
-        right = "give that of the roller which was measured, in metres"
-        raise InputError(what, where=f"{where}: roller radius", right=right)
-    return value
-
-
-def _pressures(table: _Table, pressure: float | None, where: str) -> Array | float:
+def _pressures(table: _Table, pressure: float | None) -> Array | float:
     least, greatest = PRESSURE_RANGE
+    where = f"{table.where}: pressure"
     right = f"give the gauge pressure of the test, {least / 1e5:g} bar to {greatest / 1e5:g} bar"
-    if not any(name in table.columns for name in PRESSURES):
-        if pressure is None:
-            raise InputError("is missing", where=f"{where}: pressure", right=f"{right}, or a column pressure_bar")
-        if not least <= pressure <= greatest:
-            raise InputError(f"{pressure / 1e5:.6g} bar", where=f"{where}: pressure", right=right)
-        return pressure
-    name, unit = _one_of(table, PRESSURES, where)
-    values = table.columns[name] * unit
-    wrong = np.flatnonzero((values < least) | (values > greatest))
-    if wrong.size:
-        line = f"{where}, line {table.lines[wrong[0]]}: {name}"
-        raise InputError(f"{values[wrong[0]] / 1e5:.6g} bar", where=line, right=right)
-    return values
-
-
-def _check_rows(s: Array, f: Array, table: _Table, names: tuple[str, str], where: str) -> None:
-    falling = np.flatnonzero(np.diff(s) <= 0)
-    if falling.size:
-        row = int(falling[0]) + 1
-        raise InputError(
-            f"{table.columns[names[0]][row]:.6g} does not rise above the line before",
-            where=f"{where}, line {table.lines[row]}: {names[0]}",
-            right="order the rows by travel; of a hysteresis curve, give the mean of both directions",
-        )
-    if not (f > 0).all():
-        row = int(np.argmax(f <= 0))
-        raise InputError(
-            f"{table.columns[names[1]][row]:.6g} is not positive",
-            where=f"{where}, line {table.lines[row]}: {names[1]}",
-            right="give what the hose pulls, as a positive number, and end the table before it pulls no more",
-        )
-
-
-def _smooth(s: Array, f: Array, degree: int, source: str) -> Characteristic:
-    fitted = Chebyshev.fit(s, f, degree)
-    nodes = np.linspace(0.0, s[-1], POINTS)
-    error = float(np.abs(fitted(s) - f).max() / f.max())
-    return Characteristic(nodes, np.asarray(fitted(nodes), dtype=float), source, error)
+    if table.columns.keys() & PRESSURES.keys():
+        name, values = table.one_of(PRESSURES)
+        wrong = (values < least) | (values > greatest)
+        at = f"{values[int(np.argmax(wrong))] / 1e5:.6g} bar"
+        table.refuse(wrong, name, at, right)
+        return values
+    if pressure is None:
+        raise InputError("is missing", where=where, right=f"{right}, or a column pressure_bar")
+    if not least <= pressure <= greatest:
+        raise InputError(f"{pressure / 1e5:.6g} bar", where=where, right=right)
+    return pressure

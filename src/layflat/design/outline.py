@@ -11,9 +11,10 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from layflat.design.cam import Cam
+from layflat.design.straplines import turned, unit
 from layflat.errors import DesignError
 
 Array = NDArray[np.float64]
@@ -68,7 +69,7 @@ class Outline:
                 right=f"give one above 0 and below {greatest * 1e3:.4g} mm, for the smallest lever arm",
             )
         points = np.vstack((self.profile, self._rest))
-        if (points @ _unit(self.cam.normal).T - self.cam.lever).max() > ON_LINE:
+        if (points @ unit(self.cam.normal).T - self.cam.lever).max() > ON_LINE:
             raise DesignError(
                 "the profile turns back over itself",
                 where="cam",
@@ -88,9 +89,7 @@ class Outline:
     @property
     def clamp_end(self) -> Array:
         """End of the flat for the strap's clamp, m, shape (2,)."""
-        last = self.cam.normal[-1]
-        tangent = np.array([-np.sin(last), np.cos(last)])
-        end: Array = self.profile[0] - CLAMP_SHARE * self.cam.lever.min() * tangent
+        end: Array = self.profile[0] - CLAMP_SHARE * self.cam.lever.min() * turned(unit(self.cam.normal[-1]))
         return end
 
     @cached_property
@@ -115,9 +114,9 @@ class Outline:
     def _rest(self) -> Array:
         """Points of run-out, clamp and hub, some of which are corners."""
         first, rho = self.cam.normal[0], self.cam.curvature_radius[0]
-        centre = self.profile[-1] - rho * _unit(first)
-        run_out = centre + rho * _unit(first + RUN_OUT)
-        hub = self.hub / 2 * _unit(np.linspace(0.0, 2 * pi, HUB_POINTS, endpoint=False))
+        centre = self.profile[-1] - rho * unit(first)
+        run_out = centre + rho * unit(first + RUN_OUT)
+        hub = self.hub / 2 * unit(np.linspace(0.0, 2 * pi, HUB_POINTS, endpoint=False))
         return np.vstack((run_out, self.clamp_end, hub))
 
 
@@ -131,7 +130,3 @@ def cam_outline(cam: Cam, bore: float | None = None) -> Outline:
         greatest = BORE_SHARE * float(cam.lever.min())
         bore = max((size for size in BORES if size <= greatest), default=greatest)
     return Outline(cam, bore)
-
-
-def _unit(angle: ArrayLike) -> Array:
-    return np.stack((np.cos(angle), np.sin(angle)), axis=-1)

@@ -15,7 +15,6 @@ from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.candidates import CONTACT_SHARE, RESERVE, hoses_and_cylinders, too_much
 from layflat.design.characteristic import Characteristic, of_cylinder
-from layflat.design.mass import joint_mass
 from layflat.design.outline import cam_outline
 from layflat.design.request import SizingRequest
 from layflat.design.rules import LEAST_SLOT, Finding
@@ -25,6 +24,7 @@ from layflat.design.summary import JointDesign, design_joint
 from layflat.errors import DesignError
 from layflat.files import whole_file
 from layflat.machine import Joint, Machine, load
+from layflat.machine.mass import part_masses
 
 MODEL = "paper-small-joint"
 """The machine that a sized joint is laid over."""
@@ -118,18 +118,18 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     """Find cam and strap for a joint of settled size; then its description, read back as a user would."""
     characteristic = of_cylinder(joint)
     joint, cam = _with_shaft(request, joint, characteristic)
-    outline = cam_outline(cam)
+    area = cam_outline(cam).area
     tension = float(cam.tension.max()) * request.supply
     strap = choose_strap(request, base.strap, joint.hose.width, tension, cam.smallest_radius)
     joint = joint.model_copy(update={"strap": strap})
     models = design_joint(model).mass
-    counted_share = models.counted / models.body
+    parts = part_masses(joint, characteristic.full_travel, area)
     sized = SizedJoint(
         request=request,
         joint=joint,
         torque_constant=cam.torque_constant,
         swept_volume=characteristic.swept_volume,
-        mass=joint_mass(joint, characteristic.full_travel, outline).counted / counted_share,
+        mass=sum(parts.values()) / (models.counted / models.body),
     )
     text = description(sized, model, MODEL)
     with TemporaryDirectory() as folder:

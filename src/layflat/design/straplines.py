@@ -18,12 +18,11 @@ mirror image. Derived in docs/derivations-cam.md.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from layflat.design.plates import Plate
 from layflat.errors import DesignError
@@ -54,14 +53,26 @@ class Lines:
 
 
 @dataclass(frozen=True)
-class StrapLine(ABC):
-    """How the strap gets from the hose to the cam. `axis` is O."""
+class ShellLine:
+    """Straight from the outer shell to the cam on `axis`, without deflecting rollers.
+
+    The shell turns about `hinge`; `start` is its strap point when the hose is collapsed. Eq. (1) gives the force at
+    right angles to the chord from clamp to strap point, which is the direction in which this point moves.
+    """
 
     axis: Point
+    hinge: Point
+    start: Point
 
-    @abstractmethod
+    @property
+    def chord(self) -> float:
+        """Distance of the strap point from the hinge, m."""
+        return hypot(self.start[0] - self.hinge[0], self.start[1] - self.hinge[1])
+
     def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
         """Return lines that give the torque K at each travel.
+
+        Virtual work: tension A'.u = F, so p = K (A'.u)/f, solved for the direction of u.
 
         Args:
             travel: s, m, shape (n,).
@@ -71,38 +82,13 @@ class StrapLine(ABC):
         Raises:
             DesignError: no lever arm gives this torque.
         """
-
-
-@dataclass(frozen=True)
-class ShellLine(StrapLine):
-    """Straight from the outer shell to the cam, without deflecting rollers.
-
-    The shell turns about `hinge`; `start` is its strap point when the hose is collapsed. Eq. (1) gives the force at
-    right angles to the chord from clamp to strap point, which is the direction in which this point moves.
-    """
-
-    hinge: Point
-    start: Point
-
-    @property
-    def chord(self) -> float:
-        """Distance of the strap point from the hinge, m."""
-        return hypot(self.start[0] - self.hinge[0], self.start[1] - self.hinge[1])
-
-    def strap_points(self, travel: Array) -> Array:
-        """Return A(s), m, shape (n, 2)."""
         first = np.arctan2(self.start[1] - self.hinge[1], self.start[0] - self.hinge[0])
-        turned = first + travel / self.chord
-        return np.array(self.hinge) + self.chord * np.stack((np.cos(turned), np.sin(turned)), axis=-1)
-
-    def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
-        """See `StrapLine.lines`. Virtual work: tension A'.u = F, so p = K (A'.u)/f, solved for the direction of u."""
-        A = self.strap_points(travel)
-        a = _turned(A - np.array(self.hinge)) / self.chord
+        A = np.array(self.hinge) + self.chord * unit(first + travel / self.chord)
+        a = turned(A - np.array(self.hinge)) / self.chord
         out = A - np.array(self.axis)
         D = np.hypot(out[:, 0], out[:, 1])
         e = out / D[:, None]
-        across = _turned(e)
+        across = turned(e)
         along, sideways = np.sum(a * e, axis=-1), np.sum(a * across, axis=-1)
         left_over = D * force / torque_constant - sideways
         bad = ~((along > 0) & (left_over > 0))
@@ -121,17 +107,18 @@ class ShellLine(StrapLine):
 
 
 @dataclass(frozen=True)
-class RollerLine(StrapLine):
-    """Along the drum, over a deflecting roller, to the cam: the strap's speed is the travel's, wherever it goes.
+class RollerLine:
+    """Along the drum, over a deflecting roller, to the cam on `axis`: the strap's speed is the travel's everywhere.
 
     `centre` and `radius` are those of the roller; the strap passes roller and cam on the same side.
     """
 
+    axis: Point
     centre: Point
     radius: float
 
     def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
-        """See `StrapLine.lines`. The tension is F, so p = K/f."""
+        """As of a `ShellLine`; the tension is F, so p = K/f."""
         p = torque_constant / force
         out = np.array(self.centre) - np.array(self.axis)
         D = hypot(*out)
@@ -147,10 +134,14 @@ class RollerLine(StrapLine):
             )
         beta = np.arcsin(far)
         e = out / D
-        u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * _turned(e)
+        u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * turned(e)
         psi = _normal_angle(u)
-        leaves = np.array(self.centre) + self.radius * np.stack((np.cos(psi), np.sin(psi)), axis=-1)
+        leaves = np.array(self.centre) + self.radius * unit(psi)
         return Lines(p, psi, np.ones_like(p), leaves)
+
+
+StrapLine = ShellLine | RollerLine
+"""How the strap gets from the hose to the cam."""
 
 
 def of_joint(joint: Joint) -> StrapLine:
@@ -161,8 +152,7 @@ def of_joint(joint: Joint) -> StrapLine:
     """
     R, gamma = joint.cylinder.diameter / 2, joint.hose.wrap
     roller = joint.deflecting_roller
-    axis = (0.0, joint.output.shaft_offset)
-    free = CLAMP_ANGLE - gamma
+    axis, free = (0.0, joint.output.shaft_offset), CLAMP_ANGLE - gamma
     if roller is not None or joint.output.shaft_offset == 0:
         radius = roller.diameter / 2 if roller else 0.0
         return RollerLine(axis, ((R - radius) * cos(free), (R - radius) * sin(free)), radius)
@@ -180,8 +170,13 @@ def of_plate(plate: Plate, distance: float, height: float) -> ShellLine:
     return ShellLine((0.0, height), (-distance, 0.0), (-distance, plate.chord))
 
 
-def _turned(vectors: Array) -> Array:
-    """Return vectors turned by +90 deg."""
+def unit(angle: ArrayLike) -> Array:
+    """Return unit vectors at angles (rad), shape (..., 2)."""
+    return np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+
+
+def turned(vectors: Array) -> Array:
+    """Return vectors turned by +90 deg, shape (..., 2)."""
     return np.stack((-vectors[..., 1], vectors[..., 0]), axis=-1)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,13 @@ from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.characteristic import Characteristic, of_cylinder
 from layflat.design.curves import Through, spline
-from layflat.design.mass import Air, Mass, air_per_stroke, joint_mass
+from layflat.design.mass import Air, Mass, air_per_stroke
 from layflat.design.outline import Outline, cam_outline
 from layflat.design.rules import Finding, check, refuse_errors
 from layflat.design.strap import StrapStress, strap_stress
 from layflat.errors import DesignError, MachineError
 from layflat.machine import Joint, Machine, load
+from layflat.machine.mass import part_masses
 
 Array = NDArray[np.float64]
 
@@ -71,8 +73,9 @@ class JointDesign:
 
     @cached_property
     def mass(self) -> Mass:
-        """Mass part by part."""
-        return joint_mass(self.joint, self.characteristic.full_travel, self.outline)
+        """Mass part by part; a cam is made of the cylinder's material, as wide as the strap."""
+        area = self.outline.area if self.outline else pi * self.joint.output.radius**2
+        return Mass(part_masses(self.joint, self.characteristic.full_travel, area), self.joint.body.mass)
 
     @property
     def air(self) -> Air:

@@ -38,7 +38,7 @@ def printed_table() -> dict[str, list[str]]:
 def wrong_cells(table: Table1) -> list[str]:
     """Return the cells of Table 1 that do not round to the printed digits, as "column, row"."""
     wrong = []
-    computed = table.columns()
+    computed = table.columns
     for name, cells in printed_table().items():
         for row, cell in enumerate(cells):
             digits = len(cell.partition(".")[2])
