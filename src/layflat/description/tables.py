@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Iterator
+from copy import deepcopy
+from functools import lru_cache
 from math import inf
 from typing import Any
 
@@ -30,7 +32,7 @@ def parsed(text: str, where: str, example: str) -> Plain:
         InputError: it is not TOML, or nested too deeply.
     """
     try:
-        plain = tomllib.loads(text)
+        plain = deepcopy(_loaded(text))
     except tomllib.TOMLDecodeError as error:
         what, right = _explained(str(error), text)
         raise InputError(what, where=where, right=right or f"values look like {example}") from None
@@ -42,6 +44,12 @@ def parsed(text: str, where: str, example: str) -> Plain:
         if isinstance(value, (int, float)) and GREATEST < abs(value) < inf:
             raise InputError(f"{shown(value)} is out of range", where=f"{where}: {path}", right="give at most 1e15")
     return plain
+
+
+@lru_cache(maxsize=8)
+def _loaded(text: str) -> Plain:
+    """Tables of a text: a command often asks for those of one file several times, and for those that it extends."""
+    return tomllib.loads(text)
 
 
 def _explained(message: str, text: str) -> tuple[str, str]:
