@@ -14,7 +14,7 @@ import numpy as np
 from layflat.machine import load
 from layflat.rig.clock import PunctualClock
 from layflat.rig.law import layout_of
-from layflat.rig.loop import Loop, NoRecorder
+from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.realtime import go_realtime
 from layflat.rig.warmup import Resting, WarmupLoop
@@ -46,7 +46,7 @@ def work(mailbox: str, sender: Connection) -> None:
     driver.configure()
     driver.activate()
     shared = Mailbox(Path(mailbox), layout_of(machine))
-    loop = Loop(machine, driver, clock, RemoteHost(shared, clock, 2), NoRecorder())
+    loop = Loop(machine, driver, clock, RemoteHost(shared, clock, 2))
     refused = go_realtime()
     loop.begin(driver.read())
     for _ in range(100):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from layflat import cli
-from layflat.cli.rig_status import line_of
+from layflat.cli.rig_run import line_of
 from layflat.errors import LayflatError
 from layflat.machine import load
 from layflat.rig.law import layout_of
@@ -30,7 +30,10 @@ def refused(*words: str) -> str:
         (["--driver", "modbus://127.0.0.1:1"], "can't be reached (Connection refused)"),
         (["--driver", "serial:///dev/nothing"], "is not there"),
         (["--driver", "telepathy"], "is no driver's address"),
-        (["--driver", "simulated", "--demand", "61 deg"], "outside the stroke of 'large'; give -60 to 60 deg"),
+        (
+            ["--driver", "simulated", "--demand", "61 deg"],
+            "stroke of joint 'large'; stay within +-60 deg",
+        ),
         (["--driver", "simulated", "--demand", "1 deg, 2 deg, 3 deg"], "has 3 values"),
         (["--driver", "simulated", "--demand", "absent.csv"], "can't be read"),
         (["--driver", "simulated", "--demand", "5 deg @ 4 s", "--duration", "2 s"], "ends before the last move"),
@@ -55,7 +58,7 @@ def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "taken").write_text("")
     assert "can't be made" in refused("rig", "serve", "paper-arm", "--link", "taken")
     (tmp_path / "far.csv").write_text("time [s],demand.large [deg],demand.small [deg]\n0,0,0\n1,0,70\n")
-    assert "outside the stroke of 'small'" in refused(
+    assert "outside the working stroke of joint 'small'" in refused(
         "rig", "run", "paper-arm", "--driver", "simulated", "--demand", "far.csv"
     )
 

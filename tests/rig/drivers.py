@@ -10,7 +10,7 @@ from plant_bench import PlantBench
 
 from layflat.machine import load
 from layflat.rig.driver import Driver, DriverError, Reading
-from layflat.rig.loop import NoRecorder
+from layflat.rig.loop import Recorder
 
 
 def simulated() -> Driver:
@@ -37,7 +37,7 @@ def _break() -> Reading:
     raise RuntimeError("out of order")
 
 
-class LineRecorder(NoRecorder):
+class LineRecorder(Recorder):
     """Keeps lines in a file."""
 
     def __init__(self, path: Path) -> None:

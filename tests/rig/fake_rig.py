@@ -12,7 +12,7 @@ from plant_bench import PlantBench
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, LinkError, Reading
-from layflat.rig.loop import Loop
+from layflat.rig.loop import Loop, Recorder
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State, ValveMode
 from layflat.rig.safety.supervisor import HostRequest
@@ -60,7 +60,7 @@ class FakeDriver(Driver):
     def _deactivate(self) -> None: ...
 
 
-class PlannedHost:
+class PlannedHost(Recorder):
     """Wants what it is told to, once; keeps rows and lines."""
 
     def __init__(self, n: int) -> None:
@@ -80,8 +80,6 @@ class PlannedHost:
         self.rows.append(row.copy())
 
     # As a recorder
-
-    def push(self, row: Array) -> None: ...
 
     def event(self, text: str) -> None:
         self.lines.append(text)

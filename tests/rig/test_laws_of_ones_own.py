@@ -10,6 +10,7 @@ import pytest
 from fake_rig import Rig
 
 from layflat.control import CONTROL_LAWS, Command, ControlKind, ControllerPart
+from layflat.errors import KindError
 from layflat.jit import law
 from layflat.lanes import each
 from layflat.machine import Machine, load
@@ -89,7 +90,33 @@ COMPILED = ControlKind(
     name="compiled-proportional", description=CompiledPart, parameters=lambda *_: CompiledSettings(20.0, 2e-5),
     parameter_types=(CompiledSettings,), wake=compiled_wake, step=compiled_step, report=CompiledReport, signals=SIGNALS,
 )  # fmt: skip
-for kind in (PLAIN, COMPILED):
+
+
+class BrakingPart(ControllerPart):
+    kind: Literal["braking"]
+
+
+class BrakingSettings(NamedTuple):
+    gain: float
+    damping: float
+
+
+class BrakingReport(NamedTuple):
+    error: float
+
+
+def braking_step(settings: Any, memory: Memory, sensed: Any, demand: Any, elapsed: float) -> Any:
+    """Hold with the brake alone where nothing is asked."""
+    memory, command, reports = plain_step(settings, memory, sensed, demand, elapsed)
+    brakes = tuple(1.0 if abs(angle) > 0.1 else 2.0 for angle in demand.angle)
+    return memory, Command(command.voltage, brakes), tuple(BrakingReport(one.error) for one in reports)
+
+
+BRAKING = ControlKind(
+    name="braking", description=BrakingPart, parameters=lambda *_: BrakingSettings(20.0, 2e-5),
+    parameter_types=(BrakingSettings,), wake=plain_wake, step=braking_step, report=BrakingReport, signals=SIGNALS,
+)  # fmt: skip
+for kind in (PLAIN, COMPILED, BRAKING):
     CONTROL_LAWS.register(kind)
 
 
@@ -124,6 +151,11 @@ def test_compiled_and_plain_the_same_law_gives_the_same_run() -> None:
     plain, compiled = (np.array(moved(with_law(part, kind.name)).host.rows) for part, kind in PAIRS)
     wall = 1  # the time of day differs, and what a cycle took
     assert np.array_equal(np.delete(plain, [wall, 4, 5], 1), np.delete(compiled, [wall, 4, 5], 1))
+
+
+def test_a_law_that_commands_brakes_is_refused_on_a_rig() -> None:
+    with pytest.raises(KindError, match="control law 'braking' commands brakes, which no driver of a rig sets"):
+        Rig(with_law(BrakingPart, BRAKING.name), np.zeros(2))
 
 
 PAIRS = ((PlainPart, PLAIN), (CompiledPart, COMPILED))

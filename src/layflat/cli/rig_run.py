@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from layflat.machine import Machine
     from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
     from layflat.rig.recorded import Recorded
+    from layflat.rig.session import Snapshot
     from layflat.sim.metrics import Move
 
 LEAD = 0.1
@@ -31,6 +32,9 @@ AFTER = 3.0
 
 SHOWN = 20
 """Events that are listed; `layflat log info` lists all."""
+
+DEFLATES = 10.0
+"""A controlled stop takes less, s."""
 
 
 @rigs.command("run")
@@ -88,10 +92,6 @@ def run(
         raise typer.Exit(FAULT)
 
 
-DEFLATES = 10.0
-"""A controlled stop takes less, s."""
-
-
 def _is_file(text: str) -> bool:
     return Path(text).suffix.lower() == ".csv" or Path(text).is_file()
 
@@ -103,63 +103,79 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
         InputError: a demand makes no sense, or lies outside the stroke.
     """
     from layflat.description import units as u  # noqa: PLC0415
-    from layflat.rig.plan import Plan, check_stroke  # noqa: PLC0415
+    from layflat.machine.parameters import check_inside_stroke  # noqa: PLC0415
+    from layflat.rig.plan import Plan  # noqa: PLC0415
 
     lasts = u.quantity(duration, u.TIME, "--duration") if duration else None
     if lasts is not None and lasts <= 0.0:
         raise InputError(f"{duration!r} is no time to run", where="--duration", right='give a time such as "3 s"')
-    if any(_is_file(text) for text in demand):
-        plan = _from_file(machine, demand, duration)
-        check_stroke(machine, plan.demands, f"--demand {demand[0]}")
-        return lambda _held: plan
+    file = next((text for text in demand if _is_file(text)), None)
+    if file is not None and (len(demand) > 1 or duration):
+        what = "cannot be combined with other demands or --duration"
+        raise InputError(what, where=f"--demand {file}", right="leave them out")
 
-    def moves(held: list[float]) -> Plan:
+    followed = _from_file(machine, Path(file)) if file is not None else None
+
+    def plan(held: list[float]) -> Plan:
+        if followed is not None:
+            return followed
         first: dict[str, str | float] = dict(zip(machine.joints, held, strict=True))
         steps = timed(demand, first, "--demand")
-        rows = [
-            [u.quantity(values[name], u.ANGLE, f"--demand: {name}") for name in machine.joints] for _, values in steps
-        ]
+        rows = [[u.quantity(step[name], u.ANGLE, f"--demand: {name}") for name in first] for _, step in steps]
         times = [time for time, _ in steps]
-        if rows[0] != held:
-            times[0] = min([LEAD, *times[1:2]])
-        return Plan(times, rows, lasts if lasts is not None else times[-1] + AFTER)
+        lead = 0.0 if rows[0] == held else min([LEAD, *times[1:2]])
+        return Plan([lead, *times[1:]], rows, lasts if lasts is not None else times[-1] + AFTER)
 
-    tried = moves([0.0] * len(machine.joints))
-    check_stroke(machine, tried.demands, "--demand")
+    tried = plan([0.0] * len(machine.joints))
+    for row in tried.demands:
+        for name, angle in zip(machine.joints, row, strict=True):
+            check_inside_stroke(machine, name, angle, "--demand" if file is None else f"--demand {file}")
     if tried.times[-1] >= tried.duration:
         raise InputError(f"{duration!r} ends before the last move", where="--duration", right="give more")
-    return moves
+    return plan
 
 
-def _from_file(machine: Machine, demand: list[str], duration: str | None) -> Plan:
+def _from_file(machine: Machine, path: Path) -> Plan:
     from layflat.rig.plan import Plan  # noqa: PLC0415
     from layflat.sim.demand_file import read_demand  # noqa: PLC0415
 
-    if len(demand) > 1 or duration:
-        right = "leave them out"
-        raise InputError(
-            "cannot be combined with other demands or --duration", where=f"--demand {demand[0]}", right=right
-        )
-    assert machine.controller is not None  # its gains were there
-    cycle = machine.controller.cycle
-    rows = read_demand(machine, Path(demand[0]), cycle)
-    return Plan([k * cycle for k in range(len(rows))], rows.tolist(), len(rows) * cycle)
+    rows = read_demand(machine, path, machine.cycle)
+    return Plan([k * machine.cycle for k in range(len(rows))], rows.tolist(), len(rows) * machine.cycle)
 
 
 @contextmanager
 def _status(rig: Recorded) -> Iterator[None]:
-    """A line on a terminal that tells what the rig does."""
+    """A line on a terminal that tells what the rig does, ten times a second."""
     from rich.console import Console  # noqa: PLC0415
     from rich.live import Live  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
 
-    from layflat.cli.rig_status import status  # noqa: PLC0415
+    def line() -> Text:
+        try:
+            shot = rig.session.snapshot()
+        except ValueError:  # the memory was closed meanwhile
+            shot = None
+        text = "waiting for the loop" if shot is None else line_of(shot, list(rig.machine.joints))
+        style = "bold red" if shot is not None and shot.fault else ""
+        return Text(text if rig.recording else f"NOT RECORDED  {text}", style=style)
 
     console = Console(stderr=True)
     if not console.is_terminal:
         yield
         return
-    with Live(get_renderable=lambda: status(rig), console=console, refresh_per_second=10, transient=True):
+    with Live(get_renderable=line, console=console, refresh_per_second=10, transient=True):
         yield
+
+
+def line_of(shot: Snapshot, joints: list[str]) -> str:
+    """State, fault, angles against demands, pressures and lateness, in a line that fits a terminal."""
+    parts = [f"{shot.state.name.lower():8s}", f"{shot['time']:6.1f} s"]
+    if shot.fault:
+        parts.insert(1, f"FAULT {shot.fault_text}")
+    signals = [list(shot[name]) for name in ("averaged_angle", "demand", "averaged_pressure")]  # type: ignore[arg-type]
+    for name, angle, demand, pressure in zip(joints, *signals, strict=True):
+        parts.append(f"{name} {57.29578 * angle:.1f}/{57.29578 * demand:.1f} deg {pressure / 1e5:+.1f} bar")
+    return "  ".join([*parts, f"supply {shot['supply'] / 1e5:.1f} bar", f"late {1e6 * shot['lateness']:.0f} us"])
 
 
 def _report(rig: Recorded, performance: PlanRunner, followed: str | None) -> None:

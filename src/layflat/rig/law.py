@@ -6,12 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from layflat.control import CONTROL_LAWS, Sensed, wake
+from layflat.control import CONTROL_LAWS, Demand, Sensed, step, wake
 from layflat.control.average import SIGNALS as AVERAGED
+from layflat.errors import KindError
 from layflat.jit.outside import blame_outside
 from layflat.machine import Machine, parameters
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
+
+TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)
+"""Demands, rad, by which a law at rest shows whether it commands brakes."""
 
 
 class ArmLaw:
@@ -22,13 +26,20 @@ class ArmLaw:
 
     Raises:
         MachineError: it has none, or a joint lacks gains.
+        KindError: the law commands brakes, which no driver of a rig sets.
     """
 
     def __init__(self, machine: Machine) -> None:
         settings, nothing = parameters.control(machine), (0.0,) * len(machine.joints)
         self.kind = CONTROL_LAWS.of(settings)
         with blame_outside():
-            memory = wake(settings, Sensed(nothing, nothing))
+            memory = tried = wake(settings, Sensed(nothing, nothing))
+            for angle in TRIED:
+                demand = Demand((angle,) * len(nothing), nothing, nothing)
+                tried, command, _ = step(settings, tried, Sensed(nothing, nothing), demand, machine.cycle)
+                if any(brake != 1.0 for brake in command.brake):
+                    what = f"control law {self.kind.name!r} commands brakes, which no driver of a rig sets"
+                    raise KindError(what, where=machine.origin, right="command a brake of 1 on a rig")
         self.settings_as_given = settings
         self.settings, self.memory = NamedRows([settings]), NamedRows([memory])
         self.report = NamedRows([blank(self.kind.report)] * len(nothing))

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.machine import Machine
-from layflat.rig.clock import SECOND, Clock
-from layflat.rig.deadlines import Deadlines
+from layflat.rig.clock import SECOND, Clock, Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.record import SHARED
@@ -44,30 +43,17 @@ class Host(Protocol):
         """Whether the loop is to end once it has let out the air."""
 
 
-class Recorder(Protocol):
-    """What keeps every cycle."""
+class Recorder:
+    """What keeps every cycle; this one keeps nothing."""
 
-    def push(self, row: Array) -> object:
+    def push(self, row: Array) -> None:
         """Take a row of `record.Layout`; it is used again in the next cycle."""
 
-    def event(self, text: str) -> object:
+    def event(self, text: str) -> None:
         """Take a line for people."""
 
     def alive(self) -> bool:
         """Whether rows reach the disk: false within a second of its death."""
-
-
-class NoRecorder:
-    """Keeps nothing."""
-
-    def push(self, row: Array) -> None:
-        """Forget a row."""
-
-    def event(self, text: str) -> None:
-        """Forget a line."""
-
-    def alive(self) -> bool:
-        """It can't die."""
         return True
 
     def end(self) -> None:
@@ -93,7 +79,7 @@ class Loop:
     ) -> None:
         law = ArmLaw(machine)
         self.driver, self.clock, self.host = driver, clock, host
-        self.recorder: Recorder = recorder if recorder is not None else NoRecorder()
+        self.recorder = recorder or Recorder()
         self.supervisor = Supervisor(machine, law)
         self.deadlines = Deadlines(clock, machine.cycle)
         self.layout = law.layout

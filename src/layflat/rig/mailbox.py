@@ -47,14 +47,9 @@ class Slot:
     """
 
     def __init__(self, memory: mmap.mmap, start: int, size: int) -> None:
-        self._memory, self._start, self._size = memory, start, size
-        self._values = start + HEAD.size
+        self._memory, self._start = memory, start
+        self._values = slice(start + HEAD.size, start + HEAD.size + size)
         self._number = self.number & ~1
-
-    @staticmethod
-    def room(size: int) -> int:
-        """Bytes that a slot for so many bytes of values takes."""
-        return HEAD.size + size + -size % 8
 
     @property
     def number(self) -> int:
@@ -66,7 +61,7 @@ class Slot:
         """Replace the message."""
         memory, start = self._memory, self._start
         NUMBER.pack_into(memory, start, self._number + 1)
-        memory[self._values : self._values + self._size] = values
+        memory[self._values] = values
         self._number += 2
         HEAD.pack_into(memory, start, self._number, crc32(values))
 
@@ -74,7 +69,7 @@ class Slot:
         """Number and values of the message; None before the first, or where none could be had whole."""
         for _ in range(tries):
             number, checksum = HEAD.unpack_from(self._memory, self._start)
-            values = self._memory[self._values : self._values + self._size]
+            values = self._memory[self._values]
             if number == 0:
                 return None
             if number == self.number and number % 2 == 0 and crc32(values) == checksum:
@@ -107,22 +102,17 @@ class Mailbox:
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
-        self._format = _format(layout)
+        self._format, second, size = _plan(layout)
         self._handle = os.open(path, os.O_RDWR)
         lock(self._handle, shared=True)
-        self._memory = mmap.mmap(self._handle, self.size(layout))
+        self._memory = mmap.mmap(self._handle, size)
         self.setpoints = Slot(self._memory, 0, self._format.size)
-        self.snapshot = Slot(self._memory, Slot.room(self._format.size), 8 * layout.width)
-
-    @classmethod
-    def size(cls, layout: Layout) -> int:
-        """Bytes."""
-        return Slot.room(_format(layout).size) + Slot.room(8 * layout.width)
+        self.snapshot = Slot(self._memory, second, 8 * layout.width)
 
     @classmethod
     def create(cls, layout: Layout) -> Path:
         """A new file of shared memory, empty; whoever made it removes it."""
-        path, handle = new_file(MAILBOX, cls.size(layout))
+        path, handle = new_file(MAILBOX, _plan(layout)[2])
         os.close(handle)
         return path
 
@@ -157,8 +147,11 @@ class Mailbox:
             self._handle = -1
 
 
-def _format(layout: Layout) -> struct.Struct:
-    return struct.Struct(f"<4q{len(layout.joints)}d")
+def _plan(layout: Layout) -> tuple[struct.Struct, int, int]:
+    """How setpoints are written, where the snapshot's slot begins behind theirs, and where it ends."""
+    setpoints = struct.Struct(f"<4q{len(layout.joints)}d")
+    second = HEAD.size + setpoints.size
+    return setpoints, second, second + HEAD.size + 8 * layout.width
 
 
 class RemoteHost:

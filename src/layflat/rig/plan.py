@@ -8,10 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from layflat.errors import InputError, LayflatError
-from layflat.machine import Machine, parameters
+from layflat.errors import LayflatError
 from layflat.rig.recorded import Recorded
-from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Snapshot
 
@@ -50,25 +48,6 @@ class Plan:
     duration: float
 
 
-def check_stroke(machine: Machine, demands: Sequence[Sequence[float]], where: str) -> None:
-    """Make sure that demands lie inside the working stroke of every joint.
-
-    Raises:
-        InputError: one does not.
-        MachineError: the machine has no valve or sensors.
-    """
-    parameters.drive_parts(machine)
-    for j, (name, joint) in enumerate(machine.joints.items()):
-        end = 0.5 * joint.stops.working_stroke
-        worst = max((row[j] for row in demands), key=abs, default=0.0)
-        if not abs(worst) <= end + 1e-9:
-            raise InputError(
-                f"{57.29578 * worst:.4g} deg is outside the stroke of {name!r}",
-                where=where,
-                right=f"give {57.29578 * -end:.4g} to {57.29578 * end:.4g} deg",
-            )
-
-
 def free_place(folder: Path, name: str) -> Path:
     """A place for a log that nothing has yet: NAME.mcap, NAME-2.mcap, and so on."""
     count = 1
@@ -103,19 +82,15 @@ class PlanRunner:
         self._look()
         session.start()
         starting = False
-        while True:
-            shot = self._look()
-            if shot is not None:
-                starting = starting or shot.state is State.STARTING
-                if starting and shot.state in {State.OFF, State.STOPPED}:
-                    why = fault_text(shot, list(self._rig.machine.joints))
-                    raise EarlyEndError(f"the start was broken off: {why}", fault=True)
-            if shot is not None and shot.state is State.READY:
-                self._running = True
-                return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
+        while (shot := self._look()) is None or shot.state is not State.READY:
+            starting = starting or (shot is not None and shot.state is State.STARTING)
+            if starting and shot is not None and shot.state in {State.OFF, State.STOPPED}:
+                raise EarlyEndError(f"the start was broken off: {shot.fault_text}", fault=True)
             if time.monotonic() > give_up:
                 raise EarlyEndError("the rig did not start", fault=True)
             time.sleep(TICK)
+        self._running = True
+        return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
 
     def follow(self, plan: Plan) -> None:
         """Ask for the plan's demands in time, until it ends.
@@ -152,14 +127,5 @@ class PlanRunner:
         if not self._rig.recording:
             raise EarlyEndError("the recorder is gone", fault=True)
         if shot is not None and (shot.state is State.FAULT or (self._running and shot.state is State.STOPPED)):
-            raise EarlyEndError(fault_text(shot, list(self._rig.machine.joints)), fault=True)
+            raise EarlyEndError(shot.fault_text, fault=True)
         return shot
-
-
-def fault_text(shot: Snapshot, joints: Sequence[str]) -> str:
-    """The worst fault there is, with its joint."""
-    if shot.fault is Fault.NONE:
-        return "stopped by the loop"
-    each = list(shot["joint_fault"])  # type: ignore[arg-type]
-    where = f"joint {joints[each.index(shot.fault)]!r}: " if shot.fault in each else ""
-    return where + shot.fault.title

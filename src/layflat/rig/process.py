@@ -7,14 +7,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Protocol
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock
 from layflat.rig.driver import Driver
 from layflat.rig.law import layout_of
-from layflat.rig.loop import Loop, NoRecorder, Recorder
+from layflat.rig.loop import Loop, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.realtime import go_realtime
 from layflat.rig.system import processors
@@ -24,18 +23,11 @@ LEADS = 4
 """Shorter cycles than so many leads of a punctual clock leave others too little of a processor."""
 
 
-class Keeper(Recorder, Protocol):
-    """A recorder that has to be told when the loop has ended."""
-
-    def end(self) -> object:
-        """Nothing more will come."""
-
-
 def run_loop(
     machine: Machine,
     driver: Callable[[], Driver],
     mailbox: Path,
-    recorder: Callable[[], Keeper] | None,
+    recorder: Callable[[], Recorder],
     pipe: Connection,
 ) -> None:
     """Main function of the process: loop until the host has ended or died, and the air is out.
@@ -64,14 +56,14 @@ def _loop(
     machine: Machine,
     make_driver: Callable[[], Driver],
     path: Path,
-    make_recorder: Callable[[], Keeper] | None,
+    make_recorder: Callable[[], Recorder],
     pipe: Connection,
 ) -> list[str]:
     # What the first cycle calls is loaded in any case, and before every cycle where a processor can be had for that.
     warmup, roomy = WarmupLoop(machine), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
     clock = PunctualClock(warmup) if roomy else MonotonicClock()
     mailbox, driver = Mailbox(path, layout_of(machine)), make_driver()
-    recorder: Keeper = make_recorder() if make_recorder is not None else NoRecorder()
+    recorder = make_recorder()
     try:
         driver.configure().check(machine)
         loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, len(machine.joints)), recorder)

@@ -22,18 +22,18 @@ def go_realtime() -> list[str]:
     gc.collect()
     gc.freeze()
     gc.disable()
-    asked: list[tuple[str, Callable[[], None], str]] = [
-        ("real-time priority (SCHED_FIFO)", first_in, "allow rtprio in /etc/security/limits.conf"),
-        ("memory that stays in place (mlockall)", _lock_memory, "allow memlock in /etc/security/limits.conf"),
-        ("a processor of its own (affinity)", _own_processor, "give it two processors or more"),
-        ("exact timers (timer slack)", _exact_timers, "run it on Linux"),
+    asked: list[tuple[Callable[[], None], str]] = [
+        (first_in, "real-time priority (SCHED_FIFO); allow rtprio in /etc/security/limits.conf"),
+        (_lock_memory, "memory that stays in place (mlockall); allow memlock in /etc/security/limits.conf"),
+        (_own_processor, "a processor of its own (affinity); give it two processors or more"),
+        (_exact_timers, "exact timers (timer slack); run it on Linux"),
     ]
     refused = []
-    for what, ask, help_ in asked:
+    for ask, what in asked:
         try:
             ask()
         except (OSError, AttributeError):
-            refused.append(f"not granted: {what}; {help_}")
+            refused.append(f"not granted: {what}")
     return refused
 
 
@@ -46,21 +46,18 @@ def first_in() -> None:
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
 
 
-def _call(name: str, *args: int) -> None:
-    if getattr(ctypes.CDLL(None, use_errno=True), name)(*args) != 0:
-        raise OSError(ctypes.get_errno(), name)
-
-
 def _lock_memory() -> None:
-    _call("mlockall", LOCK_ALL)
+    if ctypes.CDLL(None).mlockall(LOCK_ALL) != 0:
+        raise OSError
 
 
 def _own_processor() -> None:
     allowed = sorted(os.sched_getaffinity(0))
     if len(allowed) < 2:
-        raise OSError("there is one only")
+        raise OSError
     os.sched_setaffinity(0, {allowed[-1]})
 
 
 def _exact_timers() -> None:
-    _call("prctl", TIMER_SLACK, 1, 0, 0, 0)
+    if ctypes.CDLL(None).prctl(TIMER_SLACK, 1, 0, 0, 0) != 0:
+        raise OSError

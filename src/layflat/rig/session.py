@@ -18,8 +18,9 @@ from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
 from layflat.rig.law import layout_of
+from layflat.rig.loop import Recorder
 from layflat.rig.mailbox import Mailbox, Setpoints
-from layflat.rig.process import Keeper, run_loop
+from layflat.rig.process import run_loop
 from layflat.rig.record import SHARED, Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
@@ -68,6 +69,15 @@ class Snapshot:
         """The worst there is."""
         return Fault(int(self.row[self._layout.shared["fault"]]))
 
+    @property
+    def fault_text(self) -> str:
+        """The same for people, with its joint."""
+        if self.fault is Fault.NONE:
+            return "stopped by the loop"
+        each = list(self["joint_fault"])  # type: ignore[arg-type]
+        where = f"joint {self._layout.joints[each.index(self.fault)]!r}: " if self.fault in each else ""
+        return where + self.fault.title
+
 
 class Session(AbstractContextManager["Session"]):
     """A rig in use: `with Session(...) as rig: rig.start(); rig.ask([0.3, 0.2])`.
@@ -82,7 +92,7 @@ class Session(AbstractContextManager["Session"]):
     """
 
     def __init__(
-        self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Keeper] | None = None
+        self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Recorder] = Recorder
     ) -> None:
         self._layout = layout_of(machine)
         self.mailbox = Mailbox.create(self._layout)

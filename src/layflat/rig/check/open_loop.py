@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import drive_parts
-from layflat.rig.clock import SECOND, Clock
-from layflat.rig.deadlines import Deadlines
+from layflat.rig.clock import SECOND, Clock, Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.cycle import JUDGE

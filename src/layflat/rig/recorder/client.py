@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.errors import OutputError
+from layflat.rig.loop import Recorder
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault, Reaction
 
@@ -22,7 +23,7 @@ STARTS_WITHIN = 30.0
 """A recorder has to be there by then, s."""
 
 
-class RecorderClient:
+class RecorderClient(Recorder):
     """Hands over what the loop has to keep to a ring that a recorder empties; it never waits."""
 
     def __init__(self, ring: Ring) -> None:

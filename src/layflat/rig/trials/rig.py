@@ -18,7 +18,7 @@ from layflat.rig.clock import SECOND
 from layflat.rig.device.process import DeviceProcess
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState, Driver
-from layflat.rig.loop import Loop, NoRecorder
+from layflat.rig.loop import Loop, Recorder
 from layflat.rig.safety.detectors.following import reached
 from layflat.rig.safety.limits import joint_limits
 from layflat.rig.safety.states import State
@@ -103,7 +103,7 @@ class Script:
         """Nobody looks on."""
 
 
-class KillableRecorder(NoRecorder):
+class KillableRecorder(Recorder):
     """Keeps no rows, but what was said, and dies when told to."""
 
     def __init__(self) -> None:

@@ -1,7 +1,6 @@
 import pytest
 
-from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.deadlines import Deadlines
+from layflat.rig.clock import SECOND, Deadlines, VirtualClock
 
 
 class LateClock(VirtualClock):
