@@ -71,7 +71,7 @@ def export_log(
     out: Annotated[Path, typer.Argument(metavar="FILE", help="ends in .nc (NetCDF) or .parquet")],
 ) -> None:
     """Write a rig's log for others, with the names and units of a simulated run."""
-    from layflat.rig.recorder.export import check_format, export  # noqa: PLC0415
+    from layflat.rig.recorder.run import check_format, export  # noqa: PLC0415
 
     check_format(out)
     typer.echo(f"wrote {export(_read(log), out)}")

@@ -1,23 +1,38 @@
 """Messages, against the general decoder of ROS 2."""
 
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcap.records import Schema
+from mcap.records import Message, Schema
+from mcap.stream_reader import StreamReader
 from mcap_ros2.decoder import DecoderFactory
+from numpy.typing import NDArray
 from rigrows import BEGIN, LAW, LAYOUT
 
 from layflat.rig.record import SHARED, Layout
-from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, Rows, encoded_event, schemas_of
+from layflat.rig.recorder.bag import Bag, Heading
+from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, encoded_event, schemas_of
 from layflat.rig.recorder.ring import Event, Level
 
 NAMES = st.lists(st.text("abcdefghijklmnopq_é", min_size=1, max_size=9), min_size=1, max_size=4, unique=True)
 
 
 FACTORY = DecoderFactory()
+
+
+def encoded(layout: Layout, made: NDArray[np.float64]) -> tuple[list[bytes], list[bytes]]:
+    """Cycles and joint states of rows, as a log has them."""
+    stream = BytesIO()
+    bag = Bag(stream, Heading(layout, "{}", "arm"), BEGIN, chunked=False)
+    bag.add(made)
+    bag.finish()
+    stream.seek(0)
+    found = [record.data for record in StreamReader(stream).records if isinstance(record, Message)]
+    return found[::2], found[1::2]
 
 
 def decoded(kind: str, data: bytes) -> Any:
@@ -32,8 +47,9 @@ def decoded(kind: str, data: bytes) -> Any:
 def test_the_general_decoder_reads_every_number(joints: list[str], seed: int) -> None:
     layout = Layout.of(joints, LAW)
     made = np.random.default_rng(seed).normal(size=(2, layout.width))
+    made[:, 0] = 0.0, 5.000001e-3
     stamps = BEGIN + np.array([0, 5_000_001])
-    cycles, states = Rows(layout).encoded(stamps, made)
+    cycles, states = encoded(layout, made)
     for row, stamp, cycle, state in zip(made, stamps.tolist(), cycles, states, strict=True):
         read, shown = decoded(CYCLE, cycle), decoded(JOINT_STATE, state)
         for message in (read, shown):
@@ -53,7 +69,7 @@ def test_what_was_encoded_is_decoded_bit_for_bit(joints: list[str], count: int) 
     layout = Layout.of(joints, LAW)
     made = np.random.default_rng(count).normal(size=(count, layout.width))
     made[0, -1] = np.nan
-    columns = Fixed(schemas_of(layout)[CYCLE], joints).decoded(Rows(layout).encoded(np.full(count, BEGIN), made)[0])
+    columns = Fixed(schemas_of(layout)[CYCLE], joints).decoded(encoded(layout, made)[0])
     assert list(columns) == [*SHARED, *layout.by_joint]
     for i, name in enumerate(SHARED):
         assert np.array_equal(columns[name], made[:, i])
@@ -64,7 +80,7 @@ def test_what_was_encoded_is_decoded_bit_for_bit(joints: list[str], count: int) 
 
 def test_messages_of_other_joints_are_not_taken_for_ours() -> None:
     definition = schemas_of(LAYOUT)[CYCLE]
-    cycles, _ = Rows(LAYOUT).encoded(np.array([BEGIN]), np.ones((1, LAYOUT.width)))
+    cycles, _ = encoded(LAYOUT, np.ones((1, LAYOUT.width)))
     with pytest.raises(ValueError, match="other joints"):
         Fixed(definition, ["small", "large"]).decoded(cycles)
     with pytest.raises(ValueError, match="reshape"):

@@ -17,9 +17,8 @@ from layflat.plot.style import to_png
 from layflat.rig.law import layout_of
 from layflat.rig.record import SHARED
 from layflat.rig.recorder.bag import Bag, Heading
-from layflat.rig.recorder.export import export
 from layflat.rig.recorder.ring import Event, Level
-from layflat.rig.recorder.run import read_run
+from layflat.rig.recorder.run import export, read_run
 from layflat.rig.safety.states import State
 from layflat.sim import rollout
 from layflat.sim.dataset import open_run

@@ -40,13 +40,7 @@ class UnsafeError(LayflatError):
 
 
 class OpenLoopRig:
-    """A driver that is configured, its clock, and what is noted of the link.
-
-    Args:
-        machine: what the rig is said to be.
-        driver: inactive.
-        clock: what cycles are timed by.
-    """
+    """A driver that is configured, the clock that its cycles are timed by, and what is noted of the link."""
 
     def __init__(self, machine: Machine, driver: Driver, clock: Clock) -> None:
         self.machine, self.driver, self.clock = machine, driver, clock

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from layflat.machine.parameters import sensor
 from layflat.physics.sensor import Sensor
 from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
-from layflat.rig.driver import DeviceState, Reading
+from layflat.rig.driver import DeviceState
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,13 @@ def look(bench: OpenLoopRig) -> list[CheckResult]:
     findings = [_link(bench, len(found)), _timing(bench)]
     if not found:
         return findings
-    findings += [_device_state(found[-1]), _supply(bench, found)]
+    if found[-1].stopped:
+        findings.append(CheckResult("e-stop", "pressed", "release it"))
+    else:
+        findings.append(CheckResult("e-stop", f"released; the device {DOES[DeviceState(found[-1].device)]}"))
+    gauge = float(np.mean([reading.supply for reading in found])) - bench.machine.supply.ambient_pressure
+    right = "shut off the air and vent the line, or set the sensor's zero" if abs(gauge) > NO_PRESSURE else ""
+    findings.append(CheckResult("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right))
     for j, name in enumerate(bench.names):
         findings.append(_angle(bench, j, name, np.array([reading.angles[j] for reading in found])))
         findings.append(_pressure(bench, j, name, np.array([reading.pressures[j] for reading in found])))
@@ -62,18 +68,6 @@ def _timing(bench: OpenLoopRig) -> CheckResult:
     )
     right = "run nothing else on this computer, or take a longer cycle"
     return CheckResult("cycles", found, right if late.missed > FEW * bench.cycles(SECONDS) else "")
-
-
-def _device_state(reading: Reading) -> CheckResult:
-    if reading.stopped:
-        return CheckResult("e-stop", "pressed", "release it")
-    return CheckResult("e-stop", f"released; the device {DOES[DeviceState(reading.device)]}")
-
-
-def _supply(bench: OpenLoopRig, found: list[Reading]) -> CheckResult:
-    gauge = float(np.mean([r.supply for r in found])) - bench.machine.supply.ambient_pressure
-    right = "shut off the air and vent the line, or set the sensor's zero" if abs(gauge) > NO_PRESSURE else ""
-    return CheckResult("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right)
 
 
 def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:

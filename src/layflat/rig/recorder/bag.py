@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 import layflat
 from layflat.rig.clock import SECOND
-from layflat.rig.record import Layout
-from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Rows, encoded_event, schemas_of
+from layflat.rig.record import SHARED, Layout
+from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, encoded_event, schemas_of
 from layflat.rig.recorder.ring import Event
 
 if TYPE_CHECKING:
@@ -66,8 +66,10 @@ class Bag:
         from mcap.writer import Writer  # noqa: PLC0415
 
         self.begin = begin
-        self._rows = Rows(heading.layout)
-        schemas = schemas_of(heading.layout)
+        self._layout = layout = heading.layout
+        schemas = schemas_of(layout)
+        self._cycles = Fixed(schemas[CYCLE], layout.joints)
+        self._states = Fixed(schemas[JOINT_STATE], layout.joints, empty=("effort",))
         self._writer = Writer(stream, CHUNK, use_chunking=chunked)
         self._writer.start("ros2", f"layflat {layflat.__version__}")
         self._cycle, self._state, self._events = (
@@ -78,7 +80,7 @@ class Bag:
         )
         start = datetime.fromtimestamp(begin / SECOND, UTC).isoformat()
         about = {"layflat_version": layflat.__version__, "machine_name": heading.machine_name, "start": start}
-        told = {**about, "joints": json.dumps(heading.layout.joints), "notes": json.dumps(heading.notes)}
+        told = {**about, "joints": json.dumps(layout.joints), "notes": json.dumps(heading.notes)}
         self._writer.add_metadata(METADATA, told)
         self._writer.add_attachment(begin, begin, MACHINE, "application/json", heading.machine.encode())
 
@@ -87,7 +89,12 @@ class Bag:
         if not len(rows):
             return
         stamps = self.begin + np.rint(rows[:, 0] * SECOND).astype(np.int64)
-        cycles, states = self._rows.encoded(stamps, rows)
+        by_joint = self._layout.joint_rows(rows)
+        columns = dict(zip(SHARED, rows.T, strict=False))
+        columns |= {name: by_joint[:, :, i] for name, i in self._layout.columns.items()}
+        cycles = self._cycles.encoded(stamps, columns)
+        seen = {"position": columns["measured_angle"], "velocity": columns["averaged_velocity"]}
+        states = self._states.encoded(stamps, seen)
         for stamp, cycle, state in zip(stamps.tolist(), cycles, states, strict=True):
             self._writer.add_message(self._cycle, stamp, cycle, stamp)
             self._writer.add_message(self._state, stamp, state, stamp)

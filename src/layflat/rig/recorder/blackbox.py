@@ -66,15 +66,15 @@ class BlackBox:
             while self._events and self._events[0].time < since:
                 self._events.popleft()
 
-    @property
-    def writing(self) -> bool:
-        """Whether a file is being written."""
-        return self._writing is not None
-
     def work(self, begin: int, *, wait: bool = False) -> Event | None:
-        """Have what is due written; returns what is to be told once a file is done or can't be written."""
+        """Have what is due written; returns what is to be told once a file is done or can't be written.
+
+        Args:
+            begin: time of day when the loop began, ns since 1970.
+            wait: until it is done.
+        """
         now = float(self._rows[-1][-1, self._time]) if self._rows else 0.0
-        if self._writing is None and self._due is not None and (wait or now >= self._due):
+        if self._writing is None and self._due is not None and now >= self._due:
             self._made, self._due = self._made + 1, None
             rows, events = np.concatenate(self._rows), list(self._events)
             self._writing = self._writer.submit(self._write, self._name, rows, events, begin)
@@ -90,7 +90,11 @@ class BlackBox:
 
     def end(self, begin: int) -> list[Event]:
         """Write all that is due, be its last seconds over or not."""
-        return [event for _ in range(2) if (event := self.work(begin, wait=True)) is not None]
+        told = [self.work(begin, wait=True)]
+        if self._due is not None:
+            self._due = -np.inf
+            told.append(self.work(begin, wait=True))
+        return [event for event in told if event is not None]
 
     @property
     def _name(self) -> str:

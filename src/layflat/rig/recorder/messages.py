@@ -121,23 +121,6 @@ class Fixed:
         return {name: np.ascontiguousarray(fields[name]) for name in self.fields}
 
 
-class Rows:
-    """Rows of a layout as messages of both types."""
-
-    def __init__(self, layout: Layout) -> None:
-        self._layout = layout
-        self._cycle = Fixed(schemas_of(layout)[CYCLE], layout.joints)
-        self._state = Fixed(SCHEMAS[JOINT_STATE], layout.joints, empty=("effort",))
-
-    def encoded(self, stamps: NDArray[np.int64], rows: Array) -> tuple[list[bytes], list[bytes]]:
-        """Cycles and joint states of rows, (rows, width)."""
-        by_joint = self._layout.joint_rows(rows)
-        columns = dict(zip(SHARED, rows.T, strict=False))
-        columns |= {name: by_joint[:, :, i] for name, i in self._layout.columns.items()}
-        states = {"position": columns["measured_angle"], "velocity": columns["averaged_velocity"]}
-        return self._cycle.encoded(stamps, columns), self._state.encoded(stamps, states)
-
-
 def encoded_event(stamp: int, event: Event) -> bytes:
     """An event as a message of type Log; `stamp` in ns since 1970."""
     data = bytes((0, 1, 0, 0)) + struct.pack("<iIB", *divmod(stamp, SECOND), event.level)

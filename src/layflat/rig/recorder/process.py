@@ -72,7 +72,7 @@ def _record(ring_path: Path, place: Path, heading: Heading) -> None:
     except OSError:
         ring.beat(RecorderState.UNFINISHED)
         sys.exit(1)
-    signal.signal(signal.SIGTERM, lambda *_: recorder.stop())
+    signal.signal(signal.SIGTERM, lambda *_: setattr(recorder, "stopped", True))
     recorder.run()
     ring.remove()
     sys.exit(ring.recorder is not RecorderState.DONE)
@@ -94,12 +94,10 @@ class Recorder:
         self._bag: Bag | None = None
         self._time = 0.0
         self._dropped = self._left_out = 0
-        self._stuck = self._stopped = False
+        self._stuck = False
+        self.stopped = False
+        """Whether to finish with what is there."""
         self._parent = os.getppid()
-
-    def stop(self) -> None:
-        """Finish with what is there."""
-        self._stopped = True
 
     def run(self) -> None:
         """Record, then finish."""
@@ -114,7 +112,7 @@ class Recorder:
         """Whether nothing more will come."""
         head = self._ring.head
         gone = not self._ring.loop_alive() if head.loop_beat else os.getppid() != self._parent
-        return self._stopped or head.ended or gone
+        return self.stopped or head.ended or gone
 
     def drain(self) -> None:
         """Write what the loop has handed over."""

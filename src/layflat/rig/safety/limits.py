@@ -1,4 +1,7 @@
-"""What a rig is watched by, as plain numbers, from a machine's description."""
+"""What a rig is watched by, as plain numbers, from the description of a machine with valve and sensors.
+
+Raises MachineError where it has none.
+"""
 
 from __future__ import annotations
 
@@ -44,11 +47,7 @@ DOUBTFUL, SURE = 2.5, 7.5
 
 
 def rig_settings(machine: Machine) -> Rig:
-    """What holds of the machine as a whole.
-
-    Raises:
-        MachineError: the machine has no valve or sensors.
-    """
+    """What holds of the machine as a whole."""
     valve, _, _ = drive_parts(machine)
     safety, source, span, cycle = machine.safety, machine.supply, valve.volts_to_full, machine.cycle
     lost = Fault.SUPPLY_LOST.seconds - RIPPLE_AFTER * cycle
@@ -71,11 +70,7 @@ def rig_settings(machine: Machine) -> Rig:
 
 
 def joint_settings(machine: Machine, name: str) -> Settings:
-    """What holds of a joint.
-
-    Raises:
-        MachineError: the machine has no valve or sensors.
-    """
+    """What holds of a joint."""
     stops, safety = machine.joint[name].stops, machine.safety
     averaged = getattr(machine.controller, "averaged", True)
     return Settings(
@@ -88,11 +83,7 @@ def joint_settings(machine: Machine, name: str) -> Settings:
 
 
 def joint_limits(machine: Machine, name: str) -> joint.Limits:
-    """Limits of the detectors of a joint.
-
-    Raises:
-        MachineError: the machine has no valve or sensors.
-    """
+    """Limits of the detectors of a joint."""
     _, angle_part, pressure_part = drive_parts(machine)
     part, safety, gauge, cycle = machine.joint[name], machine.safety, machine.supply.pressure_gauge, machine.cycle
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)

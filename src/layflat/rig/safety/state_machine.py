@@ -36,12 +36,7 @@ rest between hoses that are shut, s."""
 
 
 class StateMachine:
-    """Where a rig stands, and what is done with its valves.
-
-    Args:
-        machine: with valve and sensors.
-        core: numbers of the control cycle.
-    """
+    """Where a rig stands, and what is done with its valves."""
 
     def __init__(self, machine: Machine, core: Core) -> None:
         self.safety, self.core = machine.safety, core

@@ -49,15 +49,7 @@ class HostRequest(NamedTuple):
 
 
 class Supervisor(StateMachine):
-    """State, faults and what is done about them.
-
-    Args:
-        machine: with valve and sensors.
-        law: of control.
-
-    Raises:
-        MachineError: the machine has no valve or sensors.
-    """
+    """State, faults and what is done about them, of a machine with valve and sensors and the law that controls it."""
 
     def __init__(self, machine: Machine, law: ArmLaw) -> None:
         core = Core(machine, law)

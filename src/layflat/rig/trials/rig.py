@@ -120,13 +120,7 @@ class KillableRecorder(Recorder):
 
 
 class TrialRig:
-    """A loop with its virtual rig, ready to be tried.
-
-    Args:
-        machine: with controller.
-        device: in lockstep.
-        driver: to the device, unconfigured.
-    """
+    """A loop of a machine with its virtual rig, ready to be tried: a device in lockstep, and a driver to it."""
 
     def __init__(self, machine: Machine, device: DeviceProcess, driver: Driver) -> None:
         self.machine, self.device, self.period = machine, device, machine.cycle

@@ -15,7 +15,7 @@ from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.rig.loop import Loop
 from layflat.rig.safety.faults import Reaction
 from layflat.rig.safety.states import State
-from layflat.rig.trials.rig import KillableRecorder, Script
+from layflat.rig.trials.rig import Script
 
 SPAN = 0.9
 """Of the working stroke in which moves end."""
@@ -25,9 +25,6 @@ PAUSE = (0.1, 4.0)
 
 PAYLOAD_EVERY = 5.0
 """Mean time between two changes of the payload, s."""
-
-HEAVIEST = 1.0
-"""Of the payload in the machine's file."""
 
 
 @dataclass
@@ -59,33 +56,33 @@ def quiet(
         clock: that the loop waits by; one that is never late where not given.
         driver_of: makes the driver.
     """
-    clock, host, recorder = clock or VirtualClock(), Script(len(machine.joints)), KillableRecorder()
+    clock, host = clock or VirtualClock(), Script(len(machine.joints))
     device = device_of(clock)
     driver = driver_of(device)
     driver.configure()
-    loop = Loop(machine, driver, clock, host, recorder)
+    loop = Loop(machine, driver, clock, host)
     driver.activate()
+    supervisor = loop.supervisor
     random, found = np.random.default_rng(seed), SoakResult(hours)
     half = np.array([0.5 * SPAN * joint.stops.working_stroke for joint in machine.joints.values()])
     end, next_move, next_payload, shown = round(hours * 3600 * SECOND), 0, 0, 0
     while clock.now() < end:
-        now, supervisor = clock.now(), loop.supervisor
-        if supervisor.state in {State.OFF, State.FAULT, State.STOPPED}:
-            host.edges = {"reset"} if supervisor.state is State.FAULT else {"start"}
+        now, before = clock.now(), supervisor.state
+        if before in {State.OFF, State.FAULT, State.STOPPED}:
+            host.edges = {"reset"} if before is State.FAULT else {"start"}
         if now >= next_move:
             next_move = now + round(random.uniform(*PAUSE) * SECOND)
             host.demands = random.uniform(-half, half).tolist()
             found.moves += 1
         if now >= next_payload:
             next_payload = now + round(random.exponential(PAYLOAD_EVERY) * SECOND)
-            device.plant.payload = random.uniform(0.0, HEAVIEST * machine.arm.payload)
+            device.plant.payload = random.uniform(0.0, machine.arm.payload)
             found.payloads += 1
-        before = supervisor.state
         loop.cycle()
-        if supervisor.state is State.FAULT and before is not State.FAULT:
-            found.trips += 1
-        if supervisor.ledger.now and supervisor.ledger.reaction > Reaction.TELL and before is not State.FAULT:
-            found.told.append(f"{now / SECOND:.2f} s: {supervisor.ledger.now.name}")
+        if before is not State.FAULT:
+            found.trips += supervisor.state is State.FAULT
+            if supervisor.ledger.now and supervisor.ledger.reaction > Reaction.TELL:
+                found.told.append(f"{now / SECOND:.2f} s: {supervisor.ledger.now.name}")
         if progress is not None and now - shown > SECOND:
             shown = now
             progress(now / end)
