@@ -39,7 +39,7 @@ class Recorded(AbstractContextManager["Recorded"]):
     def __init__(self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path) -> None:
         self.machine, self.place = machine, place
         with ExitStack() as begun:
-            self._ring = Ring.create(layout_of(machine))
+            self._ring = Ring.create(layout_of(machine).width)
             begun.callback(self._ring.close)
             begun.callback(self._ring.remove)
             self.recorder = start_recorder(self._ring, place, Heading.of(machine, driver=address))

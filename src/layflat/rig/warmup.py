@@ -76,7 +76,7 @@ class WarmupLoop:
         path = Mailbox.create(layout)
         self._mailbox, ours = Mailbox(path, layout), Mailbox(path, layout)
         path.unlink()
-        self.ring = Ring.create(layout, rows=READINGS)
+        self.ring = Ring.create(layout.width, rows=READINGS)
         self.ring.remove()
         self._wanted = Setpoints([0.0] * n)
         driver = Resting(machine)

@@ -20,11 +20,11 @@ from layflat.rig.safety.faults import Fault
     ],
 )
 def test_events_matter_as_their_cycle_does(fault: Fault, level: Level, change: Level) -> None:
-    ring = Ring.create(LAYOUT)
+    ring = Ring.create(LAYOUT.width)
     ring.beat(RecorderState.RECORDING)
     client = RecorderClient.join(ring.path)
-    row = np.zeros(ring.layout.width)
-    row[0], row[ring.layout.shared["fault"]] = 2.5, fault
+    row = np.zeros(LAYOUT.width)
+    row[0], row[LAYOUT.shared["fault"]] = 2.5, fault
     client.push(row)
     client.event("what there is")
     client.event("ready -> moving")

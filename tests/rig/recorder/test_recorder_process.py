@@ -25,7 +25,7 @@ from layflat.rig.recorder.run import read_recording
 
 @pytest.fixture
 def ring() -> Iterator[Ring]:
-    made = Ring.create(LAYOUT)
+    made = Ring.create(LAYOUT.width)
     yield made
     made.remove()
     made.close()

@@ -14,14 +14,13 @@ from hypothesis import strategies as st
 from rigrows import LAYOUT, rows
 
 from layflat.errors import InputError
-from layflat.rig.record import Layout
 from layflat.rig.recorder.ring import STALE, TEXT, Event, Level, RecorderState, Ring
 from layflat.rig.system import RING, sweep
 
 
 @pytest.fixture
 def ring() -> Iterator[Ring]:
-    made = Ring.create(LAYOUT, rows=8, events=4)
+    made = Ring.create(LAYOUT.width, rows=8, events=4)
     yield made
     made.remove()
     made.close()
@@ -29,7 +28,7 @@ def ring() -> Iterator[Ring]:
 
 @given(st.lists(st.integers(0, 12), max_size=12))
 def test_rows_come_out_as_they_went_in_and_those_without_room_are_counted(pushes: list[int]) -> None:
-    ring = Ring.create(LAYOUT, rows=8)
+    ring = Ring.create(LAYOUT.width, rows=8)
     made, taken, expected, k = rows(200), [], [], 0
     for count in pushes:
         for i in range(count):
@@ -45,7 +44,7 @@ def test_rows_come_out_as_they_went_in_and_those_without_room_are_counted(pushes
 
 def test_both_sides_see_the_same(ring: Ring) -> None:
     other = Ring.attach(ring.path)
-    assert other.layout == LAYOUT
+    assert other.head.width == LAYOUT.width
     ring.push(rows(1)[0])
     ring.tell(Event(0.5, Level.WARN, "supply lost"))
     ring.end()
@@ -99,8 +98,8 @@ def test_memory_outlives_those_who_join(ring: Ring) -> None:
 
 
 def test_what_nobody_uses_is_swept_away_and_what_is_used_stays() -> None:
-    used = Ring.create(LAYOUT)
-    left = Ring.create(LAYOUT)
+    used = Ring.create(LAYOUT.width)
+    left = Ring.create(LAYOUT.width)
     path = left.path
     left.close()
     sweep(RING)
@@ -117,12 +116,10 @@ def test_only_a_ring_can_be_joined(tmp_path: Path) -> None:
     (tmp_path / "other").write_bytes(bytes(4096))
     with pytest.raises(InputError, match="no ring of this version"):
         Ring.attach(tmp_path / "other")
-    with pytest.raises(InputError, match="too long"):
-        Ring.create(Layout.of(["x" * 9000], {}))
 
 
 def test_a_push_is_short() -> None:
-    ring, row = Ring.create(LAYOUT), rows(1)[0]
+    ring, row = Ring.create(LAYOUT.width), rows(1)[0]
     best = 1.0
     for _ in range(20):
         since = time.perf_counter()

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from layflat.errors import OutputError
 from layflat.rig.loop import Recorder
+from layflat.rig.record import SHARED
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault, Reaction
 
@@ -28,7 +29,7 @@ class RecorderClient(Recorder):
 
     def __init__(self, ring: Ring) -> None:
         self._ring, self._time, self._level = ring, 0.0, Level.INFO
-        self._fault = ring.layout.shared["fault"]
+        self._fault = list(SHARED).index("fault")
 
     @classmethod
     def join(cls, path: Path) -> RecorderClient:

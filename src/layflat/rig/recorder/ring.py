@@ -7,7 +7,6 @@ Python's resource tracker knows of, which would remove it when any one of its us
 
 from __future__ import annotations
 
-import json
 import mmap
 import os
 import threading
@@ -22,12 +21,11 @@ from numpy.typing import NDArray
 
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
-from layflat.rig.record import Layout
 from layflat.rig.system import RING, lock, new_file
 
 Array = NDArray[np.float64]
 
-MAGIC = int.from_bytes(b"lfring03", "little")
+MAGIC = int.from_bytes(b"lfring04", "little")
 """Changes with what stands where in the memory."""
 
 STALE = SECOND
@@ -40,8 +38,6 @@ TEXT = 240
 """Bytes of an event's text; the rest is cut off."""
 
 _EVENT = np.dtype([("time", "<f8"), ("level", "<i8"), ("text", f"S{TEXT}")])
-_ROWS_AT = 8192
-"""Bytes of the head and of the names behind it."""
 
 
 class Level(IntEnum):
@@ -84,7 +80,7 @@ class _Head(Structure):
     """What stands at the beginning of the memory; beats are the last signs of life, ns of `time.monotonic_ns`."""
 
     _fields_ = [
-        *((name, c_int64) for name in ("magic", "names", "rows_fit", "events_fit")),
+        *((name, c_int64) for name in ("magic", "width", "rows_fit", "events_fit")),
         *((name, c_int64) for name in ("ended", "recorder", "loop_beat", "recorder_beat")),
         *((name, _Counts) for name in ("rows", "events")),
     ]
@@ -125,25 +121,15 @@ class Ring:
         self._memory = mmap.mmap(handle, 0)
         self.head = head = _Head.from_buffer(self._memory)
         """What both sides tell of themselves, and how much was handed over; see `_Head`."""
-        about = json.loads(self._memory[sizeof(_Head) : sizeof(_Head) + head.names])
-        self.layout = Layout.of(about["joints"], about["law"])
-        rows: Array = np.ndarray((head.rows_fit, self.layout.width), np.float64, self._memory, _ROWS_AT)
-        events: NDArray[Any] = np.ndarray((head.events_fit,), _EVENT, self._memory, _ROWS_AT + rows.nbytes)
+        rows: Array = np.ndarray((head.rows_fit, head.width), np.float64, self._memory, sizeof(_Head))
+        events: NDArray[Any] = np.ndarray((head.events_fit,), _EVENT, self._memory, sizeof(_Head) + rows.nbytes)
         self._rows, self._events = _Queue(head.rows, rows), _Queue(head.events, events)
 
     @classmethod
-    def create(cls, layout: Layout, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
-        """Make the memory for so many rows of a layout, and so many events.
-
-        Raises:
-            InputError: the names of joints and signals are too long.
-        """
-        names = json.dumps({"joints": layout.joints, "law": dict(layout.law)}).encode()
-        if len(names) > _ROWS_AT - sizeof(_Head):
-            what = "names of joints and of the control law's signals are too long"
-            raise InputError(what, where="machine", right=f"{_ROWS_AT - sizeof(_Head)} bytes have to do")
-        path, handle = new_file(RING, _ROWS_AT + rows * layout.width * 8 + events * _EVENT.itemsize)
-        os.pwrite(handle, bytes(_Head(MAGIC, len(names), rows, events)) + names, 0)
+    def create(cls, width: int, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
+        """Make the memory for so many rows of a width, and so many events."""
+        path, handle = new_file(RING, sizeof(_Head) + rows * width * 8 + events * _EVENT.itemsize)
+        os.pwrite(handle, bytes(_Head(MAGIC, width, rows, events)), 0)
         return cls(path, handle)
 
     @classmethod

@@ -104,6 +104,10 @@ def _silent(rig: TrialRig, _: int, on: bool) -> None:
     rig.host.silent_since = rig.clock.now() if on else None
 
 
+def _dead(rig: TrialRig, _: int, on: bool) -> None:
+    rig.recorder.dead = on
+
+
 def _nonsense(value: float, label: str) -> FaultCase:
     """The control law asks for a voltage that is none."""
 
@@ -112,10 +116,6 @@ def _nonsense(value: float, label: str) -> FaultCase:
         core.between = (lambda: core.voltages_asked.__setitem__(joint, value)) if on else None
 
     return FaultCase(label, switch, (Fault.BAD_COMMAND,), HELD, cycles=1)
-
-
-def _dead(rig: TrialRig, _: int, on: bool) -> None:
-    rig.recorder.dead = on
 
 
 def _push_out(rig: TrialRig, joint: int, on: bool) -> None:
