@@ -64,7 +64,7 @@ def patient(machine: Machine) -> Machine:
         ("interface.watchdog_cycles", 40),
         ("interface.dump_after", 0.4),
         ("safety.setpoint_age", 0.3),
-        ("safety.surplus", 1.0),
+        ("safety.air_residual", 1.0),
     ):
         machine = changed(machine, path, value)
     return machine

@@ -4,6 +4,7 @@ import pytest
 
 from layflat.errors import MachineError
 from layflat.machine import load, names
+from layflat.machine.loader import restored
 
 
 def broken(tmp_path: Path, text: str, base: str = "paper-arm") -> str:
@@ -126,3 +127,12 @@ def test_what_is_laid_over_wins_and_the_rest_stays(tmp_path: Path) -> None:
     assert mine.provenance["joint.large.hose.width"].source == "given"
     assert mine.joint["large"].hose.wrap == paper.joint["large"].hose.wrap
     assert mine.provenance["joint.large.hose.wrap"] == paper.provenance["joint.large.hose.wrap"]
+
+
+def test_a_key_of_an_earlier_version_is_read_in_files_and_logs(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "paper-arm"\n[safety]\nsurplus = 0.3\n', encoding="utf-8")
+    machine = load(path)
+    assert machine.safety.air_residual == 0.3
+    logged = machine.model_dump_json().replace('"air_residual"', '"surplus"')
+    assert restored(logged).safety == machine.safety

@@ -21,6 +21,9 @@ from layflat.machine.parts import Joint
 
 BUILT_IN = MACHINES.folder
 
+FORMER = {"surplus": "air_residual"}
+"""Keys of `safety` that have another name now; files and logs of earlier versions have the first."""
+
 
 def names() -> tuple[str, ...]:
     """Return the names of the built-in machines."""
@@ -67,6 +70,8 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
     for path in plain.get("kinds", ()):
         load_kinds(Path(path), f"{where}: kinds")
     _know_all_kinds(Table.registered)
+    if isinstance(safety := plain.get("safety"), dict):
+        plain = plain | {"safety": {FORMER.get(key, key): value for key, value in safety.items()}}
     try:
         machine = Machine.model_validate(plain)
     except ValidationError as error:

@@ -44,7 +44,7 @@ class Safety(Part):
         default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"
     )
     setpoint_age: u.Time = Field(default=0.1, description="after which the host's demands are stale")
-    surplus: Annotated[u.Share, Field(gt=0.0)] = Field(
+    air_residual: Annotated[u.Share, Field(gt=0.0)] = Field(
         default=0.25,
         description="air that hoses gain or lose beyond what their valve was told, as an opening of it; sound ones "
         "stay below 0.14, and below 0.25 with a centre that is off by 8 % of full opening",

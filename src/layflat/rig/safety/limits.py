@@ -98,7 +98,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
         doubt.Limits(
             angle.lsb,
             1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
-            safety.surplus if part.acting == "double" else inf,
+            safety.air_residual if part.acting == "double" else inf,
             DOUBTFUL * cycle,
         ),
         angle_frozen.Limits(angle.lsb, friction, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle, ASLEEP, HELD),
