@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from layflat.experiments import Claim, Quantity, Reproduction, write_claims, write_report
-from layflat.experiments.figures import FIGURES
-from layflat.experiments.report import number, table
+from layflat.experiments.report import FIGURES, number, table
 from layflat.experiments.reproduction import STOPPED
 from layflat.machine.listing import listing
 from layflat.machine.loader import tables

@@ -112,11 +112,7 @@ def print_findings(findings: Iterable[Finding]) -> None:
 
 
 def known_joint(machine: Machine, joint: str) -> str:
-    """Return the name given to --joint, of a joint of this machine.
-
-    Raises:
-        InputError: the machine has no such joint.
-    """
+    """Return the name given to --joint, of a joint of this machine (InputError: the machine has no such joint)."""
     if joint not in machine.joints:
         raise InputError(f"unknown joint {joint!r}", where="--joint", right=f"give {' or '.join(machine.joints)}")
     return joint

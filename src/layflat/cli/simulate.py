@@ -50,11 +50,7 @@ class Asked:
     seed: Seed = 0
 
     def refuse_contradictions(self) -> None:
-        """Refuse options that would be ignored beside others.
-
-        Raises:
-            InputError: naming them.
-        """
+        """Refuse options that would be ignored beside others (InputError: naming them)."""
         for option, excluded in (("demand", ("move", "opening", "duration")), ("opening", ("move",))):
             others = [f"--{other}" for other in excluded if getattr(self, other)]
             if others and getattr(self, option) is not None:
@@ -62,11 +58,7 @@ class Asked:
                 raise InputError(what, where=f"--{option}", right="give one or the other")
 
     def scenario(self, machine: Machine) -> Scenario:
-        """Return what happens to a machine.
-
-        Raises:
-            InputError: naming the option.
-        """
+        """Return what happens to a machine (InputError: naming the option)."""
         from layflat.sim import Scenario  # noqa: PLC0415
 
         still: Values = dict.fromkeys(machine.joints, 0.0)

@@ -40,22 +40,14 @@ class Bench:
     brake: float = 1.0  # share of the brakes' torque in every experiment with brakes
 
     def joint(self, name: str) -> Joint:
-        """Return a joint of the machine under test.
-
-        Raises:
-            MachineError: it has none of this name.
-        """
+        """Return a joint of the machine under test (MachineError: it has none of this name)."""
         if name not in self.arm.joints:
             raise MachineError(f"has no joint {name!r}", where=self.arm.origin, right="test an arm that has one")
         return self.arm.joints[name]
 
     @property
     def valve(self) -> SpoolValvePart:
-        """The spool valve of the machine under test.
-
-        Raises:
-            MachineError: it has none.
-        """
+        """The spool valve of the machine under test (MachineError: it has none)."""
         if not isinstance(self.arm.valve, SpoolValvePart):
             raise MachineError("has no spool valve", where=self.arm.origin, right='add a valve of kind "spool"')
         return self.arm.valve

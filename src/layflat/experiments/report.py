@@ -1,20 +1,31 @@
-"""Results of a reproduction on disk: claims.json and one self-contained report.html."""
+"""Results of a reproduction on disk: claims.json, and one self-contained report.html with its figures."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import layflat
-from layflat.experiments.claim import Claim
-from layflat.experiments.figures import figures
+from layflat.experiments.axis_one import AT, SCAN
+from layflat.experiments.claim import Claim, texts_of
+from layflat.experiments.open_loop import RIG_PRESSURE
 from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import write_text
 from layflat.machine.listing import Line
-from layflat.plot.page import page
+from layflat.plot.cam import cam_procedure
+from layflat.plot.curves import average_response, settling_over_inertia, valve_sweeps
+from layflat.plot.hysteresis import hysteresis_curves
+from layflat.plot.page import Drawn, page
+from layflat.plot.runs import angles, arm_steps
+from layflat.plot.style import to_svg
+from layflat.sim.metrics import BAND
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 TINY, LARGE = 1e-4, 1e5  # numbers below and above these are not written out
 
@@ -43,11 +54,7 @@ def table(claims: Sequence[Claim]) -> list[list[str]]:
 
 
 def write_claims(found: Reproduction, path: Path) -> Path:
-    """Write the claims as a JSON list.
-
-    Raises:
-        OutputError: it can't be written there.
-    """
+    """Write the claims as a JSON list (OutputError: it can't be written there)."""
     records = [claim.record() for claim in found.claims]
     return write_text(path, json.dumps(records, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
@@ -77,3 +84,59 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: 
         answers=list(answers),
     )
     return write_text(path, html)
+
+
+def figures(found: Reproduction) -> Iterator[Drawn]:
+    """Draw the figures whose claims were evaluated, one by one."""
+    evaluated = {claim.id for claim in found.claims if claim.quantities}
+    for name, texts in FIGURES.items():
+        if evaluated.issuperset(texts["claims"]):
+            yield Drawn(name, texts["title"], texts["caption"], to_svg(DRAWN[name](found)))
+
+
+def _rigs(**labels: str) -> Callable[[Reproduction], Figure]:
+    def draw(found: Reproduction) -> Figure:
+        named = {label.replace("_", " "): name for label, name in labels.items()}
+        return hysteresis_curves({label: found.open_loop.rigs[name][RIG_PRESSURE] for label, name in named.items()})
+
+    return draw
+
+
+def _steps(found: Reproduction) -> Figure:
+    runs = {
+        "with brake": found.axis_one.braked,
+        "without brake": found.axis_one.unbraked,
+        "earlier actuator": found.axis_one.earlier,
+    }
+    part = {label: run.sel(time=slice(0, AT + 4)) for label, run in runs.items()}
+    return angles(part, "small", since=AT, band=BAND)
+
+
+def _valve(found: Reproduction) -> Figure:
+    labels = {"without": "without dither", "normal": "with 50 Hz dither", "fast": "with 400 Hz dither"}
+    sweeps = {labels[name]: sweep for name, sweep in found.dither.sweeps.items()}
+    return valve_sweeps({k: ((s.command, s.up), (s.command, s.down)) for k, s in sweeps.items()})
+
+
+DRAWN: dict[str, Callable[[Reproduction], Figure]] = {
+    "fig-2": _rigs(single_thickness="rig-single-thickness"),
+    "fig-3": _rigs(polyester_webbing="rig-polyester", with_plate="rig-polyester-plate"),
+    "fig-4": _rigs(Kevlar_webbing="rig-kevlar", with_plate="rig-kevlar-plate"),
+    "fig-5": _rigs(shell_and_steel="rig-shell-steel"),
+    "fig-6": lambda found: cam_procedure(found.statics.design.with_cam()),
+    "fig-10": lambda found: hysteresis_curves({"new joint": found.open_loop.unbraked}),
+    "fig-11": lambda found: hysteresis_curves({"earlier actuator": found.open_loop.earlier}),
+    "fig-12": lambda found: hysteresis_curves(
+        {"with brake": found.open_loop.braked, "without": found.open_loop.unbraked}
+    ),
+    "fig-13": _steps,
+    "fig-13b": lambda found: settling_over_inertia(
+        {"new joint with brake": found.axis_one.times_braked, "earlier actuator": found.axis_one.times_earlier}, SCAN
+    ),
+    "fig-14": lambda found: arm_steps(found.two_axis.steps, band=BAND),
+    "fig-valve": _valve,
+    "fig-average": lambda found: average_response(found.dither.frequency, found.dither.response, 50.0),
+}
+
+FIGURES = texts_of("figures.toml")
+"""Title, caption and claims shown of each figure by its id, in the order of the paper's."""

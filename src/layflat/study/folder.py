@@ -86,11 +86,7 @@ class Folder:
         return bool(held == json.loads(json.dumps(content)))
 
     def keep(self, number: int, table: pyarrow.Table) -> None:
-        """Write a chunk.
-
-        Raises:
-            OutputError: it can't be written.
-        """
+        """Write a chunk (OutputError: it can't be written)."""
         with whole_file(self.chunk(number)) as temporary:
             _arrow("parquet").write_table(table, temporary)
 

@@ -57,11 +57,7 @@ class Kind:
             raise explained_value(error, where, self.quantity) from None
 
     def difference(self, value: object, where: str) -> float:
-        """Return the SI float of a difference of two such values, greater than zero.
-
-        Raises:
-            InputError: naming `where`.
-        """
+        """Return the SI float of a difference of two such values, greater than zero (InputError: naming `where`)."""
         if self.quantity is u.TEMPERATURE and not (isinstance(value, str) and value.strip().endswith("K")):
             raise InputError(f"{value!r} is no difference of temperatures", where=where, right='give kelvin: "5 K"')
         number = Kind(Annotated[float, self.quantity] if self.quantity else float).parse(value, where)
@@ -78,11 +74,7 @@ FACTOR = Kind(Annotated[float, Ge(0)])  # of what is given relative to what the 
 
 
 def kind(machine: Machine, path: str, where: str) -> Kind:
-    """Return the kind of a path that varies.
-
-    Raises:
-        InputError: naming `where`: nothing of this name can vary.
-    """
+    """Return the kind of a path that varies (InputError: naming `where`: nothing of this name can vary)."""
     ends = ("", *(f".{name}" for name in machine.joints))
     settings = {f"scenario.{key}": annotation for key, annotation in SHARED.items()}
     settings |= {f"scenario.{key}{end}": annotation for key, annotation in BY_JOINT.items() for end in ends}

@@ -181,11 +181,7 @@ METHODS: dict[str, Callable[[Machine, int | None], list[Part]]] = {"global": at_
 
 
 def parts(machine: Machine, method: str, generations: int | None = None) -> list[Part]:
-    """What is looked for, in order.
-
-    Raises:
-        InputError: no such method, or generations that make no sense.
-    """
+    """What is looked for, in order (InputError: no such method, or generations that make no sense)."""
     if method not in METHODS:
         raise InputError(f"unknown method {method!r}", where="--method", right=f"give {' or '.join(METHODS)}")
     if generations is not None and not 1 <= generations < GENERATIONS:

@@ -51,11 +51,7 @@ def nominal_moves(machine: Machine) -> list[str]:
 
 
 def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after: Validation, path: Path) -> Path:
-    """Write the page.
-
-    Raises:
-        OutputError: it can't be written there.
-    """
+    """Write the page (OutputError: it can't be written there)."""
     by = fresh(tuning.machine)
     html = page(
         "layflat.tune",
