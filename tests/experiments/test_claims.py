@@ -41,7 +41,7 @@ def arriving(after: float, time: np.ndarray = TIME) -> xarray.Dataset:
     return one_joint(np.where(time >= AT + after - 1e-9, 20.0, -20.0), time)
 
 
-def claim(*texts: str) -> Callable[[Callable[[Any], Evaluated]], Rule]:
+def claim(*texts: Any) -> Callable[[Callable[[Any], Evaluated]], Rule]:
     return lambda evaluate: Rule(Claim(*texts), evaluate)
 
 
@@ -264,8 +264,9 @@ def test_an_amplitude_is_found_in_noise_free_ripple() -> None:
 @pytest.mark.parametrize("frequency", [1.0, 17.0, 50.0])
 def test_the_response_of_the_average_is_that_of_the_controller(frequency: float) -> None:
     arm = load("paper-arm")
-    time = arm.cycle * np.arange(404)
-    used = followed(parameters.control(arm).joints[-1], arm.cycle, np.sin(2 * np.pi * frequency * time))[4:]
+    time: Any = arm.cycle * np.arange(404)
+    signal: Any = np.sin(2 * np.pi * frequency * time)
+    used = followed(parameters.control(arm).joints[-1], arm.cycle, signal)[4:]
     (gain,) = frequency_response(np.array([frequency]), arm.cycle)
     assert amplitude_at(time[4:], used, frequency) == pytest.approx(gain, abs=1e-9)
 

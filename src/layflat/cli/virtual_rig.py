@@ -14,17 +14,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class VirtualRig:
-    """Makes a device with a simulated machine behind it, in whatever process it is called; it can be pickled.
+    """Makes a device with a simulated machine behind it, in whatever process it is called; it can be pickled."""
 
-    Args:
-        machine: what is simulated.
-        seed: of the sensors' noise.
-        filled: with air from the start, as a simulated run, instead of switched off and empty.
-    """
-
-    machine: Machine
-    seed: int = 0
-    filled: bool = False
+    machine: Machine  # what is simulated
+    seed: int = 0  # of the sensors' noise
+    filled: bool = False  # with air from the start, as a simulated run, instead of switched off and empty
 
     def __call__(self, clock: Clock) -> VirtualDevice:
         """Make it."""
@@ -38,15 +32,10 @@ class VirtualRig:
 
 @dataclass(frozen=True)
 class SimulatedRig:
-    """Makes a driver of a virtual rig in the same process; it can be pickled.
+    """Makes a driver of a virtual rig in the same process; it can be pickled."""
 
-    Args:
-        machine: what is simulated.
-        seed: of the sensors' noise.
-    """
-
-    machine: Machine
-    seed: int = 0
+    machine: Machine  # what is simulated
+    seed: int = 0  # of the sensors' noise
 
     def __call__(self) -> Driver:
         """Make it."""
