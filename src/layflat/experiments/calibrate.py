@@ -94,11 +94,7 @@ def with_values(machine: Machine, knobs: Iterable[Knob], values: Iterable[float]
 
 
 def put_into(name: str, values: dict[str, Any]) -> None:
-    """Replace values by dotted path in the file of a built-in description, and leave all else as it stands.
-
-    Raises:
-        KeyError: the description itself has no such line, or does not mark it as calibrated.
-    """
+    """Replace values by dotted path in the file of a built-in description, and leave all else as it stands."""
     with as_file(BUILT_IN / f"{name}.toml") as path:
         text = path.read_text(encoding="utf-8")
         for key, value in values.items():
@@ -107,7 +103,7 @@ def put_into(name: str, values: dict[str, Any]) -> None:
 
 
 def replaced(text: str, path: str, value: object) -> str:
-    """Return the text of a description with one value replaced; an item of a list by its index."""
+    """Return a description with one value replaced, an item of a list by its index (KeyError: it is not calibrated)."""
     keys = path.split(".")
     index = int(keys.pop()) if keys[-1].isdigit() else None
     key = keys.pop()
@@ -167,12 +163,7 @@ def _rms_of_end(error: Array) -> float:
 
 
 def verdict(error: Array, cycle: float) -> float:
-    """Return the seconds until a joint stays close to its goal, and degrees that it overshoots and is off in the end.
-
-    Args:
-        error: demand missed from the step on, rad, one a cycle.
-        cycle: s.
-    """
+    """Return seconds until errors (rad, one a cycle, s) stay small, and degrees of overshoot and of what is left."""
     time: Array = np.arange(len(error)) * np.float64(cycle)
     beyond = degrees(float(np.max(-np.sign(error[0]) * error)))
     settling = max(min(settling_time(time, error, MARGIN * BAND), LAST), SOON)

@@ -60,16 +60,9 @@ def write_claims(found: Reproduction, path: Path) -> Path:
 
 
 def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: Sequence[Answer] = ()) -> Path:
-    """Write the report as one HTML file that needs nothing else.
+    """Write the report as one HTML file that needs nothing else (OutputError: it can't be written there).
 
-    Args:
-        found: the experiments.
-        assumed: lines of the description that the paper does not give.
-        path: of the file.
-        answers: to the open questions, as far as there are any.
-
-    Raises:
-        OutputError: it can't be written there.
+    `assumed` has the lines of the description that the paper does not give, `answers` those to open questions, if any.
     """
     html = page(
         "layflat.experiments",

@@ -63,9 +63,7 @@ class Reproduction:
 def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: None) -> Reproduction:
     """Perform every experiment and evaluate the paper's claims; an interruption (Ctrl-C) leaves the rest open.
 
-    Args:
-        bench: the machine under test and the paper's other machines.
-        progress: is called with the number of claims that are evaluated, and with how many there are.
+    `progress` is called with the number of claims that are evaluated, and with how many there are.
     """
     found = Reproduction(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench))
     drawn = (found.statics, found.open_loop, found.axis_one, found.two_axis, found.dither)

@@ -24,11 +24,7 @@ SAME_THING = {"scenario.payload": "arm.payload", "scenario.supply": "supply.pres
 
 
 def check(machine: Machine, scenarios: Sequence[Scenario], drawn: Samples, step: float, where: str) -> None:
-    """Make sure that scenarios fit the machine, and that every sample makes sense and matters.
-
-    Raises:
-        InputError: naming `where` and the key.
-    """
+    """Refuse scenarios that do not fit the machine, and samples that make no sense or do not matter."""
     first = np.array([0])
     for i, scenario in enumerate(scenarios):
         with _inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):

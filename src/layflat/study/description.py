@@ -160,11 +160,7 @@ class StudyFile(Part):
 
 
 def refuse(where: str, *rules: tuple[bool, str, str]) -> None:
-    """Raise an error for the first rule that is broken: whether it is, the key below `where`, "what is wrong; right".
-
-    Raises:
-        InputError: naming `where` and the key.
-    """
+    """Raise InputError for the first broken rule: whether it is, its key below `where`, "what is wrong; right"."""
     for broken, key, said in rules:
         if broken:
             what, _, right = said.partition("; ")

@@ -38,13 +38,7 @@ BYTES_A_CELL, BYTES_A_COLUMN, BYTES_A_NUMBER = 10, 400, 24
 
 
 class ChangedError(OutputError):
-    """The folder holds a study that is not the one asked for.
-
-    Args:
-        where: the folder.
-        what: what is wrong.
-        differences: a line for each.
-    """
+    """The folder holds a study that is not the one asked for; `differences` has a line for each."""
 
     def __init__(self, what: str, where: str, differences: list[str]) -> None:
         super().__init__(what, where=where, right="give another folder, or the study as it was")
@@ -52,12 +46,7 @@ class ChangedError(OutputError):
 
 
 class Folder:
-    """Where a study's results are put.
-
-    Args:
-        place: the folder itself.
-        chunks: how many the study has.
-    """
+    """Where the results of a study are put, which has so many chunks."""
 
     def __init__(self, place: Path, chunks: int) -> None:
         self.place, self.chunks = place, chunks
@@ -165,11 +154,7 @@ class Folder:
             raise ChangedError("holds a study that differs from this one", str(self.place), lines)
 
     def check_space(self, rows: int, columns: int, chunks: int) -> None:
-        """Make sure, before any work is done, that the disk has room for so many rows, in chunks and in the table.
-
-        Raises:
-            OutputError: saying how much is needed and free.
-        """
+        """Refuse, before any work is done, a disk without room for so many rows, in chunks and in the table."""
         needed = columns * ((2 * BYTES_A_CELL + BYTES_A_NUMBER) * rows + 2 * BYTES_A_COLUMN * chunks)
         there = next(path for path in (self.place, *self.place.absolute().parents) if path.exists())
         free = shutil.disk_usage(there).free

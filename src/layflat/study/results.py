@@ -61,12 +61,7 @@ def summary(out: str | Path, metrics: tuple[str, ...]) -> Summary:
 
 
 def draw(study: Study, frame: pandas.DataFrame) -> Figure:
-    """Draw the first metrics over what they depend on most; of several joints and moves the worst counts.
-
-    Args:
-        study: what was run.
-        frame: its table, with units in its attributes.
-    """
+    """Draw the first metrics of a study's table over what they depend on most; of joints and moves the worst counts."""
     from layflat.plot.study import study_figure  # noqa: PLC0415  # a summary needs no figure
 
     results, varied = {}, {}
@@ -82,11 +77,7 @@ def draw(study: Study, frame: pandas.DataFrame) -> Figure:
 
 
 def write_figure(drawn: Figure, out: Path) -> Path:
-    """Write a figure beside the table in a study's folder, as SVG and as PNG; return the SVG's path.
-
-    Raises:
-        OutputError: it can't be written.
-    """
+    """Write a figure beside the table in a study's folder, as SVG and as PNG; return the SVG's path."""
     from layflat.plot.style import save, to_svg  # noqa: PLC0415
 
     save(drawn, out / PNG)

@@ -146,11 +146,7 @@ def read(path: str | Path) -> Study:
 
 
 def check_samples(study: Study, where: str) -> None:
-    """Make sure that all runs of a study can be, and that all that varies matters.
-
-    Raises:
-        InputError: naming `where` and the key.
-    """
+    """Refuse a study whose runs can't all be, or in which something varies that does not matter."""
     drawn = samples(study.varied, study.file)
     for one in study.variants:
         check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where)

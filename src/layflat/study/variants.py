@@ -23,11 +23,7 @@ class Variant:
 
 
 def variants(file: StudyFile, folder: Path, where: str) -> tuple[Variant, ...]:
-    """The machines of a study; machine files are meant relative to `folder`.
-
-    Raises:
-        InputError: naming `where`, the variant and the key.
-    """
+    """Return the machines of a study; machine files are meant relative to `folder` (InputError: naming `where`)."""
     machine = load(_place(file.machine, folder))
     if not file.variant:
         return (Variant("", machine),)

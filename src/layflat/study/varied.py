@@ -106,11 +106,7 @@ def groups(varied: Sequence[Varied]) -> dict[str, list[int]]:
 
 
 def resolved(path: str, given: Range, machine: Machine, sampling: str, where: str) -> Varied:
-    """Return what the file says about one path and those that vary along, checked and in SI units.
-
-    Raises:
-        InputError: naming `where`, the key and the value.
-    """
+    """Return what a file says of a path and of those that vary along, in SI units (InputError: naming `where`)."""
     own = kind(machine, path, where)
     others = [kind(machine, other, f"{where}.also.{i}") for i, other in enumerate(given.also)]
     setting = next((name for name in (path, *given.also) if name.startswith("scenario.")), "")

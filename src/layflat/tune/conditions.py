@@ -93,13 +93,9 @@ class Conditions:
 
 
 def conditions(machine: Machine, runs: int, spread: Spread | None = None, seed: int = 0) -> Conditions:
-    """Return conditions that fill the spread evenly, its ends included.
+    """Return so many runs (a power of two) that fill the spread about a nominal machine evenly, its ends included.
 
-    Args:
-        machine: nominal.
-        runs: how many; a power of two.
-        spread: how far they go.
-        seed: of the choice, and of the first run's noise.
+    The seed is that of the choice, and of the first run's noise.
     """
     from scipy.stats import qmc  # noqa: PLC0415  # takes long to import
 

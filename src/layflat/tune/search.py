@@ -41,16 +41,7 @@ class Found:
 
 
 class Strategy:
-    """A CMA-ES over the unit cube, generation by generation (hansen2016).
-
-    Args:
-        first: the middle of the first generation.
-        population: candidates of a generation.
-        seed: the same seed gives the same candidates.
-
-    Raises:
-        MissingExtraError: cma is not installed.
-    """
+    """A CMA-ES over the unit cube, generation by generation about a first middle (hansen2016); it repeats itself."""
 
     def __init__(self, first: Array, population: int, seed: int) -> None:
         options = {"seed": seed, "popsize": population, "bounds": [0.0, 1.0], "verbose": -9}

@@ -79,11 +79,7 @@ class Tuning:
         return words + (f", stopped after {len(self.told) - 1} generations" if self.stopped else "")
 
     def seek(self, progress: Progress = lambda *_: None) -> None:
-        """Search until the end, or until it is interrupted: the best so far counts then.
-
-        Raises:
-            KeyboardInterrupt: before there was anything to keep.
-        """
+        """Search until the end, or until Ctrl-C: the best so far counts then, if there is any."""
         begun = time.perf_counter()
 
         def tell(best: Found, done: int, name: str) -> None:
@@ -105,11 +101,7 @@ class Tuning:
             self.stopped = True
 
     def keep(self) -> Machine:
-        """Write the best gains and load them; where none better were found, those that were there stand as they do.
-
-        Raises:
-            OutputError: they can't be written.
-        """
+        """Write the best gains and load them; where none better were found, those that were there stand as they do."""
         best, texts, sources = self.told[-1], dict[str, str](), dict[str, Provenance]()
         self.kept = self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base))[0] <= best.cost
         if not self.kept:
