@@ -289,14 +289,8 @@ def test_design_and_size_write_drawings(tmp_path: Path) -> None:
     assert layflat("check", str(tmp_path / "wrist.toml")).returncode == 0
 
 
-@pytest.fixture
-def _one_seed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A reproduction seeks limits of inertia with one seed of the noise instead of five."""
+def test_reproduce_leaves_with_1_when_a_claim_does_not_agree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("layflat.experiments.axis_one.SEEDS", 1)
-
-
-@pytest.mark.usefixtures("_one_seed")
-def test_reproduce_leaves_with_1_when_a_claim_does_not_agree(tmp_path: Path) -> None:
     text = 'extends = "paper-arm"\nname = "weak"\n[joint.small.hose]\nwidth = "100 mm"\n'
     (tmp_path / "weak.toml").write_text(text, encoding="utf-8")
     done = layflat("reproduce", "--machine", "weak.toml", "--out", "out", cwd=tmp_path)
@@ -309,7 +303,6 @@ def test_reproduce_leaves_with_1_when_a_claim_does_not_agree(tmp_path: Path) -> 
     assert (tmp_path / "out" / "report.html").exists()
 
 
-@pytest.mark.usefixtures("_one_seed")
 def test_reproduce_evaluates_a_machine_of_one_joint_by_what_it_has(tmp_path: Path) -> None:
     done = layflat("reproduce", "--machine", "paper-small-joint", "--out", "out", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
@@ -327,7 +320,7 @@ from layflat.experiments import Bench
 
 curve = Bench.curve
 
-def stopped(bench, *words, brake, **options):
+def stopped(bench, *words, brake=1.0, **options):
     if brake == 0.0:
         raise KeyboardInterrupt
     return curve(bench, *words, brake=brake, **options)
