@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import gc
 from contextlib import suppress
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from layflat.cli.app import MachineName, print_table
+from layflat.cli.bars import busy
 from layflat.cli.rig import FAULT, Address, driver_at, rigs
-
-if TYPE_CHECKING:
-    from rich.status import Status
 
 
 @rigs.command("check")
@@ -25,8 +23,6 @@ def check_rig(
 
     Exit status 3 if a check failed.
     """
-    from rich.console import Console  # noqa: PLC0415
-
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.check.all import check_rig as check  # noqa: PLC0415
     from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
@@ -38,8 +34,8 @@ def check_rig(
     gc.disable()  # a collection takes many cycles
     with suppress(OSError, AttributeError):
         first_in()
-    with Console(stderr=True).status("starting") as shown:
-        findings = check(described, factory(), MonotonicClock(), air=air, tell=lambda what: _show(shown, what))
+    with busy("starting") as show:
+        findings = check(described, factory(), MonotonicClock(), air=air, tell=show)
     gc.enable()
     rows = [[one.what, one.found, one.action or "passed"] for one in findings]
     print_table(["check", "found", "action"], rows, f"{described.name} at {driver}")
@@ -48,7 +44,3 @@ def check_rig(
         typer.echo(f"{wrong} check{'s' if wrong > 1 else ''} failed")
         raise typer.Exit(FAULT)
     typer.echo("all checks passed" if air else "all checks without air passed; --air tries valves and signs")
-
-
-def _show(shown: Status, what: str) -> None:
-    shown.update(what)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,10 +24,7 @@ if TYPE_CHECKING:
 LONG_ENOUGH = 0.05
 """Time limit of a reply in a trial, s: time that passes for the processor is none for the rig."""
 
-NEEDED = {"modbus": ("pymodbus",), "serial": ("serial", "cobs")}
-"""Packages that a protocol takes."""
-
-PROTOCOLS = tuple(NEEDED)
+HEADER = ["fault", "good", "found after (ms)", "limit (ms)", "safe after (s)", "furthest (% of stroke)"]
 
 
 @rigs.command("faults")
@@ -46,29 +44,39 @@ def faults(
     """
     from layflat import extras  # noqa: PLC0415
     from layflat.description import units as u  # noqa: PLC0415
-    from layflat.files import check_folder, whole_file  # noqa: PLC0415
+    from layflat.files import check_folder, write_text  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
+    from layflat.rig.drivers.address import PACKAGES  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
+    from layflat.rig.trials.campaign import judged  # noqa: PLC0415
 
-    if protocol not in (*PROTOCOLS, "both"):
+    if protocol not in (*PACKAGES, "both"):
         raise InputError(f"{protocol!r} is no protocol", where="--protocol", right="give modbus, serial or both")
-    chosen = PROTOCOLS if protocol == "both" else (protocol,)
+    chosen = list(PACKAGES) if protocol == "both" else [protocol]
     require_posix("rig faults")
-    extras.require("rig", *(package for one in chosen for package in NEEDED[one]), where="rig faults")
+    extras.require("rig", *(package for one in chosen for package in PACKAGES[one]), where="rig faults")
     hours = u.quantity(quiet, u.TIME, "--quiet") / 3600.0
     described = load(machine)
     check_folder(out.parent)
     outcomes, found = _tried(described, chosen, instants, seed, hours)
-    with whole_file(out) as temporary:
-        temporary.write_text(json.dumps(_written(described, outcomes, found, seed), indent=1), encoding="utf-8")
-    good = _print(outcomes, found)
+    rows = {name: judged(own) for name, own in outcomes.items()}
+    written = {
+        "machine": described.name,
+        "seed": seed,
+        "rows": rows,
+        "quiet": asdict(found) if found is not None else None,
+        "trials": {name: [one._asdict() | {"good": one.good} for one in own] for name, own in outcomes.items()},
+    }
+    write_text(out, json.dumps(written, indent=1))
+    _print(rows, found)
     typer.echo(f"wrote {out}")
-    if not good:
+    trips = found.trips if found is not None else 0
+    if trips or not all(one.good for own in outcomes.values() for one in own):
         raise typer.Exit(FAULT)
 
 
 def _tried(
-    machine: Machine, protocols: tuple[str, ...], instants: int, seed: int, hours: float
+    machine: Machine, protocols: list[str], instants: int, seed: int, hours: float
 ) -> tuple[dict[str, list[Outcome]], SoakResult | None]:
     """Outcomes by protocol, and of the quiet time; each in a process of its own."""
     from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait  # noqa: PLC0415
@@ -77,10 +85,9 @@ def _tried(
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
-    from layflat.rig.trials.cases import ROWS  # noqa: PLC0415
+    from layflat.rig.trials.cases import HOST_GONE, ROWS  # noqa: PLC0415
 
-    context = get_context("spawn")
-    trials = instants * len(ROWS)
+    context, trials = get_context("spawn"), instants * len((HOST_GONE, *ROWS))
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with (
         context.Manager() as manager,
@@ -133,51 +140,20 @@ def stay_quiet(machine: Machine, hours: float, seed: int, told: Queue[Any]) -> S
     return quiet(machine, VirtualRig(machine, seed), hours, seed, lambda share: told.put(("quiet", share)))
 
 
-def _written(
-    machine: Machine, outcomes: dict[str, list[Outcome]], found: SoakResult | None, seed: int
-) -> dict[str, Any]:
-    from dataclasses import asdict  # noqa: PLC0415
-
-    from layflat.rig.trials.campaign import judged  # noqa: PLC0415
-
-    return {
-        "machine": machine.name,
-        "seed": seed,
-        "rows": {name: judged(own) for name, own in outcomes.items()},
-        "quiet": asdict(found) if found is not None else None,
-        "trials": {name: [one._asdict() | {"good": one.good} for one in own] for name, own in outcomes.items()},
-    }
-
-
-def _print(outcomes: dict[str, list[Outcome]], found: SoakResult | None) -> bool:
-    """Print what came of it, and whether all was good."""
-    from layflat.rig.trials.campaign import judged  # noqa: PLC0415
-
-    good = True
-    for name, own in outcomes.items():
-        rows = []
-        for row, of in judged(own).items():
-            good &= of["good"] == of["trials"]
-            rows.append(
-                [
-                    row,
-                    f"{of['good']:.0f} of {of['trials']:.0f}",
-                    f"{1e3 * of['found_after']:.0f}",
-                    f"{1e3 * of['limit']:.0f}",
-                    f"{of['safe_after']:.2f}",
-                    f"{100 * of['turned']:.0f}",
-                ]
-            )
-        print_table(
-            ["fault", "good", "found after (ms)", "limit (ms)", "safe after (s)", "furthest (% of stroke)"],
-            rows,
-            f"over {name}",
-        )
+def _print(judged: dict[str, dict[str, dict[str, float | int]]], found: SoakResult | None) -> None:
+    for name, rows in judged.items():
+        cells = [
+            [
+                row,
+                f"{of['good']:.0f} of {of['trials']:.0f}",
+                *(f"{1e3 * of[time]:.0f}" for time in ("found_after", "limit")),
+                f"{of['safe_after']:.2f}",
+                f"{100 * of['turned']:.0f}",
+            ]
+            for row, of in rows.items()
+        ]
+        print_table(HEADER, cells, f"over {name}")
         typer.echo()
     if found is not None:
-        good &= found.trips == 0
-        typer.echo(
-            f"{found.hours:.3g} h of {found.moves} moves and {found.payloads} changes of the payload: "
-            f"{found.trips} false trips"
-        )
-    return good
+        moves = f"{found.moves} moves and {found.payloads} changes of the payload"
+        typer.echo(f"{found.hours:.3g} h of {moves}: {found.trips} false trips")

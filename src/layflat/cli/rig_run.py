@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import MachineName, Out, print_table
-from layflat.cli.bars import busy
+from layflat.cli.bars import COMPILES, busy
 from layflat.cli.moves import print_missed, print_moves, timed
 from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
 from layflat.errors import InputError
@@ -73,7 +73,7 @@ def run(
     place = free_place(check_folder(out), f"{described.name}-rig")
     early: EarlyEndError | None = None
     with stopping() as stopped:
-        with busy(f"connecting to {driver} (compiles for some seconds the first time)"):
+        with busy(f"connecting to {driver} {COMPILES}"):
             rig = Recorded(described, factory, name, place)
         with rig, _status(rig):
             performance = PlanRunner(rig, stopped)

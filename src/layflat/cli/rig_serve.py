@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from select import select
 from typing import TYPE_CHECKING, Annotated
@@ -13,7 +14,7 @@ import typer
 
 from layflat import extras
 from layflat.cli.app import MachineName
-from layflat.cli.bars import busy
+from layflat.cli.bars import COMPILES, busy
 from layflat.cli.rig import rigs, stopping
 from layflat.errors import InputError, LayflatError
 
@@ -42,27 +43,24 @@ def serve(
 
     described = load(machine)
     at = _place(modbus, serial or link is not None, link)
-    with stopping() as stopped:
-        device = DeviceProcess(VirtualRig(described, seed), described, at)
-        with busy("starting (compiles for some seconds the first time)"):
-            device.__enter__()
-        try:
-            typer.echo(f"{described.name} at {device.address}")
-            sys.stdout.flush()
-            _answer(device, stopped)
-        finally:
-            device.__exit__(None, None, None)
+    with stopping() as stopped, ExitStack() as stack:
+        with busy(f"starting {COMPILES}"):
+            device = stack.enter_context(DeviceProcess(VirtualRig(described, seed), described, at))
+        typer.echo(f"{described.name} at {device.address}")
+        sys.stdout.flush()
+        _answer(device, stopped)
 
 
 def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | SerialPort:
     from layflat.rig.device.process import ModbusPort, SerialPort  # noqa: PLC0415
+    from layflat.rig.drivers.address import PACKAGES  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
 
     if (modbus is None) is not serial:
         raise InputError("give one of both", where="--modbus, --serial", right="for example --modbus 5020")
     require_posix("rig serve")
-    extras.require("rig", *(["pymodbus"] if modbus is not None else ["serial", "cobs"]), where="rig serve")
-    return ModbusPort(modbus) if modbus is not None else SerialPort(link)
+    extras.require("rig", *PACKAGES["serial" if modbus is None else "modbus"], where="rig serve")
+    return SerialPort(link) if modbus is None else ModbusPort(modbus)
 
 
 def _answer(device: DeviceProcess, stopped: Callable[[], bool]) -> None:
@@ -90,8 +88,8 @@ def _lines(device: DeviceProcess, stopped: Callable[[], bool]) -> Iterator[list[
     source = [sys.stdin.fileno()] if sys.stdin is not None and not sys.stdin.closed else []
     rest = b""
     while not stopped():
-        ready, _, _ = select([*source, device.sentinel], [], [], LOOKS)
-        if device.sentinel in ready:
+        ready, _, _ = select([*source, device.process.sentinel], [], [], LOOKS)
+        if device.process.sentinel in ready:
             return
         if not ready:
             continue

@@ -81,6 +81,17 @@ class Capabilities(NamedTuple):
     shortest_cycle: float
     """s"""
 
+    @classmethod
+    def needed(cls, machine: Machine) -> Capabilities:
+        """What a machine needs: its valves' range, dither if they have some, cycles no longer than its own.
+
+        Raises:
+            MachineError: it has no valve or sensors.
+        """
+        valve, _, _ = drive_parts(machine)
+        centre, span = valve.centre_voltage, valve.volts_to_full
+        return cls(len(machine.joints), centre - span, centre + span, centre, valve.dithered is not None, machine.cycle)
+
     def check(self, machine: Machine) -> None:
         """Make sure that this fits a machine.
 
@@ -88,25 +99,21 @@ class Capabilities(NamedTuple):
             InputError: it does not.
             MachineError: the machine has no valve or sensors.
         """
-        valve, _, _ = drive_parts(machine)
-        low, high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
-        there = f"{self.voltage_low:g} to {self.voltage_high:g} V"
-        wrong = {
-            f"it has {self.joints} joints, the machine {len(machine.joints)}": self.joints != len(machine.joints),
-            f"its voltages are {there}, the valves need {low:g} to {high:g} V": (
-                self.voltage_low > low or self.voltage_high < high
-            ),
-            f"it falls back to {self.centre_voltage:g} V, the valves are closed at {valve.centre_voltage:g} V": (
-                abs(self.centre_voltage - valve.centre_voltage) > 1e-3 * valve.volts_to_full
-            ),
-            "it does not add the dither": valve.dithered is not None and not self.dithers,
-            f"its shortest cycle is {1e3 * self.shortest_cycle:g} ms, the controller's {1e3 * machine.cycle:g} ms": (
-                self.shortest_cycle > machine.cycle
-            ),
-        }
-        for what, is_so in wrong.items():
-            if is_so:
-                raise InputError(f"the device does not fit {machine.name!r}: {what}", where="driver")
+        joints, low, high, centre, dithers, cycle = Capabilities.needed(machine)
+        wrong = []
+        if self.joints != joints:
+            wrong.append(f"it has {self.joints} joints, the machine {joints}")
+        if self.voltage_low > low or self.voltage_high < high:
+            there = f"{self.voltage_low:g} to {self.voltage_high:g} V"
+            wrong.append(f"its voltages are {there}, the valves need {low:g} to {high:g} V")
+        if abs(self.centre_voltage - centre) > 1e-3 * (high - centre):
+            wrong.append(f"it falls back to {self.centre_voltage:g} V, the valves are closed at {centre:g} V")
+        if dithers and not self.dithers:
+            wrong.append("it does not add the dither")
+        if self.shortest_cycle > cycle:
+            wrong.append(f"its shortest cycle is {1e3 * self.shortest_cycle:g} ms, the controller's {1e3 * cycle:g} ms")
+        if wrong:
+            raise InputError(f"the device does not fit {machine.name!r}: {wrong[0]}", where="driver")
 
 
 class LinkError(LayflatError):

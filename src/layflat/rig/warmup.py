@@ -28,26 +28,16 @@ UNTIL_LOADED = 20
 
 
 class Resting(Driver):
-    """A machine at rest, of which nothing is real: it gives noisy readings and forgets commands.
-
-    Args:
-        machine: any.
-    """
+    """A machine at rest, of which nothing is real: it gives noisy readings and forgets commands."""
 
     def __init__(self, machine: Machine) -> None:
         super().__init__()
-        rng, n = np.random.default_rng(0), len(machine.joints)
-        self._joints, self._count = n, 0
-        self._readings = [
-            Reading(
-                ANGLE_NOISE * rng.standard_normal(n),
-                RIPPLE[k % len(RIPPLE)] + PRESSURE_NOISE * rng.standard_normal(n),
-                machine.supply.pressure,
-                False,
-                DeviceState.RUNNING,
-            )
-            for k in range(READINGS)
-        ]
+        rng, n, supply = np.random.default_rng(0), len(machine.joints), machine.supply.pressure
+        self._machine, self._count, self._readings = machine, 0, list[Reading]()
+        for k in range(READINGS):
+            angles = ANGLE_NOISE * rng.standard_normal(n)
+            pressures = RIPPLE[k % len(RIPPLE)] + PRESSURE_NOISE * rng.standard_normal(n)
+            self._readings.append(Reading(angles, pressures, supply, False, DeviceState.RUNNING))
 
     def read(self) -> Reading:
         """The next reading."""
@@ -58,7 +48,7 @@ class Resting(Driver):
         """Nothing moves."""
 
     def _configure(self) -> Capabilities:
-        return Capabilities(self._joints, 0.0, 10.0, 5.0, True, 1e-3)
+        return Capabilities.needed(self._machine)
 
     def _deactivate(self) -> None: ...
 

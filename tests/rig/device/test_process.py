@@ -48,7 +48,7 @@ def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
             device.call(burst)
         driver.read()
         driver.finalize()
-    assert not device._process.is_alive()
+    assert not device.process.is_alive()
     assert not (tmp_path / "rig").is_symlink()
 
 
@@ -64,14 +64,15 @@ def test_in_real_time_it_ticks_by_itself_and_a_failure_ends_it() -> None:
         other = device.call(truth)
         assert other["now"] - one["now"] >= 200_000_000
         assert other["ticks"] > one["ticks"]
-        os.kill(device.pid, signal.SIGINT)
+        assert device.process.pid is not None
+        os.kill(device.process.pid, signal.SIGINT)
         assert device.call(truth)["ticks"] >= other["ticks"], "an interrupt is for who holds the handle"
         device._control.close()
-        device._process.join(10.0)
-        assert device._process.exitcode == 0, "it ends with whoever holds the handle"
+        device.process.join(10.0)
+        assert device.process.exitcode == 0, "it ends with whoever holds the handle"
     with DeviceProcess(Stuck, ARM, ModbusPort()) as device:
-        device._process.join(10.0)
-        assert not device._process.is_alive()
+        device.process.join(10.0)
+        assert not device.process.is_alive()
         with pytest.raises(LayflatError, match="the run diverged"):
             device.call(truth)
         with pytest.raises(LayflatError, match="the device is gone"):
@@ -89,9 +90,10 @@ def test_a_port_that_is_taken() -> None:
 def test_who_is_terminated_leaves_nothing_behind() -> None:
     with device_process(SerialPort()) as device:
         assert device.address.startswith("serial:///dev/")
-        os.kill(device.pid, signal.SIGTERM)
-        device._process.join(10.0)
-        assert device._process.exitcode == 0
+        assert device.process.pid is not None
+        os.kill(device.process.pid, signal.SIGTERM)
+        device.process.join(10.0)
+        assert device.process.exitcode == 0
     assert not Path(device.address.removeprefix("serial://")).exists()
 
 

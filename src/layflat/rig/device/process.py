@@ -68,15 +68,15 @@ class DeviceProcess:
         Raises:
             LayflatError: it can't; the message is that of the other process.
         """
-        self._process = start_process(_serve, self._arguments, "layflat device", daemon=True)
+        self.process = start_process(_serve, self._arguments, "layflat device", daemon=True)
         self._theirs.close()
         if not self._control.poll(START):
-            self._process.kill()
+            self.process.kill()
             raise LayflatError(f"the device was not there after {START:g} s")
         try:
             self.address = self._answer()
         except BaseException:
-            self._process.join()
+            self.process.join()
             raise
         return self
 
@@ -84,22 +84,11 @@ class DeviceProcess:
         """End it, kindly at first."""
         with suppress(OSError):
             self._control.send(None)
-        self._process.join(2.0)
-        if self._process.is_alive():
-            self._process.kill()
-            self._process.join()
+        self.process.join(2.0)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
         self._control.close()
-
-    @property
-    def pid(self) -> int:
-        """Of the other process."""
-        assert self._process.pid is not None
-        return self._process.pid
-
-    @property
-    def sentinel(self) -> int:
-        """A handle that `select` finds ready once the other process is gone."""
-        return self._process.sentinel
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.

@@ -88,19 +88,15 @@ class VirtualDevice:
     """
 
     def __init__(self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False) -> None:
-        valve, *_ = parameters.drive_parts(machine)
-        n, span = len(machine.joints), valve.volts_to_full
         self.plant, self.clock, self.link, self.converters = plant, clock, Link(), Converters(machine)
         self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running)
-        self.capabilities = Capabilities(
-            n, valve.centre_voltage - span, valve.centre_voltage + span, valve.centre_voltage, True, 1e-3
-        )
+        self.capabilities = Capabilities.needed(machine)._replace(dithers=True, shortest_cycle=1e-3)
         self.set_gauge = machine.supply.pressure_gauge
         strongest = (parameters.torque_constant(joint) for joint in machine.joints.values())
         self.strengths = self.set_gauge * np.array(list(strongest))
         self.brakes = np.array([joint.brake.torque for joint in machine.joints.values()])
-        self._centred = np.full(n, self.capabilities.centre_voltage)
-        self._open = np.full(n, self.capabilities.voltage_high)
+        self._centred = np.full(len(machine.joints), self.capabilities.centre_voltage)
+        self._open = np.full(len(machine.joints), self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)
         self._until_centre = min(round(machine.interface.watchdog_cycles * machine.cycle * SECOND), self._until_dump)
         self._supply = Wire.of(machine).supply

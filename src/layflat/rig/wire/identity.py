@@ -44,19 +44,17 @@ class Identity(NamedTuple):
         Raises:
             MachineError: the machine has no valve, sensors or controller, or a voltage beyond +-32 V.
         """
-        valve, angle_sensor, pressure_sensor = drive_parts(machine)
+        _, angle_sensor, pressure_sensor = drive_parts(machine)
         if machine.controller is None:
             raise MachineError("has no controller", where=machine.origin, right="give a machine that moves by itself")
-        low, high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
-        if able is None:
-            able = Capabilities(len(machine.joints), low, high, valve.centre_voltage, True, 0.0)
-        if max(abs(able.voltage_low), abs(able.voltage_high)) > 32.0:
+        joints, low, high, centre, dithers, cycle = able or Capabilities.needed(machine)
+        if max(abs(low), abs(high)) > 32.0:
             raise MachineError(f"reaches from {low:g} to {high:g} V", where="valve", right="rigs have up to +-32 V")
         own = machine.interface
         bits = own.voltage_bits, angle_sensor.bits, pressure_sensor.bits, own.supply_bits
-        voltages = (round(1e3 * voltage) for voltage in (able.voltage_low, able.voltage_high, able.centre_voltage))
-        times = (1e6 * able.shortest_cycle, 1e3 * own.watchdog_cycles * machine.cycle, 1e3 * own.dump_after)
-        return cls._make((MAGIC, VERSION, able.joints, *bits, *voltages, DITHERS * able.dithers, *map(round, times)))
+        voltages = (round(1e3 * voltage) for voltage in (low, high, centre))
+        times = (1e6 * cycle, 1e3 * own.watchdog_cycles * machine.cycle, 1e3 * own.dump_after)
+        return cls._make((MAGIC, VERSION, joints, *bits, *voltages, DITHERS * dithers, *map(round, times)))
 
     def words(self) -> list[int]:
         """As it goes over the wire; negative numbers are those of two's complement."""
@@ -87,15 +85,13 @@ class Identity(NamedTuple):
             if there != here:
                 what = f"the rig has {words.format(there)}, the machine {machine.name!r} {words.format(here)}"
                 raise DriverError(what, where=where, right="give the description of this rig")
-        valve, _, _ = drive_parts(machine)
-        if valve.dithered is not None and not self.flags & DITHERS:
+        found = Capabilities.needed(machine)
+        if found.dithers and not self.flags & DITHERS:
             raise DriverError("the rig adds no dither", where=where, right="its firmware has to, nobody else does")
         if self.shortest_cycle > 1e6 * machine.cycle:
             what = f"the rig needs {self.shortest_cycle} us a cycle, the machine's is {1e3 * machine.cycle:g} ms"
             raise DriverError(what, where=where, right="make controller.cycle longer")
-        low, high = valve.centre_voltage - valve.volts_to_full, valve.centre_voltage + valve.volts_to_full
-        dithers, shortest = bool(self.flags & DITHERS), 1e-6 * self.shortest_cycle
-        return Capabilities(self.joints, low, high, valve.centre_voltage, dithers, shortest)
+        return found._replace(dithers=bool(self.flags & DITHERS), shortest_cycle=1e-6 * self.shortest_cycle)
 
 
 IDENTITY_SIZE = len(Identity._fields)
