@@ -23,7 +23,7 @@ from layflat.identify import Fit, fit
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.regulated.model import RegulatedModel
 from layflat.identify.logs import read_log
-from layflat.plot.free_run import Shown, free_runs
+from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.style import save
 
 MAPPING = Path(__file__).parent / "logs" / "affetto.toml"
@@ -41,12 +41,19 @@ def errors(found: Fit, reading: float) -> dict[str, dict[str, float | bool]]:
     return logs
 
 
-def shown(model: RegulatedModel, found: Fit, name: str) -> Shown:
-    """A log beside what is predicted."""
+def compared(model: RegulatedModel, found: Fit, name: str, fitted: bool) -> list[Compared]:
+    """The signals of a log beside what is predicted from its set-points alone."""
     course = next(log.course for log in model.logs if log.name == name)
     places = {o.name: found.simulated[s] for o, s in zip(model.outputs, model.slices, strict=True) if o.log == name}
-    simulated = np.stack([places["angle"], places["pressure_a"], places["pressure_b"]], axis=1)
-    return Shown(*course, simulated=simulated)
+    mask = np.full(len(course.time), fitted)
+    return [
+        Compared(f"{name} {signal}", unit, course.time, scale * getattr(course, signal), scale * places[signal], mask)
+        for signal, unit, scale in (
+            ("angle", "deg", np.degrees(1.0)),
+            ("pressure_a", "kPa", 1e-3),
+            ("pressure_b", "kPa", 1e-3),
+        )
+    ]
 
 
 def tables(logs: dict[str, dict[str, float | bool]], found: Fit) -> list[Table]:
@@ -88,13 +95,8 @@ def main() -> None:
     console = Console(width=100)
     for table in tables(by_log, found):
         console.print(table)
-    titles = {
-        name: f"{name}, {'predicted' if name in validation else 'fitted'}: {by_log[name]['angle_percent']:.1f} %"
-        for name in validation or list(logs)[:2]
-    }
-    picture = free_runs(
-        {title: shown(model, found, name) for name, title in titles.items()}, rig.supply.ambient_pressure
-    )
+    drawn = [compared(model, found, name, name not in validation) for name in validation or list(logs)[:2]]
+    picture = measured_and_simulated([signal for signals in drawn for signal in signals])
     print(f"wrote {save(picture, given.out / 'identify_affetto.png')}")
     values = {
         one.unknown.path: {"value": one.value, "low": one.low, "high": one.high, "unit": one.unknown.unit}

@@ -37,7 +37,7 @@ def simulated(rig: VesselBench) -> xarray.Dataset:
 
 def draw(whole: Fit, early: Fit, path: Path) -> None:
     """Pressure, its error and the temperatures: measured, fitted to all, and fitted left of the grey line."""
-    with figure(3, 1, width=6.4, height=7.2, share_x=True, beside=0.1) as (made, (pressures, errors, temperatures)):
+    with figure(3, 1, width=6.4, height=7.2, beside=0.1) as (made, (pressures, errors, temperatures)):
         for place, one in zip(early.model.slices, early.model.outputs, strict=True):
             axes, unit = (pressures, 1e5) if one.name == "pressure" else (temperatures, 1.0)
             wall = one.name == "wall_temperature"

@@ -19,7 +19,7 @@ from layflat.identify import Fit, fit
 from layflat.identify.benches.hysteresis.errors import loop_errors
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.model import RodModel
-from layflat.plot.style import LINES, figure, save
+from layflat.plot.style import HEAD, LINES, figure, save
 
 OUT = Path("build/examples")
 RIG = load_bench("friction-rig")
@@ -41,7 +41,7 @@ def read(path: Path) -> xarray.Dataset:
 def draw(fits: dict[str, Fit], validation: str) -> None:
     """Measured and predicted loop of each seal at the pressure that was not fitted."""
     rows = -(-len(fits) // 2)
-    with figure(rows, 2, width=8.4, height=2.6 * rows + 1.0, share_x=True, above=0.25, head=True) as (made, axes):
+    with figure(rows, 2, width=8.4, height=2.6 * rows + 1.0, above=HEAD + 0.25) as (made, axes):
         for ax in axes[len(fits) :]:
             ax.set_visible(False)
         for ax, (seal, found) in zip(axes, fits.items(), strict=False):

@@ -9,7 +9,7 @@ import pytest
 from looks import covered, crossed_by_lines, cut_off, line_of, looks, units_of
 
 from layflat.design import Cam, SizingRequest, design_joint, size_joint
-from layflat.plot.cam import SHOWN, cam_procedure
+from layflat.plot.curves import SHOWN, cam_procedure
 
 CAMS = {
     "large": design_joint("paper-arm", "large").with_cam(),

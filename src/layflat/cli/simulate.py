@@ -180,7 +180,7 @@ def loop(
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.plot.hysteresis import hysteresis_curves  # noqa: PLC0415
+    from layflat.plot.curves import hysteresis_curves  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
     from layflat.sim.sweep import sweep  # noqa: PLC0415
 

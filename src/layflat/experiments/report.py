@@ -16,9 +16,7 @@ from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import write_text
 from layflat.machine.listing import Line
-from layflat.plot.cam import cam_procedure
-from layflat.plot.curves import average_response, settling_over_inertia, valve_sweeps
-from layflat.plot.hysteresis import hysteresis_curves
+from layflat.plot.curves import average_response, cam_procedure, hysteresis_curves, settling_over_inertia, valve_sweeps
 from layflat.plot.page import Drawn, page
 from layflat.plot.runs import angles, arm_steps
 from layflat.plot.style import to_svg

@@ -1,20 +1,65 @@
-"""Curves of the experiments: valve sweeps, settling over inertia, response of the average."""
+"""Curves of the experiments: hysteresis, a cam, valve sweeps, settling over inertia, response of the average."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.plot.style import LINES, figure, mark
+from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+SHOWN = 25
+"""Strap lines of a cam that are drawn."""
+
+
+def hysteresis_curves(drawn: Mapping[str, Any]) -> Figure:
+    """Draw closed curves of torque (N m) against angle (rad) in one frame, with arrows that show their sense."""
+    with figure() as (made, (axes,)):
+        for order, (label, curve) in enumerate(drawn.items()):
+            line, half = LINES[order % len(LINES)], len(curve.angle) // 2
+            angle, torque = np.degrees(curve.angle), curve.torque
+            axes.plot(np.append(angle, angle[0]), np.append(torque, torque[0]), label=label, **line)
+            arrow = {"arrowstyle": "-|>", "color": line["color"], "lw": 1.2}
+            for at in (int(0.55 * half), half + int(0.45 * half)):
+                axes.annotate("", (angle[at + 12], torque[at + 12]), (angle[at], torque[at]), arrowprops=arrow)
+        axes.set_xlabel("Output angle from mid-stroke (deg)")
+        axes.set_ylabel("Torque (N m)")
+        axes.set_ylim(0, 1.12 * max(float(curve.torque.max()) for curve in drawn.values()))
+        axes.legend()
+    return made
+
+
+def cam_procedure(cam: Any) -> Figure:
+    """Draw strap lines in the cam's frame at evenly spaced cam angles, and the profile that they envelop: Fig. 6.
+
+    Args:
+        cam: with `angle` (rad, (n,)), `profile` (m, (n, 2)), `strap_point` and `axis` of the joint (m).
+    """
+    profile, away = 1e3 * cam.profile, 1e3 * (cam.strap_point - np.array(cam.axis))
+    c, s = np.cos(cam.angle), np.sin(cam.angle)
+    seen = np.stack([away[:, 0] * c + away[:, 1] * s, away[:, 1] * c - away[:, 0] * s], axis=-1)
+    with figure(width=5.6, height=5.6, above=HEAD) as (made, (axes,)):
+        for i in np.searchsorted(cam.angle, np.linspace(cam.angle[0], cam.angle[-1], SHOWN)):
+            ends = np.array([seen[i], profile[i], profile[i] + 0.25 * (profile[i] - seen[i])])
+            axes.plot(ends[:, 0], ends[:, 1], **{**QUIET, "linewidth": 0.6})
+        axes.plot(seen[:, 0], seen[:, 1], label="where the strap leaves the shell", **LINES[1])
+        axes.plot(profile[:, 0], profile[:, 1], label="cam profile", **{**LINES[0], "linewidth": 2.5})
+        axes.plot(0.0, 0.0, "+", color="black", ms=10)
+        axes.annotate("output axis", (0, 0), xytext=(0, -8), textcoords="offset points", ha="center", va="top")
+        axes.set_aspect("equal")
+        axes.set_xlabel("Along the cam (mm)")
+        axes.set_ylabel("Across the cam (mm)")
+        axes.legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return made
 
 
 def valve_sweeps(sweeps: Mapping[str, tuple[Curve, Curve]]) -> Figure:

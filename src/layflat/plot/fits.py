@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.plot.style import LINES, QUIET, SHADE, figure
+from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +39,7 @@ def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
     from matplotlib.patches import Patch  # noqa: PLC0415  # matplotlib takes long to import
 
     rows = len(signals)
-    with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, share_x=True, head=True, beside=0.2, between=0.95) as (
+    with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, above=HEAD, beside=0.2, between=0.95) as (
         made,
         axes,
     ):

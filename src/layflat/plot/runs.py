@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from layflat.plot.style import LINES, QUIET, SHADE, figure
+from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 
 if TYPE_CHECKING:
     import xarray
@@ -69,7 +69,7 @@ def run_figure(run: xarray.Dataset) -> Figure:
     time = run["time"].to_numpy()
     marked = _marked(run)
     size = {"width": 4.6 * len(joints) + 1.0, "height": 6.6 + NOTE * len(marked), "below": NOTE * len(marked)}
-    with figure(3, len(joints), **size, share_x=True, head=True) as (made, all_axes):
+    with figure(3, len(joints), **size, above=HEAD) as (made, all_axes):
         for column, joint in enumerate(joints):
             part = run.sel(joint=joint)
             angle, pressure, voltage = (all_axes[row * len(joints) + column] for row in range(3))
@@ -156,7 +156,7 @@ def arm_steps(run: xarray.Dataset, *, band: float) -> Figure:
 
     `band` (rad) is that within which a joint has settled.
     """
-    with figure(2, 1, height=4.8, share_x=True, head=True) as (made, (angle, error)):
+    with figure(2, 1, height=4.8, above=HEAD) as (made, (angle, error)):
         for order, joint in enumerate(run["joint"].to_numpy()):
             part = run.sel(joint=joint)
             draw_demand(angle, part, named=order == 0)

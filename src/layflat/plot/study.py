@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.plot.style import LINES, figure
+from layflat.plot.style import HEAD, LINES, figure
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -33,8 +33,8 @@ def study_figure(
         cases: which runs belong to each case, by name: a variant, a scenario, or both.
     """
     rows, columns = len(results), len(varied)
-    width, height, head = 0.9 + 2.9 * columns, 0.7 + 2.1 * rows, len(cases) > 1
-    with figure(rows, columns, width=width, height=height, between=0.3, head=head) as (made, all_axes):
+    width, height, above = 0.9 + 2.9 * columns, 0.7 + 2.1 * rows, HEAD if len(cases) > 1 else 0.0
+    with figure(rows, columns, width=width, height=height, between=0.3, above=above) as (made, all_axes):
         for place, axes in enumerate(all_axes):
             (label, x), (result, y) = list(varied.items())[place % columns], list(results.items())[place // columns]
             for order, (case, own) in enumerate(cases.items()):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from io import BytesIO, StringIO
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,7 +47,7 @@ RC: Any = {
 LEFT, RIGHT, BOTTOM, TOP = 0.72, 0.14, 0.52, 0.12
 """Margins of a figure, inches."""
 HEAD = 0.30
-"""Added at the top where a title or legend stands above the axes."""
+"""Room above the axes for a title or a legend, inches."""
 BETWEEN = (0.78, 0.16)
 """Space between axes, beside and above each other, inches."""
 
@@ -59,8 +59,6 @@ def figure(
     *,
     width: float = 6.4,
     height: float = 3.6,
-    share_x: bool = False,
-    head: bool = False,
     above: float = 0.0,
     below: float = 0.0,
     beside: float = 0.0,
@@ -69,13 +67,13 @@ def figure(
     """Give a figure in the house style, with its axes in reading order; sizes in inches.
 
     Where asked there is more room `above` the axes, for a scale of colours, `below` them, for notes, and on the left
-    `beside` them and `between` them, for names.
+    `beside` them and `between` them, for names. Axes above each other share what is across.
     The margins are fixed: a layout that is solved for would draw everything twice.
     """
     import matplotlib as mpl  # noqa: PLC0415  # matplotlib takes long to import
     from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415
 
-    top, left = TOP + (HEAD if head else 0.0) + above, LEFT + beside
+    top, left = TOP + above, LEFT + beside
     wide = (width - left - RIGHT - (columns - 1) * between) / columns
     high = (height - BOTTOM - below - top - (rows - 1) * BETWEEN[1]) / rows
     with mpl.rc_context(RC):
@@ -88,7 +86,7 @@ def figure(
             wspace=between / wide,
             hspace=BETWEEN[1] / high,
         )
-        axes = made.subplots(rows, columns, sharex=share_x, squeeze=False)
+        axes = made.subplots(rows, columns, sharex="col", squeeze=False)
         yield made, list(axes.ravel())
 
 
@@ -112,13 +110,6 @@ def to_svg(made: Figure) -> str:
         made.savefig(out, format="svg", metadata={"Date": None})
     text = out.getvalue()
     return text[text.index("<svg") :]
-
-
-def to_png(made: Figure, dpi: int = 150) -> bytes:
-    """Return a figure as PNG."""
-    out = BytesIO()
-    made.savefig(out, format="png", dpi=dpi)
-    return out.getvalue()
 
 
 def save(made: Figure, path: Path) -> Path:

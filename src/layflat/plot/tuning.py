@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.plot.runs import draw_demand, draw_response, frame_error
-from layflat.plot.style import LINES, QUIET, figure, mark
+from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
 
 if TYPE_CHECKING:
     import xarray
@@ -24,7 +24,7 @@ LETTER = 0.06
 def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) -> Figure:
     """Draw for each joint its angle with the demand in several runs, and its error, enlarged, below; `band` in rad."""
     joints = [str(name) for name in next(iter(runs.values()))["joint"].to_numpy()]
-    with figure(2, len(joints), width=4.2 * len(joints) + 1.0, height=4.8, share_x=True, head=True) as (made, all_axes):
+    with figure(2, len(joints), width=4.2 * len(joints) + 1.0, height=4.8, above=HEAD) as (made, all_axes):
         for column, joint in enumerate(joints):
             angle, error = all_axes[column], all_axes[column + len(joints)]
             for order, (label, run) in enumerate(runs.items()):

@@ -13,7 +13,7 @@ from layflat.errors import InputError, OutputError
 from layflat.identify.logs import check, read_log
 from layflat.machine import Machine, load
 from layflat.plot.runs import angles, arm_steps, run_figure
-from layflat.plot.style import to_png
+from layflat.plot.style import to_svg
 from layflat.rig.law import layout_of
 from layflat.rig.record import SHARED
 from layflat.rig.recorder.bag import Bag, Heading
@@ -98,7 +98,7 @@ def test_figures_take_it_and_mark_what_went_wrong(recorded: Path) -> None:
         begin, end = shade.get_paths()[0].get_extents().intervalx
         assert (begin, end) == pytest.approx((faulty[0], faulty[-1]), abs=0.011)
     for figure in (made, arm_steps(run, band=radians(0.5)), angles({"rig": run}, "small")):
-        assert to_png(figure)
+        assert to_svg(figure)
 
 
 def test_identification_reads_it_without_a_mapping(recorded: Path, simulated: xarray.Dataset) -> None:
