@@ -31,8 +31,7 @@ class MujocoPlant(PneumaticJoints):
         joints: name of the machine's joint by name of its hinge, where they differ.
         start: angles of the joints at first, where not those of `data`, one or one a joint.
         pressures: absolute pressures of the hoses A and B at first; default: at equal leakage.
-        seed: of the sensors' noise.
-        noise: whether the sensors are noisy.
+        seed: of the sensors' noise; None: they have none.
         step: performs a timestep, given what advances an MjData by one with the joints: for who acts before and after.
 
     Attributes:
@@ -52,8 +51,7 @@ class MujocoPlant(PneumaticJoints):
         joints: Mapping[str, str] | None = None,
         start: Value | Sequence[Value] | None = None,
         pressures: tuple[Value, Value] | None = None,
-        seed: int = 0,
-        noise: bool = True,
+        seed: int | None = 0,
         step: Callable[[Advance], object] | None = None,
     ) -> None:
         self.model = arm_spec(machine).compile() if model is None else model
@@ -72,7 +70,7 @@ class MujocoPlant(PneumaticJoints):
                 self.data.joint(hinge).qpos[0] = u.quantity(value, u.ANGLE, "start")
         self.reset(self.data)
         self._own = self.brakes.copy()
-        self._noise = noise_samples(seed if noise else None, n)
+        self._noise = noise_samples(seed, n)
 
     @property
     def time(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,7 +18,7 @@ from layflat.machine import Machine, load, parameters
 from layflat.physics.joint import FILLED, Joint, Surroundings
 from layflat.physics.step import STEP
 from layflat.sim.kernel import Signals, Timing, run_cycles
-from layflat.sim.scenario import Scenario, Signal, Value, signals, spread
+from layflat.sim.scenario import Scenario, Signal, Value, checked_options, signals, spread
 
 if TYPE_CHECKING:
     import xarray
@@ -53,12 +53,7 @@ def rollout(
     from layflat.sim.dataset import dataset  # noqa: PLC0415  # xarray takes long to import
 
     described = load(machine)
-    unknown = sorted(set(changes) - set(Scenario.__dataclass_fields__))
-    if unknown:
-        raise InputError(
-            f"unknown option {unknown[0]!r}", where="rollout", right=f"use {', '.join(Scenario.__dataclass_fields__)}"
-        )
-    case = replace(scenario, **changes) if scenario is not None else Scenario(demand=demand, **changes)
+    case = checked_options(Scenario, changes, "rollout", scenario or Scenario(demand=demand))
     prepared = prepare(described, case, step=step, records=records)
     rows, shown, diverged = prepared.run()
     run = dataset(described, case, prepared, rows, shown)

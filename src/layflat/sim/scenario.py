@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from math import nan
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple, TypeGuard, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.description import units as u
+from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.physics.noise import sensor_noise
@@ -31,6 +32,7 @@ LARGEST_SEED = 2**32 - 1
 """Of all random numbers."""
 
 Times = NDArray[np.floating[Any]]
+K = TypeVar("K")
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,19 @@ class Scenario:
         if not cycle <= duration <= 1e5:
             raise InputError(f"{duration:g} s is out of range", where="duration", right="give 5 ms to 100000 s")
         return round(duration / cycle)
+
+
+def checked_options(kind: type[K], given: Mapping[str, Any], where: str, over: K | None = None) -> K:
+    """Return a dataclass of options with those that were given, over its defaults or another one.
+
+    Raises:
+        InputError: an option is unknown.
+    """
+    known = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    unknown = sorted(set(given) - set(known))
+    if unknown:
+        raise InputError(f"unknown option {unknown[0]!r}", where=where, right=did_you_mean(unknown[0], known, "use {}"))
+    return replace(over or kind(), **given)  # type: ignore[type-var]
 
 
 class Shapes(NamedTuple):

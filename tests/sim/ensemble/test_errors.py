@@ -32,6 +32,7 @@ def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        ({"thread": 1}, "ensemble: unknown option 'thread'; did you mean 'threads'?"),
         ({"traces": ["angel"]}, "'angel' is no signal"),
         ({"every": 0}, "every"),
         ({"step": "1 s"}, "step"),

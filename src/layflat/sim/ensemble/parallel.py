@@ -8,10 +8,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +30,7 @@ from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
 from layflat.sim.run import timing_of
-from layflat.sim.scenario import Scenario, Value
+from layflat.sim.scenario import Scenario, Value, checked_options
 
 if TYPE_CHECKING:
     import xarray
@@ -41,20 +42,38 @@ TIP_BAND = 2e-3
 """Within this of its goal the tip has settled, m: section 5 of the paper."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How runs are simulated and measured.
+
+    Args:
+        runs: how many; only needed where nothing varies.
+        step: of the plant; rounded so that a control cycle is a whole number of steps.
+        band: within this of its goal a joint has settled.
+        tip_band: within this of its goal the tip has settled.
+        traces: signals to keep, of `Traced`.
+        every: control cycles from record to record of the traces.
+        device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
+        threads: how many of the processor work at a time; default: one a core. Results do not depend on it.
+        progress: is called with the number of runs each time that some are done.
+    """
+
+    runs: int | None = None
+    step: Value = STEP
+    band: Value = BAND
+    tip_band: Value = TIP_BAND
+    traces: Sequence[str] = ()
+    every: int = 1
+    device: str = "cpu"
+    threads: int | None = None
+    progress: Callable[[int], None] | None = None
+
+
 def ensemble(
     machine: str | Path | Machine,
     scenario: Scenario | Sequence[Scenario] | None = None,
     vary: Mapping[str, ArrayLike] | None = None,
-    *,
-    runs: int | None = None,
-    step: Value = STEP,
-    band: Value = BAND,
-    tip_band: Value = TIP_BAND,
-    traces: Sequence[str] = (),
-    every: int = 1,
-    device: str = "cpu",
-    threads: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    **options: Any,
 ) -> xarray.Dataset:
     """Simulate many runs, each with the laws of `rollout`, and measure them.
 
@@ -68,15 +87,7 @@ def ensemble(
             one ("scenario.drift.small"); what runs begin with, "start.angle.small" (rad),
             "start.pressure_a.small" and "start.pressure_b.small" (absolute, Pa); "scenario" (number of the scenario);
             "seed" (of the noise).
-        runs: how many; only needed where nothing varies.
-        step: of the plant; rounded so that a control cycle is a whole number of steps.
-        band: within this of its goal a joint has settled.
-        tip_band: within this of its goal the tip has settled.
-        traces: signals to keep, of `Traced`.
-        every: control cycles from record to record of the traces.
-        device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
-        threads: how many of the processor work at a time; one a core where not given. Results do not depend on it.
-        progress: is called with the number of runs each time that some are done.
+        **options: fields of `Options`, for instance `runs=100`, `traces=("angle",)`, `device="cuda"`.
 
     Returns:
         Metrics by run (see dataset.py); those of a run that diverged are not numbers.
@@ -86,16 +97,17 @@ def ensemble(
     """
     from layflat.sim.ensemble.dataset import measured  # noqa: PLC0415  # xarray takes long to import
 
+    chosen = checked_options(Options, options, "ensemble")
     given = [scenario or Scenario()] if scenario is None or isinstance(scenario, Scenario) else list(scenario)
-    prepared = cases(load(machine), given, vary or {}, runs)
-    bands = u.quantity(band, u.ANGLE, "band"), u.quantity(tip_band, u.LENGTH, "tip_band")
-    if every < 1:
-        raise InputError(f"{every} is out of range", where="every", right="give 1 or more")
-    timing = _timing(prepared, step)
-    results = room_for_results(prepared, _columns(traces), every)
-    for done in _runner(device, threads)(prepared, timing, bands, results):
-        if progress is not None:
-            progress(done)
+    prepared = cases(load(machine), given, vary or {}, chosen.runs)
+    bands = u.quantity(chosen.band, u.ANGLE, "band"), u.quantity(chosen.tip_band, u.LENGTH, "tip_band")
+    if chosen.every < 1:
+        raise InputError(f"{chosen.every} is out of range", where="every", right="give 1 or more")
+    timing = _timing(prepared, chosen.step)
+    results = room_for_results(prepared, _columns(chosen.traces), chosen.every)
+    for done in _runner(chosen.device, chosen.threads)(prepared, timing, bands, results):
+        if chosen.progress is not None:
+            chosen.progress(done)
     return measured(prepared, results, timing.cycle)
 
 
