@@ -25,7 +25,6 @@ LOOP = f"""
 import sys, time
 from pathlib import Path
 import numpy as np
-from layflat.rig.record import SHARED
 from layflat.rig.recorder.ring import Ring
 ring = Ring.attach(Path(sys.argv[1]))
 row = np.zeros(ring.head.width)
@@ -33,7 +32,7 @@ start, k = time.monotonic(), 0
 while True:
     row[:] = k
     row[0], row[1] = k * {CYCLE}, 1.7e9 + k * {CYCLE}
-    row[list(SHARED).index("fault")] = 0.0
+    row[{LAYOUT.shared["fault"]}] = 0.0
     ring.push(row)
     k += 1
     time.sleep(max(0.0, start + k * {CYCLE} - time.monotonic()))

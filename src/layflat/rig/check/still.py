@@ -37,7 +37,16 @@ DOES = {
 def look(bench: OpenLoopRig) -> list[CheckResult]:
     """Look at a rig that is not moved."""
     found = [reading for _ in range(bench.cycles(SECONDS)) if (reading := bench.look()) is not None]
-    findings = [_link(bench, len(found)), _timing(bench)]
+    late, asked = bench.deadlines, len(found) + bench.lost
+    median = 1e6 * float(np.median(bench.transactions))
+    right = "look at cable and load of the device, and at `timeout` in [interface]" if bench.lost > FEW * asked else ""
+    findings = [CheckResult("link", f"{len(found)} of {asked} replies came, {median:.0f} us at the median", right)]
+    told = (
+        f"{1e6 * late.lateness_at(0.5):.0f} us late at the median, {1e6 * late.lateness_at(0.99):.0f} us at 99 %, "
+        f"{late.missed} cycles missed"
+    )
+    right = "run nothing else on this computer, or take a longer cycle" if late.missed > FEW * asked else ""
+    findings.append(CheckResult("cycles", told, right))
     if not found:
         return findings
     if found[-1].stopped:
@@ -51,23 +60,6 @@ def look(bench: OpenLoopRig) -> list[CheckResult]:
         findings.append(_angle(bench, j, name, np.array([reading.angles[j] for reading in found])))
         findings.append(_pressure(bench, j, name, np.array([reading.pressures[j] for reading in found])))
     return findings
-
-
-def _link(bench: OpenLoopRig, answered: int) -> CheckResult:
-    asked = answered + bench.lost
-    found = f"{answered} of {asked} replies came, {1e6 * float(np.median(bench.transactions)):.0f} us at the median"
-    right = "look at cable and load of the device, and at `timeout` in [interface]"
-    return CheckResult("link", found, right if bench.lost > FEW * asked else "")
-
-
-def _timing(bench: OpenLoopRig) -> CheckResult:
-    late = bench.deadlines
-    found = (
-        f"{1e6 * late.lateness_at(0.5):.0f} us late at the median, {1e6 * late.lateness_at(0.99):.0f} us at 99 %, "
-        f"{late.missed} cycles missed"
-    )
-    right = "run nothing else on this computer, or take a longer cycle"
-    return CheckResult("cycles", found, right if late.missed > FEW * bench.cycles(SECONDS) else "")
 
 
 def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:

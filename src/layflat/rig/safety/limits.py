@@ -36,12 +36,6 @@ NOISE = 2.0
 SPARE, RIPPLE_AFTER = 2.0, 4.0
 """Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none."""
 
-ASLEEP = 0.29
-"""A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
-
-HELD = 0.6
-"""The same by more than noise, which may go to and fro by a count, s."""
-
 DOUBTFUL, SURE = 2.5, 7.5
 """Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit."""
 
@@ -101,7 +95,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             safety.air_residual if part.acting == "double" else inf,
             DOUBTFUL * cycle,
         ),
-        angle_frozen.Limits(angle.lsb, friction, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle, ASLEEP, HELD),
+        angle_frozen.Limits(angle.lsb, friction, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle),
         valve_unresponsive.Limits(
             getattr(machine.controller, "air_ripple", 0.0) if seen else 0.0,
             Fault.VALVE_UNRESPONSIVE.seconds - (SPARE + RIPPLE_AFTER) * cycle,

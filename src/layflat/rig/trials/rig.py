@@ -41,18 +41,13 @@ class Truth(NamedTuple):
     device: DeviceState
 
 
-def truth(device: VirtualDevice) -> Truth:
-    """Look at a device from within."""
+def elapse(device: VirtualDevice, until: int) -> Truth:
+    """Let time pass on a device up to an instant (ns), and look at it from within; called there."""
+    device.clock.wait(until)
+    device.tick()
     plant = device.plant
     highest = plant.pressures.max(axis=1).tolist()
     return Truth(plant.angles.tolist(), plant.velocities.tolist(), highest, plant.supply, device.state)
-
-
-def elapse(device: VirtualDevice, until: int) -> Truth:
-    """Let time pass on a device up to an instant (ns), and look at it; called there."""
-    device.clock.wait(until)
-    device.tick()
-    return truth(device)
 
 
 class SharedClock:
@@ -60,7 +55,7 @@ class SharedClock:
 
     def __init__(self, device: DeviceProcess) -> None:
         self._device, self._now = device, 0
-        self.truth: Truth = device.call(truth)
+        self.truth: Truth = device.call(elapse, 0)
         """Of the device, now."""
         self._due: tuple[int, Callable[[], object]] | None = None
 

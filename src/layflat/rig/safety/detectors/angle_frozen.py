@@ -20,6 +20,12 @@ without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 i
 DRIVEN = 0.09
 """Error of a joint that is driven, rad; by less friction may hold it."""
 
+ASLEEP = 0.29
+"""A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
+
+HELD = 0.6
+"""The same by more than noise, which may go to and fro by a count, s."""
+
 
 class Limits(NamedTuple):
     """What an angle that stays is judged by."""
@@ -32,10 +38,6 @@ class Limits(NamedTuple):
     """Time of the same sample after which a sensor that does not fit the valve is frozen, s."""
     patience: float
     """The same of one that bears too much, s."""
-    asleep: float
-    """In which a driven joint moves by a count, s."""
-    held: float
-    """In which it moves by more than noise, s."""
 
 
 class Memory(NamedTuple):
@@ -79,8 +81,8 @@ def find(limits, memory, doubts, before, now, sample):
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))
-        or asleep >= limits.asleep
-        or held >= limits.held
+        or asleep >= ASLEEP
+        or held >= HELD
         or (now.same_angle >= limits.patience and borne > BEYOND * limits.friction_band)
     )
     return after, FAULT if frozen else 0
