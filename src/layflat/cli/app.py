@@ -120,14 +120,7 @@ def known_joint(machine: Machine, joint: str) -> str:
 
 @contextmanager
 def naming_options(options: Mapping[str, str]) -> Iterator[None]:
-    """Let an error name the option that the user gave, not the argument of a function that it became.
-
-    Args:
-        options: such as "--move", by the argument's name, such as "demand".
-
-    Raises:
-        InputError: as in the block.
-    """
+    """Let an error name the option that the user gave, which stands in `options` by the argument that it became."""
     try:
         yield
     except InputError as error:

@@ -17,15 +17,9 @@ COMPILES = "(compiles for some seconds the first time)"
 
 @contextmanager
 def bar(what: str, total: float | None, *columns: str) -> Iterator[Callable[..., None]]:
-    """Show a bar; nothing where stderr is no terminal.
+    """Show a bar for what is done; nothing where stderr is no terminal.
 
-    Args:
-        what: what is done.
-        total: how much there is of it, where known.
-        columns: names of what stands behind the bar, such as "TimeRemainingColumn" of `rich.progress`.
-
-    Yields:
-        What sets what is shown: `completed`, `total`, `description`.
+    Columns behind it are named as in `rich.progress`. Yields what sets `completed`, `total` and `description`.
     """
     from rich import progress  # noqa: PLC0415
     from rich.console import Console  # noqa: PLC0415
@@ -46,11 +40,7 @@ def bar(what: str, total: float | None, *columns: str) -> Iterator[Callable[...,
 
 @contextmanager
 def steps_bar(what: str, total: int | None = None) -> Iterator[Any]:
-    """Show a bar over steps: how many are done, and for how long it goes on.
-
-    Yields:
-        `advance(done, total=None, now="")`, which sets what the bar shows.
-    """
+    """Show a bar over steps, and how long they take; yields `advance(done, total=None, now="")`, which sets it."""
     with bar(f"{what} {COMPILES}", total, "MofNCompleteColumn", "TimeRemainingColumn") as update:
 
         def advance(done: int, total: int | None = None, now: str = "") -> None:
@@ -72,9 +62,6 @@ def in_background(work: Callable[[], Any], what: str) -> Any:
     """Do some work in a thread, show for how long, and return what it gives or raise what it raises.
 
     Compiled code lets no Ctrl-C through; here it ends the waiting at once, and the thread ends with the process.
-
-    Raises:
-        KeyboardInterrupt: the user stopped it.
     """
     results: list[Any] = []
     failures: list[BaseException] = []

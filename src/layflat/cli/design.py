@@ -134,11 +134,7 @@ def _draw(made: JointDesign, out: Path) -> None:
 
 
 def _measured(machine: Machine, chosen: list[str], table: Path | None, pressure: str | None) -> Characteristic | None:
-    """Read --table, which measures one joint.
-
-    Raises:
-        InputError: it can't be read, it is not said which joint it measures, or --pressure stands alone.
-    """
+    """Read --table, which measures one joint, at --pressure."""
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.design import read_characteristic  # noqa: PLC0415
 

@@ -78,11 +78,7 @@ def export_log(
 
 
 def _read(log: Path) -> xarray.Dataset:
-    """Read what a rig recorded, or what `log export` wrote of it as NetCDF.
-
-    Raises:
-        InputError: it can't be read, or is no log of a rig.
-    """
+    """Read what a rig recorded, or what `log export` wrote of it as NetCDF."""
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
 

@@ -56,17 +56,8 @@ def rows(
 ) -> dict[str, Array]:
     """Return rows `first` to before `last` of a study: variant by variant, sample by sample, then scenario, then seed.
 
-    Args:
-        drawn: one number a sample by what varies.
-        count: of samples.
-        variants: how many.
-        seeds: first seed of the noise of every scenario.
-        noise_seeds: how many, one after the other.
-        first: row.
-        last: row after the last one.
-
-    Returns:
-        One number a run by what varies; "variant", "sample", "scenario" (its number) and "seed" among them.
+    Of what varies, `drawn` has a number for each of `count` samples. Each row has its own, and a "variant", a "sample",
+    a "scenario" (their numbers) and a "seed", one of `noise_seeds` from that of the scenario in `seeds` on.
     """
     shape = (variants, count, len(seeds), noise_seeds)
     places: Any = np.unravel_index(np.arange(first, last), shape)

@@ -39,13 +39,8 @@ def inertia_per_torque(machine: Machine, payload: Array) -> Array:
 def limits(ratios: Array, times: Array, allowed: float) -> Array:
     """Return the largest inertia per torque, from the paper's comparison on, up to which all settle in time.
 
-    Args:
-        ratios: inertia per torque, kg m2 per N m, growing.
-        times: to settle, s, (ratios, any number of cases).
-        allowed: s.
-
-    Returns:
-        One for each case; 0 where not even the inertia of the paper's comparison settles.
+    Times to settle and the time allowed are in s, (ratios, cases). There is a limit for each case; 0 where not even the
+    inertia of the paper's comparison settles.
     """
     known = ratios >= INERTIA_PER_TORQUE
     return np.array([limit_within(dict(zip(ratios[known], own[known], strict=True)), allowed) for own in times.T])
