@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from layflat.sim.scenario import Scenario, Signal
 
 LEAD = 0.1  # a move without a time begins so long after the start, s: the joints are at rest before it
-USUALLY = "3 s"  # duration of a run
+USUAL_DURATION = "3 s"  # duration of a run
 
-LASTS_AS_LONG = ("duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
+SAME_IN_SCENARIO = ("duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
 """Options that are called the same in a scenario."""
 
 
@@ -74,7 +74,7 @@ class Asked:
         acting = {
             key: timed(getattr(self, key) or [], first, f"--{key}", bare=key == "brake") for key, first in usual.items()
         }
-        moves, lasts = acting["move"], self.duration or USUALLY
+        moves, lasts = acting["move"], self.duration or USUAL_DURATION
         others: dict[str, Any] = {key: steps for key, steps in acting.items() if key != "move"}
         demand: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
         if self.demand is not None:
@@ -111,7 +111,7 @@ def simulate(
     asked.refuse_contradictions()
     check_folder(out)
     demand = "--move" if asked.demand is None else f"--demand {asked.demand}"
-    with naming_options({"demand": demand, **{name: f"--{name}" for name in LASTS_AS_LONG}}):
+    with naming_options({"demand": demand, **{name: f"--{name}" for name in SAME_IN_SCENARIO}}):
         scenario = asked.scenario(described)
         what = f"simulating {scenario.duration} (compiles the first time)"
         try:
