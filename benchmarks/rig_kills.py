@@ -14,17 +14,18 @@ import signal
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from layflat.cli.rig import DriverOf
 from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import Machine, changed, load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 from layflat.rig.device.virtual import VirtualDevice
+from layflat.rig.drivers.address import driver_of
 from layflat.rig.law import layout_of
 from layflat.rig.mailbox import Mailbox
 from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
@@ -72,7 +73,7 @@ def patient(machine: Machine) -> Machine:
 
 def host(machine: Machine, address: str, place: str, pipe: Connection) -> None:
     """What the host's process does: it swings the arm until the run ends, or it is killed."""
-    with Recorded(machine, DriverOf(address, machine), address, Path(place)) as rig:
+    with Recorded(machine, partial(driver_of, address, machine), address, Path(place)) as rig:
         performance = PlanRunner(rig)
         performance.bring_air()
         pipe.send((rig.session.process.pid, rig.recorder.pid, str(rig.session.mailbox)))

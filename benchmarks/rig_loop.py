@@ -16,7 +16,7 @@ from layflat.rig.clock import PunctualClock
 from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
-from layflat.rig.realtime import go_realtime
+from layflat.rig.system import go_realtime
 from layflat.rig.warmup import Resting, WarmupLoop
 
 SECONDS = 10.0

@@ -6,7 +6,7 @@ import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from functools import partial
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
@@ -42,20 +42,6 @@ SIMULATED = "simulated"
 """Address of a virtual rig in the loop's own process."""
 
 
-@dataclass(frozen=True)
-class DriverOf:
-    """Makes the driver of an address in another process; it can be pickled."""
-
-    address: str
-    machine: Machine
-
-    def __call__(self) -> Driver:
-        """Make it."""
-        from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
-
-        return driver_of(self.address, self.machine)
-
-
 def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str]:
     """What makes the driver of an address, and the name of the rig behind it.
 
@@ -63,8 +49,9 @@ def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str
         InputError: it is no address, or a package is missing.
         MachineError: the machine can't be driven.
     """
-    from layflat.cli.virtual_rig import SimulatedRig  # noqa: PLC0415
+    from layflat.cli.virtual_rig import simulated_rig  # noqa: PLC0415
     from layflat.machine import parameters  # noqa: PLC0415
+    from layflat.rig.drivers.address import driver_of  # noqa: PLC0415
 
     parameters.control(machine)
     if address != SIMULATED and not machine.control_law.compiled:
@@ -72,8 +59,8 @@ def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str
         right = f"--driver {SIMULATED} runs it; write it as laws for {address}"
         raise InputError(what, where=machine.origin, right=right)
     if address == SIMULATED:
-        return SimulatedRig(machine), f"{SIMULATED} by process {os.getpid()}"
-    factory = DriverOf(address, machine)
+        return partial(simulated_rig, machine), f"{SIMULATED} by process {os.getpid()}"
+    factory = partial(driver_of, address, machine)
     factory()  # it connects later, in the process that needs it
     return factory, address
 

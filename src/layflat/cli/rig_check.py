@@ -26,7 +26,7 @@ def check_rig(
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.check.all import check_rig as check  # noqa: PLC0415
     from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
-    from layflat.rig.realtime import first_in  # noqa: PLC0415
+    from layflat.rig.system import first_in  # noqa: PLC0415
 
     described = load(machine)
     factory, _ = driver_at(driver, described)

@@ -30,16 +30,9 @@ class VirtualRig:
         return VirtualDevice(self.machine, plant, clock, running=self.filled)
 
 
-@dataclass(frozen=True)
-class SimulatedRig:
-    """Makes a driver of a virtual rig in the same process; it can be pickled."""
+def simulated_rig(machine: Machine) -> Driver:
+    """Driver of a virtual rig in the same process."""
+    from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
+    from layflat.rig.drivers.simulated import SimulatedDriver  # noqa: PLC0415
 
-    machine: Machine  # what is simulated
-    seed: int = 0  # of the sensors' noise
-
-    def __call__(self) -> Driver:
-        """Make it."""
-        from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
-        from layflat.rig.drivers.simulated import SimulatedDriver  # noqa: PLC0415
-
-        return SimulatedDriver(VirtualRig(self.machine, self.seed)(MonotonicClock()))
+    return SimulatedDriver(VirtualRig(machine)(MonotonicClock()))

@@ -15,8 +15,7 @@ from layflat.rig.driver import Driver
 from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
-from layflat.rig.realtime import go_realtime
-from layflat.rig.system import processors
+from layflat.rig.system import go_realtime, processors
 from layflat.rig.warmup import WarmupLoop
 
 LEADS = 4

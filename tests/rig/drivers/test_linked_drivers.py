@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from layflat.rig.device.exchange import LATE, Spoil
 from layflat.rig.device.process import ModbusPort, SerialPort
 from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, DriverError, Lifecycle, LinkError
 from layflat.rig.drivers.address import driver_of
+from layflat.rig.drivers.linked import lock_rig
 from layflat.rig.wire.content import ROUND
 
 FORWARD = Command(np.array([6.0, 5.5]), air=True)
@@ -170,3 +174,47 @@ def test_a_machine_that_is_not_this_rig(device: Threaded, machine: Machine, what
     with pytest.raises(DriverError, match=re.escape(what)):
         driver.configure()
     driver_of(device.address, ARM).finalize()
+
+
+HOLDER = """
+import sys
+from layflat.rig.drivers.linked import lock_rig
+file = lock_rig("modbus://rig:502")
+print("held", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_one_holder_at_a_time() -> None:
+    first = lock_rig("serial:///dev/rig")
+    with pytest.raises(DriverError, match="is driven by process"):
+        lock_rig("serial:///dev/rig")
+    os.close(lock_rig("serial:///dev/other"))
+    os.close(first)
+    os.close(lock_rig("serial:///dev/rig"))
+
+
+def test_a_holder_in_another_process_is_named_and_its_death_frees_the_rig() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLDER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == "held\n"
+        with pytest.raises(DriverError, match=f"is driven by process {holder.pid} "):
+            lock_rig("modbus://rig:502")
+        holder.kill()
+    os.close(lock_rig("modbus://rig:502"))
+
+
+def test_where_no_lock_can_be_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("LAYFLAT_RUNTIME_DIR", str(tmp_path / "file"))
+    with pytest.raises(DriverError, match="LAYFLAT_RUNTIME_DIR"):
+        lock_rig("modbus://rig:502")
+
+
+def test_locks_lie_in_the_users_runtime_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("LAYFLAT_RUNTIME_DIR")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    os.close(lock_rig("modbus://rig:502"))
+    assert [path.name for path in (tmp_path / "layflat").iterdir()] == ["modbus-rig-502.lock"]

@@ -8,7 +8,7 @@ from layflat import changed, load
 from layflat.errors import MachineError
 from layflat.rig.driver import Capabilities, DriverError
 from layflat.rig.wire.content import WireError
-from layflat.rig.wire.identity import IDENTITY_SIZE, MAGIC, Identity
+from layflat.rig.wire.identity import IDENTITY_SIZE, MAGIC, Identity, Registers
 
 ARM = load("paper-arm")
 ABLE = Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
@@ -84,3 +84,22 @@ def test_machines_that_are_no_rigs() -> None:
         Identity.of(load("rig-kevlar"))
     with pytest.raises(MachineError, match="32 V"):
         Identity.of(changed(ARM, "valve.centre_voltage", 30.0))
+
+
+def test_the_map_that_the_docs_show() -> None:
+    found = Registers.of(ARM)
+    assert found == (range(4), range(7), range(256, 270))
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "what"),
+    [
+        ("interface.modbus.readings", 65530, "7 registers from 65530 on go beyond 65535"),
+        ("interface.modbus.commands", 65533, "4 registers from 65533 on"),
+        ("interface.modbus.identity", 5, "register 5 is too near to the readings"),
+    ],
+)
+def test_maps_that_can_not_be(path: str, value: int, what: str) -> None:
+    with pytest.raises(MachineError, match=what) as error:
+        Registers.of(changed(ARM, path, value))
+    assert path in str(error.value)

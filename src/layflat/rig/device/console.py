@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from layflat.errors import InputError
-from layflat.rig.device.failures import FAILURES, Size, failure
+from layflat.rig.device.failures import ALL, failure
 from layflat.rig.device.virtual import VirtualDevice
 
 HELP = "fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures or quit"
@@ -19,16 +19,18 @@ def obey(device: VirtualDevice, words: Sequence[str]) -> str:
     """
     match [str(word) for word in words]:
         case ["fail", name, *others] if len(others) <= 2:
-            joint, size = _joint_and_size(device, others)
-            failure(name).begin(device, joint, size)
+            # A single number is a size if it is not that of a joint.
+            named = len(others) == 2 or (bool(others) and _number_of(device, others[0]) is not None)
+            joint, size = (others[0], others[1:]) if named else ("0", others)
+            failure(name).begin(device, _joint(device, joint), *map(_size, size))
             return f"{name}: {failure(name).what}"
         case ["heal", name, *others] if len(others) <= 1:
-            failure(name).end(device, _joint(device, others[0]) if others else 0)
+            failure(name).end(device, *(_joint(device, word) for word in others))
             return f"{name}: healed"
         case ["state"]:
             return state(device)
         case ["failures"]:
-            return "\n".join(f"{one.name}: {one.what}{_sized(one.size)}" for one in FAILURES.values())
+            return "\n".join(map(str, ALL))
         case _:
             raise InputError(f"{' '.join(words)!r} is not understood", where="line", right=f"give {HELP}")
 
@@ -49,30 +51,22 @@ def _gauge(device: VirtualDevice, pressure: float) -> str:
     return f"{max(pressure - device.line.ambient, 0.0) / 1e5:.2f} bar"
 
 
-def _sized(size: Size | None) -> str:
-    return "" if size is None else f" (SIZE: {size.unit}; default: {size.usual:g})"
-
-
-def _joint_and_size(device: VirtualDevice, words: Sequence[str]) -> tuple[int, float | None]:
-    """A joint and a size; a single number is a size if it is not that of a joint."""
-    if len(words) == 2:
-        return _joint(device, words[0]), _number(words[1])
-    if len(words) == 1:
-        known = words[0] in {*device.plant.joints, *map(str, range(len(device.plant.joints)))}
-        return (_joint(device, words[0]), None) if known else (0, _number(words[0]))
-    return 0, None
+def _number_of(device: VirtualDevice, word: str) -> int | None:
+    """Number of the joint of a name or a number; None where there is none."""
+    names = list(device.plant.joints)
+    known = [*names, *map(str, range(len(names)))]
+    return known.index(word) % len(names) if word in known else None
 
 
 def _joint(device: VirtualDevice, word: str) -> int:
-    names = list(device.plant.joints)
-    if word in names:
-        return names.index(word)
-    if word.isdigit() and int(word) < len(names):
-        return int(word)
-    raise InputError(f"unknown joint {word!r}", where="line", right=f"give {' or '.join(names)}")
+    number = _number_of(device, word)
+    if number is None:
+        right = f"give {' or '.join(device.plant.joints)}"
+        raise InputError(f"unknown joint {word!r}", where="line", right=right)
+    return number
 
 
-def _number(word: str) -> float:
+def _size(word: str) -> float:
     try:
         return float(word)
     except ValueError:

@@ -69,6 +69,10 @@ class Failure:
         """
         self._put(device, joint, self.sound)
 
+    def __str__(self) -> str:
+        size = f" (SIZE: {self.size.unit}; default: {self.size.usual:g})" if self.size is not None else ""
+        return f"{self.name}: {self.what}{size}"
+
     def _put(self, device: VirtualDevice, joint: int, state: Any) -> None:
         count = device.capabilities.joints
         if not 0 <= joint < count:

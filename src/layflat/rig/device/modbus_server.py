@@ -21,7 +21,7 @@ from layflat.machine.model import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.device.exchange import Device, Spoil, Station
 from layflat.rig.wire.content import WireError
-from layflat.rig.wire.registers import Registers
+from layflat.rig.wire.identity import Registers
 
 # Noise on the line is nothing to tell of, and would be told for every byte where nobody has set up logging.
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())

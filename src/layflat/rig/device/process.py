@@ -18,8 +18,7 @@ from layflat.machine.model import Machine
 from layflat.rig.clock import Clock, MonotonicClock, VirtualClock
 from layflat.rig.device.exchange import Device
 from layflat.rig.driver import DriverError
-from layflat.rig.realtime import first_in
-from layflat.rig.system import start_process
+from layflat.rig.system import first_in, start_process
 
 TICK = 5e-3
 """Between two looks at the clock in real time, s; a device makes up for what happened between them."""
@@ -128,7 +127,7 @@ def _serve(
     """Main function of the process: be a device until told to quit, or left alone by whoever holds the handle."""
     try:
         device = factory(VirtualClock() if lockstep else MonotonicClock())
-        asyncio.run(_Serving(device, machine, control).run(at, lockstep))
+        asyncio.run(_be(device, machine, at, control, lockstep))
     except Exception as error:
         with suppress(OSError):
             control.send((False, _told(error)))
@@ -138,72 +137,73 @@ def _told(error: Exception) -> str:
     return str(error) if isinstance(error, LayflatError) else f"{type(error).__name__} on the device: {error}"
 
 
-class _Serving:
-    def __init__(self, device: Device, machine: Machine, control: Connection) -> None:
-        self._device, self._machine, self._control = device, machine, control
-        self._failed: BaseException | None = None
+async def _be(
+    device: Device, machine: Machine, at: ModbusPort | SerialPort, control: Connection, lockstep: bool
+) -> None:
+    loop: asyncio.AbstractEventLoop = asyncio.get_running_loop()
+    done: asyncio.Future[None] = loop.create_future()
 
-    async def run(self, at: ModbusPort | SerialPort, lockstep: bool) -> None:
-        self._done, loop = asyncio.Event(), asyncio.get_running_loop()
-        loop.set_exception_handler(self._fail)
-        loop.add_signal_handler(signal.SIGTERM, self._done.set)
-        # Who holds the handle hears an interrupt too, and quits in its own way.
-        loop.add_signal_handler(signal.SIGINT, lambda: None)
-        address, close = await self._listen(at)
-        loop.add_reader(self._control.fileno(), self._hear)
-        # To look through all that was imported takes a tenth of a second, for which nobody would be answered.
-        gc.freeze()
-        if not lockstep:
-            # What it stands for has a processor to itself.
-            with suppress(OSError, AttributeError):
-                first_in()
-            self._tick()
-        try:
-            self._control.send((True, address))
-            await self._done.wait()
-        finally:
-            close()
-        if self._failed is not None:
-            raise self._failed
+    def end(error: BaseException | None = None) -> None:
+        if error is not None and not done.done():
+            done.set_exception(error)
+        elif not done.done():
+            done.set_result(None)
 
-    def _tick(self) -> None:
-        self._device.tick()
-        asyncio.get_running_loop().call_later(TICK, self._tick)
+    def tick() -> None:
+        device.tick()
+        loop.call_later(TICK, tick)
 
-    def _fail(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:  # noqa: ARG002  (as asyncio calls)
-        self._failed = context.get("exception")
-        self._done.set()
+    loop.set_exception_handler(lambda _, context: end(context.get("exception")))
+    loop.add_signal_handler(signal.SIGTERM, end)
+    # Who holds the handle hears an interrupt too, and quits in its own way.
+    loop.add_signal_handler(signal.SIGINT, lambda: None)
+    address, close = await _listen(device, machine, at)
+    loop.add_reader(control.fileno(), lambda: None if _hear(device, control) else end())
+    # To look through all that was imported takes a tenth of a second, for which nobody would be answered.
+    gc.freeze()
+    if not lockstep:
+        # What it stands for has a processor to itself.
+        with suppress(OSError, AttributeError):
+            first_in()
+        tick()
+    try:
+        control.send((True, address))
+        await done
+    finally:
+        loop.remove_reader(control.fileno())
+        close()
 
-    async def _listen(self, at: ModbusPort | SerialPort) -> tuple[str, Callable[[], None]]:
-        if isinstance(at, SerialPort):
-            from layflat.rig.device.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
 
-            terminal = SerialStation(self._device, self._machine)
-            return f"serial://{terminal.listen(at.link)}", terminal.close
-        from layflat.rig.device.modbus_server import ModbusStation  # noqa: PLC0415  (needs an extra)
+def _hear(device: Device, control: Connection) -> bool:
+    """Call what the handle sends, and answer whether it went well, and what came of it; false: it wants an end."""
+    try:
+        asked = control.recv()
+    except (EOFError, OSError):
+        asked = None
+    if asked is None:
+        return False
+    function, *arguments = asked
+    try:
+        answer = True, function(device, *arguments)
+    except Exception as error:  # whatever it is, it is the host's to see
+        answer = False, _told(error)
+    with suppress(OSError):
+        control.send(answer)
+    return True
 
-        station = ModbusStation(self._device, self._machine)
-        try:
-            port = await station.listen(at.host, at.port)
-        except (OSError, OverflowError) as error:
-            what = f"can't be listened at ({getattr(error, 'strerror', None) or error})"
-            raise DriverError(what, where=f"modbus://{at.host}:{at.port}", right="give another port") from None
-        return f"modbus://{at.host}:{port}", station.close
 
-    def _hear(self) -> None:
-        """Call what the handle sends, and answer whether it went well, and what came of it; none of it: quit."""
-        try:
-            asked = self._control.recv()
-        except (EOFError, OSError):
-            asked = None
-        if asked is None:
-            self._done.set()
-            asyncio.get_running_loop().remove_reader(self._control.fileno())
-            return
-        function, *arguments = asked
-        try:
-            answer = True, function(self._device, *arguments)
-        except Exception as error:  # whatever it is, it is the host's to see
-            answer = False, _told(error)
-        with suppress(OSError):
-            self._control.send(answer)
+async def _listen(device: Device, machine: Machine, at: ModbusPort | SerialPort) -> tuple[str, Callable[[], None]]:
+    if isinstance(at, SerialPort):
+        from layflat.rig.device.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
+
+        terminal = SerialStation(device, machine)
+        return f"serial://{terminal.listen(at.link)}", terminal.close
+    from layflat.rig.device.modbus_server import ModbusStation  # noqa: PLC0415  (needs an extra)
+
+    station = ModbusStation(device, machine)
+    try:
+        port = await station.listen(at.host, at.port)
+    except (OSError, OverflowError) as error:
+        what = f"can't be listened at ({getattr(error, 'strerror', None) or error})"
+        raise DriverError(what, where=f"modbus://{at.host}:{at.port}", right="give another port") from None
+    return f"modbus://{at.host}:{port}", station.close

@@ -18,8 +18,7 @@ from pymodbus.pdu.register_message import ReadHoldingRegistersRequest, ReadWrite
 from layflat.machine.model import Machine
 from layflat.rig.driver import DriverError, LinkError
 from layflat.rig.drivers.linked import LinkedDriver, pieces
-from layflat.rig.wire.identity import Identity
-from layflat.rig.wire.registers import Registers
+from layflat.rig.wire.identity import Identity, Registers
 
 CONNECT = 1.0
 """Patience while connecting, s."""

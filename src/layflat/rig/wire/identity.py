@@ -1,4 +1,4 @@
-"""What a device says of itself before anything moves, and whether that fits the machine."""
+"""What a device says of itself before anything moves, whether that fits, and where words stand in registers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from layflat.errors import MachineError
 from layflat.machine.model import Machine
 from layflat.machine.parameters import drive_parts
 from layflat.rig.driver import Capabilities, DriverError
-from layflat.rig.wire.content import WireError
+from layflat.rig.wire.content import Wire, WireError
 
 MAGIC = 0x4C46
 """Nothing else that answers is taken for a rig."""
@@ -108,3 +108,32 @@ _EXPECTED = {
     "centres_after": "a watchdog of {} ms",
     "dumps_after": "{} ms until it dumps",
 }
+
+
+class Registers(NamedTuple):
+    """Ranges of registers; commands are written, the others read. The first two begin with the transaction's number."""
+
+    commands: range
+    readings: range
+    identity: range
+
+    @classmethod
+    def of(cls, machine: Machine) -> Registers:
+        """The map that a machine's file asks for.
+
+        Raises:
+            MachineError: it goes beyond the last register, or what is read overlaps.
+        """
+        wire, link = Wire.of(machine), machine.interface.modbus
+        where = f"{machine.origin}: interface.modbus"
+        sizes = {"commands": 1 + wire.command_size, "readings": 1 + wire.reading_size, "identity": IDENTITY_SIZE}
+        for name, size in sizes.items():
+            start, last = getattr(link, name), 0x10000 - size
+            if start > last:
+                what = f"{size} registers from {start} on go beyond 65535"
+                raise MachineError(what, where=f"{where}.{name}", right=f"give up to {last}")
+        found = cls(*(range(getattr(link, name), getattr(link, name) + size) for name, size in sizes.items()))
+        if found.readings.start < found.identity.stop and found.identity.start < found.readings.stop:
+            what = f"register {link.identity} is too near to the readings, from {link.readings} on"
+            raise MachineError(what, where=f"{where}.identity", right=f"give {found.readings.stop} or more")
+        return found
