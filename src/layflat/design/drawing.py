@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from contextlib import ExitStack
-from math import cos, degrees, radians, sin
+from io import StringIO
+from math import degrees, radians
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +17,7 @@ from layflat.design.dxf import dxf_text
 from layflat.design.outline import Outline
 from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet
 from layflat.design.sheet import Path as Line
-from layflat.design.straplines import CLAMP_ANGLE, RollerLine, ShellLine, of_joint
+from layflat.design.straplines import CLAMP_ANGLE, RollerLine, ShellLine, of_joint, turned, unit
 from layflat.design.summary import JointDesign
 from layflat.design.svg import svg_text
 from layflat.errors import DesignError
@@ -55,10 +54,12 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
         OutputError: the folder can't be written.
     """
     cam, stem = cam_sheet(design), re.sub(r"[^\w.]+", "-", f"{design.machine.name}-{design.name}")
+    columns, table = design.columns(), StringIO()
+    np.savetxt(table, np.stack(list(columns.values()), axis=-1), "%.9g", ",", header=",".join(columns), comments="")
     contents = {
         "cam.dxf": dxf_text(cam) if extras.available("drawing") else "",
         "cam.svg": svg_text(cam),
-        "cam.csv": columns_text(design.columns()),
+        "cam.csv": table.getvalue(),
         "layout.svg": svg_text(layout_sheet(design)),
     }
     texts = {folder / f"{stem}-{name}": text for name, text in contents.items() if text}
@@ -66,15 +67,6 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
         for path, text in texts.items():
             files.enter_context(whole_file(path)).write_text(text, encoding="utf-8", newline="\n")
     return list(texts)
-
-
-def columns_text(columns: dict[str, Array]) -> str:
-    """Return CSV of columns of one length."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))
-    return text.getvalue()
 
 
 def cam_sheet(design: JointDesign) -> Sheet:
@@ -86,15 +78,15 @@ def cam_sheet(design: JointDesign) -> Sheet:
     cam, outline = design.with_cam(), _outline(design)
     points = outline.points * MM
     low, high = points.min(axis=0), points.max(axis=0)
-    sheet = Sheet(f"Cam of joint {design.name}, {design.machine.name}", _text_height(float((high - low).max())))
-    t = sheet.text_height
+    t = min(LARGEST_TEXT, float((high - low).max()) / TEXTS_ACROSS)
+    sheet = Sheet(f"Cam of joint {design.name}, {design.machine.name}", t)
     sheet.paths.append(Line(points, "OUTLINE", closed=True))
     sheet.circles.append(Circle((0.0, 0.0), outline.bore / 2 * MM, "OUTLINE"))
     sheet.cross((0.0, 0.0), outline.hub / 2 * MM + t)
     _levers(sheet, cam)
     ends = np.vstack([distance.ends for distance in sheet.distances])
     _overall(sheet, low, high, np.vstack((points, ends)))
-    bore, lead = outline.bore * MM, _lead(outline, BORE_DIRECTION) * MM + 2 * t
+    bore, lead = outline.bore * MM, float((points @ unit(radians(BORE_DIRECTION))).max()) + 2 * t
     sheet.diameters.append(Diameter((0.0, 0.0), bore / 2, BORE_DIRECTION, f"⌀{bore:.4g}", lead))
     top = min(low[1], ends[:, 1].min()) - 11 * t
     for row, text in enumerate(_notes(design, cam, outline)):
@@ -109,36 +101,37 @@ def layout_sheet(design: JointDesign) -> Sheet:
         DesignError: the joint has no cam that can be made.
     """
     cam, outline, joint = design.with_cam(), _outline(design), design.joint
-    R, gamma = joint.cylinder.diameter / 2 * MM, joint.hose.wrap
-    sheet = Sheet(f"Layout of joint {design.name}, {design.machine.name}", _text_height(2 * R))
-    t = sheet.text_height
+    R = joint.cylinder.diameter / 2 * MM
+    t = min(LARGEST_TEXT, 2 * R / TEXTS_ACROSS)
+    sheet = Sheet(f"Layout of joint {design.name}, {design.machine.name}", t)
     sheet.circles.append(Circle((0.0, 0.0), R, "HOSE"))
     sheet.cross((0.0, 0.0), 2 * t)
     axis = np.array(cam.axis) * MM
-    sheet.circles.append(Circle(_point(axis), outline.bore / 2 * MM, "OUTLINE"))
-    sheet.cross(_point(axis), outline.bore / 2 * MM + t)
+    sheet.circles.append(Circle(axis, outline.bore / 2 * MM, "OUTLINE"))
+    sheet.cross(axis, outline.bore / 2 * MM + t)
     line = of_joint(joint)
     if isinstance(line, RollerLine):
-        centre = _point(np.array(line.centre) * MM)
+        centre = np.array(line.centre) * MM
         sheet.circles.append(Circle(centre, max(line.radius * MM, 0.5), "OUTLINE"))
     last = len(cam.angle) - 1
     for k in (0, last // 2, last):
-        turned = _rotated(outline.points * MM, float(cam.angle[k])) + axis
-        sheet.paths.append(Line(turned, "OUTLINE" if k == 0 else "CENTRE", closed=True))
-        normal = np.array([cos(cam.line_normal[k]), sin(cam.line_normal[k])])
+        placed = _rotated(outline.points * MM, float(cam.angle[k])) + axis
+        sheet.paths.append(Line(placed, "OUTLINE" if k == 0 else "CENTRE", closed=True))
         foot = _rotated(cam.profile[k : k + 1] * MM, float(cam.angle[k]))[0] + axis
         start = cam.strap_point[k] * MM
-        sheet.line(_point(start), _point(foot), "STRAP")
-        corner = turned[int(np.argmax(np.hypot(*(turned - axis).T)))] - axis
+        sheet.line(start, foot, "STRAP")
+        corner = placed[int(np.argmax(np.hypot(*(placed - axis).T)))] - axis
         beside = axis + corner * (1 + 1.5 * t / np.hypot(*corner)) - np.array([t, 0.0])
         if isinstance(line, ShellLine):
-            sheet.paths.append(Line(_shell(R, gamma, float(cam.travel[k] / line.chord)), "HOSE"))
-            beside = start + 2.5 * t * np.array([-normal[1], normal[0]]) - np.array([t, 0.0])
-        sheet.notes.append(Note(_point(beside), f"{degrees(cam.angle[k]):.0f}°", 0.8))
+            arc = R * unit(CLAMP_ANGLE - np.linspace(0.0, joint.hose.wrap, 61))
+            shell = _rotated(arc - arc[0], float(cam.travel[k] / line.chord)) + arc[0]
+            sheet.paths.append(Line(shell, "HOSE"))
+            beside = start + 2.5 * t * turned(unit(cam.line_normal[k])) - np.array([t, 0.0])
+        sheet.notes.append(Note(beside, f"{degrees(cam.angle[k]):.0f}°", 0.8))
     sheet.diameters.append(Diameter((0.0, 0.0), R, CYLINDER_DIRECTION, f"⌀{2 * R:.4g}", R + 3 * t))
     if joint.output.shaft_offset:
         base = (R + 4 * t, 0.0)
-        sheet.distances.append(Distance((0.0, 0.0), _point(axis), base, 90.0, f"{joint.output.shaft_offset * MM:.4g}"))
+        sheet.distances.append(Distance((0.0, 0.0), axis, base, 90.0, f"{joint.output.shaft_offset * MM:.4g}"))
     _legend(sheet, design, (-R, min(-R, *(float(path.points[:, 1].min()) for path in sheet.paths)) - 6 * t))
     return sheet
 
@@ -175,12 +168,12 @@ def _levers(sheet: Sheet, cam: Cam) -> None:
     t = sheet.text_height
     for k, beyond in ((0, 1.0), (-1, -1.0)):
         eta, lever = float(cam.normal[k]), float(cam.lever[k]) * MM
-        normal, tangent = np.array([cos(eta), sin(eta)]), np.array([-sin(eta), cos(eta)])
+        normal, tangent = unit(eta), turned(unit(eta))
         touch = cam.profile[k] * MM
         end = touch + 8 * t * tangent
-        sheet.line(_point(touch), _point(end), "STRAP")
+        sheet.line(touch, end, "STRAP")
         base = lever * normal + beyond * (abs(float((touch - lever * normal) @ tangent)) + 6 * t) * tangent
-        sheet.distances.append(Distance((0.0, 0.0), _point(lever * normal), _point(base), degrees(eta), f"{lever:.3f}"))
+        sheet.distances.append(Distance((0.0, 0.0), lever * normal, base, degrees(eta), f"{lever:.3f}"))
 
 
 def _overall(sheet: Sheet, low: Array, high: Array, taken: Array) -> None:
@@ -206,29 +199,7 @@ def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
     ]
 
 
-def _shell(R: float, gamma: float, opened: float) -> Array:
-    """Return the left shell, turned about its hinge by the angle that it has opened."""
-    angle = CLAMP_ANGLE - np.linspace(0.0, gamma, 61)
-    arc = R * np.stack((np.cos(angle), np.sin(angle)), axis=-1)
-    hinge: Array = arc[0]
-    return _rotated(arc - hinge, opened) + hinge
-
-
-def _lead(outline: Outline, direction: float) -> float:
-    """Return how far the outline reaches from the axis in a direction (degrees), m."""
-    unit = np.array([cos(radians(direction)), sin(radians(direction))])
-    return float((outline.points @ unit).max())
-
-
-def _text_height(size: float) -> float:
-    return min(LARGEST_TEXT, size / TEXTS_ACROSS)
-
-
 def _rotated(points: Array, angle: float) -> Array:
-    c, s = cos(angle), sin(angle)
-    turned: Array = points @ np.array([[c, s], [-s, c]])
-    return turned
-
-
-def _point(vector: Array) -> tuple[float, float]:
-    return float(vector[0]), float(vector[1])
+    along = unit(angle)
+    rotated: Array = points @ np.stack((along, turned(along)))
+    return rotated

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import io
-from math import cos, radians, sin
+from math import radians
 from typing import TYPE_CHECKING, Any
 
 from layflat import extras
 from layflat.design.sheet import Layer, Sheet
+from layflat.design.straplines import unit
 
 if TYPE_CHECKING:
     from ezdxf.layouts.layout import Modelspace
@@ -71,11 +72,7 @@ def _dimensions(space: Modelspace, sheet: Sheet) -> None:
             radius=diameter.radius,
             angle=diameter.direction,
             text=diameter.label,
-            location=_led_out(diameter.centre, diameter.lead, diameter.direction),
+            location=diameter.centre + diameter.lead * unit(radians(diameter.direction)),
             override=style,
             dxfattribs=attributes,
         ).render()
-
-
-def _led_out(centre: tuple[float, float], lead: float, direction: float) -> tuple[float, float]:
-    return centre[0] + lead * cos(radians(direction)), centre[1] + lead * sin(radians(direction))

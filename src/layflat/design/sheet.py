@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import cos, radians, sin
+from math import radians
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.design.straplines import unit
+
 Array = NDArray[np.float64]
-Point = tuple[float, float]
+Point = tuple[float, float] | Array
 Layer = Literal["OUTLINE", "CENTRE", "STRAP", "HOSE", "DIMENSIONS", "TEXT"]
 
 
@@ -45,7 +47,7 @@ class Distance:
     @property
     def ends(self) -> Array:
         """Both ends of the dimension line, shape (2, 2)."""
-        along = np.array([cos(radians(self.direction)), sin(radians(self.direction))])
+        along = unit(radians(self.direction))
         base = np.array(self.base)
         return np.array([base + ((np.array(point) - base) @ along) * along for point in (self.first, self.second)])
 

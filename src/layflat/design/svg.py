@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from html import escape
-from math import cos, radians, sin
+from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.design.sheet import Diameter, Distance, Layer, Sheet
+from layflat.design.sheet import Diameter, Distance, Layer, Point, Sheet
+from layflat.design.straplines import turned, unit
 
 Array = NDArray[np.float64]
 
@@ -62,28 +63,27 @@ class _Canvas:
         steps = " L".join(f"{x:.4f},{-y:.4f}" for x, y in points)
         self.elements.append(f'<path class="{layer.lower()}" d="M{steps}{"Z" if closed else ""}"/>')
 
-    def circle(self, centre: tuple[float, float], radius: float, layer: Layer) -> None:
+    def circle(self, centre: Point, radius: float, layer: Layer) -> None:
         middle = np.array(centre)
         self._reach(np.array([middle - radius, middle + radius]))
         x, y = centre
         self.elements.append(f'<circle class="{layer.lower()}" cx="{x:.4f}" cy="{-y:.4f}" r="{radius:.4f}"/>')
 
     def arrow(self, tip: Array, direction: Array) -> None:
-        across = np.array([-direction[1], direction[0]])
-        back = tip - ARROW * self.t * direction
-        corners = (tip, back + 0.15 * self.t * across, back - 0.15 * self.t * across)
+        back, across = tip - ARROW * self.t * direction, 0.15 * self.t * turned(direction)
+        corners = (tip, back + across, back - across)
         points = " ".join(f"{x:.4f},{-y:.4f}" for x, y in corners)
         self.elements.append(f'<polygon class="arrow" points="{points}"/>')
 
-    def text(self, at: Array, text: str, height: float, turned: float, anchor: str) -> None:
+    def text(self, at: Array, text: str, height: float, rotation: float, anchor: str) -> None:
         long = LETTER * height * len(text)
-        along = np.array([cos(radians(turned)), sin(radians(turned))])
+        along = unit(radians(rotation))
         first = at - (0.5 * long * along if anchor == "middle" else 0.0)
-        self._reach(np.array([first, first + long * along, first + height * np.array([-along[1], along[0]])]))
+        self._reach(np.array([first, first + long * along, first + height * turned(along)]))
         x, y = at
         self.elements.append(
             f'<text x="{x:.4f}" y="{-y:.4f}" font-size="{height:.4f}" text-anchor="{anchor}" '
-            f'transform="rotate({-turned:.4f} {x:.4f} {-y:.4f})">{escape(text, quote=False)}</text>'
+            f'transform="rotate({-rotation:.4f} {x:.4f} {-y:.4f})">{escape(text, quote=False)}</text>'
         )
 
     def document(self, title: str) -> str:
@@ -107,32 +107,24 @@ class _Canvas:
 
 
 def _distance(drawn: _Canvas, dimension: Distance) -> None:
-    t = drawn.t
-    angle = radians(dimension.direction)
-    along = np.array([cos(angle), sin(angle)])
-    ends = dimension.ends
+    t, along, ends = drawn.t, unit(radians(dimension.direction)), dimension.ends
     for point, end in zip(np.array((dimension.first, dimension.second)), ends, strict=True):
         away = end - point
         far = float(np.hypot(*away))
         if far > GAP * t:
-            unit = away / far
-            drawn.path(np.array([point + GAP * t * unit, end + PAST * t * unit]), "DIMENSIONS")
+            away /= far
+            drawn.path(np.array([point + GAP * t * away, end + PAST * t * away]), "DIMENSIONS")
     drawn.path(ends, "DIMENSIONS")
     drawn.arrow(ends[1], along)
     drawn.arrow(ends[0], -along)
-    turned = (dimension.direction + 90.0) % 180.0 - 90.0
-    if turned == -90.0:
-        turned = 90.0
-    upright = np.array([-sin(radians(turned)), cos(radians(turned))])
-    drawn.text((ends[0] + ends[1]) / 2 + 0.35 * t * upright, dimension.label, t, turned, "middle")
+    rotation = 90.0 - (90.0 - dimension.direction) % 180.0  # readable from below or the right
+    upright = turned(unit(radians(rotation)))
+    drawn.text((ends[0] + ends[1]) / 2 + 0.35 * t * upright, dimension.label, t, rotation, "middle")
 
 
 def _diameter(drawn: _Canvas, dimension: Diameter) -> None:
-    t = drawn.t
-    angle = radians(dimension.direction)
-    out = np.array([cos(angle), sin(angle)])
-    rim = np.array(dimension.centre) + dimension.radius * out
-    knee = np.array(dimension.centre) + dimension.lead * out
+    t, out = drawn.t, unit(radians(dimension.direction))
+    rim, knee = (np.array(dimension.centre) + reach * out for reach in (dimension.radius, dimension.lead))
     side = 1.0 if out[0] >= 0 else -1.0
     long = LETTER * t * (len(dimension.label) + 1)
     shelf = knee + np.array([side * long, 0.0])
