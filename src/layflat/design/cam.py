@@ -21,13 +21,11 @@ from dataclasses import dataclass
 from math import degrees, isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.design.characteristic import Characteristic
+from layflat.design.curves import Array
 from layflat.design.straplines import StrapLine, turned, unit
 from layflat.errors import DesignError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -114,11 +112,9 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
     eta = lines.normal_angle - phi
     back = np.diff(eta) >= 0
     if back.any():
-        raise DesignError(
-            f"the strap's line turns faster than the cam at {s[int(np.argmax(back))] * 1e3:.4g} mm of travel",
-            where="cam",
-            right="a longer stroke, or an output axis further from the strap point",
-        )
+        what = f"the strap's line turns faster than the cam at {s[int(np.argmax(back))] * 1e3:.4g} mm of travel"
+        right = "a longer stroke, or an output axis further from the strap point"
+        raise DesignError(what, where="cam", right=right)
     _, slope, bend = (values[::-1] for values in characteristic.through(eta[::-1], lines.lever[::-1]))
     normal = unit(eta)
     return Cam(

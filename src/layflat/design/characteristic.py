@@ -17,14 +17,11 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
-from layflat.design.curves import ORDER, Through, spline
+from layflat.design.curves import ORDER, Array, Through, spline
 from layflat.errors import DesignError
 from layflat.machine import Joint
 from layflat.physics.hose import roller_torque
-
-Array = NDArray[np.float64]
 
 POINTS = 601
 """Nodes of a curve that a law gives; its quintic spline is then as exact as the law."""
@@ -54,22 +51,16 @@ class Characteristic:
     def __post_init__(self) -> None:
         where = f"characteristic from {self.source}"
         if self.travel.shape != self.force.shape or self.travel.ndim != 1 or self.travel.size <= ORDER:
-            raise DesignError(
-                f"{self.travel.size} travels and {self.force.size} forces",
-                where=where,
-                right=f"give as many of one as of the other, at least {ORDER + 1}",
-            )
+            right = f"give as many of one as of the other, at least {ORDER + 1}"
+            raise DesignError(f"{self.travel.size} travels and {self.force.size} forces", where=where, right=right)
         if not (np.isfinite(self.travel).all() and np.isfinite(self.force).all()):
             raise DesignError("holds a number that is not finite", where=where, right="every value must be a number")
         if self.travel[0] != 0.0 or not (np.diff(self.travel) > 0).all():
             raise DesignError("travel does not rise from 0", where=where, right="order it from the collapsed hose on")
         if not (self.force > 0).all():
             at = self.travel[int(np.argmax(self.force <= 0))]
-            raise DesignError(
-                f"the hose gives no force at {at * 1e3:.4g} mm of travel",
-                where=where,
-                right="end the travel before that: a smaller stroke, or a wider hose",
-            )
+            right = "end the travel before that: a smaller stroke, or a wider hose"
+            raise DesignError(f"the hose gives no force at {at * 1e3:.4g} mm of travel", where=where, right=right)
 
     @cached_property
     def volume(self) -> Array:
@@ -121,21 +112,14 @@ def wrapped_hose(
     Raises:
         DesignError: a size is not positive, the wrap is over 180 deg, or the hose gives no force.
     """
-    for name, value in {
-        "width": width,
-        "radius": R,
-        "wrap": gamma,
-        "contact_end": contact_end,
-        "peel_ratio": c,
-    }.items():
+    sizes = {"width": width, "radius": R, "wrap": gamma, "contact_end": contact_end, "peel_ratio": c}
+    for name, value in sizes.items():
         if not (np.isfinite(value) and value > 0):
             raise DesignError(f"{value:.6g}", where=f"hose on a cylinder: {name}", right="give a positive number")
     if not contact_end < gamma <= pi + 2e-6:
-        raise DesignError(
-            f"wrap of {np.degrees(gamma):.6g} deg and contact_end of {np.degrees(contact_end):.6g} deg",
-            where="hose on a cylinder",
-            right="contact_end must be smaller than wrap, and wrap at most 180 deg",
-        )
+        what = f"wrap of {np.degrees(gamma):.6g} deg and contact_end of {np.degrees(contact_end):.6g} deg"
+        right = "contact_end must be smaller than wrap, and wrap at most 180 deg"
+        raise DesignError(what, where="hose on a cylinder", right=right)
     alpha = np.linspace(gamma, contact_end, points)
     force = np.array([roller_torque(1.0, R, 1.0, width / pi, gamma, float(a)) for a in alpha])
     return Characteristic(c * R * (gamma - alpha), force, "Eq. (1)", through=through)

@@ -20,11 +20,9 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.design.curves import Array
 from layflat.physics.hose import roller_torque
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from math import degrees, radians
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat import extras
 from layflat.design.cam import Cam
+from layflat.design.curves import Array
 from layflat.design.dxf import dxf_text
 from layflat.design.outline import Outline
 from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet
@@ -22,8 +22,6 @@ from layflat.design.summary import JointDesign
 from layflat.design.svg import svg_text
 from layflat.errors import DesignError
 from layflat.files import whole_file
-
-Array = NDArray[np.float64]
 
 MM = 1e3
 LARGEST_TEXT = 3.5
@@ -157,9 +155,8 @@ def _legend(sheet: Sheet, design: JointDesign, at: tuple[float, float]) -> None:
 
 def _outline(design: JointDesign) -> Outline:
     if design.outline is None:
-        raise DesignError(
-            "the cam can't be made", where=f"{design.machine.origin}: joint.{design.name}", right="see its findings"
-        )
+        right = "see its findings"
+        raise DesignError("the cam can't be made", where=design.where, right=right)
     return design.outline
 
 

@@ -23,9 +23,8 @@ from numpy.typing import NDArray
 
 from layflat.description.text import read_text
 from layflat.design.characteristic import POINTS, Characteristic
+from layflat.design.curves import Array
 from layflat.errors import InputError
-
-Array = NDArray[np.float64]
 
 TRAVELS = {"angle_deg": radians(1.0), "angle_rad": 1.0, "travel_mm": 1e-3, "travel_m": 1.0}
 FORCES = {"torque_Nm": 1.0, "force_N": 1.0}

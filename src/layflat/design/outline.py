@@ -11,13 +11,11 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.design.cam import Cam
+from layflat.design.curves import Array
 from layflat.design.straplines import turned, unit
 from layflat.errors import DesignError
-
-Array = NDArray[np.float64]
 
 BORES = tuple(size * 1e-3 for size in (4, 5, 6, 8, 10, 12, 15, 17, 20, 25, 30, 35, 40, 45, 50, 60))
 """Bores of common bearings and bushes, m."""
@@ -56,25 +54,17 @@ class Outline:
 
     def __post_init__(self) -> None:
         if not self.cam.convex:
-            raise DesignError(
-                f"not convex: radius of curvature falls to {self.cam.smallest_radius * 1e3:.4g} mm",
-                where="cam",
-                right="a longer stroke, or an output axis further from the strap point",
-            )
+            what = f"not convex: radius of curvature falls to {self.cam.smallest_radius * 1e3:.4g} mm"
+            right = "a longer stroke, or an output axis further from the strap point"
+            raise DesignError(what, where="cam", right=right)
         greatest = 2 * float(self.cam.lever.min()) / HUB_SHARE
         if not 0 < self.bore < greatest:
-            raise DesignError(
-                f"a bore of {self.bore * 1e3:.4g} mm",
-                where="cam",
-                right=f"give one above 0 and below {greatest * 1e3:.4g} mm, for the smallest lever arm",
-            )
+            right = f"give one above 0 and below {greatest * 1e3:.4g} mm, for the smallest lever arm"
+            raise DesignError(f"a bore of {self.bore * 1e3:.4g} mm", where="cam", right=right)
         points = np.vstack((self.profile, self._rest))
         if (points @ unit(self.cam.normal).T - self.cam.lever).max() > ON_LINE:
-            raise DesignError(
-                "the profile turns back over itself",
-                where="cam",
-                right="a shorter stroke: a cam in one plane turns by less than about 270 deg",
-            )
+            right = "a shorter stroke: a cam in one plane turns by less than about 270 deg"
+            raise DesignError("the profile turns back over itself", where="cam", right=right)
 
     @property
     def hub(self) -> float:

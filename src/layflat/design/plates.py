@@ -24,12 +24,11 @@ from dataclasses import dataclass
 from math import asin, degrees, inf, isfinite, isinf, pi, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from layflat.design.characteristic import POINTS, Characteristic
+from layflat.design.curves import Array
 from layflat.errors import DesignError
-
-Array = NDArray[np.float64]
 
 FULL_GAP = 0.999
 """Share of the inflated diameter up to which the gap opens: at 1 the hose touches along a line only."""
@@ -61,11 +60,9 @@ class Plate:
             if not value > 0 or (name != "radius" and not isfinite(value)):
                 raise DesignError(f"{value:.6g} m", where=f"plate: {name}", right="give a positive length in metres")
         if self.wrap > pi:
-            raise DesignError(
-                f"{self.length:.6g} m on a radius of {self.radius:.6g} m wraps {degrees(self.wrap):.4g} deg",
-                where="plate: length",
-                right=f"at most 180 deg: {pi * self.radius:.4g} m",
-            )
+            what = f"{self.length:.6g} m on a radius of {self.radius:.6g} m wraps {degrees(self.wrap):.4g} deg"
+            right = f"at most 180 deg: {pi * self.radius:.4g} m"
+            raise DesignError(what, where="plate: length", right=right)
 
     @property
     def wrap(self) -> float:
@@ -120,11 +117,8 @@ def of_plate(plate: Plate, opening: float | None = None, *, points: int = POINTS
     if opening is None:
         opening = _used_opening(plate)
     if not 0 < opening <= plate.full_opening:
-        raise DesignError(
-            f"{degrees(opening):.6g} deg",
-            where="plate: opening",
-            right=f"above 0 and at most {degrees(plate.full_opening):.4g} deg, where the hose is fully inflated",
-        )
+        right = f"above 0 and at most {degrees(plate.full_opening):.4g} deg, where the hose is fully inflated"
+        raise DesignError(f"{degrees(opening):.6g} deg", where="plate: opening", right=right)
     psi = np.linspace(0.0, opening, points)
     kind = "flat" if isinf(plate.radius) else "curved"
     return Characteristic(plate.chord * psi, plate.moment(psi) / plate.chord, f"a {kind} plate by virtual work")

@@ -7,11 +7,10 @@ from math import radians
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.design.curves import Array
 from layflat.design.straplines import unit
 
-Array = NDArray[np.float64]
 Point = tuple[float, float] | Array
 Layer = Literal["OUTLINE", "CENTRE", "STRAP", "HOSE", "DIMENSIONS", "TEXT"]
 

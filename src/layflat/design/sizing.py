@@ -22,7 +22,7 @@ from layflat.design.sized import SizedJoint, description
 from layflat.design.strap import choose_strap
 from layflat.design.summary import JointDesign, design_joint
 from layflat.errors import DesignError
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.machine import Joint, Machine, load
 from layflat.machine.mass import part_masses
 
@@ -66,9 +66,7 @@ class Sized:
         Raises:
             OutputError: it can't be written there.
         """
-        with whole_file(path) as temporary:
-            temporary.write_text(self.toml, encoding="utf-8", newline="\n")
-        return path
+        return write_text(path, self.toml)
 
 
 def size_joint(request: SizingRequest) -> Sized:
@@ -96,11 +94,9 @@ def _sized(request: SizingRequest, base: Joint, width: float, diameter: float) -
     peeled = (request.wrap - contact_end) * base.hose.peel_ratio * diameter / 2
     radius = ceil(peeled / (request.stroke + RESERVE) * 1e5) / 1e5
     if radius >= LARGEST_ROLLER * diameter / 2:
-        raise DesignError(
-            f"{degrees(request.stroke):.4g} deg is too short a stroke for the cam to fit into the cylinder",
-            where="size: stroke",
-            right="ask for a longer stroke, or a smaller wrap",
-        )
+        what = f"{degrees(request.stroke):.4g} deg is too short a stroke for the cam to fit into the cylinder"
+        right = "ask for a longer stroke, or a smaller wrap"
+        raise DesignError(what, where="size: stroke", right=right)
     scale = diameter / base.cylinder.diameter
     return base.model_copy(
         update={
@@ -138,11 +134,9 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
         machine = load(path)
     design = design_joint(machine)
     if design.mean_torque < request.torque or design.stroke < request.stroke:
-        raise DesignError(
-            f"came out at {design.mean_torque:.4g} N m over {degrees(design.stroke):.4g} deg",
-            where="size",
-            right="ask for a little less, or give hose_width and cylinder_diameter",
-        )
+        what = f"came out at {design.mean_torque:.4g} N m over {degrees(design.stroke):.4g} deg"
+        right = "ask for a little less, or give hose_width and cylinder_diameter"
+        raise DesignError(what, where="size", right=right)
     return Sized(request, text, machine, design)
 
 

@@ -22,13 +22,13 @@ from dataclasses import dataclass
 from math import cos, hypot, pi, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from layflat.design.curves import Array
 from layflat.design.plates import Plate
 from layflat.errors import DesignError
 from layflat.machine import Joint
 
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 
 CLAMP_ANGLE = -pi / 2

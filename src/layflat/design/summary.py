@@ -8,12 +8,11 @@ from math import pi
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.characteristic import Characteristic, of_cylinder
-from layflat.design.curves import Through, spline
+from layflat.design.curves import Array, Through, spline
 from layflat.design.mass import Air, Mass, air_per_stroke
 from layflat.design.outline import Outline, cam_outline
 from layflat.design.rules import Finding, check, refuse_errors
@@ -21,8 +20,6 @@ from layflat.design.strap import StrapStress, strap_stress
 from layflat.errors import DesignError, MachineError
 from layflat.machine import Joint, Machine, load
 from layflat.machine.mass import part_masses
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,10 @@ from html import escape
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.design.curves import Array
 from layflat.design.sheet import Diameter, Distance, Layer, Point, Sheet
 from layflat.design.straplines import turned, unit
-
-Array = NDArray[np.float64]
 
 STYLES: dict[Layer, str] = {  # of lines; text has none
     "OUTLINE": "stroke:#111;stroke-width:{wide}",

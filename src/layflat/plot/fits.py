@@ -39,10 +39,7 @@ def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
     from matplotlib.patches import Patch  # noqa: PLC0415  # matplotlib takes long to import
 
     rows = len(signals)
-    with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, above=HEAD, beside=0.2, between=0.95) as (
-        made,
-        axes,
-    ):
+    with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, above=HEAD, beside=0.2, between=0.95) as (made, axes):
         for row, signal in enumerate(signals):
             both, error = axes[2 * row], axes[2 * row + 1]
             known = np.isfinite(signal.measured)
