@@ -28,19 +28,14 @@ CHUNK = 2**17
 
 @dataclass(frozen=True)
 class Heading:
-    """What a log says of itself.
-
-    Attributes:
-        layout: of its rows.
-        machine: description as JSON.
-        machine_name: what it is called.
-        notes: what else is to be kept, such as the driver's address.
-    """
+    """What a log says of itself."""
 
     layout: Layout
     machine: str
+    """Description as JSON."""
     machine_name: str
     notes: dict[str, str] = field(default_factory=dict)
+    """What else is to be kept, such as the driver's address."""
 
     @classmethod
     def of(cls, machine: Machine, **notes: str) -> Heading:

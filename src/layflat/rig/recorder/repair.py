@@ -22,8 +22,9 @@ from layflat.rig.system import lock
 PART, BROKEN = ".part", ".broken"
 
 MAGIC = b"\x89MCAP0\r\n"
-HEADER, SCHEMA, CHANNEL, MESSAGE, CHUNK, ATTACHMENT, METADATA, DATA_END = 1, 3, 4, 5, 6, 9, 12, 15
-"""Kinds of records that hold data; all others can be made from these."""
+MESSAGE, CHUNK, DATA_END = 5, 6, 15
+OTHERS = {1: "Header", 3: "Schema", 4: "Channel", 9: "Attachment", 12: "Metadata"}
+"""Kinds of records that hold data; all that are not named here can be made from these."""
 
 _RECORD, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 
@@ -145,16 +146,9 @@ class _Copy:
     """A new file; its writer gives schemas and channels numbers of its own."""
 
     def __init__(self, out: IO[bytes]) -> None:
-        from mcap import records, writer  # noqa: PLC0415
+        from mcap.writer import Writer  # noqa: PLC0415
 
-        self._writer, self._started = writer.Writer(out), False
-        self._of: dict[int, Any] = {
-            HEADER: records.Header,
-            SCHEMA: records.Schema,
-            CHANNEL: records.Channel,
-            METADATA: records.Metadata,
-            ATTACHMENT: records.Attachment,
-        }
+        self._writer, self._started = Writer(out), False
         self._schemas: dict[int, int] = {0: 0}
         self._channels: dict[int, int] = {}
 
@@ -166,24 +160,25 @@ class _Copy:
 
     def add(self, kind: int, body: bytes) -> None:
         """Write any other record, if it holds data; errors of all kinds where it makes no sense."""
+        from mcap import records  # noqa: PLC0415
         from mcap.data_stream import ReadDataStream  # noqa: PLC0415
 
-        if kind not in self._of:
+        if kind not in OTHERS:
             return
-        writer = self._writer
-        one = self._of[kind].read(ReadDataStream(BytesIO(body)))
-        if kind == HEADER:
+        writer, name = self._writer, OTHERS[kind]
+        one: Any = getattr(records, name).read(ReadDataStream(BytesIO(body)))
+        if name == "Header":
             self._start(one.profile, one.library)
             return
         self._start()
-        if kind == SCHEMA and one.id not in self._schemas:
+        if name == "Schema" and one.id not in self._schemas:
             self._schemas[one.id] = writer.register_schema(one.name, one.encoding, one.data)
-        elif kind == CHANNEL and one.id not in self._channels:
+        elif name == "Channel" and one.id not in self._channels:
             schema = self._schemas[one.schema_id]
             self._channels[one.id] = writer.register_channel(one.topic, one.message_encoding, schema, one.metadata)
-        elif kind == METADATA:
+        elif name == "Metadata":
             writer.add_metadata(one.name, one.metadata)
-        elif kind == ATTACHMENT:
+        elif name == "Attachment":
             writer.add_attachment(one.create_time, one.log_time, one.name, one.media_type, one.data)
 
     def finish(self) -> None:
