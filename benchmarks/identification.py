@@ -78,7 +78,7 @@ def main() -> None:
         machine, truth = drawn(base, sought, random)
         log = log_of(machine, base, number)
         begun = time.perf_counter()
-        found = fit(ArmModel(base, {"log": log}, BLOCKS), seed=number)
+        found = fit(ArmModel(base, {"log": log}, blocks=BLOCKS), seed=number)
         taken = time.perf_counter() - begun
         values = validation(found, truth)
         worst = max(quality.share for quality in found.qualities() if quality.validation)

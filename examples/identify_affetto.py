@@ -85,7 +85,8 @@ def main() -> None:
         raise InputError("holds no motion_data_*.csv", where=str(given.folder), right="give the folder of the logs")
     logs = {path.stem.rsplit("_", 1)[-1]: read_log(path, MAPPING) for path in paths}
     validation = given.validate.split(",") if given.validate else []
-    model = RegulatedModel(rig, logs, validation=validation)
+    others = {name: logs.pop(name) for name in validation}
+    model = RegulatedModel(rig, logs, others, fitted_share=1.0)
     began = time.perf_counter()
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("fitting", total=1.0)

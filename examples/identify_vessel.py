@@ -12,23 +12,36 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray
 
 from layflat.identify import Fit, fit
-from layflat.identify.benches.loader import VesselBench, load_bench
-from layflat.identify.benches.vessel.hyddown import read_hyddown_log
-from layflat.identify.benches.vessel.model import vessel_model
+from layflat.identify.benches.loader import load_bench
+from layflat.identify.benches.vessel.description import VesselBench
+from layflat.identify.benches.vessel.model import VesselModel
 from layflat.physics.flow import effective_area
 from layflat.plot.style import LINES, QUIET, figure, save
 
 OUT = Path("build/examples")
 
 
+def read(path: Path) -> xarray.Dataset:
+    """Points read off curves, from the start of the blow-down on; the mean of the hottest and coldest gas."""
+    points = pd.read_csv(path)
+    factors = points["unit"].map({"bar_abs": 1e5, "K": 1.0})
+    table = points.assign(value=points["value"] * factors).pivot_table("value", "time_s", "signal")
+    table = table.reindex(table.index.union([0.0]))
+    begins = {"pressure": "gas_pressure", "temperature": "T_gas", "wall_temperature": "T_wall"}
+    curves = {name: table[[c for c in table if c.startswith(begin)]] for name, begin in begins.items()}
+    means = {name: of.mean(axis="columns", skipna=False) for name, of in curves.items() if len(of.columns)}
+    return xarray.Dataset({name: ("time", mean) for name, mean in means.items()}, {"time": table.index})
+
+
 def simulated(rig: VesselBench) -> xarray.Dataset:
     """A log of a vessel as it is described, with 1 kPa of noise."""
     time = np.linspace(0.0, 60.0, 61)
     blank = xarray.Dataset({name: ("time", np.full(61, 3e5)) for name in ("pressure", "temperature")}, {"time": time})
-    model = vessel_model(rig, {"log": blank})
+    model = VesselModel(rig, {"log": blank})
     truth = [rig.start.pressure if one.path.startswith("start.") else one.guess for one in model.unknowns]
     pressure, temperature, _ = model.run(model.logs[0], np.array([truth]))[0].T
     noise = 1e3 * np.random.default_rng(1).standard_normal(61)
@@ -100,11 +113,11 @@ def main(folder: Path | None) -> None:
         cases = {rig.name: (rig, simulated(rig))}
     else:
         pairs = [(path, path.with_name(f"{path.stem}.rig.yml")) for path in sorted(folder.glob("*.csv"))]
-        cases = {p.stem: (load_bench(rig), read_hyddown_log(p)) for p, rig in pairs if rig.exists()}
+        cases = {p.stem: (load_bench(rig), read(p)) for p, rig in pairs if rig.exists()}
     told = {}
     for name, (rig, log) in cases.items():
-        whole = fit(vessel_model(rig, {name: log}))
-        early = fit(vessel_model(rig, {name: log}, fitted_share=2 / 3))
+        whole = fit(VesselModel(rig, {name: log}, fitted_share=1.0))
+        early = fit(VesselModel(rig, {name: log}))
         told[name] = {"all": figures(whole, rig), "first two thirds": figures(early, rig)}
         draw(whole, early, OUT / f"identify_vessel-{name}.png")
         start = whole.of(f"start.pressure.{name}").value

@@ -121,6 +121,29 @@ def test_a_value_that_hits_its_bound_is_reported_and_marked(bench: Path) -> None
     assert "<b>Not to be trusted:</b>" in page
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
+def test_an_interrupt_keeps_the_best_values_so_far(bench: Path) -> None:
+    interrupted = (
+        "import os, signal; from scipy import optimize; from layflat.cli import main; whole = optimize.least_squares\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background ignores it
+        "def search(residuals, *args, **options):\n"
+        "    residuals(args[0])\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    return whole(residuals, *args, **options)\n"
+        "optimize.least_squares = search; main()"
+    )
+    words = ("identify", "real.nc", "--machine", "paper-small-joint", "--fit", "friction", "--starts", "0")
+    command = [sys.executable, "-c", interrupted, *words, "--out", "stopped"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=bench, check=False, timeout=300)
+    assert done.returncode == 130, done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert "paper-small-joint-identified.toml" in done.stderr
+    kept = load(bench / "stopped" / "paper-small-joint-identified.toml")
+    assert kept.title.startswith("partial, stopped by the user: ")
+    page = (bench / "stopped" / "paper-small-joint-identified.html").read_text(encoding="utf-8")
+    assert "the search was stopped" in page
+
+
 def test_mistakes_give_one_line_and_status_2(bench: Path) -> None:
     (bench / "foreign.csv").write_text("t,theta\n0,1\n1,2\n2,3\n", encoding="utf-8")
     of = ("--machine", "paper-small-joint")

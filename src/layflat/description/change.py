@@ -57,7 +57,7 @@ def changed_all(
     for path, value in values.items():
         value_at(described, path)
         checked = _checked(value, annotation_at(described, path), f"{where}: {path}")
-        described = _replaced(described, path.split("."), checked)
+        described = replaced(described, path.split("."), checked)
         above |= {path.rsplit(".", i)[0] for i in range(1, path.count(".") + 1)}
     if not together:
         return described
@@ -94,16 +94,16 @@ def _origin(described: Part) -> str:
     return getattr(described, "origin", "") or getattr(described, "name", type(described).__name__)
 
 
-def _replaced(part: Any, keys: list[str], value: Any) -> Any:
-    """A copy of a part with what stands at a path replaced, unchecked."""
+def replaced(part: Any, keys: list[str], value: Any) -> Any:
+    """Return a copy of a part with what stands at a path replaced, unchecked."""
     if not keys:
         return value
     head, rest = keys[0], keys[1:]
     if isinstance(part, tuple):
-        return tuple(_replaced(item, rest, value) if i == int(head) else item for i, item in enumerate(part))
+        return tuple(replaced(item, rest, value) if i == int(head) else item for i, item in enumerate(part))
     if isinstance(part, dict):
-        return {**part, head: _replaced(part[head], rest, value)}
-    return part.model_copy(update={head: _replaced(getattr(part, head), rest, value)})
+        return {**part, head: replaced(part[head], rest, value)}
+    return part.model_copy(update={head: replaced(getattr(part, head), rest, value)})
 
 
 def annotation_at(described: Part, path: str) -> Any:

@@ -11,13 +11,16 @@ from typing import TYPE_CHECKING, Any
 
 from layflat.files import check_folder, whole_file
 from layflat.identify.benches.contract import BenchDescription
+from layflat.identify.benches.kinds import bench_of, chosen_blocks
 from layflat.identify.benches.loader import described_tables, load_described
 from layflat.identify.fit import Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
-from layflat.identify.logs import Issue
+from layflat.identify.logs import Issue, check, read_log, read_table, refuse
+from layflat.identify.logs.checks.excited import NOTHING_MOVES
+from layflat.identify.logs.issue import ordered
 from layflat.identify.model import Model
-from layflat.identify.reading import recorded
+from layflat.identify.reading import begun, named, refuse_rest
 from layflat.machine import Machine
 
 if TYPE_CHECKING:
@@ -123,8 +126,25 @@ def begin(
     check_folder(out)
     start = load_described(described)
     path = identified_path(str(described), start, out)
-    found = recorded(start, list(map(Path, logs)), list(map(Path, validate)), blocks, mapping)
-    model = found.bench.model(start, found.fitted, found.blocks, found.validation)
-    return Identification(
-        str(described), start, found.fitted, found.validation, found.issues, found.blocks, model, path
-    )
+    machine = start if isinstance(start, Machine) else None
+    joints = list(machine.joints) if machine is not None else None
+    tables = {name: read_table(file) for name, file in named([*map(Path, logs), *map(Path, validate)]).items()}
+    whole = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
+    fitted = list(whole)[: len(logs)]
+    bench = bench_of(start, {name: whole[name] for name in fitted})
+    chosen = chosen_blocks(bench, blocks)
+    taken, issues = {}, {}
+    for name, table in tables.items():
+        found = check(whole[name], machine)
+        if [issue for issue in found if issue.severity == "error"] == [NOTHING_MOVES]:
+            sequence = " (`layflat excite` writes such a sequence)" if machine is not None else ""
+            refuse_rest(bench.model(start, {name: whole[name]}, {}, blocks=chosen), sequence, str(table.path))
+        refuse(found, str(table.path))
+        cycle = machine.cycle if machine is not None and bench.even else None
+        log = read_log(table, mapping, joints=joints, cycle=cycle, as_recorded=not bench.even)
+        taken[name], late = begun(log) if bench.even else (log, [])
+        issues[name] = ordered([*found, *late])
+    of_fit = {name: log for name, log in taken.items() if name in fitted}
+    others = {name: log for name, log in taken.items() if name not in fitted}
+    model = bench.model(start, of_fit, others, blocks=chosen)
+    return Identification(str(described), start, of_fit, others, issues, chosen, model, path)

@@ -37,20 +37,24 @@ class Written:
         value: text with its unit, or a number.
         interval: such as "1.98 to 2.01"; empty where it has none.
         before: text, or a number, or None.
-        identified: whether the logs identify it.
-        partner: the parameter that it can't be separated from.
-        excitation: what a log has to contain to identify it.
-        at_bound: whether it hit its bound.
+        estimate: what was fitted; None of what follows from other values, such as weights.
     """
 
     path: str
     value: str | float
     interval: str
     before: Any
-    identified: bool
-    partner: str | None
-    excitation: str
-    at_bound: bool
+    estimate: Estimate | None
+
+    @property
+    def identified(self) -> bool:
+        """Whether the logs identify it."""
+        return self.estimate is None or self.estimate.identified
+
+    @property
+    def at_bound(self) -> bool:
+        """Whether it hit its bound."""
+        return self.estimate is not None and self.estimate.at_bound
 
 
 def identified_path(given: str, described: Machine | BenchDescription, folder: Path) -> Path:
@@ -116,29 +120,12 @@ def _source(row: Written, origin: str) -> Provenance:
 
 def _written(path: str, value: float, estimate: Estimate | None, before: Any) -> Written:
     if estimate is None:
-        return Written(path, u.alike(before, value, "1"), "", before, True, None, "", False)
-    unit = estimate.unknown.unit
-    low, high = (_number(u.alike(before, end, unit)) for end in _inside(estimate))
-    return Written(
-        path,
-        u.alike(before, value, unit),
-        _interval(low, high),
-        before,
-        estimate.identified,
-        estimate.partner,
-        estimate.unknown.excitation,
-        estimate.at_bound,
-    )
-
-
-def _inside(estimate: Estimate) -> tuple[float, float]:
-    """The interval as far as it lies within what was searched: beyond it nothing is known."""
+        return Written(path, u.alike(before, value, "1"), "", before, None)
     unknown = estimate.unknown
-    return max(estimate.low, unknown.low), min(estimate.high, unknown.high)
-
-
-def _number(value: str | float) -> float:
-    return float(str(value).partition(" ")[0])
+    # The interval as far as it lies within what was searched: beyond it nothing is known.
+    ends = max(estimate.low, unknown.low), min(estimate.high, unknown.high)
+    low, high = (float(str(u.alike(before, end, unknown.unit)).partition(" ")[0]) for end in ends)
+    return Written(path, u.alike(before, value, unknown.unit), _interval(low, high), before, estimate)
 
 
 def _interval(low: float, high: float) -> str:

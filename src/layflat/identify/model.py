@@ -81,8 +81,12 @@ class Model(ABC):
 
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""
-        found = zip(self.unknowns, values, strict=True)
-        return {unknown.path: float(value) for unknown, value in found if not unknown.nuisance}
+        columns = self.columns(values)
+        return {one.path: float(columns[one.path]) for one in self.unknowns if not one.nuisance}
+
+    def columns(self, values: Array) -> dict[str, Array]:
+        """Return what stands in the last axis of `values`, a row or (candidates, unknowns), by the unknowns' paths."""
+        return dict(zip((unknown.path for unknown in self.unknowns), values.T, strict=True))
 
     @cached_property
     def guess(self) -> Array:
@@ -102,7 +106,5 @@ class Model(ABC):
     @cached_property
     def slices(self) -> tuple[slice, ...]:
         """Where each output stands among all samples."""
-        ends = np.cumsum([len(output.measured) for output in self.outputs])
-        return tuple(
-            slice(int(end) - len(output.measured), int(end)) for end, output in zip(ends, self.outputs, strict=True)
-        )
+        ends = np.cumsum([len(output.measured) for output in self.outputs]).tolist()
+        return tuple(slice(end - len(output.measured), end) for end, output in zip(ends, self.outputs, strict=True))

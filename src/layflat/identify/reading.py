@@ -1,78 +1,24 @@
-"""From the files of logs to what a bench takes: read, checked, and over the clock that suits it."""
+"""What a fit asks of logs: a name of their own, a beginning with all signals, and that something moves."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, BenchDescription
-from layflat.identify.benches.kinds import bench_of, chosen_blocks
-from layflat.identify.logs import Issue, Table, check, read_log, read_table, refuse
+from layflat.identify.logs import Issue
 from layflat.identify.logs.checks.excited import NOTHING_MOVES
-from layflat.identify.logs.issue import ordered, several
-from layflat.machine import Machine
+from layflat.identify.logs.issue import several
+from layflat.identify.model import Model
 
 if TYPE_CHECKING:
     import xarray
 
 NAMED = 3
 """Values, and motions, that are named where there are more."""
-
-
-@dataclass(frozen=True)
-class Recorded:
-    """Logs of a bench.
-
-    Args:
-        bench: that they were recorded on.
-        blocks: what is fitted.
-        fitted: logs to fit, by name.
-        validation: logs that are only predicted.
-        issues: what is doubtful in each log.
-    """
-
-    bench: Bench
-    blocks: Sequence[str]
-    fitted: Mapping[str, xarray.Dataset]
-    validation: Mapping[str, xarray.Dataset]
-    issues: Mapping[str, Sequence[Issue]]
-
-
-def recorded(
-    described: Machine | BenchDescription,
-    logs: Sequence[Path],
-    validate: Sequence[Path],
-    blocks: str | None,
-    mapping: str | Path | None,
-) -> Recorded:
-    """Read and check logs.
-
-    Raises:
-        InputError: in one line, what is wrong with a log or an option.
-    """
-    files = named([*logs, *validate])
-    machine = described if isinstance(described, Machine) else None
-    joints = list(machine.joints) if machine is not None else None
-    tables = {name: read_table(file) for name, file in files.items()}
-    whole = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
-    bench = bench_of(described, {name: whole[name] for name in list(files)[: len(logs)]})
-    fitted = chosen_blocks(bench, blocks)
-    given, issues = {}, {}
-    for name, table in tables.items():
-        found = check(whole[name], machine)
-        if [issue for issue in found if issue.severity == "error"] == [NOTHING_MOVES]:
-            _refuse_rest(described, bench, fitted, whole[name], str(table.path))
-        refuse(found, str(table.path))
-        given[name], late = _for(bench, machine, table, mapping)
-        issues[name] = ordered([*found, *late])
-    count = len(logs)
-    names = list(files)
-    return Recorded(bench, fitted, {n: given[n] for n in names[:count]}, {n: given[n] for n in names[count:]}, issues)
 
 
 def named(files: Sequence[Path]) -> dict[str, Path]:
@@ -90,19 +36,8 @@ def named(files: Sequence[Path]) -> dict[str, Path]:
     return found
 
 
-def _for(
-    bench: Bench, machine: Machine | None, table: Table, mapping: str | Path | None
-) -> tuple[xarray.Dataset, list[Issue]]:
-    """A log over the clock of its bench, and what there is to say of that."""
-    if not bench.even:
-        return read_log(table, mapping, joints=list(machine.joints) if machine else None, as_recorded=True), []
-    if machine is None:
-        return _begun(read_log(table, mapping))
-    return _begun(read_log(table, mapping, joints=list(machine.joints), cycle=machine.cycle))
-
-
-def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Issue]]:
-    """A log from the first instant on at which every signal is known: a simulation begins with all of them."""
+def begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Issue]]:
+    """Cut a log to begin where every signal is known, as a simulation begins with all of them; and say what is cut."""
     columns = {
         f"{name}.{values['joint'].values[j]}" if values.ndim > 1 else str(name): column
         for name, values in log.data_vars.items()
@@ -122,22 +57,20 @@ def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Issue]]:
     return rest, [Issue("warning", several(late), text, "a simulation begins with all signals")]
 
 
-def _refuse_rest(
-    described: Machine | BenchDescription,
-    bench: Bench,
-    blocks: Sequence[str],
-    log: xarray.Dataset,
-    file: str,
-) -> None:
+def refuse_rest(model: Model, sequence: str, file: str) -> None:
     """Refuse a log in which nothing moves: say what it can't identify, and what to record.
+
+    Args:
+        model: of this log.
+        sequence: what to say of a sequence to record.
+        file: of the log.
 
     Raises:
         InputError: always.
     """
-    unknowns = [one for one in bench.model(described, {"log": log}, blocks, {}).unknowns if not one.nuisance]
+    unknowns = [one for one in model.unknowns if not one.nuisance]
     excitations = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
     what = f"{NOTHING_MOVES.text}: it can't identify {_first([one.path for one in unknowns])}"
-    sequence = " (`layflat excite` writes such a sequence)" if isinstance(described, Machine) else ""
     raise InputError(what, where=file, right=f"record {_first(excitations, '; ')}{sequence}")
 
 

@@ -44,11 +44,9 @@ def issue_section(issues: Mapping[str, Sequence[Issue]]) -> Section:
     for name, found in issues.items():
         for issue in found:
             together.setdefault((issue.severity, issue.channel, issue.right), []).append((name, issue))
-    ordered = sorted(together.values(), key=lambda alike: SEVERITIES.index(alike[0][1].severity))
     rows = [
-        [several([log for log, _ in alike]), first.severity, first.channel, first.text, first.right]
-        for alike in ordered
-        for _, first in alike[:1]
+        [several([log for log, _ in alike]), severity, channel, alike[0][1].text, right]
+        for (severity, channel, right), alike in sorted(together.items(), key=lambda one: SEVERITIES.index(one[0][0]))
     ]
     return Section("Issues in the logs", ["log", "severity", "channel", "found", "action"], rows)
 
@@ -57,8 +55,8 @@ def experiment_rows(values: Sequence[Written]) -> list[Row]:
     """What to record, and the parameters that it would identify."""
     missed: dict[str, list[str]] = {}
     for value in values:
-        if not value.identified and value.excitation:
-            missed.setdefault(value.excitation, []).append(value.path)
+        if value.estimate is not None and not value.identified and value.estimate.unknown.excitation:
+            missed.setdefault(value.estimate.unknown.excitation, []).append(value.path)
     return [[excitation, ", ".join(paths)] for excitation, paths in missed.items()]
 
 
@@ -119,9 +117,10 @@ def percent(share: float) -> str:
 
 def _why(value: Written) -> str:
     """Why a parameter is not identified."""
+    partner = value.estimate.partner if value.estimate is not None else None
     if value.at_bound:
         return "hit its bound"
-    return f"only together with {value.partner}" if value.partner else "the interval is too wide"
+    return f"only together with {partner}" if partner else "the interval is too wide"
 
 
 def _rms(quality: Quality) -> str:

@@ -11,8 +11,7 @@ from recordings import Array, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log
-from layflat.identify.logs.clock import GAP, clock_of
-from layflat.identify.logs.grid import Series, grid_over, resampled
+from layflat.identify.logs.grid import GAP, Series, clock_of, grid_over, resampled
 
 
 def series(signal: str, time: Array, values: Array) -> Series:

@@ -6,7 +6,7 @@ from recordings import changed, mapping, recorded, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, write_mapping
-from layflat.identify.logs.words import meanings, signal_of, words_of
+from layflat.identify.logs.headers import meanings, signal_of, words_of
 from layflat.machine import load
 
 

@@ -114,7 +114,7 @@ def test_a_written_mapping_reads_as_it_was(mapping: Mapping, tmp_path_factory: p
         ('"kPa"', '"V"', "column 1.rpa5: 'V' is no unit of a pressure; give one such as \"bar\""),
         ('"kPa"', '"-1 bar"', "column 1.rpa5: '-1 bar' is no unit of a pressure"),
         ('"kPa"', '"0 bar"', "column 1.rpa5: '0 bar' is not positive; turn a signal round with sign = -1"),
-        ('"pressure_a"', '"presure_a"', "column 1.rpa5: 'presure_a' is no signal; nearest is 'pressure_a'"),
+        ('"pressure_a"', '"presure_a"', "column 1.rpa5: 'presure_a' is no signal; did you mean 'pressure_a'?"),
         ("gauge = true\n", "", "column 1.rpa5: pressure_a does not say what it counts from; say gauge = true"),
         ('"pressure_a"', '"angle"', "column 1.rpa5: 'kPa' is no unit of an angle"),
         ('"pressure_a"', '"measured_pressure"', "gauge is said of measured_pressure, which is no absolute pressure"),
@@ -169,7 +169,7 @@ def test_a_mapping_that_is_not_there(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "joints", "expected"),
     [
-        ({"theta": {"from": "thta"}}, ["small"], "no column 'thta' in rig.csv; nearest is 'theta'"),
+        ({"theta": {"from": "thta"}}, ["small"], "no column 'thta' in rig.csv; did you mean 'theta'?"),
         ({"theta": {"joint": "smal"}}, ["small"], "'smal' is no joint of the machine; its joints are small"),
         ({"theta": {"joint": None}}, ["large", "small"], "angle from 'theta' does not say of which joint"),
         ({"theta": {"joint": None}}, None, "angle from 'theta' does not say of which joint; say joint = 'small'"),
@@ -188,7 +188,7 @@ def test_a_mapping_that_does_not_fit_the_log(
     ("time", "expected"),
     [
         (None, "does not say which column is the clock; give [time] with"),
-        ({"column": "tme_ms", "unit": "s"}, "time.column: no column 'tme_ms' in rig.csv; nearest is 'time_ms'"),
+        ({"column": "tme_ms", "unit": "s"}, "time.column: no column 'tme_ms' in rig.csv; did you mean 'time_ms'?"),
     ],
 )
 def test_a_clock_that_is_not_there(tmp_path: Path, time: dict[str, str] | None, expected: str) -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from itertools import product
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from layflat.description import Part
 from layflat.description.names import Name
 from layflat.errors import InputError
-from layflat.identify.model import Model
+from layflat.identify.model import FITTED, Model
 
 if TYPE_CHECKING:
     import xarray
@@ -27,13 +28,13 @@ class BenchDescription(Part):
 class Bench(NamedTuple):
     """How the logs of a kind of bench are fitted.
 
-    `model` takes the description, the logs to fit, the blocks, and the logs for validation. Logs are `even` where a
+    `model` takes the description, the logs to fit, the logs for validation, and the `blocks`. Logs are `even` where a
     simulation steps through them; otherwise every sample stays at its own stamp.
     """
 
     blocks: Sequence[str]
     default_blocks: Sequence[str]
-    model: Callable[[Any, Logs, Sequence[str], Logs], Model]
+    model: Callable[..., Model]
     even: bool
 
 
@@ -43,6 +44,20 @@ def has_samples(log: xarray.Dataset, signal: str, joint: str) -> bool:
         return False
     values = log[signal].sel(joint=joint) if "joint" in log[signal].dims else log[signal]
     return bool(values.notnull().any())
+
+
+def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -> None:
+    """Refuse logs that lack a signal of a joint.
+
+    Raises:
+        InputError: naming the first log, signal and joint.
+    """
+    for name, signal, joint in product(logs, signals, joints):
+        if not has_samples(logs[name], signal, joint):
+            of = f" of every joint: {', '.join(joints)}" if len(joints) > 1 else ""
+            raise InputError(
+                f"has no {signal} of joint {joint!r}", where=name, right=f"map a column to the signal {signal}{of}"
+            )
 
 
 def check_known(given: Collection[str], known: Collection[str], where: str, what: str) -> list[str]:
@@ -57,14 +72,14 @@ def check_known(given: Collection[str], known: Collection[str], where: str, what
     return list(dict.fromkeys(given))
 
 
-def check_logs(logs: Collection[str], validation: Collection[str], fitted_share: float) -> None:
-    """Refuse what can't be fitted.
+def fitted_share_of(logs: Logs, validation: Logs | None, share: float | None) -> float:
+    """Share of each log's time, from its start, that is fitted: all of it where others are there for validation.
 
     Raises:
-        InputError: there is no log, a log for validation is unknown, or the share is out of range.
+        InputError: there is no log, or the share is out of range.
     """
     if not logs:
         raise InputError("there is none", where="logs", right="give one or more")
-    check_known(validation, logs, "validation", "log")
-    if not 0.0 < fitted_share <= 1.0:
-        raise InputError(f"{fitted_share:g} is out of range", where="fitted_share", right="give 0.67, or 1 for all")
+    if share is not None and not 0.0 < share <= 1.0:
+        raise InputError(f"{share:g} is out of range", where="fitted_share", right="give 0.67, or 1 for all")
+    return share or (1.0 if validation else FITTED)

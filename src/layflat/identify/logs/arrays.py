@@ -6,13 +6,13 @@ import gc
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from layflat import extras
 from layflat.errors import InputError
-from layflat.identify.logs.table import Array, Cells
+from layflat.identify.logs.table import Cells
 
 T = TypeVar("T")
 
@@ -36,7 +36,9 @@ def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     for field in table.schema:
         kind, column = field.type, table.column(field.name).combine_chunks()
         if pyarrow.types.is_timestamp(kind):
-            cells[field.name] = _seconds(np.asarray(column.cast(pyarrow.timestamp("ns"))).astype("datetime64[ns]"))
+            dates = np.asarray(column.cast(pyarrow.timestamp("ns"))).astype("datetime64[ns]")
+            first = next(iter(dates[~np.isnat(dates)]), np.datetime64("NaT"))
+            cells[field.name] = (dates - first) / np.timedelta64(1, "s")  # NaN where there is none
             units[field.name] = "s"
         elif pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind) or pyarrow.types.is_boolean(kind):
             cells[field.name] = np.asarray(column.cast(pyarrow.float64()).to_numpy(zero_copy_only=False))
@@ -66,15 +68,6 @@ def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
         sys.unraisablehook = hook
     right = f"give a whole {kind} file: this one is damaged, cut off, or of another kind"
     raise InputError(f"can't be read as {kind} ({what})", where=str(path), right=right)
-
-
-def _seconds(dates: Any) -> Array:
-    """Seconds since the first of some dates, NaN where there is none."""
-    known = dates[~np.isnat(dates)]
-    if not known.size:
-        return np.full(dates.size, np.nan)
-    seconds: Array = (dates - known[0]) / np.timedelta64(1, "s")
-    return seconds
 
 
 def read_netcdf(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:

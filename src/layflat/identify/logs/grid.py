@@ -1,4 +1,7 @@
-"""From samples with stamps to one clock: commands are held, what was measured is interpolated, gaps stay open."""
+"""From samples with stamps to one clock: commands are held, what was measured is interpolated, gaps stay open.
+
+Stamps may jitter, stand twice, be missing or go backwards once.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,104 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.errors import InputError
-from layflat.identify.logs.clock import GAP, Array, Clock
 from layflat.identify.logs.signals import SIGNALS, channel_name
+
+Array = NDArray[np.float64]
+
+GAP = 4.5
+"""Periods between two samples that are a gap: more than three samples are missing."""
+
+EVEN = 1e-6
+"""Deviation from an even clock, in periods, that is rounding."""
+
+NANOSECONDS = 2e-9
+"""The same in s, for stamps that are whole nanoseconds."""
 
 MOST = 50_000_000
 """Instants of a grid; more would be a wrong unit of time."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Stamps as they can be used.
+
+    Attributes:
+        time: (samples,) rising, s.
+        rows: (samples,) rows of the file that are kept.
+        period: median, s; 0 for less than two samples.
+        jitter: rms deviation of the steps from the period, gaps left out, s.
+        even: the stamps are those of an even clock, with none missing.
+        duplicates: samples left out because the next one has the same stamp.
+        undated: samples left out because they have no stamp.
+        reset: stamps between which the clock jumped back; None if it didn't.
+        cut: samples left out for it.
+    """
+
+    time: Array
+    rows: NDArray[np.intp]
+    period: float
+    jitter: float
+    even: bool
+    duplicates: int
+    undated: int
+    reset: tuple[float, float] | None
+    cut: int
+
+
+def clock_of(stamps: Array, where: str) -> Clock:
+    """Make stamps (s) usable: undated samples go; of several with one stamp the last stays; a reset is cut.
+
+    Raises:
+        InputError: time goes backwards more than once, or never goes on.
+    """
+    rows = np.flatnonzero(np.isfinite(stamps))
+    undated = stamps.size - rows.size
+    rows, reset, cut = _without_reset(stamps, rows, where)
+    time = stamps[rows]
+    last = np.append(np.diff(time) > 0.0, True) if rows.size else np.zeros(0, dtype=bool)
+    duplicates = int(rows.size - last.sum())
+    rows, time = rows[last], time[last]
+    if time.size < 2:
+        if rows.size + duplicates > 1:
+            what = f"all {rows.size + duplicates} samples have the stamp {time[0]:g} s"
+            raise InputError(what, where=where, right="name a column that rises as its clock")
+        return Clock(time, rows, 0.0, 0.0, False, duplicates, undated, reset, cut)
+    steps = np.diff(time)
+    period, on_grid, even = _period(time, steps)
+    usual = steps[steps <= GAP * period]
+    jitter = 0.0 if on_grid else float(np.sqrt(np.mean((usual - period) ** 2)))
+    return Clock(time, rows, period, jitter, even, duplicates, undated, reset, cut)
+
+
+def _period(time: Array, steps: Array) -> tuple[float, bool, bool]:
+    """Period of a clock, s; whether all stamps are whole periods apart; and whether none is missing between them."""
+    median = float(np.median(steps))
+    counts = np.rint(steps / median)
+    mean = float((time[-1] - time[0]) / max(counts.sum(), 1.0))
+    off = np.abs(time - time[0] - mean * np.append(0.0, counts.cumsum())).max()
+    rounding = max(EVEN * mean, NANOSECONDS + 4.0 * float(np.spacing(np.abs(time).max())))
+    on_grid = bool(counts.min() >= 1.0 and off <= rounding)
+    return (mean if on_grid else median), on_grid, on_grid and bool(counts.max() == 1.0)
+
+
+def _without_reset(
+    stamps: Array, rows: NDArray[np.intp], where: str
+) -> tuple[NDArray[np.intp], tuple[float, float] | None, int]:
+    """Rows of the longer part where a clock was set back once."""
+    back = np.flatnonzero(np.diff(stamps[rows]) < 0.0)
+    if not back.size:
+        return rows, None, 0
+    first = int(back[0])
+    before, after = float(stamps[rows[first]]), float(stamps[rows[first + 1]])
+    if back.size > 1:
+        at = f"first from {before:.6g} s to {after:.6g} s at sample {rows[first + 1] + 1}"
+        right = "order the samples by time, or cut the log where its clock was set; one jump is cut by itself"
+        raise InputError(f"time goes backwards {back.size} times, {at}", where=where, right=right)
+    kept = max(rows[: first + 1], rows[first + 1 :], key=len)
+    return kept, (before, after), rows.size - kept.size
 
 
 @dataclass(frozen=True)
@@ -77,9 +171,8 @@ def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
         return Grid(start, finest.period, finest.time.size, finest.time)
     size = int((end - start) / period * (1.0 + 1e-9) + 1e-6) + 1
     if size > MOST:
-        raise InputError(
-            f"{end - start:g} s at {period:g} s a sample are too many", where=where, right="check the unit of time"
-        )
+        what = f"{end - start:g} s at {period:g} s a sample are too many"
+        raise InputError(what, where=where, right="check the unit of time")
     if size < 2:
         raise InputError(f"{end - start:g} s are less than a period of {period:g} s", where=where, right="give less")
     return Grid(start, period, size, start + period * np.arange(size, dtype=np.float64))

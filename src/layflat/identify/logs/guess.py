@@ -6,6 +6,7 @@ It is a proposal with reasons, for a person to look through; nothing applies it 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,11 @@ import numpy as np
 
 from layflat.description import units as u
 from layflat.errors import InputError
+from layflat.identify.logs.headers import meanings, signal_of, words_of
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name, conversion
 from layflat.identify.logs.table import Array, Column, Table, read_table
-from layflat.identify.logs.words import meanings, signal_of, words_of
 
 BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
 """What a unit alone tells, by its SI unit."""
@@ -74,16 +75,13 @@ def guess_mapping(table: Table | str | Path, joints: Sequence[str] | None = None
     if own is not None:
         return Guess(own, {entry.columns[0]: "one of layflat's own names" for entry in own.column})
     clock, why = _clock(table)
-    notes = {"": why}
-    candidates = []
-    for name, column in table.columns.items():
-        if name == clock["column"]:
-            continue
-        found = _candidate(column, list(joints or ()))
-        if isinstance(found, str):
-            notes[name] = found
-        else:
-            candidates.append(found)
+    found = {
+        name: _candidate(column, list(joints or ()))
+        for name, column in table.columns.items()
+        if name != clock["column"]
+    }
+    notes = {"": why} | {name: why for name, why in found.items() if isinstance(why, str)}
+    candidates = [one for one in found.values() if isinstance(one, _Candidate)]
     entries = _entries(candidates, list(joints or ()), notes)
     if not entries:
         names = ", ".join(list(table.columns)[:8])
@@ -155,6 +153,7 @@ def _entries(candidates: list[_Candidate], joints: list[str], notes: dict[str, s
     named = _joints_of_groups(candidates, joints)
     entries: list[dict[str, Any]] = []
     taken: dict[str, str] = {}
+    unsure: list[dict[str, Any]] = []
     for found in candidates:
         header, signal = found.column.header, found.signal
         joint = (found.joint or named.get(found.group)) if signal.by_joint else None
@@ -168,15 +167,21 @@ def _entries(candidates: list[_Candidate], joints: list[str], notes: dict[str, s
         taken[channel] = header.name
         unit, why = _unit(found.column, signal)
         entry: dict[str, Any] = {"from": header.name, "signal": signal.name, "unit": unit}
-        if joint:
-            entry["joint"] = joint
+        entries.append(entry | ({"joint": joint} if joint else {}))
         notes[header.name] = f"{found.why}; {why}"
-        if signal.absolute:
-            entry["gauge"] = header.gauge if header.gauge is not None else _sinks(found.column, unit, signal)
-            known = "as in the header" if header.gauge is not None else "by how far it falls: check it"
-            notes[header.name] += f"; {'gauge' if entry['gauge'] else 'absolute'} {known}"
-        entries.append(entry)
-    _agree(entries, candidates, notes)
+        if signal.absolute and header.gauge is not None:
+            entries[-1]["gauge"] = header.gauge
+            notes[header.name] += f"; {'gauge' if header.gauge else 'absolute'} as in the header"
+        elif signal.absolute:
+            # Only a gauge pressure falls below ambient.
+            sunk = float(np.nanmin(found.column.values)) * conversion(unit, signal)[0] < 0.8 * AMBIENT
+            entries[-1]["gauge"] = sunk
+            unsure.append(entries[-1])
+    any_sunk = any(entry["gauge"] for entry in unsure)
+    for entry in unsure:
+        by = "by how far it falls" if entry["gauge"] == any_sunk else "as others are"
+        entry["gauge"] = any_sunk
+        notes[entry["from"]] += f"; {'gauge' if any_sunk else 'absolute'} {by}: check it"
     return entries
 
 
@@ -200,12 +205,8 @@ def _joints_of_groups(candidates: list[_Candidate], joints: list[str]) -> dict[s
 
 def _unit(column: Column, signal: Signal) -> tuple[str, str]:
     """A unit, and why."""
-    if column.header.unit:
-        try:
-            conversion(column.header.unit, signal)
-        except ValueError:
-            pass
-        else:
+    with suppress(ValueError):
+        if column.header.unit and conversion(column.header.unit, signal):
             return column.header.unit, "unit as in the header"
     most = float(np.nanmax(np.abs(column.values)))
     if signal.kind is None:
@@ -214,21 +215,3 @@ def _unit(column: Column, signal: Signal) -> tuple[str, str]:
         return signal.unit, "no unit is said: check it"
     unit = next(unit for limit, unit in RANGES[signal.kind] if most <= limit)
     return unit, f"unit by values up to {most:.3g}: check it"
-
-
-def _sinks(column: Column, unit: str, signal: Signal) -> bool:
-    """Whether a pressure falls below ambient, as only gauge pressures do."""
-    return float(np.nanmin(column.values)) * conversion(unit, signal)[0] < 0.8 * AMBIENT
-
-
-def _agree(entries: list[dict[str, Any]], candidates: list[_Candidate], notes: dict[str, str]) -> None:
-    """One gauge pressure shows that all those are whose headers don't say."""
-    said = {found.column.header.name for found in candidates if found.column.header.gauge is not None}
-    open_entries = [entry for entry in entries if "gauge" in entry and entry["from"] not in said]
-    if any(entry["gauge"] for entry in open_entries):
-        for entry in open_entries:
-            if not entry["gauge"]:
-                entry["gauge"] = True
-                notes[entry["from"]] = notes[entry["from"]].replace(
-                    "absolute by how far it falls", "gauge as others are"
-                )

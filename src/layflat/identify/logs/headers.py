@@ -1,4 +1,4 @@
-"""What a column's header says of it: a name, and often a unit."""
+"""What a column's header says of it: a name, what its words mean, and often a unit."""
 
 from __future__ import annotations
 
@@ -23,6 +23,47 @@ _TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°"}
 _BRACKETS = re.compile(r"^(?P<stem>.*?)\s*[\[({](?P<unit>[^\[\](){}]*)[\])}]\s*$")
 _GAUGE = re.compile(r"^(?P<unit>[a-zA-Z]+?)[\s_]*\(?(?P<kind>gauge|abs|absolute|g|a)\)?$")
 _PRESSURES = {"Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi"}
+
+ROLES = {
+    "angle": "angle theta q rq phi alpha encoder enc pot potentiometer winkel measured_angle qdes joint_angle",
+    "pressure": "p rp pressure press prs druck pa pb rpa rpb ca cb pset pdes pref dp ps psup pdiff psupply",
+    "a": "a pa rpa ca",
+    "b": "b pb rpb cb",
+    "asked": "des dem demand desired ref reference target setpoint sp cmd command goal soll qdes ca cb pset pdes pref",
+    "difference": "dp pdiff diff difference differential delta",
+    "supply": "supply ps psup psupply sup line mains",
+    "voltage": "voltage volt volts u v vc uc valve spannung ventil",
+    "torque": "torque tau moment effort tq drehmoment",
+    "force": "force f loadcell kraft",
+    "brake": "brake bremse",
+    "payload": "payload mass last",
+    "temperature": "temperature temp tgas temperatur",
+    "position": "position pos x displacement travel weg laser",
+    "rate": "dq rdq dqdes velocity vel speed omega acc acceleration rate",
+    "clock": "t time stamp timestamp timestamps zeit seconds sec elapsed clock",
+}
+"""Words by what they mean; a word can mean several things."""
+
+SIGNALS_OF: tuple[tuple[str, set[str]], ...] = (
+    ("setpoint_a", {"asked", "pressure", "a"}),
+    ("setpoint_b", {"asked", "pressure", "b"}),
+    ("measured_pressure", {"difference", "pressure"}),
+    ("supply", {"supply"}),
+    ("pressure_a", {"pressure", "a"}),
+    ("pressure_b", {"pressure", "b"}),
+    ("brake", {"brake"}),
+    ("payload", {"payload"}),
+    ("voltage", {"voltage"}),
+    ("demand", {"asked", "angle"}),
+    ("demand", {"asked"}),
+    ("torque", {"torque"}),
+    ("force", {"force"}),
+    ("temperature", {"temperature"}),
+    ("pressure", {"pressure"}),
+    ("angle", {"angle"}),
+    ("position", {"position"}),
+)
+"""Signals by what all has to be meant, the first that fits."""
 
 
 @dataclass(frozen=True)
@@ -90,3 +131,18 @@ def _suffixed(name: str) -> tuple[str, str, bool | None]:
         if unit and not short:
             return name[: len(name) - len(tail) - 1], unit, gauge
     return name, "", None
+
+
+def words_of(name: str) -> list[str]:
+    """Words of a name in small letters: "/rig.pA_2" has rig, p, a, 2; digits stand alone."""
+    return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)]
+
+
+def meanings(words: list[str]) -> set[str]:
+    """What is meant by some words."""
+    return {role for role, known in ROLES.items() if not set(words).isdisjoint(known.split())}
+
+
+def signal_of(meant: set[str]) -> str | None:
+    """The signal that is meant; None where nothing fits."""
+    return next((signal for signal, roles in SIGNALS_OF if roles <= meant), None)

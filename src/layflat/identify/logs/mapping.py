@@ -32,13 +32,14 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.explain import explained
+from layflat.description.hints import did_you_mean
 from layflat.description.places import Steps
 from layflat.description.tables import parsed
 from layflat.description.text import read_text
 from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
 from layflat.files import whole_file
-from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion, nearest
+from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion
 
 COMPLETE = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
 
@@ -86,7 +87,7 @@ class MappedColumn(Part):
     def _makes_sense(self) -> MappedColumn:
         signal = SIGNALS.get(self.signal)
         if signal is None:
-            raise wrong(f"{shown(self.signal)} is no signal", nearest(self.signal, list(SIGNALS)))
+            raise wrong(f"{shown(self.signal)} is no signal", did_you_mean(self.signal, SIGNALS))
         try:
             conversion(self.unit, signal)
         except ValueError as error:
@@ -151,16 +152,13 @@ def _check_together(mapping: Mapping, where: str) -> None:
     for entry in mapping.column:
         other = taken.setdefault(entry.channel, entry)
         if other is not entry and not (other.optional and entry.optional):
-            raise InputError(
-                f"{', '.join(other.columns)} and {', '.join(entry.columns)} are both {entry.channel}",
-                where=where,
-                right="keep one, or put both in one list as from = [...] if they measure the same",
-            )
+            what = f"{', '.join(other.columns)} and {', '.join(entry.columns)} are both {entry.channel}"
+            right = "keep one, or put both in one list as from = [...] if they measure the same"
+            raise InputError(what, where=where, right=right)
         for column in entry.columns:
             if used.setdefault(column, entry.channel) != entry.channel:
-                raise InputError(
-                    f"column {column!r} is both {used[column]} and {entry.channel}", where=where, right="keep one"
-                )
+                what = f"column {column!r} is both {used[column]} and {entry.channel}"
+                raise InputError(what, where=where, right="keep one")
 
 
 def _written(steps: Steps, value: object) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from layflat.errors import InputError
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.signals import SIGNALS
 from layflat.identify.logs.table import Table
@@ -25,18 +24,14 @@ def own_mapping(table: Table) -> Mapping | None:
     if any(entry["from"].startswith("measured_angle") for entry in columns):
         hidden = ("angle", "pressure_a", "pressure_b")
         columns = [entry for entry in columns if entry["from"].partition(".")[0] not in hidden]
-    clock = next((name for name in CLOCKS if name in _stems(table)), None)
+    stems = {column.header.stem: column.header for column in table.columns.values()}
+    clock = next((stems[name] for name in CLOCKS if name in stems), None)
     if not columns or (clock is None and table.clock is None):
         return None
     plain: dict[str, object] = {"column": columns}
     if table.clock is None and clock is not None:
-        header = table.columns[_stems(table)[clock]].header
-        plain["time"] = {"column": header.name, "unit": header.unit or "s"}
+        plain["time"] = {"column": clock.name, "unit": clock.unit or "s"}
     return mapping_of(plain, str(table.path))
-
-
-def _stems(table: Table) -> dict[str, str]:
-    return {column.header.stem: name for name, column in table.columns.items()}
 
 
 def _entry(name: str, table: Table) -> dict[str, Any] | None:
@@ -47,14 +42,3 @@ def _entry(name: str, table: Table) -> dict[str, Any] | None:
         return None
     entry: dict[str, Any] = {"from": name, "signal": signal.name, "unit": header.unit or signal.unit}
     return entry | ({"joint": joint} if joint else {}) | ({"gauge": bool(header.gauge)} if signal.absolute else {})
-
-
-def foreign(table: Table) -> InputError:
-    """What to say of a log that can't be read without a mapping."""
-    names = list(table.columns)
-    shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
-    return InputError(
-        f"its columns ({shown}) are not layflat's own signals",
-        where=str(table.path),
-        right="give a mapping file; `layflat log map` writes one to start from",
-    )

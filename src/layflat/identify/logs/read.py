@@ -10,12 +10,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from layflat.description import units as u
+from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
-from layflat.identify.logs.clock import Array, Clock, clock_of
-from layflat.identify.logs.grid import Grid, Series, gaps, grid_as_recorded, grid_over, resampled
+from layflat.identify.logs.grid import (
+    Array,
+    Clock,
+    Grid,
+    Series,
+    clock_of,
+    gaps,
+    grid_as_recorded,
+    grid_over,
+    resampled,
+)
 from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
-from layflat.identify.logs.own import foreign, own_mapping
-from layflat.identify.logs.signals import SIGNALS, conversion, nearest
+from layflat.identify.logs.own import own_mapping
+from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
 
 if TYPE_CHECKING:
@@ -49,19 +59,26 @@ def read_log(
     table = path if isinstance(path, Table) else read_table(path)
     plan = read_mapping(mapping) if isinstance(mapping, (str, Path)) else mapping or own_mapping(table)
     if plan is None:
-        raise foreign(table)
-    where = str(mapping) if isinstance(mapping, (str, Path)) else str(table.path)
+        names = list(table.columns)
+        shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
+        raise InputError(
+            f"its columns ({shown}) are not layflat's own signals",
+            where=str(table.path),
+            right="give a mapping file; `layflat log map` writes one to start from",
+        )
+    where, file = str(mapping) if isinstance(mapping, (str, Path)) else str(table.path), str(table.path)
     period = None if cycle is None else u.quantity(cycle, u.TIME, "cycle")
     if period is not None and period <= 0.0:
         raise InputError(f"{period:g} s is out of range", where="cycle", right='give a time such as "5 ms"')
     series = _series(table, plan, list(joints) if joints is not None else None, where)
-    clocks, file = [one.clock for one in series], str(table.path)
+    clocks = [one.clock for one in series]
     return _dataset(table, series, grid_as_recorded(clocks, file) if as_recorded else grid_over(clocks, period, file))
 
 
 def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -> list[Series]:
-    """All mapped columns in SI over their clocks."""
-    clocks = _Clocks(table, plan, where)
+    """All mapped columns in SI over their clocks; columns with the same stamps share theirs."""
+    seconds, common = _clock(table, plan, where)
+    clocks: dict[bytes, Clock] = {}
     series: list[Series] = []
     taken: dict[str, MappedColumn] = {}
     for entry in plan.column:
@@ -69,8 +86,7 @@ def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -
         if missing and entry.optional:
             continue
         if missing:
-            right = nearest(missing[0], list(table.columns))
-            raise InputError(f"no column {missing[0]!r} in {table.path.name}", where=where, right=right)
+            raise _no_column(missing[0], table, where)
         other = taken.setdefault(entry.channel, entry)
         if other is not entry:
             raise InputError(
@@ -78,11 +94,39 @@ def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -
                 right="both are in this log: keep one",
             )  # fmt: skip
         joint = _joint(entry, plan, joints, where)
-        series += [_one(table.columns[name], entry, joint, plan.ambient, clocks) for name in entry.columns]
+        for column in (table.columns[name] for name in entry.columns):
+            stamps = common if column.stamps is None else column.stamps
+            key = stamps.tobytes()
+            if key not in clocks:
+                clocks[key] = clock_of(stamps * seconds, str(table.path))
+            series.append(_one(column, entry, joint, plan.ambient, clocks[key]))
     if not series:
-        right = nearest(plan.column[0].columns[0], list(table.columns))
+        right = did_you_mean(plan.column[0].columns[0], table.columns)
         raise InputError(f"none of its columns is in {table.path.name}", where=where, right=right)
     return series
+
+
+def _no_column(name: str, table: Table, where: str) -> InputError:
+    return InputError(f"no column {name!r} in {table.path.name}", where=where, right=did_you_mean(name, table.columns))
+
+
+def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array]:
+    """Unit of the stamps, s, and the stamps of columns that have none of their own."""
+    time = plan.time
+    if table.clock is not None:
+        if time is not None and time.column not in {None, table.clock.name}:
+            raise InputError(
+                f"no clock {time.column!r} in {table.path.name}", where=f"{where}: time.column",
+                right=f"its samples have {table.clock.name!r}",
+            )  # fmt: skip
+        seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
+        return seconds, np.empty(0)
+    if time is None or time.column is None:
+        right = 'give [time] with column = "t", unit = "s"'
+        raise InputError("does not say which column is the clock", where=where, right=right)
+    if time.column not in table.columns:
+        raise _no_column(time.column, table, f"{where}: time.column")
+    return time.seconds, table.columns[time.column].values
 
 
 def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: str) -> str | None:
@@ -90,24 +134,20 @@ def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: 
     if not SIGNALS[entry.signal].by_joint:
         return None
     if entry.joint is None:
-        if joints is not None and len(joints) == 1:
-            return joints[0]
-        if joints or any(other.joint is not None for other in plan.column):
-            known = joints or [str(other.joint) for other in plan.column if other.joint is not None]
+        known = joints or [other.joint for other in plan.column if other.joint is not None]
+        if known and (joints is None or len(joints) > 1):
             raise InputError(
                 f"{entry.signal} from {entry.columns[0]!r} does not say of which joint", where=where,
                 right=f"say joint = {' or '.join(map(repr, dict.fromkeys(known)))}",
             )  # fmt: skip
-        return None
+        return joints[0] if joints else None
     if joints is not None and entry.joint not in joints:
-        raise InputError(
-            f"{entry.joint!r} is no joint of the machine", where=where, right=f"its joints are {', '.join(joints)}"
-        )
+        right = f"its joints are {', '.join(joints)}"
+        raise InputError(f"{entry.joint!r} is no joint of the machine", where=where, right=right)
     return entry.joint
 
 
-def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float, clocks: _Clocks) -> Series:
-    clock = clocks.of(column)
+def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float, clock: Clock) -> Series:
     factor, shift = conversion(entry.unit, SIGNALS[entry.signal])
     raw = np.where(np.isfinite(column.values), column.values, np.nan)[clock.rows]
     values = entry.sign * (raw - entry.offset) * entry.scale * factor + shift + (ambient if entry.gauge else 0.0)
@@ -117,58 +157,21 @@ def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float,
     return Series(entry.signal, joint, clock, values, source)
 
 
-class _Clocks:
-    """The clock of each column; columns with the same stamps share theirs."""
-
-    def __init__(self, table: Table, plan: Mapping, where: str) -> None:
-        self._place = str(table.path)
-        self._made: dict[bytes, Clock] = {}
-        self._common: Array | None = None
-        time = plan.time
-        if table.clock is not None:
-            if time is not None and time.column not in {None, table.clock.name}:
-                raise InputError(
-                    f"no clock {time.column!r} in {table.path.name}", where=f"{where}: time.column",
-                    right=f"its samples have {table.clock.name!r}",
-                )  # fmt: skip
-            self._unit = time.seconds if time is not None else _stated_seconds(table.clock.unit)
-            return
-        if time is None or time.column is None:
-            raise InputError(
-                "does not say which column is the clock", where=where, right='give [time] with column = "t", unit = "s"'
-            )
-        if time.column not in table.columns:
-            right = nearest(time.column, list(table.columns))
-            raise InputError(
-                f"no column {time.column!r} in {table.path.name}", where=f"{where}: time.column", right=right
-            )
-        self._unit, self._common = time.seconds, table.columns[time.column].values
-
-    def of(self, column: Column) -> Clock:
-        stamps = column.stamps if column.stamps is not None else self._common
-        assert stamps is not None
-        key = stamps.tobytes()
-        if key not in self._made:
-            self._made[key] = clock_of(stamps * self._unit, self._place)
-        return self._made[key]
-
-
-def _stated_seconds(unit: str) -> float:
-    return u.TIME.convert(f"1 {unit or 's'}")
-
-
 def _dataset(table: Table, series: list[Series], grid: Grid) -> xarray.Dataset:
     import xarray  # noqa: PLC0415  # takes long to import
 
+    channels: dict[str, list[Series]] = {}
+    for one in series:
+        channels.setdefault(one.channel, []).append(one)
     names = list(dict.fromkeys(one.joint for one in series if one.joint is not None))
     log = xarray.Dataset(coords={"time": ("time", grid.time, {"units": "s"})})
     if names:
         log = log.assign_coords(joint=names)
     for signal in SIGNALS.values():
-        mine = [one for one in series if one.signal == signal.name]
         about = {"units": signal.unit, "long_name": signal.meaning}
+        mine = [one for one in series if one.signal == signal.name]
         if mine and mine[0].joint is not None:
-            columns = [_mean([one for one in mine if one.joint == joint], grid) for joint in names]
+            columns = [_mean(channels.get(channel_name(signal.name, joint), []), grid) for joint in names]
             log[signal.name] = (("time", "joint"), np.stack(columns, axis=1), about)
         elif mine:
             log[signal.name] = (("time",), _mean(mine, grid), about)
@@ -177,7 +180,7 @@ def _dataset(table: Table, series: list[Series], grid: Grid) -> xarray.Dataset:
         "log_sha256": table.sha256,
         "log_period": grid.period,
         "log_start": grid.start,
-        "log_columns": json.dumps({channel: _told(of, grid) for channel, of in _by_channel(series).items()}),
+        "log_columns": json.dumps({channel: _told(of, grid) for channel, of in channels.items()}),
         "log_clocks": json.dumps(_clocks(series, grid)),
     }
     return log
@@ -189,17 +192,9 @@ def _mean(series: list[Series], grid: Grid) -> Array:
         return np.full(grid.size, np.nan)
     mean: Array = np.mean([resampled(one, grid) for one in series], axis=0)
     if not grid.even and not SIGNALS[series[0].signal].held:
-        mean[~np.isin(grid.stamps, np.concatenate([one.clock.time[np.isfinite(one.values)] for one in series]))] = (
-            np.nan
-        )
+        known = np.concatenate([one.clock.time[np.isfinite(one.values)] for one in series])
+        mean[~np.isin(grid.stamps, known)] = np.nan
     return mean
-
-
-def _by_channel(series: list[Series]) -> dict[str, list[Series]]:
-    channels: dict[str, list[Series]] = {}
-    for one in series:
-        channels.setdefault(one.channel, []).append(one)
-    return channels
 
 
 def _told(series: list[Series], grid: Grid) -> dict[str, Any]:
@@ -218,17 +213,11 @@ def _told(series: list[Series], grid: Grid) -> dict[str, Any]:
 
 def _clocks(series: list[Series], grid: Grid) -> list[dict[str, Any]]:
     """What is kept of each clock: who goes by it, and what was wrong with it."""
-    made = {id(one.clock): one.clock for one in series}
+    kept = ("period", "jitter", "duplicates", "undated")
     return [
-        {
-            "channels": list(dict.fromkeys(one.channel for one in series if one.clock is clock)),
-            "period": clock.period,
-            "jitter": clock.jitter,
-            "duplicates": clock.duplicates,
-            "undated": clock.undated,
-            "reset": None if clock.reset is None else [stamp - grid.start for stamp in clock.reset],
-            "cut": clock.cut,
-            "samples": clock.time.size,
-        }
-        for clock in made.values()
+        {"channels": list(dict.fromkeys(one.channel for one in series if one.clock is clock))}
+        | {key: getattr(clock, key) for key in kept}
+        | {"reset": clock.reset and [stamp - grid.start for stamp in clock.reset]}
+        | {"cut": clock.cut, "samples": clock.time.size}
+        for clock in {id(one.clock): one.clock for one in series}.values()
     ]

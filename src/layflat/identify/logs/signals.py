@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from layflat.description import units as u
 
@@ -88,13 +87,6 @@ def conversion(unit: str, signal: Signal) -> tuple[float, float]:
     if factor <= 0.0:
         raise ValueError(f"{unit!r} is not positive; turn a signal round with sign = -1")
     return factor, shift
-
-
-def nearest(name: str, known: list[str]) -> str:
-    """What to say after something that is not known: the nearest, or all there are."""
-    near = get_close_matches(name, known, n=1)
-    shown = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
-    return f"nearest is {near[0]!r}" if near else f"there are {shown}"
 
 
 def channel_name(signal: str, joint: str | None) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from layflat.errors import InputError
 from layflat.identify.logs.headers import written_unit
-from layflat.identify.logs.table import Array, Cells
+from layflat.identify.logs.table import Cells
 
 DELIMITERS = (",", "\t", ";", "|", " ")
 LOOKED_AT = 50
@@ -33,12 +34,12 @@ def read_text(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     except UnicodeDecodeError:
         right = "give CSV in UTF-8, or a file that ends in .parquet, .nc or .mcap"
         raise InputError("is not a text file in UTF-8", where=where, right=right) from None
-    delimiter = _delimiter(lines[:LOOKED_AT])
+    delimiter, numbers = _delimiter(lines[:LOOKED_AT]), None
     try:
-        head = list(_rows(lines[:2], delimiter))
-        names, units = _heading(head)
-        body = lines[(1 if names else 0) + (1 if units else 0) :]
-        numbers = _all_numbers(body, delimiter)
+        names, units = _heading(_rows(lines[:2], delimiter))
+        body = lines[bool(names) + bool(units) :]
+        with suppress(ValueError):  # a table of numbers alone, in a tenth of the time
+            numbers = np.loadtxt(body, delimiter=delimiter, comments=None, ndmin=2) if body else None
         rows = _rows(body, delimiter) if numbers is None else numbers[:1].astype(str).tolist()
     except csv.Error as error:
         raise InputError(f"is not CSV ({error})", where=where, right="separate columns by commas") from None
@@ -55,16 +56,6 @@ def read_text(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
 def _rows(lines: list[str], delimiter: str) -> list[list[str]]:
     reader = csv.reader(lines, delimiter=delimiter, skipinitialspace=True, strict=True)
     return [[cell.strip() for cell in row] for row in reader]
-
-
-def _all_numbers(lines: list[str], delimiter: str) -> Array | None:
-    """A table of numbers alone, (rows, columns), in a tenth of the time; None for one with anything else in it."""
-    if not lines:
-        return None
-    try:
-        return np.loadtxt(lines, delimiter=delimiter, comments=None, ndmin=2)
-    except ValueError:
-        return None
 
 
 def _delimiter(lines: list[str]) -> str:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from layflat.identify.benches.joint_loops.run import TurnedLog, turned_torques
+from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
 from layflat.machine import load, parameters
 from layflat.sim.sweep import sweep
 
@@ -14,5 +14,6 @@ def test_a_joint_turned_through_a_log_is_the_slow_sweep() -> None:
     angle = np.concatenate([loop.angle, loop.angle])
     same = np.ones_like(angle)
     log = TurnedLog(angle, 3e5 * same, 0.0 * same, same, float(loop.torque[0]), 1e-9)
-    torque = turned_torques(hose, hose, np.array([described.brake.torque]), loop.torque[:1], log)[0]
+    torque = np.empty(len(angle))
+    turned_torque(TurnedJoint(hose, hose, described.brake.torque, float(loop.torque[0])), log, torque)
     assert torque[len(loop.angle) :] == pytest.approx(loop.torque, abs=1e-6)

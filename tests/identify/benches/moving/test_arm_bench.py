@@ -12,7 +12,7 @@ from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.model import ArmModel
-from layflat.identify.fit.scaled import Scaled
+from layflat.identify.fit.residuals import Scaled
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import arm
 from layflat.physics.arms.planar import OneLink
@@ -52,7 +52,7 @@ def without_true_angle(log: xarray.Dataset, name: str, values: NDArray[np.float6
 
 def test_a_valve_a_hose_and_a_brake_are_found() -> None:
     log = log_of(as_described(SMALL, TRUTH), seed=3)
-    found = fit(ArmModel(SMALL, {"log": log}, ["valve", "hose", "friction"]), starts=4)
+    found = fit(ArmModel(SMALL, {"log": log}, blocks=["valve", "hose", "friction"]), starts=4)
     assert found.converged
     for path, value in TRUTH.items():
         estimate = found.of(path)
@@ -68,7 +68,7 @@ def test_a_valve_a_hose_and_a_brake_are_found() -> None:
 def test_the_truth_leaves_nothing_but_noise() -> None:
     machine = as_described(SMALL, TRUTH)
     log = log_of(machine, seed=1)
-    model = ArmModel(machine, {"log": log}, ["valve"])
+    model = ArmModel(machine, {"log": log}, blocks=["valve"])
     begun = [u.path for u in model.unknowns if u.nuisance]
     truth = [0.0 if "angle" in path else 0.75 * machine.supply.pressure for path in begun]
     values = np.array([[*(value_at(machine, u.path) for u in model.unknowns if not u.nuisance), *truth]])
@@ -87,7 +87,7 @@ GROW = (
 
 def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
     """Only known masses tell how large a joint is: differences along a bent valley would take its sides for that."""
-    model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, ["valve", "hose", "friction", "inertia"])
+    model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, blocks=["valve", "hose", "friction", "inertia"])
     paths, scaled = [unknown.path for unknown in model.unknowns], Scaled(model.unknowns)
     inertia = paths.index("joint.small.link.inertia")
     masses = arm(SMALL)
@@ -108,7 +108,7 @@ def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
 
 def test_a_joint_that_is_led_forgets_where_it_began() -> None:
     log = log_of(SMALL, 3.0)
-    model = ArmModel(SMALL, {"log": log}, ["valve"])
+    model = ArmModel(SMALL, {"log": log}, blocks=["valve"])
     _, far, near = model.continuation()
     off = model.guess.copy()
     off[[u.path for u in model.unknowns].index("valve.centre_voltage")] += 0.1
@@ -121,7 +121,7 @@ def test_a_joint_that_is_led_forgets_where_it_began() -> None:
 
 
 def test_the_first_rung_sees_the_beginning_alone() -> None:
-    model = ArmModel(SMALL, {"log": log_of(SMALL, 3.0)}, ["valve"])
+    model = ArmModel(SMALL, {"log": log_of(SMALL, 3.0)}, blocks=["valve"])
     first, second, _ = model.continuation()
     assert 0 < first.used.sum() < 0.5 * second.used.sum()
     assert np.isfinite(first.simulate(model.guess[None])[0][first.used]).all()
@@ -131,7 +131,7 @@ def test_the_first_rung_sees_the_beginning_alone() -> None:
 def test_each_pressure_by_itself_tells_more_than_their_difference() -> None:
     run = rollout(SMALL, demand, duration=4.0, start=0.0)
     pressures = run[["voltage", "pressure_a", "pressure_b"]].assign(angle=run["measured_angle"])
-    model = ArmModel(SMALL, {"log": pressures}, ["valve"])
+    model = ArmModel(SMALL, {"log": pressures}, blocks=["valve"])
     assert [output.name for output in model.outputs] == ["angle", "pressure_a", "pressure_b"]
     found = fit(model, starts=0)
     assert found.of("valve.conductance").value == pytest.approx(1.99e-8, rel=0.01)
@@ -139,7 +139,7 @@ def test_each_pressure_by_itself_tells_more_than_their_difference() -> None:
 
 def test_another_log_judges_and_all_of_the_first_is_fitted() -> None:
     first, second = log_of(SMALL, 2.0), log_of(SMALL, 1.0, seed=5)
-    model = ArmModel(SMALL, {"first": first}, ["friction"], {"second": second})
+    model = ArmModel(SMALL, {"first": first}, {"second": second}, blocks=["friction"])
     assert [bool(output.fitted.all()) for output in model.outputs] == [True, True, False, False]
     assert not any(output.fitted.any() for output in model.outputs[2:])
     assert {u.path for u in model.unknowns if u.nuisance} == {
@@ -151,7 +151,7 @@ def test_gaps_in_what_was_measured_do_no_harm() -> None:
     log = log_of(SMALL, 3.0)
     angle = log["angle"].to_numpy().copy()
     angle[100:140] = np.nan
-    found = fit(ArmModel(SMALL, {"log": without_true_angle(log, "angle", angle)}, ["friction"]), starts=0)
+    found = fit(ArmModel(SMALL, {"log": without_true_angle(log, "angle", angle)}, blocks=["friction"]), starts=0)
     assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
 
 
@@ -174,4 +174,4 @@ def test_unknown_blocks_are_refused(blocks: list[str], told: str) -> None:
 @pytest.mark.parametrize("missing", ["voltage", "angle"])
 def test_a_log_that_lacks_what_is_needed_is_refused(missing: str) -> None:
     with pytest.raises(InputError, match=f"log: has no {missing}"):
-        ArmModel(SMALL, {"log": log_of(SMALL, 0.5).drop_vars(missing)}, ["valve"])
+        ArmModel(SMALL, {"log": log_of(SMALL, 0.5).drop_vars(missing)}, blocks=["valve"])

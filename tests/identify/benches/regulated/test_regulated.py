@@ -9,10 +9,11 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
+from layflat.identify.benches.candidates import simulated, with_columns
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.regulated.description import RegulatedJointBench
-from layflat.identify.benches.regulated.model import RegulatedModel, candidates_of
-from layflat.identify.benches.regulated.run import NOTHING, Course, simulate_regulated
+from layflat.identify.benches.regulated.model import Log, RegulatedModel, parameters
+from layflat.identify.benches.regulated.run import NOTHING, STEP, Course, run_regulated
 from layflat.identify.identification import begin
 
 TRUTH = {
@@ -41,26 +42,30 @@ def commands(seconds: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndar
     return time, 5e5 + swing, 5e5 - swing
 
 
+def free_run(described: RegulatedJointBench, log: Log, step: float = STEP) -> np.ndarray:
+    """Angle and pressures of the joint of `TRUTH` from the set-points of a log, (samples, 3)."""
+    case = parameters(with_columns(described, TRUTH), log), log.course, NOTHING, step
+    return simulated(run_regulated, 1, [case], [(len(log.course.time), 3)])[0][0]
+
+
 def log(described: RegulatedJointBench, seconds: float = 8.0, seed: int = 0, *, noise: float = 1.0) -> xarray.Dataset:
     """What the joint of `TRUTH` does, with the noise of usual sensors."""
     time, a, b = commands(seconds, seed)
     start = np.full_like(time, np.nan)
     course = Course(time, a, b, start, np.full_like(time, 1.2e5), np.full_like(time, 6.5e5))
-    found = {path: np.array([value]) for path, value in TRUTH.items()}
-    candidates = candidates_of(described, (), found, 1)._replace(start_angle=np.array([found["stroke.lower_stop"]]))
-    (run,) = simulate_regulated(candidates, [course])
+    run = free_run(described, Log("one", course, "lower_stop"))
     rng, half = np.random.default_rng(seed + 100), 0.5 * described.stroke.reading
-    angle = np.clip(run[0, :, 0] + noise * 2e-3 * rng.standard_normal(len(time)), -half, half)
+    angle = np.clip(run[:, 0] + noise * 2e-3 * rng.standard_normal(len(time)), -half, half)
     angle[0] = -half
-    p_a, p_b = (run[0, :, i] + noise * 1e3 * rng.standard_normal(len(time)) for i in (1, 2))
+    p_a, p_b = (run[:, i] + noise * 1e3 * rng.standard_normal(len(time)) for i in (1, 2))
     signals = {"angle": angle, "pressure_a": p_a, "pressure_b": p_b, "setpoint_a": a, "setpoint_b": b}
     return xarray.Dataset({key: ("time", values) for key, values in signals.items()}, coords={"time": time})
 
 
 def test_the_values_behind_a_log_are_found_and_predict_another() -> None:
     described = rig()
-    logs = {"one": log(described, seed=1), "other": log(described, seed=3)}
-    model = RegulatedModel(described, logs, blocks=["motion"], validation=["other"])
+    logs, others = {"one": log(described, seed=1)}, {"other": log(described, seed=3)}
+    model = RegulatedModel(described, logs, others, blocks=["motion"])
     found = fit(model, starts=0)
     for path in ("load.inertia", "load.damping", "load.torque", "friction.lower_end"):
         assert found.of(path).value == pytest.approx(TRUTH[path], rel=0.25), path
@@ -102,7 +107,7 @@ def test_a_block_that_is_not_asked_for_stays_as_described() -> None:
 
 def test_without_another_log_the_rest_of_a_log_judges() -> None:
     described = rig()
-    model = RegulatedModel(described, {"one": log(described, 3.0)}, fitted_share=2.0 / 3.0)
+    model = RegulatedModel(described, {"one": log(described, 3.0)})
     for output in model.outputs:
         assert output.fitted[output.time < 1.95].all()
         assert not output.fitted[output.time > 2.05].any()
@@ -144,9 +149,7 @@ def test_candidates_give_the_same_alone_and_side_by_side() -> None:
 def test_smaller_steps_change_little() -> None:
     described = rig()
     model = RegulatedModel(described, {"one": log(described)})
-    candidates = candidates_of(described, model.logs, {path: np.array([value]) for path, value in TRUTH.items()}, 1)
-    courses = [one.course for one in model.logs]
-    coarse, fine = (simulate_regulated(candidates, courses, given=NOTHING, step=step)[0][0] for step in (1e-3, 1e-4))
+    coarse, fine = (free_run(described, model.logs[0], step) for step in (1e-3, 1e-4))
     assert np.abs(coarse[:, 0] - fine[:, 0]).max() < 0.01 * described.stroke.reading
     assert np.abs(coarse[:, 1:] - fine[:, 1:]).max() < 5e3
 
@@ -170,11 +173,9 @@ def test_a_log_that_cannot_be_used_is_refused_in_one_line(spoil: object, told: s
     assert told.split(": ")[1] in str(error.value)
 
 
-def test_unknown_logs_and_blocks_are_refused() -> None:
+def test_unknown_blocks_are_refused() -> None:
     described = rig()
     logs = {"one": log(described, 2.0)}
-    with pytest.raises(InputError, match="validation"):
-        RegulatedModel(described, logs, validation=["two"])
     with pytest.raises(InputError, match="blocks"):
         RegulatedModel(described, logs, blocks=["valves"])
 

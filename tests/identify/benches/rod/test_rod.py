@@ -4,7 +4,17 @@ from hypothesis import strategies as st
 
 from layflat.identify.benches.rod.laws import Rod, slip_force, smooth_force
 
-ROD = Rod(area=5e-4, area_slope=1e-3, spring=20.0, offset=3.0, base=6.0, slope=1e-5, viscous=80.0)
+ROD = Rod(
+    area=5e-4,
+    area_slope=1e-3,
+    spring=20.0,
+    offset=3.0,
+    base=6.0,
+    slope=1e-5,
+    viscous=80.0,
+    weights=(1.0,),
+    stiffness=(1e5,),
+)
 
 
 def test_force_by_hand() -> None:

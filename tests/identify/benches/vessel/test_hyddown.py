@@ -6,7 +6,6 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify.benches.loader import load_bench
-from layflat.identify.benches.vessel.hyddown import read_hyddown_log
 from layflat.physics.flow import sonic_conductance
 
 RIG = """
@@ -14,15 +13,6 @@ vessel: {length: 1.0, diameter: 0.2, thickness: 0.01, density: 7800.0, heat_capa
 initial: {fluid: N2, pressure: 10.0e5, temperature: 290.0}
 valve: {flow: discharge, type: orifice, diameter: 0.003, discharge_coef: 0.8, back_pressure: 101300.0}
 heat_transfer: {type: specified_h, h_outer: 5, h_inner: calc, temp_ambient: 295.0}
-"""
-
-LOG = """signal,time_s,value,unit
-gas_pressure,0.2,9.8,bar_abs
-gas_pressure,4,512,kPa
-T_gas_high,0,290,K
-T_gas_high,4,10,degC
-T_gas_low,0,288,K
-T_gas_low,5,258,K
 """
 
 
@@ -74,37 +64,6 @@ def test_a_field_that_cannot_be_used_is_one_line(old: str, new: str, said: str, 
     assert "\n" not in str(caught.value)
 
 
-def test_a_log_is_read_in_si_with_curves_of_a_kind_averaged(tmp_path: Path) -> None:
-    path = tmp_path / "mine.csv"
-    path.write_text(LOG)
-    log = read_hyddown_log(path)
-    pressure, temperature = log["pressure"].dropna("time"), log["temperature"].dropna("time")
-    np.testing.assert_allclose(pressure["time"], [0.2, 4.0])
-    np.testing.assert_allclose(pressure, [9.8e5, 5.12e5])
-    np.testing.assert_allclose(temperature["time"], [0.0, 4.0])
-    np.testing.assert_allclose(temperature, [289.0, 0.5 * (283.15 + 264.0)])
-    assert "wall_temperature" not in log
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("bar_abs", "furlong", "unknown unit 'furlong'"),
-        ("time_s", "time", "columns are signal, time_s, value, unit"),
-        ("9.8", "nine", "can't be used; give a table"),
-        ("gas_pressure", "pressure", "has no gas_pressure"),
-    ],
-)
-def test_a_log_that_cannot_be_used_is_one_line(old: str, new: str, said: str, tmp_path: Path) -> None:
-    path = tmp_path / "mine.csv"
-    path.write_text(LOG.replace(old, new))
-    with pytest.raises(InputError) as caught:
-        read_hyddown_log(path)
-    assert said in str(caught.value)
-    assert str(path) in str(caught.value)
-
-
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
-    for read in (read_hyddown_log, load_bench):
-        with pytest.raises(InputError, match="can't be read"):
-            read(tmp_path / "none.yml")
+    with pytest.raises(InputError, match="can't be read"):
+        load_bench(tmp_path / "none.yml")

@@ -128,12 +128,12 @@ def test_choked_flow_of_ideal_air_is_that_of_the_conductance() -> None:
 @given(st.floats(2e4, 9e5), st.floats(2e4, 9e5), temperatures)
 def test_a_vessel_of_ideal_air_takes_the_flow_of_the_plant(p: float, beyond: float, T: float) -> None:
     chamber = Chamber(1e-3, 0.0, 0.4)
-    path = Path(1e-8, 0.35, laminar_slope(0.35))
+    path = Path(1e-8, 0.35)
     vessel = Vessel(chamber, Wall(0.1, 0.1, 0.0, 0.0, np.inf, 0.0), path)
     E, m = contents(IDEAL_AIR, chamber, p, T, 1e5)
     state, outside = Filling(E, m, 300.0), Outside(beyond, 290.0, 1e5, 293.0)
     rate = rates(vessel, state, outside, exchange(IDEAL_AIR, vessel, state, outside, 1.0))
-    flow, enthalpy = orifice(path.conductance, 0.35, path.laminar_slope, beyond, 290.0, p, T)
+    flow, enthalpy = orifice(path.conductance, 0.35, laminar_slope(0.35), beyond, 290.0, p, T)
     assert rate.mass == pytest.approx(flow, rel=1e-9, abs=1e-15)
     assert rate.energy == pytest.approx(enthalpy + 0.4 * (300.0 - T), rel=1e-9, abs=1e-9)
     assert rate.wall_temperature == 0.0

@@ -13,8 +13,8 @@ from layflat.errors import InputError
 from layflat.identify import Fit, fit
 from layflat.identify.benches.loader import build_bench, load_bench
 from layflat.identify.benches.vessel.description import Gas, Place, VesselBench
-from layflat.identify.benches.vessel.hyddown import read_hyddown_log
-from layflat.identify.benches.vessel.model import vessel_model
+from layflat.identify.benches.vessel.model import VesselModel
+from layflat.identify.logs import read_log
 
 pytestmark = pytest.mark.compiled
 
@@ -54,7 +54,7 @@ def simulated(seed: int, added: float = 0.0) -> xarray.Dataset:
     time = np.arange(0.0, 3.0, 0.01)
     supply = np.where(time < 1.5, 5e5, 101325.0)
     log = xarray.Dataset({"supply": ("time", supply), "pressure": ("time", np.full(300, 1e5))}, {"time": time})
-    model = vessel_model(chamber(TRUTH), {"log": log}, added_volumes={"log": added})
+    model = VesselModel(chamber(TRUTH), {"log": log}, added_volumes={"log": added})
     truth = np.array([TRUTH.get(unknown.path, 101325.0) for unknown in model.unknowns])
     noise = NOISE * np.random.default_rng(seed).standard_normal(300)
     return log.assign(pressure=("time", model.simulate(truth[None])[0] + noise))
@@ -67,7 +67,7 @@ def guessed() -> VesselBench:
 
 def test_two_volumes_tell_everything_within_the_intervals() -> None:
     logs = {"alone": simulated(1), "joined": simulated(2, ADDED)}
-    found = fit(vessel_model(guessed(), logs, volume=True, added_volumes={"joined": ADDED}), starts=4)
+    found = fit(VesselModel(guessed(), logs, volume=True, added_volumes={"joined": ADDED}), starts=4)
     assert found.trusted
     for path, truth in TRUTH.items():
         estimate = found.of(path)
@@ -78,14 +78,14 @@ def test_two_volumes_tell_everything_within_the_intervals() -> None:
 
 
 def test_one_volume_does_not_tell_volume_and_conductance() -> None:
-    found = fit(vessel_model(guessed(), {"alone": simulated(1)}, volume=True), starts=4)
+    found = fit(VesselModel(guessed(), {"alone": simulated(1)}, volume=True), starts=4)
     C, V = found.of("path.conductance"), found.of("space.volume")
     assert not C.identified
     assert not V.identified
     assert {C.partner, V.partner} <= {"path.conductance", "space.volume", "wall.conductance"}
     assert C.partner is not None
     assert C.value / V.value == pytest.approx(TRUTH["path.conductance"] / TRUTH["space.volume"], rel=0.01)
-    held = fit(vessel_model(guessed(), {"alone": simulated(1)}), starts=4)
+    held = fit(VesselModel(guessed(), {"alone": simulated(1)}), starts=4)
     assert held.of("path.conductance").identified
     ratio = held.of("path.conductance").value / guessed().space.volume
     assert ratio == pytest.approx(TRUTH["path.conductance"] / TRUTH["space.volume"], rel=0.01)
@@ -96,7 +96,7 @@ def blow_down(**parts: object) -> tuple[VesselBench, xarray.Dataset]:
     rig = cast(VesselBench, load_bench("blow-down-vessel")).model_copy(update=parts)
     time = np.linspace(0.0, 60.0, 25)
     empty = {name: ("time", np.full(25, 300.0)) for name in ("pressure", "temperature")}
-    model = vessel_model(rig, {"log": xarray.Dataset(empty, {"time": time})})
+    model = VesselModel(rig, {"log": xarray.Dataset(empty, {"time": time})})
     start = {unknown.path: unknown.guess for unknown in model.unknowns} | {"start.pressure.log": rig.start.pressure}
     found = model.run(model.logs[0], np.array([list(start.values())]))[0]
     noise = 300.0 * np.random.default_rng(3).standard_normal(25)
@@ -108,7 +108,7 @@ def blow_down(**parts: object) -> tuple[VesselBench, xarray.Dataset]:
 def test_a_blow_down_tells_natural_convection_and_predicts_the_temperature() -> None:
     rig, log = blow_down()
     off = rig.model_copy(update={"wall": rig.wall.model_copy(update={"natural": 0.3})})
-    found = fit(vessel_model(off, {"log": log}), starts=4)
+    found = fit(VesselModel(off, {"log": log}), starts=4)
     natural, C = found.of("wall.natural"), found.of("path.conductance")
     assert natural.low < rig.wall.natural < natural.high
     assert C.low < rig.path.conductance < C.high
@@ -121,7 +121,7 @@ def test_a_fill_from_vacuum_is_fitted_with_its_jet() -> None:
     beyond = Place.model_construct(pressure=1e5, temperature=295.0)
     empty = Place.model_construct(pressure=4e3, temperature=295.0)
     rig, log = blow_down(outside=beyond, start=empty)
-    model = vessel_model(rig, {"log": log})
+    model = VesselModel(rig, {"log": log})
     assert {"wall.forced", "outside.pressure"} <= {unknown.path for unknown in model.unknowns}
     found = fit(model, starts=2)
     assert found.qualities()[0].rms < 450.0
@@ -130,9 +130,9 @@ def test_a_fill_from_vacuum_is_fitted_with_its_jet() -> None:
 def test_what_is_judged_does_not_act_on_the_fit() -> None:
     rig, log = blow_down()
     spoilt = log.assign(pressure=log["pressure"].where(log["time"] < 41.0, 9e5))
-    values = [fit(vessel_model(rig, {"log": one}, fitted_share=2 / 3), starts=0).values for one in (log, spoilt)]
+    values = [fit(VesselModel(rig, {"log": one}, fitted_share=2 / 3), starts=0).values for one in (log, spoilt)]
     np.testing.assert_array_equal(values[0], values[1])
-    other = vessel_model(rig, {"a": log, "b": log}, validation=["b"])
+    other = VesselModel(rig, {"a": log}, {"b": log})
     assert [output.fitted.all() for output in other.outputs if output.name == "pressure"] == [True, False]
     assert not any(output.fitted.any() for output in other.outputs if output.log == "b")
 
@@ -144,25 +144,24 @@ def test_what_is_judged_does_not_act_on_the_fit() -> None:
         ({"added_volumes": {"other": 1e-3}}, "added_volumes: unknown log 'other'; choose from log"),
         ({"fitted_share": 1.5}, "fitted_share: 1.5 is out of range"),
         ({"fitted_signals": ["force"]}, "fitted_signals: unknown signal 'force'"),
-        ({"validation": ["other"]}, "validation: unknown log 'other'"),
     ],
 )
 def test_a_wrong_option_is_one_line(options: dict[str, object], said: str) -> None:
     rig, log = blow_down()
     with pytest.raises(InputError) as caught:
-        vessel_model(rig, {"log": log}, **options)  # type: ignore[arg-type]
+        VesselModel(rig, {"log": log}, **options)  # type: ignore[arg-type]
     assert str(caught.value).startswith(said)
 
 
 def test_a_log_without_pressure_or_with_gaps_in_its_supply_is_one_line() -> None:
     rig, log = blow_down()
     with pytest.raises(InputError, match=r"^log: has no pressure"):
-        vessel_model(rig, {"log": log.drop_vars("pressure")})
+        VesselModel(rig, {"log": log.drop_vars("pressure")})
     holed = log.assign(supply=("time", np.where(log["time"] < 5.0, np.nan, 1e5)))
     with pytest.raises(InputError, match=r"^log: supply: has gaps"):
-        vessel_model(rig, {"log": holed})
+        VesselModel(rig, {"log": holed})
     with pytest.raises(InputError, match="there is none"):
-        vessel_model(rig, {})
+        VesselModel(rig, {})
 
 
 def test_a_gas_that_condenses_is_one_line() -> None:
@@ -171,14 +170,16 @@ def test_a_gas_that_condenses_is_one_line() -> None:
         update={"gas": Gas(name="carbon dioxide"), "start": Place.model_construct(pressure=80e5, temperature=280.0)}
     )
     with pytest.raises(InputError, match=r"start: carbon dioxide is no gas at 80 bar and 280 K"):
-        vessel_model(liquid, {"log": log})
+        VesselModel(liquid, {"log": log})
 
 
-def measured(folder: Path, name: str, **options: float) -> Fit:
+MAPPING = Path(__file__).parents[4] / "examples" / "logs" / "vessel.toml"
+
+
+def measured(folder: Path, name: str, share: float = 1.0) -> Fit:
     base = folder / "vessel" / name
-    logs = {name: read_hyddown_log(base.with_name(f"{name}.csv"))}
-    model = vessel_model(load_bench(base.with_name(f"{name}.rig.yml")), logs, **options)  # type: ignore[arg-type]
-    return fit(model)
+    logs = {name: read_log(base.with_name(f"{name}.csv"), MAPPING, as_recorded=True)}
+    return fit(VesselModel(load_bench(base.with_name(f"{name}.rig.yml")), logs, fitted_share=share))
 
 
 def test_measured_blow_down_of_air(measured_data: Path) -> None:
@@ -186,7 +187,7 @@ def test_measured_blow_down_of_air(measured_data: Path) -> None:
     assert found.trusted
     assert found.qualities()[0].rms < 1.6e3
     assert 0.02 < found.of("wall.natural").value < 0.4
-    early = measured(measured_data, "Air_790kPa_21mm", fitted_share=2 / 3)
+    early = measured(measured_data, "Air_790kPa_21mm", 2 / 3)
     validation = next(quality for quality in early.qualities() if quality.validation)
     assert validation.output == "pressure"
     assert validation.rms < 1.5e3
@@ -196,5 +197,5 @@ def test_measured_blow_down_of_nitrogen(measured_data: Path) -> None:
     found = measured(measured_data, "N2_Exp_I1")
     assert found.qualities()[0].rms < 0.01 * 150e5
     assert 0.6 < found.of("path.conductance").value / 6.3e-8 < 0.95
-    early = measured(measured_data, "N2_Exp_I1", fitted_share=2 / 3)
+    early = measured(measured_data, "N2_Exp_I1", 2 / 3)
     assert next(quality for quality in early.qualities() if quality.validation).rms < 0.01 * 150e5

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,6 @@ import numpy as np
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Logs
 from layflat.identify.model import FITTED, Array, Flags, Output
-from layflat.identify.unknown import Unknown
 
 if TYPE_CHECKING:
     import xarray
@@ -22,15 +20,6 @@ SIZE = 0.03
 It is the same for all logs, and well above the noise: what these laws leave over is mostly shape that they do not
 model, as large in newtons at any pressure, and no log is to count more because its curve is lower.
 """
-
-LEAST, MOST = 1e-6, 2.0
-"""An element slips after so much of the longest travel in the logs: it is Coulomb friction below, a spring above.
-
-The least is far below what any log shows, so that friction which slips at once does not hit a bound.
-"""
-
-DECIMALS = 6
-"""Of weights in a description."""
 
 NOISES = 6.0
 """A brake gives by so many standard deviations of the motion's noise."""
@@ -121,50 +110,3 @@ def _output(log: xarray.Dataset, name: str, unit: str, where: str, whole: bool |
 def _values(log: xarray.Dataset, name: str, joint: str) -> Array:
     values = log[name].sel(joint=joint) if "joint" in log[name].dims else log[name]
     return np.array(values.to_numpy(), dtype=np.float64)
-
-
-def within(
-    path: str, unit: str, guess: float, low: float, high: float, excitation: str, *, log: bool = False
-) -> Unknown:
-    """An unknown with bounds that come from the logs; the search begins at the guess as far as it lies inside."""
-    return Unknown(path, unit, float(np.clip(guess, low, high)), low, high, log=log, excitation=excitation)
-
-
-def element_unknowns(
-    where: str, unit: str, deflections: Sequence[float], weights: Sequence[float], travel: float
-) -> list[Unknown]:
-    """Deflections of elements, and how they share the friction (see `shares_of`), as unknowns.
-
-    Args:
-        where: path of the table that they stand in.
-        unit: of the motion.
-        deflections: described.
-        weights: described.
-        travel: longest in all logs.
-    """
-    fine = "reversals, sampled finely where the motion reverses"
-    low, high = LEAST * travel, MOST * travel
-    found = [within(f"{where}.deflections.{j}", unit, d, low, high, fine, log=True) for j, d in enumerate(deflections)]
-    split = split_of(np.array(weights))
-    return found + [within(f"{where}.split.{j}", "1", float(part), 0.0, 1.0, fine) for j, part in enumerate(split)]
-
-
-def shares_of(split: Array) -> Array:
-    """Weights that add up to 1, (..., n + 1), from what each element takes of what those before it leave, (..., n)."""
-    left = np.cumprod(1.0 - split, axis=-1)
-    one = np.ones((*split.shape[:-1], 1))
-    return np.asarray(np.concatenate([split, one], axis=-1) * np.concatenate([one, left], axis=-1))
-
-
-def rounded(weights: Array) -> tuple[float, ...]:
-    """Weights with six decimals that still add up to 1, as they can stand in a file."""
-    found = np.round(weights, DECIMALS)
-    largest = int(np.argmax(found))
-    found[largest] = round(1.0 - float(np.delete(found, largest).sum()), DECIMALS)
-    return tuple(float(one) for one in found)
-
-
-def split_of(weights: Array) -> Array:
-    """What each element but the last takes of what those before it leave: the inverse of `shares_of`."""
-    left = 1.0 - np.concatenate([[0.0], np.cumsum(weights)[:-1]])
-    return np.asarray([w / rest if rest > 0.0 else 0.5 for w, rest in zip(weights[:-1], left[:-1], strict=True)])

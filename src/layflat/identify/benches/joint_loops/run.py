@@ -1,22 +1,28 @@
 """Torque of a joint that is turned slowly through a measured motion: the laws of slow sweeps (sim/slow.py)."""
 
-from __future__ import annotations
-
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.jit import kernel
-from layflat.lanes import mapped, total
-from layflat.parallel import on_all_cores
+from layflat.lanes import total
 from layflat.physics.hysteresis import loaded, torques
 from layflat.physics.hysteresis.elasto_slip import slip
 from layflat.physics.joint import Hose
 from layflat.sim.slow import Slow, turned, unturned
 
 Array = NDArray[np.float64]
+
+
+class TurnedJoint(NamedTuple):
+    """Both hoses, torque of the brake, and the torque that a log begins with (N m)."""
+
+    hose_a: Hose
+    hose_b: Hose
+    brake: float
+    first: float
 
 
 class TurnedLog(NamedTuple):
@@ -34,12 +40,14 @@ class TurnedLog(NamedTuple):
 
 
 @kernel
-def _torque(hose_a, hose_b, brake, first, log, torque):
+def turned_torque(joint, log, torque):
+    """Torque of a joint through a log, N m, into `torque`, (samples,)."""
+    hose_a, hose_b, brake = joint.hose_a, joint.hose_b, joint.brake
     q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
     slow = turned(unturned(hose_a, hose_b), hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
     a, b = loaded(hose_a.loss, p_a[0], 1.0), loaded(hose_b.loss, p_b[0], 1.0)
     held = brake * log.brake[0]
-    share = share_carried(slow.lossless - first, total(torques(hose_a.loss, a) + torques(hose_b.loss, b)) + held)
+    share = share_carried(slow.lossless - joint.first, total(torques(hose_a.loss, a) + torques(hose_b.loss, b)) + held)
     slow = Slow(1.0, loaded(hose_a.loss, p_a[0], share), loaded(hose_b.loss, p_b[0], share), 0.0, 0.0)
     held *= share
     for i in range(len(q)):
@@ -48,27 +56,3 @@ def _torque(hose_a, hose_b, brake, first, log, torque):
         most = brake * log.brake[i]
         held = slip(held, most / log.give, most, turn)
         torque[i] = slow.torque - held
-
-
-def turned_torques(hose_a: Hose, hose_b: Hose, brake: Array, first: Array, log: TurnedLog) -> Array:
-    """Torque of a joint through a log, (candidates, samples), N m.
-
-    Args:
-        hose_a: hose A; its numbers may be arrays, an item a candidate.
-        hose_b: hose B, likewise.
-        brake: torque of the brake, an item a candidate, N m.
-        first: torque that the log begins with, an item a candidate, N m.
-        log: what is given.
-    """
-    torques = np.empty((len(brake), len(log.angle)))
-
-    def run(i: int) -> None:
-        _torque(_item(hose_a, i), _item(hose_b, i), float(brake[i]), float(first[i]), log, torques[i])
-
-    on_all_cores(run, range(len(brake)))
-    return torques
-
-
-def _item(parameters: Any, i: int) -> Any:
-    """Parameters of one candidate."""
-    return mapped(parameters, lambda leaf: float(leaf[i] if np.ndim(leaf) else leaf))

@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 import xarray
 
-from layflat.errors import InputError
 from layflat.identify.model import FITTED, Array, Flags, Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
@@ -81,18 +80,7 @@ class Record:
     def measured(self) -> dict[str, Array]:
         """What was measured of every joint, (samples, joints)."""
         names = ("angle", "pressure_a", "pressure_b", "measured_pressure")
-        found = {name: values for name in names if (values := self.signal(name)) is not None}
-        if "angle" not in found:
-            raise InputError("has no angle", where=self.name, right="map a column to the signal angle of every joint")
-        return found
-
-    @cached_property
-    def voltage(self) -> Array:
-        """Of every valve, (samples, joints)."""
-        found = self.signal("voltage")
-        if found is None:
-            raise InputError("has no voltage", where=self.name, right="map a column to the signal voltage")
-        return found
+        return {name: values for name in names if (values := self.signal(name)) is not None}
 
     @cached_property
     def first(self) -> dict[str, Array]:
@@ -107,17 +95,15 @@ class Record:
 
     def scenario_of(self, samples: int) -> Scenario:
         """What acts on the machine, from the beginning on."""
-
-        def first(name: str) -> Array | None:
-            values = self.signal(name)
-            return None if values is None else values[:samples]
-
-        brake, load, supply, payload = map(first, ("brake", "load", "supply", "payload"))
+        brake, load, supply, payload, voltage = (
+            values if (values := self.signal(name)) is None else values[:samples]
+            for name in ("brake", "load", "supply", "payload", "voltage")
+        )
         ambient = self.machine.supply.ambient_pressure
         return Scenario(
             duration=samples * self.machine.cycle,
             demand=self._fed_back[:samples],
-            voltage=self.voltage[:samples],
+            voltage=voltage,
             start=dict(zip(self.joints, self._angles, strict=True)),
             pressures={name: (a, b) for name, a, b in zip(self.joints, *self._pressures, strict=True)},
             supply=None if supply is None else supply - ambient,
@@ -149,12 +135,8 @@ class Record:
         usual = FILLED * (self.machine.supply.pressure if supply is None else float(supply[0]))
         if "pressure_a" in self.first and "pressure_b" in self.first:
             return list(self.first["pressure_a"]), list(self.first["pressure_b"])
-        half = (
-            0.5 * (self.first["measured_pressure"] - sensor_offset(self.machine))
-            if "measured_pressure" in self.first
-            else 0.0
-        )
-        both = np.broadcast_to(half, len(self.joints))
+        offset = sensor_offset(self.machine)
+        both = np.broadcast_to(0.5 * (self.first.get("measured_pressure", offset) - offset), len(self.joints))
         return list(usual + both), list(usual - both)
 
     @cached_property
@@ -178,7 +160,8 @@ class Record:
         """Every measured signal of every joint."""
         _, angle, pressure = parameters.drive_parts(self.machine)
         scales = {"angle": ("rad", _noise(angle))}
-        voltage, found = self.voltage, []
+        voltage, found = self.signal("voltage"), []
+        assert voltage is not None
         for signal, values in self.measured.items():
             unit, scale = scales.get(signal, ("Pa", _noise(pressure)))
             for j, name in enumerate(self.joints):
@@ -187,26 +170,25 @@ class Record:
         return found
 
     def simulate(
-        self,
-        shared: Mapping[str, Array],
-        given: Mapping[str, Array],
-        offset: Array,
-        count: int,
-        step: float,
-        share: float | None,
+        self, shared: Mapping[str, Array], given: Mapping[str, Array], offset: Array, step: float, share: float | None
     ) -> Array:
-        """Outputs of every candidate, (candidates, samples): all, or only a share of what is fitted."""
+        """Outputs of every candidate, (candidates, samples): all, or only a share of what is fitted.
+
+        Args:
+            shared: what is varied in all logs.
+            given: values of all unknowns, those that this log begins with among them.
+            offset: of the differential pressure, Pa, one or an item a candidate.
+            step: of the simulation, s.
+            share: None for the whole log.
+        """
+        count = len(shared["scenario.load"])
         found = np.full((count, len(self.measured), len(self.joints), len(self.time)), np.nan)
         samples = len(self.time) if share is None else int(np.ceil(share * self.fitted.sum()))
         if samples == 0:
             return found.reshape(count, -1)
         own = f"start.{self.name}."
-        vary = dict(shared) | {
-            f"start.{path.removeprefix(own)}": c for path, c in given.items() if path.startswith(own)
-        }
-        vary.pop("pressure_sensor.offset", None)
-        vary.setdefault("scenario.load", np.zeros(count))
-        run = traced(self.machine, self.scenario_of(samples), vary, TRACES, step=step)
+        begun = {f"start.{path.removeprefix(own)}": c for path, c in given.items() if path.startswith(own)}
+        run = traced(self.machine, self.scenario_of(samples), {**shared, **begun}, TRACES, step=step)
         angle, a, b = np.moveaxis(run, (3, 2), (0, 2))
         signals = {"angle": angle, "pressure_a": a, "pressure_b": b}
         signals["measured_pressure"] = a - b + np.broadcast_to(offset, count)[:, None, None]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, Logs, has_samples
+from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.log import Record, sensor_offset
 from layflat.identify.model import Array, Model
@@ -68,9 +68,16 @@ class ArmModel(Model):
         self,
         machine: Machine,
         logs: Logs,
-        blocks: Sequence[str],
         validation: Logs | None = None,
+        *,
+        blocks: Sequence[str],
     ) -> None:
+        if machine.valve is None:
+            right = "give a machine with a valve; or logs with torque and without voltage, of a joint moved slowly"
+            raise InputError("has no valve", where=machine.origin, right=right)
+        if "sensors" in blocks and machine.pressure_sensor is None:
+            raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
+        require_samples({**logs, **(validation or {})}, ("angle", "voltage"), list(machine.joints))
         self.machine, self.stage = machine, FREE
         found = unknowns(machine, blocks)
         known = {unknown.path for unknown in found}
@@ -106,50 +113,32 @@ class ArmModel(Model):
     def _feedback_gains(self) -> dict[str, float]:
         """Voltage per error of the angle that makes each joint follow at 1/s, V/rad."""
         valve = self.machine.valve
-        if valve is None:
-            return {}
+        assert valve is not None
         flow = valve.conductance * REFERENCE_PRESSURE / FILLED
         joints = self.machine.joints.items()
         return {name: valve.volts_to_full * parameters.torque_constant(joint) / flow for name, joint in joints}
 
     def simulate(self, values: Array) -> Array:
         """All logs from their starts, whatever the candidates' values say."""
-        given = {unknown.path: values[:, i] for i, unknown in enumerate(self.unknowns)}
-        offset = given.get("pressure_sensor.offset", sensor_offset(self.machine))
+        given, rate = self.columns(values), self.stage.feedback
         shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
-        gains = self._feedback_gains
-        shared |= {f"scenario.lead.{name}": np.full(len(values), self.stage.feedback * v) for name, v in gains.items()}
+        offset = np.asarray(shared.pop("pressure_sensor.offset", sensor_offset(self.machine)))
+        shared |= {f"scenario.lead.{name}": np.full(len(values), rate * v) for name, v in self._feedback_gains.items()}
         shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
+        shared["scenario.load"] = np.zeros(len(values))
         share = None if self.stage is FREE else self.stage.share
-        found = [
-            record.simulate(shared, given, np.asarray(offset), len(values), self.stage.step, share)
-            for record in self.records
-        ]
+        found = [record.simulate(shared, given, offset, self.stage.step, share) for record in self.records]
         return np.concatenate(found, axis=1)
 
 
 def _nulls(machine: Machine, known: set[str]) -> list[Unknown]:
     """A valve's null differs from joint to joint: what those after the first have on top."""
-    if "valve.centre_voltage" not in known or machine.valve is None:
+    if "valve.centre_voltage" not in known:
         return []
+    assert machine.valve is not None
     reach = 0.1 * machine.valve.volts_to_full
     later = list(machine.joints)[1:]
     return [Unknown(f"log.drift.{name}", "V", 0.0, -reach, reach, log=False, nuisance=True) for name in later]
 
 
-def _model(machine: Machine, logs: Logs, blocks: Sequence[str], validation: Logs) -> Model:
-    if machine.valve is None:
-        right = "give a machine with a valve; or logs with torque and without voltage, of a joint that is moved slowly"
-        raise InputError("has no valve", where=machine.origin, right=right)
-    if "sensors" in blocks and machine.pressure_sensor is None:
-        raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
-    for name, log in (*logs.items(), *validation.items()):
-        for signal in ("angle", "voltage"):
-            for joint in machine.joints:
-                if not has_samples(log, signal, joint):
-                    right = f"map a column to the signal {signal} of every joint: {', '.join(machine.joints)}"
-                    raise InputError(f"has no {signal} of joint {joint!r}", where=name, right=right)
-    return ArmModel(machine, logs, blocks, validation)
-
-
-BENCH = Bench(BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), _model, even=True)
+BENCH = Bench(BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), ArmModel, even=True)

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
-
-Array = NDArray[np.float64]
 
 
 class RegulatingValve(Part):
@@ -105,8 +102,8 @@ def least_volume(bench: RegulatedJointBench) -> float:
     return bench.chamber.torque_per_pressure * max(-bench.stroke.lower_stop, bench.stroke.upper_stop)
 
 
-def friction_law(lower_end: Array, upper_end: Array, reading: float) -> tuple[Array, Array]:
-    """Torque in the middle (N m), and fade (1/rad), of frictions given at both ends of a reading (rad)."""
+def friction_law(lower_end: Any, upper_end: Any, reading: float) -> tuple[Any, Any]:
+    """Torque in the middle (N m), and fade (1/rad), of frictions at both ends of a reading (rad); numbers or arrays."""
     return np.sqrt(lower_end * upper_end), np.log(lower_end / upper_end) / reading
 
 

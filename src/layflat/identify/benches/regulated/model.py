@@ -11,18 +11,24 @@ differences of a random walk); and it goes by continuation, from easy to hard:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from copy import copy
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, Logs, check_known, check_logs
+from layflat.identify.benches.candidates import simulated, with_columns
+from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of
+from layflat.identify.benches.regulated import run
 from layflat.identify.benches.regulated.description import RegulatedJointBench, friction_law
-from layflat.identify.benches.regulated.run import MOTION, NOTHING, PRESSURES, Candidates, Course, simulate_regulated
-from layflat.identify.benches.regulated.unknowns import BLOCKS, unknowns_of
-from layflat.identify.model import FITTED, Array, Model, Output
+from layflat.identify.benches.regulated.friction import LaggingFriction
+from layflat.identify.benches.regulated.joint import Air, RegulatedJoint
+from layflat.identify.benches.regulated.regulator import Regulator
+from layflat.identify.benches.regulated.unknowns import BLOCKS
+from layflat.identify.model import Array, Model, Output
+from layflat.physics.chamber import Chamber
+from layflat.physics.flow import laminar_slope
 
 if TYPE_CHECKING:
     import xarray
@@ -43,12 +49,11 @@ SIGNALS = ("setpoint_a", "setpoint_b", "angle", "pressure_a", "pressure_b")
 
 
 class Log(NamedTuple):
-    """A log as it is used: its name, its signals, and whether the reading begins at the lower or upper end."""
+    """A log as it is used: its name, its signals, and the stop that its reading begins at, if it does."""
 
     name: str
-    course: Course
-    at_lower: bool
-    at_upper: bool
+    course: run.Course
+    stop: str | None
 
 
 class RegulatedModel(Model):
@@ -56,102 +61,79 @@ class RegulatedModel(Model):
 
     Args:
         bench: where the search begins, and what is held.
-        logs: by name: time from 0, and `SIGNALS` in SI; from rest.
+        logs: to fit, by name: time from 0, and `SIGNALS` in SI; from rest.
+        validation: logs that are only predicted.
         blocks: what to fit, of `BLOCKS`.
-        validation: names of logs that are only predicted.
-        fitted_share: of the time of each other log, from its start, that is fitted; the rest is for validation.
+        fitted_share: of the time of each log to fit, from its start; the rest is for validation. Default: all, or two
+            thirds where there is no other log for validation.
 
     Raises:
-        InputError: a log lacks a signal or begins with none, or a block or log is unknown.
+        InputError: a log lacks a signal or begins with none, or a block is unknown.
     """
 
     def __init__(
         self,
         bench: RegulatedJointBench,
-        logs: Mapping[str, xarray.Dataset],
+        logs: Logs,
+        validation: Logs | None = None,
         *,
-        blocks: Collection[str] = BLOCKS,
-        validation: Collection[str] = (),
-        fitted_share: float = 1.0,
+        blocks: Collection[str] = tuple(BLOCKS),
+        fitted_share: float | None = None,
     ) -> None:
         check_known(blocks, BLOCKS, "blocks", "block")
-        check_logs(logs, validation, fitted_share)
-        logs = {name: _of_one_joint(name, log) for name, log in logs.items()}
-        self.bench, self.given, self.blocks = bench, NOTHING, tuple(blocks)
-        self.logs = tuple(_read(bench, name, log) for name, log in logs.items())
-        fitted = [log for log in self.logs if log.name not in validation] or list(self.logs)
+        share = fitted_share_of(logs, validation, fitted_share)
+        every = {name: _of_one_joint(name, log) for name, log in (*logs.items(), *(validation or {}).items())}
+        self.bench, self.given, self.blocks = bench, run.NOTHING, set(blocks)
+        self.logs = tuple(_read(bench, name, log) for name, log in every.items())
+        angles = np.concatenate([log.course.angle for log in self.logs[: len(logs)]])
         near = (0.5 - AT_END) * bench.stroke.reading
-        at_lower = min(log.course.angle.min() for log in fitted) <= -near
-        at_upper = max(log.course.angle.max() for log in fitted) >= near
-        self.unknowns = unknowns_of(bench, self.blocks, bool(at_lower), bool(at_upper))
+        there = {"stroke.lower_stop": angles.min() <= -near, "stroke.upper_stop": angles.max() >= near}
+        specs = [spec for block, of in BLOCKS.items() if block in blocks for spec in of]
+        self.unknowns = tuple(spec.unknown(bench) for spec in specs if there.get(spec.path, True))
         self.outputs = tuple(
             output
             for log in self.logs
-            for output in _outputs(bench, log, logs[log.name], 0.0 if log.name in validation else fitted_share)
+            for output in _outputs(bench, log, every[log.name], share if log.name in logs else 0.0)
         )
 
     def continuation(self) -> Sequence[Model]:
         """The joint as measured, the pressures as measured, then neither."""
-        easier = ((MOTION, {"valve", "gas"}), (PRESSURES, {"motion"}))
-        return [*(_as_measured(self, given) for given, fitted in easier if fitted & set(self.blocks)), self]
+        easier = ((run.MOTION, {"valve", "gas"}), (run.PRESSURES, {"motion"}))
+        return [*(self._as_measured(given) for given, fitted in easier if fitted & self.blocks), self]
 
     def simulate(self, values: Array) -> Array:
         """All outputs of candidates, one after the other, (candidates, samples)."""
-        found = {unknown.path: column for unknown, column in zip(self.unknowns, values.T, strict=True)}
-        candidates = candidates_of(self.bench, self.logs, found, len(values))
-        runs = simulate_regulated(candidates, [log.course for log in self.logs], given=self.given)
-        columns, half = [], 0.5 * self.bench.stroke.reading
-        for log, run in zip(self.logs, runs, strict=True):
-            angle = np.clip(run[:, :, 0], -half, half)
-            columns += [angle, _rotation(log.course.time, angle), run[:, :, 1], run[:, :, 2]]
+        bench, half = with_columns(self.bench, self.columns(values)), 0.5 * self.bench.stroke.reading
+        cases = [(parameters(bench, log), log.course, self.given, run.STEP) for log in self.logs]
+        runs = simulated(run.run_regulated, len(values), cases, [(len(log.course.time), 3) for log in self.logs])
+        columns = []
+        for log, found in zip(self.logs, runs, strict=True):
+            angle = np.clip(found[:, :, 0], -half, half)
+            columns += [angle, _rotation(log.course.time, angle), found[:, :, 1], found[:, :, 2]]
         return np.concatenate(columns, axis=1)
 
-
-def candidates_of(
-    bench: RegulatedJointBench, logs: Sequence[Log], found: Mapping[str, Array], count: int
-) -> Candidates:
-    """Parameters of candidates: those of the description, but for what was found, by its path."""
-
-    def at(path: str) -> Array:
-        part, key = path.split(".")
-        return found[path] if path in found else np.full(count, float(getattr(getattr(bench, part), key)))
-
-    torque, fade = friction_law(at("friction.lower_end"), at("friction.upper_end"), bench.stroke.reading)
-    valve = ("gain", "offset", "lag", "delay", "conductance_in", "conductance_out", "band_in", "band_out")
-    return Candidates(
-        **{key: at(f"valve.{key}") for key in valve},
-        critical_ratio=at("valve.critical_ratio"),
-        volume=at("chamber.volume"),
-        wall_conductance=at("chamber.wall_conductance"),
-        torque_per_pressure=at("chamber.torque_per_pressure"),
-        supply_pressure=at("supply.pressure"),
-        ambient_pressure=at("supply.ambient_pressure"),
-        temperature=at("supply.temperature"),
-        inertia=at("load.inertia"),
-        damping=at("load.damping"),
-        load_torque=at("load.torque"),
-        stiffness=at("load.stiffness"),
-        friction_torque=torque,
-        friction_fade=fade,
-        friction_lag=at("friction.lag"),
-        lower_stop=at("stroke.lower_stop"),
-        upper_stop=at("stroke.upper_stop"),
-        start_angle=np.array([_start(log, at) for log in logs]),
-    )
+    def _as_measured(self, given: int) -> Model:
+        """The same unknowns and outputs, with motion or pressures given."""
+        other = copy(self)
+        other.given = given
+        return other
 
 
-def _as_measured(model: RegulatedModel, given: int) -> Model:
-    """The same unknowns and outputs, with motion or pressures given."""
-    other = copy(model)
-    other.given = given
-    return other
-
-
-def _start(log: Log, at: Callable[[str], Array]) -> Array:
-    """Angle that a log begins with: a reading at its end is that of a joint at its stop, (candidates,)."""
-    if log.at_lower:
-        return at("stroke.lower_stop")
-    return at("stroke.upper_stop") if log.at_upper else np.full_like(at("stroke.lower_stop"), log.course.angle[0])
+def parameters(bench: RegulatedJointBench, log: Log) -> run.Setup:
+    """What the laws take of a description; a reading at its end is that of a joint at its stop."""
+    valve, chamber, load, stroke, supply = bench.valve, bench.chamber, bench.load, bench.stroke, bench.supply
+    torque, fade = friction_law(bench.friction.lower_end, bench.friction.upper_end, stroke.reading)
+    joint = RegulatedJoint(
+        Regulator(
+            valve.gain, valve.offset, valve.lag, valve.conductance_in, valve.conductance_out, valve.band_in,
+            valve.band_out, valve.critical_ratio, laminar_slope(valve.critical_ratio),
+        ),
+        Chamber(chamber.volume, 0.0, chamber.wall_conductance),
+        chamber.torque_per_pressure, load.inertia, load.damping, load.torque, load.stiffness,
+        LaggingFriction(torque, fade, bench.friction.lag), stroke.lower_stop, stroke.upper_stop,
+    )  # fmt: skip
+    start = getattr(stroke, log.stop) if log.stop else log.course.angle[0]
+    return run.Setup(joint, Air(supply.pressure, supply.ambient_pressure, supply.temperature), valve.delay, start)
 
 
 def _rotation(time: Array, angle: Array) -> Array:
@@ -191,7 +173,8 @@ def _read(bench: RegulatedJointBench, name: str, data: xarray.Dataset) -> Log:
     if abs(first) > half + close:
         right = f"it reads from {-half:.4g} to {half:.4g} rad: see stroke.reading"
         raise InputError(f"begins with {first:.4g} rad", where=f"{name}: angle", right=right)
-    return Log(name, Course(time=time, **columns), bool(first <= close - half), bool(first >= half - close))
+    stop = "lower_stop" if first <= close - half else "upper_stop" if first >= half - close else None
+    return Log(name, run.Course(time=time, **columns), stop)
 
 
 def _outputs(bench: RegulatedJointBench, log: Log, data: xarray.Dataset, share: float) -> list[Output]:
@@ -208,10 +191,4 @@ def _outputs(bench: RegulatedJointBench, log: Log, data: xarray.Dataset, share: 
     return found
 
 
-def _model(bench: RegulatedJointBench, logs: Logs, blocks: Sequence[str], validation: Logs) -> Model:
-    share = 1.0 if validation else FITTED
-    every = {**logs, **validation}
-    return RegulatedModel(bench, every, blocks=blocks, validation=list(validation), fitted_share=share)
-
-
-BENCH = Bench(BLOCKS, BLOCKS, _model, even=True)
+BENCH = Bench(tuple(BLOCKS), tuple(BLOCKS), RegulatedModel, even=True)

@@ -6,16 +6,14 @@ supply is known from its gauge.
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from layflat.identify.benches.regulated.description import RegulatedJointBench, least_volume
-from layflat.identify.unknown import Unknown
+from layflat.identify.unknown import ParameterSpec, around, factor_range, from_zero
 
 GAIN, OFFSET, DELAY = 1.5, 100e3, 0.15
 """Farthest gain (either way), offset (Pa) and delay (s) of a valve."""
 
-FAR, FARTHER = 20.0, 50.0
-"""Bounds are the guess over and times this: of what a person knows within about a factor of four, and of all else."""
+FAR, FARTHER = factor_range(20.0), factor_range(50.0)
+"""What a person knows within about a factor of four, and all else."""
 
 LOADS = 400e3
 """Load torques are searched up to this pressure, Pa, on the torque per pressure."""
@@ -30,74 +28,56 @@ HOLDS = "moves that begin from rest at several angles, both ways"
 RESTS = "rests at several set-points"
 AT_STOP = "moves that leave the end of the reading"
 
-BLOCKS = ("valve", "gas", "motion")
+C = "m^3/s/Pa"
 
 
-def unknowns_of(
-    bench: RegulatedJointBench, blocks: Collection[str], at_lower: bool, at_upper: bool
-) -> tuple[Unknown, ...]:
-    """Unknowns of some blocks; guesses are the values of the description.
-
-    Args:
-        bench: the description.
-        blocks: of `BLOCKS`.
-        at_lower: whether the reading comes to its lower end; if not, the stop there is not searched.
-        at_upper: the same of its upper end.
-    """
-    found = {"valve": _valve(bench), "gas": _gas(bench), "motion": _motion(bench, at_lower, at_upper)}
-    return tuple(unknown for block in BLOCKS if block in blocks for unknown in found[block])
+def _load(bench: RegulatedJointBench) -> float:
+    return LOADS * bench.chamber.torque_per_pressure
 
 
-def _by_factor(path: str, unit: str, guess: float, factor: float, excitation: str) -> Unknown:
-    return Unknown(path, unit, guess, guess / factor, guess * factor, True, excitation)
-
-
-def _evenly(path: str, unit: str, guess: float, reach: float, excitation: str) -> Unknown:
-    return Unknown(path, unit, guess, guess - reach, guess + reach, False, excitation)
-
-
-def _valve(bench: RegulatedJointBench) -> list[Unknown]:
-    valve, C = bench.valve, "m^3/s/Pa"
-    return [
-        _by_factor("valve.gain", "1", valve.gain, GAIN, RESTS),
-        _evenly("valve.offset", "Pa", valve.offset, OFFSET, RESTS),
-        Unknown("valve.delay", "s", valve.delay, 0.0, max(DELAY, 2.0 * valve.delay), False, STEPS, floor=True),
-        _by_factor("valve.lag", "s", valve.lag, FAR, STEPS),
-        _by_factor("valve.conductance_in", C, valve.conductance_in, FARTHER, f"{LARGE}, upwards"),
-        _by_factor("valve.conductance_out", C, valve.conductance_out, FARTHER, f"{LARGE}, downwards"),
-        _by_factor("valve.band_in", "Pa", valve.band_in, FAR, f"{STEPS}, of different size"),
-        _by_factor("valve.band_out", "Pa", valve.band_out, FAR, f"{STEPS}, of different size"),
-    ]
-
-
-def _gas(bench: RegulatedJointBench) -> list[Unknown]:
-    volume = bench.chamber.volume
-    low = min(volume, max(volume / FAR, 1.02 * _widest_volume(bench)))
-    return [
-        Unknown("chamber.volume", "m^3", volume, low, volume * FAR, True, "fast moves"),
-        _by_factor("chamber.wall_conductance", "W/K", bench.chamber.wall_conductance, FARTHER, LARGE),
-    ]
-
-
-def _motion(bench: RegulatedJointBench, at_lower: bool, at_upper: bool) -> list[Unknown]:
-    load, friction, stroke = bench.load, bench.friction, bench.stroke
-    most, half = LOADS * bench.chamber.torque_per_pressure, 0.5 * stroke.reading
-    reach = 2.0 * BEYOND * half
-    low, high = min(-half - reach, stroke.lower_stop), max(half + reach, stroke.upper_stop)
-    return [
-        _by_factor("load.inertia", "kg*m^2", load.inertia, FARTHER, "moves that start and stop fast"),
-        _by_factor("load.damping", "N*m*s/rad", load.damping, FARTHER, MOVES),
-        _evenly("load.torque", "N*m", load.torque, most, HOLDS),
-        _evenly("load.stiffness", "N*m/rad", load.stiffness, most / half, HOLDS),
-        _by_factor("friction.lower_end", "N*m", friction.lower_end, FARTHER, HOLDS),
-        _by_factor("friction.upper_end", "N*m", friction.upper_end, FARTHER, HOLDS),
-        _by_factor("friction.lag", "s", friction.lag, FAR, "rests of different length, followed by moves"),
-        *[Unknown("stroke.lower_stop", "rad", stroke.lower_stop, low, -half, False, AT_STOP, floor=True)] * at_lower,
-        *[Unknown("stroke.upper_stop", "rad", stroke.upper_stop, half, high, False, AT_STOP, floor=True)] * at_upper,
-    ]
-
-
-def _widest_volume(bench: RegulatedJointBench) -> float:
-    """Least volume that leaves some air in a chamber wherever the stops are searched, m3."""
+def _volumes(bench: RegulatedJointBench, volume: float) -> tuple[float, float, bool]:
+    """At least what leaves some air in a chamber wherever the stops are searched."""
     reach = (0.5 + BEYOND) * bench.stroke.reading
-    return max(least_volume(bench), bench.chamber.torque_per_pressure * reach)
+    least = max(least_volume(bench), bench.chamber.torque_per_pressure * reach)
+    low, high, log = FAR(bench, volume)
+    return min(volume, max(low, 1.02 * least)), high, log
+
+
+def _lower_stops(bench: RegulatedJointBench, stop: float) -> tuple[float, float, bool]:
+    half = 0.5 * bench.stroke.reading
+    return min(-half - 2.0 * BEYOND * half, stop), -half, False
+
+
+def _upper_stops(bench: RegulatedJointBench, stop: float) -> tuple[float, float, bool]:
+    half = 0.5 * bench.stroke.reading
+    return half, max(half + 2.0 * BEYOND * half, stop), False
+
+
+BLOCKS = {
+    "valve": (
+        ParameterSpec("valve.gain", "1", factor_range(GAIN), RESTS),
+        ParameterSpec("valve.offset", "Pa", around(lambda _: OFFSET), RESTS),
+        ParameterSpec("valve.delay", "s", from_zero(lambda _, delay: max(DELAY, 2.0 * delay)), STEPS),
+        ParameterSpec("valve.lag", "s", FAR, STEPS),
+        ParameterSpec("valve.conductance_in", C, FARTHER, f"{LARGE}, upwards"),
+        ParameterSpec("valve.conductance_out", C, FARTHER, f"{LARGE}, downwards"),
+        ParameterSpec("valve.band_in", "Pa", FAR, f"{STEPS}, of different size"),
+        ParameterSpec("valve.band_out", "Pa", FAR, f"{STEPS}, of different size"),
+    ),
+    "gas": (
+        ParameterSpec("chamber.volume", "m^3", _volumes, "fast moves"),
+        ParameterSpec("chamber.wall_conductance", "W/K", FARTHER, LARGE),
+    ),
+    "motion": (
+        ParameterSpec("load.inertia", "kg*m^2", FARTHER, "moves that start and stop fast"),
+        ParameterSpec("load.damping", "N*m*s/rad", FARTHER, MOVES),
+        ParameterSpec("load.torque", "N*m", around(_load), HOLDS),
+        ParameterSpec("load.stiffness", "N*m/rad", around(lambda b: _load(b) / (0.5 * b.stroke.reading)), HOLDS),
+        ParameterSpec("friction.lower_end", "N*m", FARTHER, HOLDS),
+        ParameterSpec("friction.upper_end", "N*m", FARTHER, HOLDS),
+        ParameterSpec("friction.lag", "s", FAR, "rests of different length, followed by moves"),
+        ParameterSpec("stroke.lower_stop", "rad", _lower_stops, AT_STOP, floor=True),
+        ParameterSpec("stroke.upper_stop", "rad", _upper_stops, AT_STOP, floor=True),
+    ),
+}
+"""By block; a stop is only fitted where a reading comes to its end."""

@@ -9,16 +9,21 @@
 | Y | force at which all elements of the friction slip, Y = Y_0 + Y_1 p_g | N |
 
 F = (A + A' x) p_g + F_0 + c x + viscous v + friction. The friction is a sum of elasto-slip elements (loss.py); each
-carries its share of Y.
+carries its share of Y. How they begin a log stands in hysteresis/start.py.
 """
 
 from typing import NamedTuple
 
-from layflat.jit import law
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.identify.benches.hysteresis.start import share_carried
+from layflat.jit import kernel, law
+from layflat.physics.hysteresis.elasto_slip import slip
 
 
 class Rod(NamedTuple):
-    """What is constant of a rod in its cylinder, in the order of the table."""
+    """What is constant of a rod in its cylinder, in the order of the table; of each element its share and N/m."""
 
     area: float
     area_slope: float
@@ -27,6 +32,17 @@ class Rod(NamedTuple):
     base: float
     slope: float
     viscous: float
+    weights: tuple[float, ...]
+    stiffness: tuple[float, ...]
+
+
+class RodLog(NamedTuple):
+    """What is given of a rod's log: position (m), speed (m/s), gauge pressure (Pa), and the first force (N)."""
+
+    position: NDArray[np.float64]
+    speed: NDArray[np.float64]
+    pressure: NDArray[np.float64]
+    first: float
 
 
 @law
@@ -39,3 +55,22 @@ def smooth_force(rod, x, v, p_g):
 def slip_force(rod, p_g):
     """Y, N."""
     return rod.base + rod.slope * max(p_g, 0.0)
+
+
+@kernel
+def rod_force(rod, log, force):
+    """Force on a rod through a log, N, into `force`, (samples,)."""
+    x, v, p = log.position, log.speed, log.pressure
+    f = np.empty(len(rod.weights))
+    level = slip_force(rod, p[0])
+    share = share_carried(log.first - smooth_force(rod, x[0], v[0], p[0]), level)
+    for j in range(len(f)):
+        f[j] = share * rod.weights[j] * level
+    for i in range(len(x)):
+        move = x[i] - x[i - 1] if i > 0 else 0.0
+        level = slip_force(rod, p[i])
+        total = smooth_force(rod, x[i], v[i], p[i])
+        for j in range(len(f)):
+            f[j] = slip(f[j], rod.stiffness[j], rod.weights[j] * level, move)
+            total += f[j]
+        force[i] = total

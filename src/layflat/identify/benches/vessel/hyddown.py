@@ -1,37 +1,22 @@
-"""Vessel experiments in the files of HydDown: the rig as its YAML input, the log as points read off published curves.
+"""Vessels in the YAML input files of HydDown, which calculates how they empty and fill (andreasen2021).
 
-HydDown (andreasen2021) calculates how vessels empty and fill; its input fields are those of its manual. A log is a CSV
-file with the columns signal, time_s, value and unit; signals are gas_pressure, T_gas_..., T_wall_....
+Its fields are those of its manual.
 """
 
 from __future__ import annotations
 
-import csv
 from math import pi
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-
-from layflat.description.text import check_regular, read_text
+from layflat.description.text import read_text
 from layflat.errors import InputError
-from layflat.identify.model import Array
 from layflat.physics.flow import sonic_conductance
 
-if TYPE_CHECKING:
-    import xarray
-
 FLUIDS = {
-    "air": "air",
-    "n2": "nitrogen",
-    "o2": "oxygen",
-    "h2": "hydrogen",
-    "he": "helium",
-    "ar": "argon",
-    "ch4": "methane",
-    "co2": "carbon dioxide",
-    "carbondioxide": "carbon dioxide",
-}
+    "air": "air", "n2": "nitrogen", "o2": "oxygen", "h2": "hydrogen", "he": "helium", "ar": "argon", "ch4": "methane",
+    "co2": "carbon dioxide", "carbondioxide": "carbon dioxide",
+}  # fmt: skip
 """Names of gases there."""
 
 HEADS = {
@@ -48,20 +33,6 @@ CONDUCTANCE_PER_CV = 3.9e-8
 
 NOZZLE, VALVE = 0.45, 0.3
 """Critical pressure ratio that a search begins with: of a hole, nozzle or sharp edge, and of a control valve."""
-
-UNITS = {
-    "bar_abs": (1e5, 0.0),
-    "bara": (1e5, 0.0),
-    "bar": (1e5, 0.0),
-    "mpa": (1e6, 0.0),
-    "kpa": (1e3, 0.0),
-    "pa": (1.0, 0.0),
-    "psia": (6894.757, 0.0),
-    "k": (1.0, 0.0),
-    "degc": (1.0, 273.15),
-    "c": (1.0, 273.15),
-}
-"""Factor and shift to SI."""
 
 
 def hyddown_tables(path: str | Path) -> dict[str, Any]:
@@ -97,31 +68,6 @@ def hyddown_tables(path: str | Path) -> dict[str, Any]:
         "ambient": _place(101325.0, around),
         "start": _place(_number(start, "pressure", f"{where}: initial"), T),
     }
-
-
-def read_hyddown_log(path: str | Path) -> xarray.Dataset:
-    """A log from points read off curves; curves of the same kind, as of the hottest and coldest gas, are averaged.
-
-    Raises:
-        InputError: a column is missing, or a unit is not known.
-    """
-    import xarray  # noqa: PLC0415  # takes long to import
-
-    curves = _curves(Path(path))
-    groups = {"pressure": "gas_pressure", "temperature": "T_gas", "wall_temperature": "T_wall"}
-    series = {
-        signal: _averaged([curve for name, curve in curves.items() if name.startswith(begin)])
-        for signal, begin in groups.items()
-        if any(name.startswith(begin) for name in curves)
-    }
-    time = np.unique(np.concatenate([[0.0], *(times for times, _ in series.values())]))
-    log = xarray.Dataset(coords={"time": ("time", time, {"units": "s"})})
-    for signal, (times, values) in series.items():
-        column = np.full(len(time), np.nan)
-        column[np.searchsorted(time, times)] = values
-        log[signal] = (("time",), column, {"units": "Pa" if signal == "pressure" else "K"})
-    log.attrs["log_name"] = Path(path).name
-    return log
 
 
 def _tables(path: Path) -> dict[str, Any]:
@@ -192,36 +138,3 @@ def _path(valve: dict[str, Any], where: str) -> dict[str, Any]:
 
 def _place(pressure: float, temperature: float) -> dict[str, str]:
     return {"pressure": f"{pressure!r} Pa", "temperature": f"{temperature!r} K"}
-
-
-def _curves(path: Path) -> dict[str, tuple[Array, Array]]:
-    """Times (s) and values (SI) by name."""
-    points: dict[str, list[tuple[float, float]]] = {}
-    check_regular(path, str(path), "give a CSV file")
-    try:
-        with path.open(encoding="utf-8", newline="") as file:
-            for row in csv.DictReader(file):
-                unit = row["unit"].strip().lower()
-                if unit not in UNITS:
-                    known = ", ".join(UNITS)
-                    raise InputError(f"unknown unit {row['unit']!r}", where=str(path), right=f"use {known}")
-                factor, shift = UNITS[unit]
-                point = max(float(row["time_s"]), 0.0), float(row["value"]) * factor + shift
-                points.setdefault(row["signal"].strip(), []).append(point)
-    except OSError as error:
-        raise InputError(f"can't be read ({error.strerror})", where=str(path), right="give a CSV file") from None
-    except (KeyError, TypeError, ValueError, AttributeError):
-        right = "give a table of numbers; its columns are signal, time_s, value, unit"
-        raise InputError("can't be used", where=str(path), right=right) from None
-    if "gas_pressure" not in points:
-        raise InputError("has no gas_pressure", where=str(path), right="signals are gas_pressure, T_gas, T_wall")
-    ordered = {name: np.array(sorted(of)) for name, of in points.items()}
-    return {name: (of[:, 0], of[:, 1]) for name, of in ordered.items()}
-
-
-def _averaged(curves: list[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Mean of curves at the times of the first that all of them cover."""
-    times = np.unique(curves[0][0])
-    since, until = max(t[0] for t, _ in curves), min(t[-1] for t, _ in curves)
-    times = times[(times >= since) & (times <= until)]
-    return times, np.mean([np.interp(times, *curve) for curve in curves], axis=0)

@@ -15,7 +15,7 @@ from layflat.identify.benches.vessel.wall import Wall, forced_convection, jet_di
 from layflat.jit import law
 from layflat.physics.air import GAMMA, REFERENCE_DENSITY
 from layflat.physics.chamber import Chamber
-from layflat.physics.flow import effective_area, effective_pressure
+from layflat.physics.flow import effective_area, effective_pressure, laminar_slope
 
 
 class Path(NamedTuple):
@@ -23,7 +23,6 @@ class Path(NamedTuple):
 
     conductance: float
     critical_ratio: float
-    laminar_slope: float
 
 
 class Vessel(NamedTuple):
@@ -78,7 +77,8 @@ def exchange(gas, vessel, state, outside, opening):
     if fills:
         factor, h, _, _ = stream(gas, outside.pressure, outside.temperature)
     upper, lower = max(p, outside.pressure), min(p, outside.pressure)
-    reach = effective_pressure(upper, lower, path.critical_ratio, path.laminar_slope)
+    slope = laminar_slope(path.critical_ratio)
+    reach = effective_pressure(upper, lower, path.critical_ratio, slope)
     per_reach = opening * path.conductance * REFERENCE_DENSITY * factor
     w = per_reach * reach if fills else -per_reach * reach
     T_w = state.wall_temperature
@@ -86,7 +86,7 @@ def exchange(gas, vessel, state, outside, opening):
     film = natural_convection(wall.natural, gas, rho, c_p, T, T_w)
     film += forced_convection(wall.forced, gas, w, jet, wall.diameter, T, T_w)
     heat = chamber.wall_conductance + film * wall.area
-    return Exchange(w, h, T, heat, per_reach * path.laminar_slope, c_p)
+    return Exchange(w, h, T, heat, per_reach * slope, c_p)
 
 
 @law

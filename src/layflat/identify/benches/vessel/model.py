@@ -11,58 +11,58 @@ capacity all grow alike. A second log, with a known volume joined to the vessel,
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.description.change import value_at
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, Logs, check_known, check_logs
+from layflat.identify.benches.candidates import simulated, with_columns
+from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of
 from layflat.identify.benches.vessel.description import Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
-from layflat.identify.benches.vessel.run import Candidates, Course, simulate_vessels
-from layflat.identify.model import FITTED, Array, Model, Output
-from layflat.identify.unknown import Unknown
+from layflat.identify.benches.vessel.laws import Outside, Path, Vessel
+from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
+from layflat.identify.benches.vessel.wall import Wall
+from layflat.identify.model import Array, Model, Output
+from layflat.identify.unknown import ParameterSpec, Unknown, factor_range, fixed_range
+from layflat.physics.chamber import Chamber
 from layflat.physics.flow import sonic_conductance
 
 if TYPE_CHECKING:
     import xarray
 
+FAST = "a fill or blow-down that is fast for the size of the vessel"
+
+
+def _conductances(bench: VesselBench, C: float) -> tuple[float, float, bool]:
+    if bench.path.hole is None:
+        return C / 30.0, C * 30.0, True
+    whole = float(sonic_conductance(0.25 * np.pi * bench.path.hole**2, 1.0))
+    return min(0.2 * whole, 0.9 * C), max(1.1 * whole, 1.1 * C), True
+
+
 BLOCKS = {
-    "flow": ("path.conductance", "path.critical_ratio"),
-    "gas": ("space.volume", "wall.natural", "wall.forced", "wall.conductance"),
+    "flow": (
+        ParameterSpec("path.conductance", "m^3/(s Pa)", _conductances, "a fill or blow-down over a wide range"),
+        ParameterSpec("path.critical_ratio", "1", fixed_range(0.05, 0.7), "flow down to nearly equal pressures"),
+    ),
+    "gas": (
+        ParameterSpec("space.volume", "m^3", factor_range(10.0), "a second log with a known volume joined to it"),
+        ParameterSpec("wall.natural", "1", fixed_range(0.01, 1.0, log=True), FAST),
+        ParameterSpec("wall.forced", "1", fixed_range(0.02, 10.0, log=True), f"{FAST}: a fill"),
+        ParameterSpec("wall.conductance", "W/K", factor_range(30.0), FAST),
+    ),
 }
-"""What is fitted, by block; a vessel's volume only where it is asked for."""
+"""What is fitted, by block: of the heat paths those that the description has and the logs excite."""
 
 SIGNALS = {"pressure": ("Pa", 1e-3), "temperature": ("K", 1e-2), "wall_temperature": ("K", 1e-2)}
 """What may be measured: unit, and how large an error matters as a share of the signal's range."""
 
 NEAR = 0.05
 """A log identifies the pressure outside if it ends within this share of it."""
-
-COLUMNS = {
-    "volume": "space.volume",
-    "compliance": "space.compliance",
-    "wall_conductance": "wall.conductance",
-    "area": "space.area",
-    "diameter": "space.diameter",
-    "natural": "wall.natural",
-    "forced": "wall.forced",
-    "heat_capacity": "wall.heat_capacity",
-    "outer_conductance": "wall.outer_conductance",
-    "conductance": "path.conductance",
-    "critical_ratio": "path.critical_ratio",
-    "outside_pressure": "outside.pressure",
-    "outside_temperature": "outside.temperature",
-    "ambient_pressure": "ambient.pressure",
-    "ambient_temperature": "ambient.temperature",
-    "start_pressure": "start.pressure",
-    "start_temperature": "start.temperature",
-}
-"""Where the parameters of a candidate stand in the description."""
 
 
 @dataclass(frozen=True)
@@ -76,17 +76,61 @@ class VesselLog:
 
 
 class VesselModel(Model):
-    """Vessels by the laws of laws.py: see `vessel_model`."""
+    """Pressures and temperatures of a vessel, by the laws of laws.py.
+
+    Args:
+        bench: its description; the search begins at the values there.
+        logs: to fit, by name.
+        validation: logs that are only predicted.
+        blocks: what to fit, of `BLOCKS`.
+        volume: whether the vessel's volume is fitted too, in the block "gas".
+        added_volumes: known volumes that were joined to the vessel, m3, by the log's name.
+        fitted_share: of the time of each log to fit, from its start; the rest is for validation. Default: all, or two
+            thirds where there is no other log for validation.
+        fitted_signals: of `SIGNALS`; others are only predicted.
+
+    Raises:
+        InputError: a log without pressure or with gaps in what acts, an option that fits no log, or a gas that would
+            condense.
+    """
 
     def __init__(
         self,
         bench: VesselBench,
-        logs: tuple[VesselLog, ...],
-        unknowns: tuple[Unknown, ...],
-        outputs: tuple[Output, ...],
+        logs: Logs,
+        validation: Logs | None = None,
+        *,
+        blocks: Collection[str] = tuple(BLOCKS),
+        volume: bool = False,
+        added_volumes: Mapping[str, float] | None = None,
+        fitted_share: float | None = None,
+        fitted_signals: Collection[str] = ("pressure",),
     ) -> None:
-        self.bench, self.logs, self.unknowns, self.outputs = bench, logs, unknowns, outputs
-        self._gas = IDEAL_AIR if bench.gas.law == "ideal" else GASES[bench.gas.name]
+        _check_gas(bench, bench.start, "start")
+        _check_gas(bench, bench.outside, "outside")
+        added, every = added_volumes or {}, {**logs, **(validation or {})}
+        check_known(added, every, "added_volumes", "log")
+        check_known(blocks, BLOCKS, "blocks", "block")
+        check_known(fitted_signals, SIGNALS, "fitted_signals", "signal")
+        share = fitted_share_of(logs, validation, fitted_share)
+        self.bench = bench
+        self.logs = tuple(_read(name, log, added.get(name, 0.0)) for name, log in every.items())
+        self.outputs = tuple(
+            _output(one, every[one.name], signal, share, signal in fitted_signals and one.name in logs)
+            for one in self.logs
+            for signal in one.picked
+        )
+        pressures = {output.log: output for output in self.outputs if output.name == "pressure"}
+        left = set() if volume else {"space.volume"}
+        if not any(map(_fills, pressures.values())):
+            left.add("wall.forced")
+        specs = [spec for block, of in BLOCKS.items() if block in blocks for spec in of if spec.path not in left]
+        found = [spec.unknown(bench) for spec in specs]
+        self.unknowns = (
+            *(unknown for unknown in found if unknown.guess != 0.0),
+            *_of_outside(bench, [pressures[log.name] for log in self.logs if np.isnan(log.course.supply).any()]),
+            *(_of_start(bench, output) for output in pressures.values()),
+        )
 
     def simulate(self, values: Array) -> Array:
         """Pressures and temperatures by candidate: see `Model.simulate`."""
@@ -98,63 +142,25 @@ class VesselModel(Model):
 
     def run(self, log: VesselLog, values: Array) -> Array:
         """Pressure and temperatures at all times of a log, (candidates, samples, 3)."""
-        place = {unknown.path: i for i, unknown in enumerate(self.unknowns)}
-        columns = {}
-        for column, path in COLUMNS.items():
-            own, given = place.get(path, place.get(f"{path}.{log.name}")), value_at(self.bench, path)
-            usual = np.inf if given is None else given
-            columns[column] = np.full(len(values), usual) if own is None else values[:, own].copy()
-        columns["volume"] += log.added_volume
-        return simulate_vessels(self._gas, Candidates(**columns), log.course)
+        columns = self.columns(values)
+        own = {path: column for path, column in columns.items() if not path.startswith("start.")}
+        own["start.pressure"] = columns[f"start.pressure.{log.name}"]
+        gas = IDEAL_AIR if self.bench.gas.law == "ideal" else GASES[self.bench.gas.name]
+        case = parameters(with_columns(self.bench, own), log.added_volume), gas, log.course, 1.0
+        return simulated(run_vessel, len(values), [case], [(len(log.course.time), 3)])[0]
 
 
-def vessel_model(
-    bench: VesselBench,
-    logs: Mapping[str, xarray.Dataset],
-    *,
-    blocks: Collection[str] = tuple(BLOCKS),
-    volume: bool = False,
-    added_volumes: Mapping[str, float] | None = None,
-    validation: Collection[str] = (),
-    fitted_share: float = 1.0,
-    fitted_signals: Collection[str] = ("pressure",),
-) -> VesselModel:
-    """A model of a vessel for its logs.
-
-    Args:
-        bench: its description; the search begins at the values there.
-        logs: by name.
-        blocks: what to fit, of `BLOCKS`.
-        volume: whether the vessel's volume is fitted too, in the block "gas".
-        added_volumes: known volumes that were joined to the vessel, m3, by the log's name.
-        validation: names of logs that are only predicted.
-        fitted_share: of the time of each other log, from its start, that is fitted; the rest is for validation.
-        fitted_signals: of `SIGNALS`; others are only predicted.
-
-    Raises:
-        InputError: a log without pressure or with gaps in what acts, an option that fits no log, or a gas that would
-            condense.
-    """
-    _check_gas(bench, bench.start, "start")
-    _check_gas(bench, bench.outside, "outside")
-    added = added_volumes or {}
-    check_known(added, logs, "added_volumes", "log")
-    check_known(blocks, BLOCKS, "blocks", "block")
-    check_known(fitted_signals, SIGNALS, "fitted_signals", "signal")
-    check_logs(logs, validation, fitted_share)
-    read = tuple(_read(name, log, added.get(name, 0.0)) for name, log in logs.items())
-    outputs = tuple(
-        _output(one, logs[one.name], signal, fitted_share, signal in fitted_signals and one.name not in validation)
-        for one in read
-        for signal in one.picked
+def parameters(bench: VesselBench, added_volume: float = 0.0) -> Setup:
+    """What the laws take of a description."""
+    space, wall, path, outside, ambient = bench.space, bench.wall, bench.path, bench.outside, bench.ambient
+    capacity = np.inf if wall.heat_capacity is None else wall.heat_capacity
+    vessel = Vessel(
+        Chamber(space.volume + added_volume, space.compliance, wall.conductance),
+        Wall(space.area, space.diameter, wall.natural, wall.forced, capacity, wall.outer_conductance),
+        Path(path.conductance, path.critical_ratio),
     )
-    pressures = {output.log: output for output in outputs if output.name == "pressure"}
-    unknowns = (
-        *_of_blocks(bench, blocks, volume, any(map(_fills, pressures.values()))),
-        *_of_outside(bench, [pressures[log.name] for log in read if np.isnan(log.course.supply).any()]),
-        *(_of_start(bench, output) for output in pressures.values()),
-    )
-    return VesselModel(bench, read, unknowns, outputs)
+    around = Outside(outside.pressure, outside.temperature, ambient.pressure, ambient.temperature)
+    return Setup(vessel, around, Start(bench.start.pressure, bench.start.temperature))
 
 
 def _check_gas(bench: VesselBench, place: Place, where: str) -> None:
@@ -199,29 +205,6 @@ def _fills(pressure: Output) -> bool:
     return len(fitted) > 0 and bool(fitted.max() > 1.02 * fitted[0])
 
 
-def _of_blocks(bench: VesselBench, blocks: Collection[str], volume: bool, fills: bool) -> list[Unknown]:
-    """What of the description is fitted: of the heat paths those that it has and that the logs excite."""
-    C, b, V, wall = bench.path.conductance, bench.path.critical_ratio, bench.space.volume, bench.wall
-    low, high = C / 30.0, C * 30.0
-    if bench.path.hole is not None:
-        whole = float(sonic_conductance(0.25 * np.pi * bench.path.hole**2, 1.0))
-        low, high = min(0.2 * whole, 0.9 * C), max(1.1 * whole, 1.1 * C)
-    fast = "a fill or blow-down that is fast for the size of the vessel"
-    G = wall.conductance
-    unknowns = (
-        Unknown("path.conductance", "m^3/(s Pa)", C, low, high, True, "a fill or blow-down over a wide range"),
-        Unknown("path.critical_ratio", "1", b, min(0.05, b), max(0.7, b), False, "flow down to nearly equal pressures"),
-        Unknown("space.volume", "m^3", V, V / 10.0, V * 10.0, True, "a second log with a known volume joined to it"),
-        Unknown("wall.natural", "1", wall.natural, min(0.01, wall.natural), 1.0, True, fast),
-        Unknown("wall.forced", "1", wall.forced, min(0.02, wall.forced), 10.0, True, f"{fast}: a fill"),
-        Unknown("wall.conductance", "W/K", G, G / 30.0, G * 30.0, True, fast),
-    )
-    wanted = {path for block in blocks for path in BLOCKS[block]}
-    wanted -= {unknown.path for unknown in unknowns if unknown.guess == 0.0}
-    wanted -= (set() if volume else {"space.volume"}) | (set() if fills else {"wall.forced"})
-    return [unknown for unknown in unknowns if unknown.path in wanted]
-
-
 def _of_outside(bench: VesselBench, pressures: list[Output]) -> list[Unknown]:
     """The pressure outside, where a log comes near it without giving it."""
     usual = bench.outside.pressure
@@ -240,9 +223,4 @@ def _of_start(bench: VesselBench, output: Output) -> Unknown:
     return Unknown(f"start.pressure.{output.log}", "Pa", guess, low, high, True, excitation, nuisance=True)
 
 
-def _model(bench: VesselBench, logs: Logs, blocks: Sequence[str], validation: Logs) -> Model:
-    share = 1.0 if validation else FITTED
-    return vessel_model(bench, {**logs, **validation}, blocks=blocks, validation=list(validation), fitted_share=share)
-
-
-BENCH = Bench(tuple(BLOCKS), tuple(BLOCKS), _model, even=False)
+BENCH = Bench(tuple(BLOCKS), tuple(BLOCKS), VesselModel, even=False)

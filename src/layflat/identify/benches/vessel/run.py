@@ -8,13 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.benches.vessel.gas import IdealAir, RealGas, contents, state_of
-from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, exchange, fastest_rates, rates
-from layflat.identify.benches.vessel.wall import Wall
+from layflat.identify.benches.vessel.gas import contents, state_of
+from layflat.identify.benches.vessel.laws import Filling, Outside, Vessel, exchange, fastest_rates, rates
 from layflat.jit import composition, kernel, law
-from layflat.parallel import on_all_cores, parts
-from layflat.physics.chamber import Chamber
-from layflat.physics.flow import laminar_slope
 
 Array = NDArray[np.float64]
 
@@ -25,26 +21,19 @@ MOST_STEPS = 100_000
 """Between two samples; a candidate that needs more counts as diverged."""
 
 
-class Candidates(NamedTuple):
-    """What differs from candidate to candidate, SI: (candidates,) each; see description.py."""
+class Start(NamedTuple):
+    """Pressure (Pa) and temperature (K) that gas and wall begin with."""
 
-    volume: Array
-    compliance: Array
-    wall_conductance: Array
-    area: Array
-    diameter: Array
-    natural: Array
-    forced: Array
-    heat_capacity: Array
-    outer_conductance: Array
-    conductance: Array
-    critical_ratio: Array
-    outside_pressure: Array
-    outside_temperature: Array
-    ambient_pressure: Array
-    ambient_temperature: Array
-    start_pressure: Array
-    start_temperature: Array
+    pressure: float
+    temperature: float
+
+
+class Setup(NamedTuple):
+    """A vessel, what is outside where the log does not say, and how it starts."""
+
+    vessel: Vessel
+    outside: Outside
+    start: Start
 
 
 class Course(NamedTuple):
@@ -53,23 +42,15 @@ class Course(NamedTuple):
     time: Array
     """s, growing."""
     supply: Array
-    """Absolute pressure beyond the path, Pa, linear in between; not a number: `outside_pressure` of the candidate."""
+    """Absolute pressure beyond the path, Pa, linear in between; not a number: the pressure of `Outside`."""
     opening: Array
     """Of the path, 0..1; holds until the next sample."""
 
 
 @law
-def _vessel(c, i):
-    chamber = Chamber(c.volume[i], c.compliance[i], c.wall_conductance[i])
-    wall = Wall(c.area[i], c.diameter[i], c.natural[i], c.forced[i], c.heat_capacity[i], c.outer_conductance[i])
-    b = c.critical_ratio[i]
-    return Vessel(chamber, wall, Path(c.conductance[i], b, laminar_slope(b)))
-
-
-@law
-def _beyond(c, i, supply):
-    pressure = supply if supply == supply else c.outside_pressure[i]  # noqa: PLR0124
-    return Outside(pressure, c.outside_temperature[i], c.ambient_pressure[i], c.ambient_temperature[i])
+def _beyond(outside, supply):
+    pressure = supply if supply == supply else outside.pressure  # noqa: PLR0124
+    return Outside(pressure, outside.temperature, outside.ambient_pressure, outside.ambient_temperature)
 
 
 @law
@@ -105,20 +86,20 @@ def steps_for(vessel, state, passes, time, refined):
 
 
 @composition
-def cross(gas, candidates, i, vessel, state, course, k, refined):
+def cross(gas, vessel, usual, state, course, k, refined):
     """State at sample k + 1, given that at sample k, and whether it came there; every step is as long as it may be."""
     opening, time = course.opening[k], course.time[k + 1] - course.time[k]
     first, rise = course.supply[k], course.supply[k + 1] - course.supply[k]
     gone = 0.0
     for _ in range(MOST_STEPS):
-        outside = _beyond(candidates, i, first + gone * rise)
+        outside = _beyond(usual, first + gone * rise)
         passes = exchange(gas, vessel, state, outside, opening)
         left = steps_for(vessel, state, passes, (1.0 - gone) * time, refined)
         if left == 0:
             break
         share = (1.0 - gone) / left
-        middle = _beyond(candidates, i, first + (gone + 0.5 * share) * rise)
-        after = _beyond(candidates, i, first + (gone + share) * rise)
+        middle = _beyond(usual, first + (gone + 0.5 * share) * rise)
+        after = _beyond(usual, first + (gone + share) * rise)
         k_1 = rates(vessel, state, outside, passes)
         state = step_vessel(gas, vessel, state, k_1, middle, after, opening, share * time)
         if left == 1:
@@ -128,52 +109,24 @@ def cross(gas, candidates, i, vessel, state, course, k, refined):
 
 
 @kernel
-def run_vessels(gas, candidates, course, refined, out):
-    """Run every candidate from rest through a course.
+def run_vessel(setup, gas, course, refined, out):
+    """Run a vessel from rest through a course.
 
-    Args: a gas of gas.py, `Candidates`, `Course`, by what to divide the default step, and room for pressure,
-    temperature and wall temperature by sample, (candidates, samples, 3), left not a number where a candidate diverged.
+    Args: `Setup`, a gas of gas.py, `Course`, by what to divide the default step (results are then nearer to the laws),
+    and room for pressure (Pa), temperatures of gas and wall (K) by sample, (samples, 3), left not a number from where
+    it diverged.
     """
-    samples = len(course.time)
-    for i in range(len(candidates.volume)):
-        vessel = _vessel(candidates, i)
-        outside = _beyond(candidates, i, course.supply[0])
-        T = candidates.start_temperature[i]
-        E, m = contents(gas, vessel.chamber, candidates.start_pressure[i], T, outside.ambient_pressure)
-        state = Filling(E, m, T)
-        for k in range(samples):
-            p, T = state_of(gas, vessel.chamber, state.energy, state.mass, outside.ambient_pressure)
-            if not (isfinite(p) and p >= 0.0 and T > 0.0):
-                break
-            out[i, k, 0], out[i, k, 1], out[i, k, 2] = p, T, state.wall_temperature
-            if k == samples - 1:
-                break
-            state, there = cross(gas, candidates, i, vessel, state, course, k, refined)
-            if not there:
-                break
-
-
-def simulate_vessels(
-    gas: IdealAir | RealGas, candidates: Candidates, course: Course, *, refined: float = 1.0, threads: int | None = None
-) -> Array:
-    """Run many candidates from rest through a course, on all cores.
-
-    Args:
-        gas: what fills them.
-        candidates: their parameters, (candidates,) each.
-        course: what acts on them, (samples,) each.
-        refined: divides the default step; results are then nearer to the laws.
-        threads: default: one a core. Results do not depend on it.
-
-    Returns:
-        Pressure (Pa), temperature of gas and of wall (K) by candidate and sample, (candidates, samples, 3); not numbers
-        from where a candidate diverged.
-    """
-    count = len(candidates.volume)
-    out = np.full((count, len(course.time), 3), np.nan)
-
-    def work(part: slice) -> None:
-        run_vessels(gas, Candidates(*(column[part] for column in candidates)), course, refined, out[part])
-
-    on_all_cores(work, parts(count, threads=threads), threads)
-    return out
+    vessel, start, p_a = setup.vessel, setup.start, setup.outside.ambient_pressure
+    samples, T = len(course.time), start.temperature
+    E, m = contents(gas, vessel.chamber, start.pressure, T, p_a)
+    state = Filling(E, m, T)
+    for k in range(samples):
+        p, T = state_of(gas, vessel.chamber, state.energy, state.mass, p_a)
+        if not (isfinite(p) and p >= 0.0 and T > 0.0):
+            break
+        out[k, 0], out[k, 1], out[k, 2] = p, T, state.wall_temperature
+        if k == samples - 1:
+            break
+        state, there = cross(gas, vessel, setup.outside, state, course, k, refined)
+        if not there:
+            break
