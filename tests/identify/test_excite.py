@@ -34,13 +34,13 @@ def test_reach_and_speed_are_kept_and_it_begins_and_ends_at_rest(name: str, reac
     assert (largest <= reach * strokes * (1.0 + 1e-12)).all()
     assert (largest > 0.5 * reach * strokes).all()
     assert np.abs(np.diff(demand, axis=0)).max() <= speed * cycle * (1.0 + 1e-12)
-    assert not demand[time < 0.9 * PARTS[0].share * WHOLE].any()
+    assert not demand[time < 0.9 * PARTS[0][0] * WHOLE].any()
     assert not demand[-round(0.2 / cycle) :].any()
 
 
 def test_the_last_third_holds_all_of_it_again_in_other_sizes() -> None:
     time, demand = sequence(load("paper-small-joint"))
-    starts = WHOLE * np.cumsum([0.0, *(part.share for part in PARTS)])
+    starts = WHOLE * np.cumsum([0.0, *(share for share, _ in PARTS)])
 
     def moves(first: float, last: float) -> np.ndarray:
         return np.diff(demand[(time >= first) & (time < last), 0])

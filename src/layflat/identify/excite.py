@@ -8,7 +8,6 @@ of it, to be fitted; the last third holds it again in other sizes, for validatio
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +26,6 @@ SPEED = 5.0
 
 WHOLE, AGAIN = 28.0, 14.0
 """Length of what is fitted, and of what is for validation, s."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """A part of the sequence.
-
-    Args:
-        share: of the whole time.
-        angle: from its time (s) and duration (s) and a source of random numbers, angles in shares of the reach.
-    """
-
-    share: float
-    angle: Callable[[Array, float, np.random.Generator], Array]
 
 
 def _steps(t: Array, duration: float, random: np.random.Generator) -> Array:
@@ -68,11 +54,10 @@ def _small(t: Array, duration: float, random: np.random.Generator) -> Array:
     return np.asarray(levels[np.minimum((len(levels) * t / duration).astype(int), len(levels) - 1)])
 
 
-def _pause(t: Array, duration: float, random: np.random.Generator) -> Array:  # noqa: ARG001  (as all parts)
-    return np.zeros_like(t)
-
-
-PARTS = (Part(0.05, _pause), Part(0.26, _steps), Part(0.25, _chirp), Part(0.3, _ramps), Part(0.14, _small))
+PARTS: tuple[tuple[float, Callable[..., Array]], ...] = (
+    (0.05, lambda t, *_: np.zeros_like(t)), (0.26, _steps), (0.25, _chirp), (0.3, _ramps), (0.14, _small),
+)  # fmt: skip
+"""Shares of the whole time, and what gives angles in shares of the reach from times (s), duration and a generator."""
 
 
 def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, seed: int = 0) -> tuple[Array, Array]:
@@ -106,11 +91,12 @@ def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, se
 
 
 def _played(duration: float, cycle: float, *seeds: int) -> Array:
+    """All parts, one after the other, in shares of the reach."""
     random = np.random.default_rng(seeds)
     parts = []
-    for part in PARTS:
-        count = round(part.share * duration / cycle)
-        parts.append(part.angle(np.asarray(cycle * np.arange(count), dtype=np.float64), cycle * count, random))
+    for share, part in PARTS:
+        count = round(share * duration / cycle)
+        parts.append(part(np.asarray(cycle * np.arange(count), dtype=np.float64), cycle * count, random))
     return np.concatenate(parts)
 
 

@@ -9,22 +9,26 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from layflat.errors import InputError
 from layflat.files import check_folder, whole_file
 from layflat.identify.benches.contract import BenchDescription
-from layflat.identify.benches.kinds import bench_of, chosen_blocks
-from layflat.identify.benches.loader import described_tables, load_described
+from layflat.identify.benches.loader import bench_of, chosen_blocks, described_tables, load_described
 from layflat.identify.fit import Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
 from layflat.identify.logs import Issue, check, read_log, read_table, refuse
-from layflat.identify.logs.checks.excited import NOTHING_MOVES
-from layflat.identify.logs.issue import ordered
+from layflat.identify.logs.checks.alive import NOTHING_MOVES
+from layflat.identify.logs.issue import ordered, several
 from layflat.identify.model import Model
-from layflat.identify.reading import begun, named, refuse_rest
 from layflat.machine import Machine
 
 if TYPE_CHECKING:
     import xarray
+
+NAMED = 3
+"""Values, and motions, that are named where there are more."""
 
 
 @dataclass(frozen=True)
@@ -128,7 +132,7 @@ def begin(
     path = identified_path(str(described), start, out)
     machine = start if isinstance(start, Machine) else None
     joints = list(machine.joints) if machine is not None else None
-    tables = {name: read_table(file) for name, file in named([*map(Path, logs), *map(Path, validate)]).items()}
+    tables = {name: read_table(file) for name, file in _named([*map(Path, logs), *map(Path, validate)]).items()}
     whole = {name: read_log(table, mapping, joints=joints) for name, table in tables.items()}
     fitted = list(whole)[: len(logs)]
     bench = bench_of(start, {name: whole[name] for name in fitted})
@@ -138,13 +142,58 @@ def begin(
         found = check(whole[name], machine)
         if [issue for issue in found if issue.severity == "error"] == [NOTHING_MOVES]:
             sequence = " (`layflat excite` writes such a sequence)" if machine is not None else ""
-            refuse_rest(bench.model(start, {name: whole[name]}, {}, blocks=chosen), sequence, str(table.path))
+            _refuse_rest(bench.model(start, {name: whole[name]}, {}, blocks=chosen), sequence, str(table.path))
         refuse(found, str(table.path))
         cycle = machine.cycle if machine is not None and bench.even else None
         log = read_log(table, mapping, joints=joints, cycle=cycle, as_recorded=not bench.even)
-        taken[name], late = begun(log) if bench.even else (log, [])
+        taken[name], late = _begun(log) if bench.even else (log, [])
         issues[name] = ordered([*found, *late])
     of_fit = {name: log for name, log in taken.items() if name in fitted}
     others = {name: log for name, log in taken.items() if name not in fitted}
     model = bench.model(start, of_fit, others, blocks=chosen)
     return Identification(str(described), start, of_fit, others, issues, chosen, model, path)
+
+
+def _named(files: Sequence[Path]) -> dict[str, Path]:
+    """Files by the names of their logs, each its own."""
+    found: dict[str, Path] = {}
+    for file in files:
+        if file.stem in found:
+            what = "is given twice" if file == found[file.stem] else f"has the same name as {found[file.stem]}"
+            raise InputError(what, where=str(file), right="give every log once, under a name of its own")
+        found[file.stem] = file
+    return found
+
+
+def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Issue]]:
+    """Cut a log to begin where every signal is known, as a simulation begins with all of them; and say what is cut."""
+    columns = {
+        f"{name}.{values['joint'].values[j]}" if values.ndim > 1 else str(name): column
+        for name, values in log.data_vars.items()
+        for j, column in enumerate(np.atleast_2d(values.transpose("time", ...).to_numpy().T))
+        if np.isfinite(column).any()
+    }
+    known = np.isfinite(np.stack(list(columns.values())))
+    if known[:, 0].all() or not known.all(axis=0).any():
+        return log, []
+    first = int(np.argmax(known.all(axis=0)))
+    late = [name for name, row in zip(columns, known, strict=True) if not row[:first].all()]
+    left = float(log["time"][first])
+    rest = log.isel(time=slice(first, None))
+    rest = rest.assign_coords(time=("time", rest["time"].to_numpy() - left, log["time"].attrs))
+    rest.attrs["log_start"] = float(log.attrs["log_start"]) + left
+    text = f"is not known from the log's start on; its first {left:.3g} s are left out"
+    return rest, [Issue("warning", several(late), text, "a simulation begins with all signals")]
+
+
+def _refuse_rest(model: Model, sequence: str, file: str) -> None:
+    """Refuse a log in which nothing moves: say what it can't identify, and what to record."""
+    unknowns = [one for one in model.unknowns if not one.nuisance]
+    excitations = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
+    what = f"{NOTHING_MOVES.text}: it can't identify {_first([one.path for one in unknowns])}"
+    raise InputError(what, where=file, right=f"record {_first(excitations, '; ')}{sequence}")
+
+
+def _first(names: Sequence[str], between: str = ", ") -> str:
+    more = len(names) - NAMED
+    return between.join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")

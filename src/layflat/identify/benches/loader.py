@@ -1,7 +1,13 @@
-"""From the file of a test bench, or the name of a built-in one, to its validated description."""
+"""Kinds of test benches, and their descriptions from files or by the names of built-in ones.
+
+A kind is one folder beside this file, and one line here. A folder has a `description` with the class `DESCRIPTION`, and
+a `model` with the `BENCH` that fits its logs; `builtin` holds descriptions. Machines are described in a room of their
+own; two kinds of bench take their logs.
+"""
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +19,16 @@ from layflat.description.provenance import Sources
 from layflat.description.tables import Plain
 from layflat.description.wrong import shown
 from layflat.errors import MachineError
-from layflat.identify.benches.contract import BenchDescription
-from layflat.identify.benches.kinds import KINDS, description_class
+from layflat.identify.benches.contract import Bench, BenchDescription, Logs, check_known
 from layflat.machine import Machine, load
 from layflat.machine.libraries import BENCHES, HYDDOWN, is_bench
 from layflat.machine.loader import tables
+
+KINDS = {"friction rig": "rod", "regulated joint": "regulated", "vessel": "vessel"}
+"""Folders by the `kind` at the top of a description."""
+
+MOVING, TURNED = "moving", "joint_loops"
+"""Folders for machines: those that move by their valves, and a joint that is turned slowly while torque is measured."""
 
 
 def bench_names() -> tuple[str, ...]:
@@ -77,9 +88,33 @@ def build_bench(plain: Plain, where: str) -> Any:
         hint = f'did you mean "{near}"? ' if near else ""
         right = f"{hint}known kinds are {', '.join(KINDS)}"
         raise MachineError(f"unknown kind of test bench {shown(kind)}", where=f"{where}: kind", right=right)
-    described = description_class(str(kind))
+    described = _part(KINDS[str(kind)], "description").DESCRIPTION
     try:
         return described.model_validate(plain)
     except ValidationError as error:
         complete = f"see the built-in {' or '.join(bench_names())}"
         raise explained(error, where, described, MachineError, complete) from None
+
+
+def bench_of(described: Machine | BenchDescription, logs: Logs) -> Bench:
+    """The bench of a description with these logs: a joint is turned slowly where only torque was measured."""
+    if isinstance(described, BenchDescription):
+        folder = KINDS[described.kind]
+    else:
+        turned = all("torque" in log and "voltage" not in log for log in logs.values())
+        folder = TURNED if turned else MOVING
+    return _part(folder, "model").BENCH  # type: ignore[no-any-return]
+
+
+def chosen_blocks(bench: Bench, fitted: str | None) -> list[str]:
+    """Blocks from text such as "valve, hose".
+
+    Raises:
+        InputError: naming one that the bench does not have.
+    """
+    blocks = list(bench.default_blocks) if fitted is None else [part.strip() for part in fitted.split(",")]
+    return check_known(blocks, bench.blocks, "--fit", "block")
+
+
+def _part(folder: str, name: str):  # type: ignore[no-untyped-def]
+    return import_module(f"{__package__}.{folder}.{name}")

@@ -31,29 +31,24 @@ MOST = 50_000_000
 
 @dataclass(frozen=True)
 class Clock:
-    """Stamps as they can be used.
-
-    Attributes:
-        time: (samples,) rising, s.
-        rows: (samples,) rows of the file that are kept.
-        period: median, s; 0 for less than two samples.
-        jitter: rms deviation of the steps from the period, gaps left out, s.
-        even: the stamps are those of an even clock, with none missing.
-        duplicates: samples left out because the next one has the same stamp.
-        undated: samples left out because they have no stamp.
-        reset: stamps between which the clock jumped back; None if it didn't.
-        cut: samples left out for it.
-    """
+    """Stamps as they can be used: rising, s, of the rows of the file that are kept."""
 
     time: Array
     rows: NDArray[np.intp]
     period: float
+    """Median, s; 0 for less than two samples."""
     jitter: float
+    """Rms deviation of the steps from the period, gaps left out, s."""
     even: bool
+    """The stamps are those of an even clock, with none missing."""
     duplicates: int
+    """Samples left out because the next one has the same stamp."""
     undated: int
+    """Samples left out because they have no stamp."""
     reset: tuple[float, float] | None
+    """Stamps between which the clock jumped back; None if it didn't."""
     cut: int
+    """Samples left out for it."""
 
 
 def clock_of(stamps: Array, where: str) -> Clock:
@@ -111,21 +106,14 @@ def _without_reset(
 
 @dataclass(frozen=True)
 class Series:
-    """A signal of a joint over its own clock.
-
-    Attributes:
-        signal: standard name.
-        joint: its joint; None where there is none.
-        clock: its stamps.
-        values: (samples of the clock,), SI, NaN where there is none.
-        source: what the log's attributes tell of it.
-    """
+    """A signal of a joint (None where there is none), in SI over its own clock; NaN where there is no sample."""
 
     signal: str
     joint: str | None
     clock: Clock
     values: Array
     source: dict[str, object]
+    """What the log's attributes tell of it."""
 
     @property
     def channel(self) -> str:

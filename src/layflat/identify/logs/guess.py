@@ -39,12 +39,7 @@ STEPS = ((0.7, "s"), (700.0, "ms"), (7e5, "us"), (np.inf, "ns"))
 
 @dataclass(frozen=True)
 class Guess:
-    """A proposal.
-
-    Attributes:
-        mapping: to be looked through.
-        notes: by column, what it is taken for or why it is left out; "" is about the clock.
-    """
+    """A proposal; notes say of each column what it is taken for or why it is left out, and "" of the clock."""
 
     mapping: Mapping
     notes: dict[str, str]

@@ -68,19 +68,15 @@ SIGNALS_OF: tuple[tuple[str, set[str]], ...] = (
 
 @dataclass(frozen=True)
 class Header:
-    """What is said of a column.
-
-    Attributes:
-        name: as the file has it; this is how a mapping names the column.
-        unit: as pint knows it; empty where the file doesn't say.
-        gauge: whether a pressure counts from ambient; None where the file doesn't say.
-        stem: the name without its unit.
-    """
+    """What is said of a column, by the name that the file and a mapping have for it."""
 
     name: str
     unit: str = ""
+    """As pint knows it; empty where the file doesn't say."""
     gauge: bool | None = None
+    """Whether a pressure counts from ambient; None where the file doesn't say."""
     stem: str = ""
+    """The name without its unit."""
 
 
 def written_unit(text: str) -> tuple[str, bool | None]:

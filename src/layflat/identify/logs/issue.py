@@ -15,19 +15,16 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 @dataclass(frozen=True)
 class Issue:
-    """Something in a log that is wrong, doubtful or worth knowing.
-
-    Attributes:
-        severity: "error" (no fit makes sense), "warning" (look at it) or "note".
-        channel: signal and joint, such as "pressure_a.elbow"; "log" for the whole.
-        text: what was found, with values.
-        right: what would be right, or follows.
-    """
+    """Something in a log that is wrong, doubtful or worth knowing."""
 
     severity: Severity
+    """"error" (no fit makes sense), "warning" (look at it) or "note"."""
     channel: str
+    """Signal and joint, such as "pressure_a.elbow"; "log" for the whole."""
     text: str
+    """What was found, with values."""
     right: str = ""
+    """What would be right, or follows."""
 
 
 def ordered(issues: Iterable[Issue]) -> list[Issue]:

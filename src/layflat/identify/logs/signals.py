@@ -14,23 +14,18 @@ AMBIENT = 101325.0
 
 @dataclass(frozen=True)
 class Signal:
-    """One of the standard signals.
-
-    Attributes:
-        name: as in a log's data set.
-        kind: of quantity; None is a share, without unit.
-        meaning: for people.
-        by_joint: each joint has its own.
-        held: what is commanded, and holds until the next sample; all else is measured.
-        absolute: an absolute pressure inside, so that a log has to say whether it counts from ambient pressure.
-    """
+    """One of the standard signals, as in a log's data set."""
 
     name: str
     kind: u.Quantity | None
+    """Of quantity; None is a share, without unit."""
     meaning: str
     by_joint: bool = True
+    """Each joint has its own."""
     held: bool = False
+    """What is commanded, and holds until the next sample; all else is measured."""
     absolute: bool = False
+    """An absolute pressure inside, so that a log has to say whether it counts from ambient pressure."""
 
     @property
     def unit(self) -> str:

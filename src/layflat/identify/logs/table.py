@@ -26,34 +26,23 @@ LONG = (("signal", "channel", "name"), ("time", "t"), ("value",))
 
 @dataclass(frozen=True)
 class Column:
-    """A column of raw numbers.
-
-    Attributes:
-        values: (samples,), NaN where there is none.
-        header: its name, and the unit that the file states, if any.
-        stamps: (samples,) where the column has times of its own; None where a column of the table is the clock.
-    """
+    """A column of raw numbers, NaN where there is none, with its header."""
 
     values: Array
     header: Header
     stamps: Array | None = None
+    """Times of its own, (samples,); None where a column of the table is the clock."""
 
 
 @dataclass(frozen=True)
 class Table:
-    """What a file holds.
-
-    Attributes:
-        path: of the file.
-        sha256: its checksum.
-        columns: by name.
-        clock: name of the stamps where columns have their own, with its unit; None where a column is the clock.
-    """
+    """What a file holds: columns by name."""
 
     path: Path
     sha256: str
     columns: dict[str, Column]
     clock: Header | None = None
+    """Name and unit of the stamps where columns have their own; None where a column is the clock."""
 
 
 def read_table(path: str | Path) -> Table:

@@ -10,7 +10,7 @@ from layflat.identify import fit
 from layflat.identify.benches.hysteresis.errors import loop_errors
 from layflat.identify.benches.joint_loops.model import BENCH as TURNED
 from layflat.identify.benches.joint_loops.model import LoopModel
-from layflat.identify.benches.kinds import bench_of
+from layflat.identify.benches.loader import bench_of
 from layflat.identify.benches.moving.model import BENCH as MOVING
 from layflat.machine import Machine, changed, load
 

@@ -4,8 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.identify.benches.regulated.friction import LaggingFriction, next_level, settled_level
-from layflat.identify.benches.regulated.regulator import share_in
+from layflat.identify.benches.regulated.laws import LaggingFriction, next_level, settled_level, share_in
 
 angles = st.floats(-1.5, 1.5)
 

@@ -45,7 +45,8 @@ def commands(seconds: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndar
 def free_run(described: RegulatedJointBench, log: Log, step: float = STEP) -> np.ndarray:
     """Angle and pressures of the joint of `TRUTH` from the set-points of a log, (samples, 3)."""
     case = parameters(with_columns(described, TRUTH), log), log.course, NOTHING, step
-    return simulated(run_regulated, 1, [case], [(len(log.course.time), 3)])[0][0]
+    runs = simulated(run_regulated, 1, [case], [(len(log.course.time), 3)])[0]
+    return np.asarray(runs[0])
 
 
 def log(described: RegulatedJointBench, seconds: float = 8.0, seed: int = 0, *, noise: float = 1.0) -> xarray.Dataset:

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from layflat.identify.benches.regulated.friction import LaggingFriction
-from layflat.identify.benches.regulated.joint import (
+from layflat.identify.benches.regulated.laws import (
     Air,
     ChamberState,
     JointState,
+    LaggingFriction,
     RegulatedJoint,
+    Regulator,
     at_rest,
     chamber_at_rest,
     exchange_gas,
     lag_shares,
     move,
 )
-from layflat.identify.benches.regulated.regulator import Regulator
 from layflat.physics.air import GAMMA
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.identify.benches.regulated.regulator import (
+from layflat.identify.benches.regulated.laws import (
     Regulator,
     asked_set_point,
     regulator_conductances,

@@ -21,8 +21,7 @@ from layflat.identify.benches.vessel.gas import (
     state_of,
     stream,
 )
-from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, exchange, rates
-from layflat.identify.benches.vessel.wall import Wall
+from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, Wall, exchange, rates
 from layflat.physics.air import GAMMA, GAS_CONSTANT
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import CONDUCTANCE_PER_AREA, effective_area, laminar_slope, orifice, sonic_conductance

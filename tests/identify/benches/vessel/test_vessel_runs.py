@@ -10,9 +10,8 @@ from scipy.integrate import solve_ivp
 
 from layflat.identify.benches.candidates import simulated
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
-from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, exchange, rates
+from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, Wall, exchange, rates
 from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
-from layflat.identify.benches.vessel.wall import Wall
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
 
@@ -31,9 +30,8 @@ WARM = {"natural": 0.13, "forced": 0.56, "heat_capacity": 3000.0, "outer_conduct
 
 def setup(**changed: Any) -> Setup:
     given = iter({**USUAL, **changed}.values())
-    chamber, wall, path, outside, start = (
-        kind(*islice(given, len(kind._fields))) for kind in (Chamber, Wall, Path, Outside, Start)
-    )
+    kinds: tuple[Any, ...] = (Chamber, Wall, Path, Outside, Start)
+    chamber, wall, path, outside, start = (kind(*islice(given, len(kind._fields))) for kind in kinds)
     return Setup(Vessel(chamber, wall, path), outside, start)
 
 

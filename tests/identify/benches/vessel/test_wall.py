@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.identify.benches.vessel.gas import GASES
-from layflat.identify.benches.vessel.wall import film, forced_convection, jet_diameter, natural_convection
+from layflat.identify.benches.vessel.laws import film, forced_convection, jet_diameter, natural_convection
 
 AIR, CP_AIR = GASES["air"], 1005.0
 densities = st.floats(0.05, 200.0)

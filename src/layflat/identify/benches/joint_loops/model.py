@@ -8,7 +8,7 @@ at two pressures or more separate what of the losses does not grow with pressure
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -79,9 +79,9 @@ class LoopModel(CurveModel[Machine]):
         described = self.candidates(values).joint[self.joint]
         hose_a = parameters.hose(described)
         hose_b = hose_a if described.acting == "double" else parameters.no_hose(hose_a)
-        offset = self.columns(values).get(OFFSET, np.zeros(len(values)))
-        joint = TurnedJoint(hose_a, hose_b, described.brake.torque, 0.0)
-        cases = [(joint._replace(first=log.first - offset), log) for log in self.logs]
+        offset: Any = self.columns(values).get(OFFSET, np.zeros(len(values)))
+        brake: Any = described.brake.torque
+        cases = [(TurnedJoint(hose_a, hose_b, brake, log.first - offset), log) for log in self.logs]
         torques = simulated(turned_torque, len(values), cases, [log.angle.shape for log in self.logs])
         return np.concatenate([torque + offset[:, None] for torque in torques], axis=1)
 

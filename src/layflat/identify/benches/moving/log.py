@@ -41,20 +41,13 @@ def _noise(sensor: AngleSensor | PressureSensor) -> float:
 
 @dataclass(frozen=True)
 class Record:
-    """One log of a machine.
-
-    Args:
-        machine: what it is a log of.
-        name: of the log.
-        log: its signals.
-        whole: whether all of it is fitted, or all but its last third; None if it is only predicted.
-        known: paths that are found; what the log says of these is not used.
-    """
+    """One log of a machine; what it says of paths that are `known` to be fitted is not used."""
 
     machine: Machine
     name: str
     log: xarray.Dataset
     whole: bool | None
+    """Whether all of it is fitted, or all but its last third; None if it is only predicted."""
     known: set[str]
 
     @cached_property

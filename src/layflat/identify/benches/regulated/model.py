@@ -22,9 +22,7 @@ from layflat.identify.benches.candidates import simulated, with_columns
 from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of
 from layflat.identify.benches.regulated import run
 from layflat.identify.benches.regulated.description import RegulatedJointBench, friction_law
-from layflat.identify.benches.regulated.friction import LaggingFriction
-from layflat.identify.benches.regulated.joint import Air, RegulatedJoint
-from layflat.identify.benches.regulated.regulator import Regulator
+from layflat.identify.benches.regulated.laws import Air, LaggingFriction, RegulatedJoint, Regulator
 from layflat.identify.benches.regulated.unknowns import BLOCKS
 from layflat.identify.model import Array, Model, Output
 from layflat.physics.chamber import Chamber

@@ -8,17 +8,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.benches.regulated.joint import (
+from layflat.identify.benches.regulated.laws import (
     Air,
     JointState,
     RegulatedJoint,
+    asked_set_point,
     at_rest,
     chamber_at_rest,
     exchange_gas,
     lag_shares,
     move,
 )
-from layflat.identify.benches.regulated.regulator import asked_set_point
 from layflat.jit import kernel, law
 
 Array = NDArray[np.float64]

@@ -94,8 +94,8 @@ class RodModel(CurveModel[RodBench]):
         norms = np.linalg.norm(A, axis=0) + np.finfo(float).tiny
         found = np.linalg.lstsq(A / norms, np.concatenate(wanted), rcond=None)[0] / norms
         start = self.guess.copy()
-        for (_, place), value in zip(sought, found, strict=True):
-            start[place] = np.clip(value, self.unknowns[place].low, self.unknowns[place].high)
+        for (_, i), value in zip(sought, found, strict=True):
+            start[i] = np.clip(value, self.unknowns[i].low, self.unknowns[i].high)
         return start[None]
 
     def _forces(self, count: int, cases: list[tuple[Rod, RodLog]]) -> Array:
@@ -133,7 +133,8 @@ def parameters(bench: RodBench) -> Rod:
     level = friction.base + friction.slope * friction.reference_pressure_gauge
     elements = zip(friction.weights, friction.deflections, strict=True)
     stiffness = tuple(weight * level / deflection for weight, deflection in elements)
-    return Rod(*(value_at(bench, path) for path in LINEAR), friction.weights, stiffness)
+    area, slope, spring, offset, base, rise, viscous = (value_at(bench, path) for path in LINEAR)
+    return Rod(area, slope, spring, offset, base, rise, viscous, friction.weights, stiffness)
 
 
 BENCH = Bench(BLOCKS, DEFAULT_BLOCKS, RodModel, even=False)

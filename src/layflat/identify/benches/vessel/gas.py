@@ -44,18 +44,9 @@ class RealGas(NamedTuple):
     covolume: float
 
 
-def real_gas(
-    constant: float,
-    gamma: float,
-    critical_temperature: float,
-    critical_pressure: float,
-    viscosity: float,
-    conductivity: float,
-) -> RealGas:
+def real_gas(R: float, gamma: float, T_c: float, p_c: float, viscosity: float, conductivity: float) -> RealGas:
     """A gas from its constants and its critical point (K, Pa)."""
-    a = 0.42748 * constant**2 * critical_temperature**2.5 / critical_pressure
-    b = 0.08664 * constant * critical_temperature / critical_pressure
-    return RealGas(viscosity, conductivity, constant, gamma, a, b)
+    return RealGas(viscosity, conductivity, R, gamma, 0.42748 * R**2 * T_c**2.5 / p_c, 0.08664 * R * T_c / p_c)
 
 
 GASES = {

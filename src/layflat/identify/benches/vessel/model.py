@@ -23,9 +23,8 @@ from layflat.identify.benches.candidates import simulated, with_columns
 from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of
 from layflat.identify.benches.vessel.description import Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
-from layflat.identify.benches.vessel.laws import Outside, Path, Vessel
+from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
 from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
-from layflat.identify.benches.vessel.wall import Wall
 from layflat.identify.model import Array, Model, Output
 from layflat.identify.unknown import ParameterSpec, Unknown, factor_range, fixed_range
 from layflat.physics.chamber import Chamber

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from layflat.identify.logs.checks import alive, clocks, excited, gauges, missing, signs, units
+from layflat.identify.logs.checks import alive, gauges, missing, signs, units
 from layflat.identify.logs.checks.channels import checked_log
 from layflat.identify.logs.issue import Issue, ordered
 
@@ -20,5 +20,7 @@ def check(log: xarray.Dataset, description: object | None = None) -> list[Issue]
         description: what is known of the bench; of a layflat `Machine` strokes, supply, valve and sensors are used.
     """
     checked = checked_log(log, description)
-    questions = (missing, alive, clocks, units, gauges, signs, excited)
-    return ordered(issue for asked in questions for issue in asked.issues(checked))
+    questions = (
+        missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, signs.issues, alive.still,
+    )  # fmt: skip
+    return ordered(issue for issues in questions for issue in issues(checked))

@@ -1,4 +1,4 @@
-"""Sensors that don't follow: dead channels, and those that stand at a rail."""
+"""Sensors that don't follow: dead channels, those that stand at a rail, and those that hardly move."""
 
 from __future__ import annotations
 
@@ -17,6 +17,14 @@ RAIL_RUN = 3
 """Samples on end at it."""
 ABRUPT = 0.25
 """Speed of arriving at it, as a share of a fast speed of the signal: what comes to rest by itself slows down before."""
+
+STILL = 6.0
+"""Range in standard deviations of the noise below which a signal does not move."""
+
+NOTHING_MOVES = Issue("error", "log", "nothing in it moves more than its noise", "record a motion")
+
+STEADY = ("supply", "payload", "brake")
+"""What is usually constant."""
 
 
 def issues(log: CheckedLog) -> Iterator[Issue]:
@@ -75,3 +83,31 @@ def _abrupt(values: Array, first: int, length: int) -> bool:
     out = np.diff(values[first + length : first + length + 3])
     limit = max(ABRUPT * fast, 3.0 * quantum(values[np.isfinite(values)]))
     return any(side.size == 2 and np.isfinite(side).all() and abs(side.mean()) > limit for side in (into, out))
+
+
+def still(log: CheckedLog) -> Iterator[Issue]:
+    """Signals and commands that do not move more than their noise: they identify nothing."""
+    measured = [c for c in log.filled if not c.signal.held and c.signal.name not in STEADY]
+    quiet = [channel for channel in measured if not moves(channel)]
+    if measured and len(quiet) == len(measured):
+        yield NOTHING_MOVES
+        return
+    for channel in quiet:
+        if np.ptp(channel.known) == 0.0:
+            continue  # said to be dead
+        text = f"moves no more than its noise, about {channel.shown(channel.high)}"
+        driven = channel.signal.name in {"angle", "position", "force"}
+        yield Issue("warning" if driven else "note", channel.name, text, "nothing is identifiable from it")
+    commands = [c for c in log.filled if c.signal.held and c.signal.name not in STEADY]
+    for joint in dict.fromkeys(channel.joint for channel in commands):
+        mine = [channel for channel in commands if channel.joint == joint]
+        if all(np.ptp(channel.known) == 0.0 for channel in mine):
+            names = " and ".join(channel.name for channel in mine)
+            yield Issue("warning", mine[0].name, f"{names} never change", "command a motion: steps, sweeps or noise")
+
+
+def moves(channel: Channel) -> bool:
+    """Whether a signal moves by more than its noise."""
+    known = channel.known
+    span = float(np.percentile(known, 99.0) - np.percentile(known, 1.0))
+    return span > STILL * noise(known)

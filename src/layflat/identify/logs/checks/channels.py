@@ -29,13 +29,7 @@ SHOWN: dict[u.Quantity | None, tuple[float, str]] = {
 
 @dataclass(frozen=True)
 class Channel:
-    """One signal of one joint.
-
-    Attributes:
-        name: signal and joint in one word.
-        values: (samples,), SI, NaN where there is none.
-        source: what the log's attributes say of its column.
-    """
+    """One signal of one joint, SI, NaN where there is no sample; and what the log's attributes say of its column."""
 
     name: str
     signal: Signal
@@ -66,14 +60,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class CheckedLog:
-    """A log, and what is known of where it was made.
-
-    Attributes:
-        channels: by name; those without any sample are left out of `filled`.
-        period: of the grid, s.
-        clocks: what the log's attributes say of its clocks.
-        machine: None where nothing is known.
-    """
+    """A log, what its attributes say of its clocks, and what is known of where it was made."""
 
     channels: dict[str, Channel]
     time: Array

@@ -10,7 +10,7 @@ import numpy as np
 from layflat.description import units as u
 from layflat.identify.logs.checks.channels import Channel, CheckedLog
 from layflat.identify.logs.checks.gauges import counts_wrong, pressure_span
-from layflat.identify.logs.issue import Issue
+from layflat.identify.logs.issue import Issue, Severity
 from layflat.identify.logs.signals import conversion
 
 BEYOND = 1.15
@@ -31,57 +31,60 @@ KNOWN: dict[u.Quantity | None, dict[str, float]] = {
 }
 """Units that get mixed up, by kind, in SI; of several that would fit the first is told."""
 
+CHECK = "check unit and scale"
+
 
 def issues(log: CheckedLog) -> Iterator[Issue]:
     """Ranges that are out of reason, with the unit or factor that would fit."""
     for channel in log.filled:
-        name = channel.signal.name
-        if name in {"angle", "demand"}:
-            yield from _angle(channel, log)
-        elif channel.signal.kind == u.PRESSURE:
-            yield from _pressure(channel, log)
-        elif name == "voltage":
-            yield from _voltage(channel, log)
-        elif name == "temperature":
-            yield from _temperature(channel)
-        elif name == "brake":
-            yield from _share(channel)
+        usual = _pressure if channel.signal.kind == u.PRESSURE else None
+        ask = ASKED.get(channel.signal.name, usual)
+        if ask is not None:
+            yield from ask(channel, log)
     for joint in log.joints or (None,):
         yield from _demanded(joint, log)
 
 
-def slip(channel: Channel, fits: Callable[[float], bool]) -> str:
-    """The unit, instead of that of the mapping, with which `fits(factor)` holds; empty where there is none."""
+def _slipped(
+    channel: Channel, text: str, fits: Callable[[float], bool], otherwise: str = "", *, severity: Severity = "error"
+) -> Iterator[Issue]:
+    """An issue with the unit, instead of that of the mapping, with which `fits(factor)` holds; else with `otherwise`.
+
+    Where there is nothing else to say, there is no issue.
+    """
     unit = str(channel.source.get("unit", channel.signal.unit))
     own = conversion(unit, channel.signal)[0]
-    for other, value in KNOWN.get(channel.signal.kind, {}).items():
-        factor = value / own
-        if abs(factor - 1.0) > 1e-6 and fits(factor):
-            return f'unit = "{other}" instead of "{unit}" would fit (factor {factor:.4g})'
-    return ""
+    factors = {other: value / own for other, value in KNOWN.get(channel.signal.kind, {}).items()}
+    found = [other for other, factor in factors.items() if abs(factor - 1.0) > 1e-6 and fits(factor)]
+    if found:
+        otherwise = f'unit = "{found[0]}" instead of "{unit}" would fit (factor {factors[found[0]]:.4g})'
+    if otherwise:
+        yield Issue(severity, channel.name, text, otherwise)
+
+
+def _between(value: float, above: float, most: float) -> Callable[[float], bool]:
+    return lambda factor: above < factor * value <= most
 
 
 def _angle(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
     low, high = channel.low, channel.high
+    span, most = high - low, max(-low, high)
     joint = log.machine.joints.get(str(channel.joint)) if log.machine is not None else None
     text = f"{channel.shown(low)} to {channel.shown(high)}"
     if joint is None:
-        if max(-low, high) > 2.1 * pi:
-            fits = slip(channel, lambda f: 0.05 < f * max(-low, high) <= 2.1 * pi)
-            yield Issue("error", channel.name, f"{text}: more than a turn", fits or "check unit and scale")
+        if most > 2.1 * pi:
+            yield from _slipped(channel, f"{text}: more than a turn", _between(most, 0.05, 2.1 * pi), CHECK)
         return
     stroke = joint.stops.mechanical_stroke
-    of = f"a stroke of {channel.shown(stroke)}"
-    if high - low > BEYOND * stroke:
-        fits = slip(channel, lambda f: 0.02 * stroke < f * (high - low) <= BEYOND * stroke)
-        yield Issue("error", channel.name, f"{text} where the joint has {of}", fits or "check unit and scale")
-    elif max(-low, high) > BEYOND * stroke / 2.0:
+    beyond = f"{text} where the joint has a stroke of {channel.shown(stroke)}"
+    if span > BEYOND * stroke:
+        yield from _slipped(channel, beyond, _between(span, 0.02 * stroke, BEYOND * stroke), CHECK)
+    elif most > BEYOND * stroke / 2.0:
         middle = f"zero is the middle of the stroke: set offset (the log's middle is {channel.shown((low + high) / 2)})"
-        yield Issue("error", channel.name, f"{text} where the joint has {of}", middle)
+        yield Issue("error", channel.name, beyond, middle)
     elif _strains(channel, log):
-        fits = slip(channel, lambda f: f > 20.0 and 0.1 * stroke < f * (high - low) <= BEYOND * stroke)
-        if fits:
-            yield Issue("warning", channel.name, f"{text} though the pressures move much", fits)
+        fits = _between(span, max(0.1 * stroke, 20.0 * span), BEYOND * stroke)
+        yield from _slipped(channel, f"{text} though the pressures move much", fits, severity="warning")
 
 
 def _strains(channel: Channel, log: CheckedLog) -> bool:
@@ -100,32 +103,25 @@ def _pressure(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
         return  # a matter of gauge and absolute, not of the unit
     low, high = pressure_span(channel, log)
     supply = log.supply_gauge if channel.signal.name != "pressure" else None
-    gauge = bool(channel.source.get("gauge", False))
-    ambient = log.ambient
-
-    def scaled(factor: float) -> tuple[float, float]:
-        if gauge:
-            return factor * low, factor * high
-        return factor * (low + ambient) - ambient, factor * (high + ambient) - ambient
+    ambient, gauge, hose = log.ambient, bool(channel.source.get("gauge", False)), channel.signal.by_joint
 
     def fits(factor: float) -> bool:
-        least, most = scaled(factor)
+        least, most = (factor * end if gauge else factor * (end + ambient) - ambient for end in (low, high))
         few, top = (0.3 * supply, BEYOND_SUPPLY * supply) if supply is not None else USUAL
         return least > -0.15 * ambient and few <= most <= top
 
     text = f"{channel.shown(low + ambient)} to {channel.shown(high + ambient)} absolute"
-    right = slip(channel, fits)
     if low < -ambient - 2e3:
-        yield Issue("error", channel.name, f"{text}: below vacuum", right or "check sign, unit and offset")
-    elif low < -0.15 * ambient and channel.signal.by_joint:
-        yield Issue("error", channel.name, f"{text}: below ambient", right or "check unit, offset and gauge")
+        yield from _slipped(channel, f"{text}: below vacuum", fits, "check sign, unit and offset")
+    elif low < -0.15 * ambient and hose:
+        yield from _slipped(channel, f"{text}: below ambient", fits, "check unit, offset and gauge")
     elif supply is not None and high > BEYOND_SUPPLY * supply:
-        beyond = f"{text} where the supply has {channel.shown(supply + ambient)}"
-        yield Issue("error", channel.name, beyond, right or "check unit and scale")
-    elif supply is not None and high < LITTLE * supply and right:
-        yield Issue("warning", channel.name, f"{text}: hardly anything of the supply's pressure", right)
-    elif supply is None and channel.signal.by_joint and not 1e4 < high < 2e6 and right:
-        yield Issue("warning", channel.name, f"{text}: strange for a hose", right)
+        yield from _slipped(channel, f"{text} where the supply has {channel.shown(supply + ambient)}", fits, CHECK)
+    elif supply is not None and high < LITTLE * supply:
+        little = f"{text}: hardly anything of the supply's pressure"
+        yield from _slipped(channel, little, fits, severity="warning")
+    elif supply is None and hose and not 1e4 < high < 2e6:
+        yield from _slipped(channel, f"{text}: strange for a hose", fits, severity="warning")
 
 
 def _difference(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
@@ -134,39 +130,38 @@ def _difference(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
         return
     text = f"reaches {channel.shown(most)} where the supply has {channel.shown(supply)} above ambient"
     if most > BEYOND_SUPPLY * supply:
-        fits = slip(channel, lambda f: 0.05 * supply < f * most <= BEYOND_SUPPLY * supply)
-        yield Issue("error", channel.name, text, fits or "check unit and scale")
+        yield from _slipped(channel, text, _between(most, 0.05 * supply, BEYOND_SUPPLY * supply), CHECK)
     elif most < 0.01 * supply:
-        fits = slip(channel, lambda f: 0.1 * supply < f * most <= BEYOND_SUPPLY * supply)
-        if fits:
-            yield Issue("warning", channel.name, text, fits)
+        fits = _between(most, 0.1 * supply, BEYOND_SUPPLY * supply)
+        yield from _slipped(channel, text, fits, severity="warning")
 
 
 def _voltage(channel: Channel, log: CheckedLog) -> Iterator[Issue]:
     if log.machine is None or log.machine.valve is None:
         return
     centre, full = log.machine.valve.centre_voltage, log.machine.valve.volts_to_full
-    low, high = channel.low, channel.high
+    low, high, median = channel.low, channel.high, float(np.median(channel.known))
+    reach = BEYOND * full
     text = f"{low:.3g} V to {high:.3g} V where the valve takes {centre - full:g} V to {centre + full:g} V"
     if low < centre - 2.0 * full or high > centre + 2.0 * full:
-        fits = slip(channel, lambda f: centre - BEYOND * full <= f * low and f * high <= centre + BEYOND * full)
-        yield Issue("error", channel.name, text, fits or "check unit, scale and offset")
-        return
-    median = float(np.median(channel.known))
-    if abs(median - centre) > 0.6 * full:
-        fits = slip(channel, lambda f: abs(f * median - centre) < 0.2 * full)
+        otherwise = "check unit, scale and offset"
+        yield from _slipped(
+            channel, text, lambda f: centre - reach <= f * low and f * high <= centre + reach, otherwise
+        )
+    elif abs(median - centre) > 0.6 * full:
         right = f"at rest a valve has its centre, {centre:g} V: check unit and offset"
-        yield Issue("warning", channel.name, f"{text}; its median is {median:.3g} V", fits or right)
+        text = f"{text}; its median is {median:.3g} V"
+        yield from _slipped(channel, text, lambda f: abs(f * median - centre) < 0.2 * full, right, severity="warning")
 
 
-def _share(channel: Channel) -> Iterator[Issue]:
+def _share(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
     low, high = channel.low, channel.high
     if low < -0.05 or high > 1.05:
-        fits = slip(channel, lambda f: low >= 0.0 and f * high <= 1.05)
-        yield Issue("error", channel.name, f"{low:.3g} to {high:.3g}", fits or "a share lies from 0 to 1")
+        text, otherwise = f"{low:.3g} to {high:.3g}", "a share lies from 0 to 1"
+        yield from _slipped(channel, text, lambda f: low >= 0.0 and f * high <= 1.05, otherwise)
 
 
-def _temperature(channel: Channel) -> Iterator[Issue]:
+def _temperature(channel: Channel, _: CheckedLog) -> Iterator[Issue]:
     text = f"{channel.low:.4g} K to {channel.high:.4g} K"
     if channel.low < 60.0:
         yield Issue("error", channel.name, text, 'no gas is so cold: unit = "degC" would add 273.15 K')
@@ -187,3 +182,7 @@ def _demanded(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
     if np.corrcoef(x, y)[0, 1] > 0.8 and not 1.0 / 20.0 < ratio < 20.0:
         text = f"moves {ratio:.3g} times as far as {demand.name} asks"
         yield Issue("error", angle.name, text, "one of them is in deg and the other in rad: check both units")
+
+
+ASKED = {"angle": _angle, "demand": _angle, "voltage": _voltage, "temperature": _temperature, "brake": _share}
+"""By signal; pressures of all kinds are asked the same."""

@@ -1,23 +1,35 @@
-"""A rotary joint between two air chambers, each held by a pressure-regulating valve.
+"""A rotary joint between two air chambers, each held by a pressure-regulating valve, seen from outside.
 
 | symbol | meaning | unit |
 |---|---|---|
+| s | set-point that a valve works towards, absolute | Pa |
+| p | pressure of its chamber | Pa |
+| x | opening, 1 fully towards the supply, -1 fully towards the exhaust | 1 |
+| B, C | error s - p at which a side is fully open, and its sonic conductance then | Pa, m3/(s Pa) |
 | q, v | joint angle from the middle of the stroke, and velocity | rad, rad/s |
 | K | torque per pressure = volume that a chamber gains per radian | m3/rad |
 | V_0 | volume of a chamber in the middle of the stroke | m3 |
 | I, c | moment of inertia, damping | kg m2, N m s/rad |
 | T_0, k | load torque in the middle of the stroke, and stiffness | N m, N m/rad |
-| F | level of the friction (lagging_friction.py) | N m |
+| F, tau | level of the friction: the torque at which the joint slips; and how long it takes to settle | N m, s |
+| F_s, F_0 | level that F settles at while the angle stays, and that at angle zero | N m |
+| f | fade: how fast F_s falls with the angle | 1/rad |
 | h | step | s |
+
+What is inside a valve (a pilot stage, two switching valves, an amplifier) shows as a lag of first order from the
+command to the set-point, and as an opening in proportion to the error.
 
 I v' = K (p_a - p_b) - c v - T_0 - k q - friction, V_a = V_0 + K q, V_b = V_0 - K q. One K for torque and volume, so
 that the air does no other work than on the joint. Chamber A turns the joint forward.
+
+F_s = F_0 exp(-f q) is positive everywhere, and F' = (F_s - F)/tau. Empirical: the friction of the elbow of a pneumatic
+android is told by where it was in the seconds before, not by where it is (see docs/derivations.md). With f = 0 it is
+Coulomb friction.
 """
 
+from math import exp
 from typing import NamedTuple
 
-from layflat.identify.benches.regulated.friction import LaggingFriction, next_level, settled_level
-from layflat.identify.benches.regulated.regulator import Regulator, regulator_conductances, share_in
 from layflat.jit import law
 from layflat.lanes import select
 from layflat.physics.chamber import (
@@ -31,6 +43,66 @@ from layflat.physics.chamber import (
 from layflat.physics.flow import root_temperature
 from layflat.physics.friction import brake_one
 from layflat.physics.valves import chamber_flow
+
+
+class Regulator(NamedTuple):
+    """Parameters; the set-point is gain (command - ambient pressure) + offset above the ambient pressure."""
+
+    gain: float
+    offset: float
+    lag: float
+    conductance_in: float
+    conductance_out: float
+    band_in: float
+    band_out: float
+    critical_ratio: float
+    laminar_slope: float
+
+
+@law
+def share_in(h, lag):
+    """Share of the way that a lag of first order goes in a step of h seconds, exactly."""
+    return 1.0 - exp(-h / lag)
+
+
+@law
+def asked_set_point(regulator, command, p_ambient):
+    """Set-point that a command (absolute, Pa) asks for in the end, Pa."""
+    return p_ambient + regulator.gain * (command - p_ambient) + regulator.offset
+
+
+@law
+def regulator_opening(regulator, s, p):
+    """Opening at set-point s and pressure p."""
+    error = s - p
+    return min(max(error / select(error > 0.0, regulator.band_in, regulator.band_out), -1.0), 1.0)
+
+
+@law
+def regulator_conductances(regulator, s, p):
+    """Conductances towards supply and exhaust at set-point s and pressure p, m3/(s Pa)."""
+    x = regulator_opening(regulator, s, p)
+    return regulator.conductance_in * max(x, 0.0), regulator.conductance_out * max(-x, 0.0)
+
+
+class LaggingFriction(NamedTuple):
+    """Level at angle zero (N m), fade (1/rad) and lag (s)."""
+
+    torque: float
+    fade: float
+    lag: float
+
+
+@law
+def settled_level(friction, q):
+    """Level that the friction settles at, N m."""
+    return friction.torque * exp(-friction.fade * q)
+
+
+@law
+def next_level(friction, F, q, share):
+    """Level after a step at angle q in which the lag goes a share of the way, N m."""
+    return F + share * (settled_level(friction, q) - F)
 
 
 class Air(NamedTuple):
@@ -118,7 +190,7 @@ def move(joint, state, p_a, p_b, shares, h):
 def exchange_gas(joint, state, travel, asked, air, shares, h):
     """State of a chamber after a step in which it swells to its volume at `travel`, and air flows.
 
-    `asked` is the set-point that its valve goes for, Pa: see regulator.py.
+    `asked` is the set-point that its valve goes for, Pa.
     """
     p_a, supply = air.ambient_pressure, root_temperature(air.temperature, 1.0 / air.temperature)
     s = state.set_point + shares.set_point * (asked - state.set_point)
