@@ -31,6 +31,10 @@ NAMED = 3
 """Values, and motions, that are named where there are more."""
 
 
+KEPT = ("value", "low", "high", "identified", "at_bound", "partner")
+"""What the JSON says of an estimate."""
+
+
 @dataclass(frozen=True)
 class Identification:
     """Logs and a description, ready to be fitted.
@@ -90,16 +94,8 @@ class Identification:
             "partial": found.partial,
             "simulations": found.simulations,
             "values": {
-                e.unknown.path: {
-                    "unit": e.unknown.unit,
-                    "value": e.value,
-                    "low": e.low,
-                    "high": e.high,
-                    "identified": bool(e.identified),
-                    "at_bound": bool(e.at_bound),
-                    "partner": e.partner,
-                }
-                for e in found.estimates
+                one.unknown.path: {"unit": one.unknown.unit} | {key: getattr(one, key) for key in KEPT}
+                for one in found.estimates
             },
             "errors": [vars(quality) for quality in found.qualities()],
         }

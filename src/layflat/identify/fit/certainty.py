@@ -19,9 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify.fit.residuals import PRIOR_WIDTH, STEP
-from layflat.identify.model import Model
-
-Array = NDArray[np.float64]
+from layflat.identify.model import Array, Model
 
 DRAWS = 1000
 """Bootstrap samples."""

@@ -52,7 +52,7 @@ class Estimate:
         if self.at_bound:
             return False
         if self.unknown.log:
-            return 0.5 * np.log(self.high / self.low) < np.log1p(SURE) if self.low > 0.0 else False
+            return self.low > 0.0 and bool(0.5 * np.log(self.high / self.low) < np.log1p(SURE))
         return self.high - self.low < SURE * (self.unknown.high - self.unknown.low)
 
 
@@ -115,9 +115,7 @@ class Fit:
     @property
     def trusted(self) -> bool:
         """Whether it converged with no value at a bound, and predicts."""
-        return (
-            self.converged and not any(estimate.at_bound for estimate in self.estimates) and self.mispredicted is None
-        )
+        return self.converged and not any(one.at_bound for one in self.estimates) and self.mispredicted is None
 
     @cached_property
     def mispredicted(self) -> Quality | None:
@@ -149,18 +147,12 @@ def quality(output: Output, chosen: Flags, simulated: Array, *, validation: bool
     rms, spread, reach = float(np.sqrt(np.mean(error**2))), float(np.std(measured)), float(np.ptp(measured))
     alike = [abs(_correlation(error[lag:], error[:-lag])) for lag in range(1, min(LAGS, len(error) - 2) + 1)]
     return Quality(
-        output.name,
-        output.unit,
-        output.log,
-        validation,
-        len(error),
-        rms,
-        float(error.mean()),
-        rms / reach if reach > 0.0 else np.inf,
-        1.0 - rms / spread if spread > 0.0 else -np.inf,
-        float(np.mean(np.array(alike) < BAND / np.sqrt(len(error)))) if alike else 1.0,
-        None if output.driven_by is None else _driven(error, output.driven_by[chosen]),
-    )
+        output.name, output.unit, output.log, validation, len(error), rms, float(error.mean()),
+        share=rms / reach if reach > 0.0 else np.inf,
+        fit=1.0 - rms / spread if spread > 0.0 else -np.inf,
+        white=float(np.mean(np.array(alike) < BAND / np.sqrt(len(error)))) if alike else 1.0,
+        driven=None if output.driven_by is None else _driven(error, output.driven_by[chosen]),
+    )  # fmt: skip
 
 
 def _driven(error: Array, given: Array) -> float:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.identify.fit.certainty import blocks_of, bootstrap, covariance, interval
 from layflat.identify.fit.residuals import Residuals
 from layflat.identify.fit.result import ALIKE, Estimate, Fit
-from layflat.identify.model import Model
-
-Array = NDArray[np.float64]
+from layflat.identify.model import Array, Model
 
 Progress = Callable[[float, str], None]
 """Called with the share of the work that is done at most, and the present task."""
@@ -87,8 +84,7 @@ class _Search:
 
     def run(self, starts: int, seed: int) -> tuple[Array, bool]:
         """Search by continuation, then by basin hopping: shares, and whether the search converged."""
-        tried: list[tuple[float, Array]] = []
-        continuations = self.free.continuations()
+        tried, continuations = list[tuple[float, Array]](), self.free.continuations()
         for number, models in enumerate(continuations):
             tried.append(self.follow(models, starts, seed + number))
             if tried[-1][0] < EXPLAINED:
@@ -133,9 +129,8 @@ class _Search:
 
     def begin(self, starts: int, seed: int) -> Array:
         """The best of several starts after a few steps."""
-        scaled, guess = self.residuals.scaled, self.residuals.prior
-        given = np.clip(scaled.shares(self.model.starts(seed)), 0.0, 1.0)
-        tried = np.vstack([guess, given, self._drawn(starts, seed)])
+        guess, given = self.residuals.prior, self.residuals.scaled.shares(self.model.starts(seed))
+        tried = np.vstack([guess, np.clip(given, 0.0, 1.0), self._drawn(starts, seed)])
         self.simulations += len(tried)
         self.tell(0.02, f"{len(tried)} starts")
         costs = self.residuals.costs(tried)
@@ -193,19 +188,9 @@ class _Search:
             self.simulations += 2 * len(at)
             return self.residuals.jacobian(at)
 
+        ends: dict[str, Any] = {"ftol": self.tolerance, "xtol": 1e-8, "gtol": 1e-8, "max_nfev": steps}
         inside = np.clip(shares, 1e-6, 1.0 - 1e-6)
-        found = least_squares(
-            residuals,
-            inside,
-            jacobian,
-            bounds=(0.0, 1.0),
-            max_nfev=steps,
-            ftol=self.tolerance,
-            xtol=1e-8,
-            gtol=1e-8,
-            loss=loss,
-            f_scale=OUTLYING,
-        )
+        found = least_squares(residuals, inside, jacobian, bounds=(0.0, 1.0), loss=loss, f_scale=OUTLYING, **ends)
         return np.asarray(found.x), bool(found.status > 0)
 
     def weigh(self, shares: Array) -> None:
@@ -234,7 +219,7 @@ class _Search:
         for i, unknown in enumerate(model.unknowns):
             partner = int(np.argmax(alike[i]))
             together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
-            at_bound = shares[i] > 1.0 - EDGE or (shares[i] < EDGE and not unknown.floor)
+            at_bound = bool(shares[i] > 1.0 - EDGE or (shares[i] < EDGE and not unknown.floor))
             estimates.append(Estimate(unknown, float(values[i]), float(lows[i]), float(highs[i]), at_bound, together))
         simulated = self.free.simulate(values[None])[0]
         return Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)

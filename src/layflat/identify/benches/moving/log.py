@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -39,28 +38,50 @@ def _noise(sensor: AngleSensor | PressureSensor) -> float:
     return float(np.hypot(sensor.noise, sensor.range / 2**sensor.bits / np.sqrt(12.0)))
 
 
-@dataclass(frozen=True)
 class Record:
-    """One log of a machine; what it says of paths that are `known` to be fitted is not used."""
+    """One log of a machine.
 
-    machine: Machine
-    name: str
-    log: xarray.Dataset
-    whole: bool | None
-    """Whether all of it is fitted, or all but its last third; None if it is only predicted."""
-    known: set[str]
+    Args:
+        machine: what it is a log of.
+        name: of the log.
+        log: its signals; an angle and a voltage of every joint at least.
+        whole: whether all of it is fitted, or all but its last third; None if it is only predicted.
+        known: paths that are fitted; what the log says of these is not used.
+    """
 
-    @cached_property
-    def joints(self) -> list[str]:
-        """Names, from base to tip."""
-        return list(self.machine.joints)
+    def __init__(self, machine: Machine, name: str, log: xarray.Dataset, whole: bool | None, known: set[str]) -> None:
+        self.machine, self.name, self.log, self.known = machine, name, log, known
+        self.joints, self.time = list(machine.joints), log["time"].to_numpy()
+        names = ("angle", "pressure_a", "pressure_b", "measured_pressure")
+        self.measured = {name: values for name in names if (values := self._signal(name)) is not None}
+        first = {name: np.nanmean(values[:FIRST], axis=0) for name, values in self.measured.items()}
+        limits = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
+        self.angles = [float(np.clip(q, -b, b)) for q, b in zip(first["angle"], limits, strict=True)]
+        self.pressures = self._first_pressures(first)
+        self.fitted: Flags = self.time < {None: 0.0, True: np.inf, False: FITTED * self.time[-1]}[whole]
+        self.nuisances = [] if whole is None else self._nuisances()
+        self.outputs = self._outputs()
 
-    @cached_property
-    def time(self) -> Array:
-        """Instants, s."""
-        return self.log["time"].to_numpy()
+    def scenario_of(self, samples: int) -> Scenario:
+        """What acts on the machine, from the beginning on."""
+        brake, load, supply, payload, voltage = (
+            values if (values := self._signal(name)) is None else values[:samples]
+            for name in ("brake", "load", "supply", "payload", "voltage")
+        )
+        return Scenario(
+            duration=samples * self.machine.cycle,
+            demand=self._fed_back[:samples],
+            voltage=voltage,
+            start=dict(zip(self.joints, self.angles, strict=True)),
+            pressures={name: (a, b) for name, a, b in zip(self.joints, *self.pressures, strict=True)},
+            supply=None if supply is None else supply - self.machine.supply.ambient_pressure,
+            payload=None if payload is None or "arm.payload" in self.known else payload,
+            brake=1.0 if brake is None else brake,
+            load=0.0 if load is None else load,
+            noise=False,
+        )
 
-    def signal(self, name: str) -> Array | None:
+    def _signal(self, name: str) -> Array | None:
         """A signal of every joint, (samples, joints), or one that they share, (samples,)."""
         if name not in self.log:
             return None
@@ -68,43 +89,6 @@ class Record:
         if "joint" in values.dims:
             values = values.sel(joint=self.joints).transpose("time", "joint")
         return np.asarray(values.to_numpy(), dtype=np.float64)
-
-    @cached_property
-    def measured(self) -> dict[str, Array]:
-        """What was measured of every joint, (samples, joints)."""
-        names = ("angle", "pressure_a", "pressure_b", "measured_pressure")
-        return {name: values for name in names if (values := self.signal(name)) is not None}
-
-    @cached_property
-    def first(self) -> dict[str, Array]:
-        """What the log begins with, (joints,)."""
-        return {name: np.nanmean(values[:FIRST], axis=0) for name, values in self.measured.items()}
-
-    @cached_property
-    def fitted(self) -> Flags:
-        """Which samples are."""
-        end = {None: 0.0, True: np.inf, False: FITTED * self.time[-1]}[self.whole]
-        return np.asarray(self.time < end)
-
-    def scenario_of(self, samples: int) -> Scenario:
-        """What acts on the machine, from the beginning on."""
-        brake, load, supply, payload, voltage = (
-            values if (values := self.signal(name)) is None else values[:samples]
-            for name in ("brake", "load", "supply", "payload", "voltage")
-        )
-        ambient = self.machine.supply.ambient_pressure
-        return Scenario(
-            duration=samples * self.machine.cycle,
-            demand=self._fed_back[:samples],
-            voltage=voltage,
-            start=dict(zip(self.joints, self._angles, strict=True)),
-            pressures={name: (a, b) for name, a, b in zip(self.joints, *self._pressures, strict=True)},
-            supply=None if supply is None else supply - ambient,
-            payload=None if payload is None or "arm.payload" in self.known else payload,
-            brake=1.0 if brake is None else brake,
-            load=0.0 if load is None else load,
-            noise=False,
-        )
 
     @cached_property
     def _fed_back(self) -> Array:
@@ -116,31 +100,21 @@ class Record:
         window = min(SMOOTHED, 2 * ((len(values) - 1) // 2) + 1)
         return np.asarray(savgol_filter(values, window, 3, axis=0)) if window > 3 else values
 
-    @cached_property
-    def _angles(self) -> list[float]:
-        limits = [0.5 * joint.stops.working_stroke for joint in self.machine.joints.values()]
-        return [float(np.clip(q, -b, b)) for q, b in zip(self.first["angle"], limits, strict=True)]
-
-    @cached_property
-    def _pressures(self) -> tuple[list[float], list[float]]:
+    def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
         """Of hoses A and B; where only their difference was measured, about the mean of equal leakage."""
-        supply = self.signal("supply")
+        if "pressure_a" in first and "pressure_b" in first:
+            return list(first["pressure_a"]), list(first["pressure_b"])
+        supply, offset = self._signal("supply"), sensor_offset(self.machine)
         usual = FILLED * (self.machine.supply.pressure if supply is None else float(supply[0]))
-        if "pressure_a" in self.first and "pressure_b" in self.first:
-            return list(self.first["pressure_a"]), list(self.first["pressure_b"])
-        offset = sensor_offset(self.machine)
-        both = np.broadcast_to(0.5 * (self.first.get("measured_pressure", offset) - offset), len(self.joints))
+        both = np.broadcast_to(0.5 * (first.get("measured_pressure", offset) - offset), len(self.joints))
         return list(usual + both), list(usual - both)
 
-    @cached_property
-    def nuisances(self) -> list[Unknown]:
+    def _nuisances(self) -> list[Unknown]:
         """What a log begins with, to be fitted along with the rest; for validation the first measured samples hold."""
-        if self.whole is None:
-            return []
         _, angle, _ = parameters.drive_parts(self.machine)
         reach, found = COUNTS * angle.range / 2**angle.bits, []
         low, high = 0.9 * self.machine.supply.ambient_pressure, 1.05 * self.machine.supply.pressure
-        for name, q, a, b in zip(self.joints, self._angles, *self._pressures, strict=True):
+        for name, q, a, b in zip(self.joints, self.angles, *self.pressures, strict=True):
             where = f"start.{self.name}"
             found.append(Unknown(f"{where}.angle.{name}", "rad", q, q - reach, q + reach, log=False, nuisance=True))
             for hose, p in (("a", a), ("b", b)):
@@ -148,15 +122,13 @@ class Record:
                 found.append(Unknown(path, "Pa", p, min(low, p), max(high, p), log=False, nuisance=True))
         return found
 
-    @cached_property
-    def outputs(self) -> list[Output]:
+    def _outputs(self) -> list[Output]:
         """Every measured signal of every joint."""
         _, angle, pressure = parameters.drive_parts(self.machine)
-        scales = {"angle": ("rad", _noise(angle))}
-        voltage, found = self.signal("voltage"), []
+        voltage, found = self._signal("voltage"), []
         assert voltage is not None
         for signal, values in self.measured.items():
-            unit, scale = scales.get(signal, ("Pa", _noise(pressure)))
+            unit, scale = ("rad", _noise(angle)) if signal == "angle" else ("Pa", _noise(pressure))
             for j, name in enumerate(self.joints):
                 label = f"{signal} {name}" if len(self.joints) > 1 else signal
                 found.append(Output(label, unit, self.name, self.time, values[:, j], self.fitted, scale, voltage[:, j]))

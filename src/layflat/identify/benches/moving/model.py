@@ -64,14 +64,7 @@ class ArmModel(Model):
         InputError: a log lacks what is needed, or a block is unknown.
     """
 
-    def __init__(
-        self,
-        machine: Machine,
-        logs: Logs,
-        validation: Logs | None = None,
-        *,
-        blocks: Sequence[str],
-    ) -> None:
+    def __init__(self, machine: Machine, logs: Logs, validation: Logs | None = None, *, blocks: Sequence[str]) -> None:
         if machine.valve is None:
             right = "give a machine with a valve; or logs with torque and without voltage, of a joint moved slowly"
             raise InputError("has no valve", where=machine.origin, right=right)

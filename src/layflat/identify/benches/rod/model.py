@@ -50,12 +50,7 @@ class RodModel(CurveModel[RodBench]):
     losses = "friction"
 
     def __init__(
-        self,
-        bench: RodBench,
-        logs: Logs,
-        validation: Logs | None = None,
-        *,
-        blocks: Sequence[str] = DEFAULT_BLOCKS,
+        self, bench: RodBench, logs: Logs, validation: Logs | None = None, *, blocks: Sequence[str] = DEFAULT_BLOCKS
     ) -> None:
         check_known(blocks, BLOCKS, "blocks", "block")
         self.origin = bench

@@ -56,9 +56,7 @@ def _beyond(outside, supply):
 @law
 def _moved(state, rate, h):
     return Filling(
-        state.energy + h * rate.energy,
-        state.mass + h * rate.mass,
-        state.wall_temperature + h * rate.wall_temperature,
+        state.energy + h * rate.energy, state.mass + h * rate.mass, state.wall_temperature + h * rate.wall_temperature
     )
 
 
