@@ -10,13 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import chirp
 
 from layflat.errors import InputError
+from layflat.identify.model import Array
 from layflat.machine import Machine
-
-Array = NDArray[np.float64]
 
 REACH = 0.3
 """Largest angle from the middle, as a share of the working stroke."""

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+
+import numpy as np
 
 from layflat.description import Part
+from layflat.description.change import replaced
 from layflat.description.names import Name
 from layflat.errors import InputError
-from layflat.identify.model import FITTED, Model
+from layflat.identify.model import FITTED, Array, Model
+from layflat.lanes import mapped
+from layflat.parallel import on_all_cores
 
 if TYPE_CHECKING:
     import xarray
 
 Logs: TypeAlias = "Mapping[str, xarray.Dataset]"
+Described = TypeVar("Described", bound=Part)
 
 
 class BenchDescription(Part):
@@ -55,9 +61,8 @@ def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -
     for name, signal, joint in product(logs, signals, joints):
         if not has_samples(logs[name], signal, joint):
             of = f" of every joint: {', '.join(joints)}" if len(joints) > 1 else ""
-            raise InputError(
-                f"has no {signal} of joint {joint!r}", where=name, right=f"map a column to the signal {signal}{of}"
-            )
+            right = f"map a column to the signal {signal}{of}"
+            raise InputError(f"has no {signal} of joint {joint!r}", where=name, right=right)
 
 
 def check_known(given: Collection[str], known: Collection[str], where: str, what: str) -> list[str]:
@@ -83,3 +88,36 @@ def fitted_share_of(logs: Logs, validation: Logs | None, share: float | None) ->
     if share is not None and not 0.0 < share <= 1.0:
         raise InputError(f"{share:g} is out of range", where="fitted_share", right="give 0.67, or 1 for all")
     return share or (1.0 if validation else FITTED)
+
+
+def with_columns(described: Described, found: Mapping[str, Any]) -> Described:
+    """A description with numbers, or arrays of an item a candidate, at some paths; unchecked, as a search goes far."""
+    for path, column in found.items():
+        described = replaced(described, path.split("."), column)
+    return described
+
+
+def simulated(
+    run: Callable[..., None], count: int, cases: Sequence[tuple[Any, ...]], shapes: Sequence[tuple[int, ...]]
+) -> list[Array]:
+    """Run every candidate in every case, on all cores.
+
+    Args:
+        run: a kernel; it takes the parameters of one candidate, what is given of a case, and room for its results.
+        count: of candidates.
+        cases: of each its parameters (named tuples of numbers, or of arrays with an item a candidate), then what is
+            given of it.
+        shapes: of the room of each case.
+
+    Returns:
+        Results of each case, (candidates, *shape), not numbers where `run` wrote none.
+    """
+    rooms = [np.full((count, *shape), np.nan) for shape in shapes]
+
+    def work(job: tuple[int, int]) -> None:
+        case, i = job
+        parameters, *given = cases[case]
+        run(mapped(parameters, lambda leaf: float(leaf[i] if np.ndim(leaf) else leaf)), *given, rooms[case][i])
+
+    on_all_cores(work, [(case, i) for case in range(len(cases)) for i in range(count)])
+    return rooms

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.model import Array, Model
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import Array, Model, Unknown
 
 STEP, WIDEST = 1e-3, 0.2
 """Half the width of a difference, as a share of the way between the bounds: at least and at most."""

@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from layflat.identify.model import Array, Flags, Model, Output
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import Array, Flags, Model, Output, Unknown
 
 SURE = 0.2
 """A parameter is identified if its interval reaches less than this beyond it: of itself, or of half its range."""

@@ -57,9 +57,8 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
         right = "give a whole MCAP file; `layflat log repair` keeps what is whole of this one"
         raise InputError(f"can't be read as MCAP ({what})", where=str(path), right=right) from None
     if not samples:
-        raise InputError(
-            "holds no messages with numbers", where=str(path), right="give messages of ROS 2 (CDR) or in JSON"
-        )
+        right = "give messages of ROS 2 (CDR) or in JSON"
+        raise InputError("holds no messages with numbers", where=str(path), right=right)
     first = min(stamps[0] for stamps, _ in samples.values())
     columns = {}
     for name, (stamps, values) in samples.items():

@@ -19,7 +19,8 @@ from layflat.identify.logs.headers import meanings, signal_of, words_of
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name, conversion
-from layflat.identify.logs.table import Array, Column, Table, read_table
+from layflat.identify.logs.table import Column, Table, read_table
+from layflat.identify.model import Array
 
 BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
 """What a unit alone tells, by its SI unit."""

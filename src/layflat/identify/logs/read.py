@@ -12,21 +12,12 @@ import numpy as np
 from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
-from layflat.identify.logs.grid import (
-    Array,
-    Clock,
-    Grid,
-    Series,
-    clock_of,
-    gaps,
-    grid_as_recorded,
-    grid_over,
-    resampled,
-)
+from layflat.identify.logs.grid import Clock, Grid, Series, clock_of, gaps, grid_as_recorded, grid_over, resampled
 from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
+from layflat.identify.model import Array
 
 if TYPE_CHECKING:
     import xarray
@@ -61,11 +52,8 @@ def read_log(
     if plan is None:
         names = list(table.columns)
         shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
-        raise InputError(
-            f"its columns ({shown}) are not layflat's own signals",
-            where=str(table.path),
-            right="give a mapping file; `layflat log map` writes one to start from",
-        )
+        right = "give a mapping file; `layflat log map` writes one to start from"
+        raise InputError(f"its columns ({shown}) are not layflat's own signals", where=str(table.path), right=right)
     where, file = str(mapping) if isinstance(mapping, (str, Path)) else str(table.path), str(table.path)
     period = None if cycle is None else u.quantity(cycle, u.TIME, "cycle")
     if period is not None and period <= 0.0:
@@ -89,10 +77,8 @@ def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -
             raise _no_column(missing[0], table, where)
         other = taken.setdefault(entry.channel, entry)
         if other is not entry:
-            raise InputError(
-                f"{', '.join(other.columns)} and {', '.join(entry.columns)} are both {entry.channel}", where=where,
-                right="both are in this log: keep one",
-            )  # fmt: skip
+            what = f"{', '.join(other.columns)} and {', '.join(entry.columns)} are both {entry.channel}"
+            raise InputError(what, where=where, right="both are in this log: keep one")
         joint = _joint(entry, plan, joints, where)
         for column in (table.columns[name] for name in entry.columns):
             stamps = common if column.stamps is None else column.stamps
@@ -115,10 +101,8 @@ def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array]:
     time = plan.time
     if table.clock is not None:
         if time is not None and time.column not in {None, table.clock.name}:
-            raise InputError(
-                f"no clock {time.column!r} in {table.path.name}", where=f"{where}: time.column",
-                right=f"its samples have {table.clock.name!r}",
-            )  # fmt: skip
+            what, right = f"no clock {time.column!r} in {table.path.name}", f"its samples have {table.clock.name!r}"
+            raise InputError(what, where=f"{where}: time.column", right=right)
         seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
         return seconds, np.empty(0)
     if time is None or time.column is None:
@@ -136,10 +120,8 @@ def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: 
     if entry.joint is None:
         known = joints or [other.joint for other in plan.column if other.joint is not None]
         if known and (joints is None or len(joints) > 1):
-            raise InputError(
-                f"{entry.signal} from {entry.columns[0]!r} does not say of which joint", where=where,
-                right=f"say joint = {' or '.join(map(repr, dict.fromkeys(known)))}",
-            )  # fmt: skip
+            what = f"{entry.signal} from {entry.columns[0]!r} does not say of which joint"
+            raise InputError(what, where=where, right=f"say joint = {' or '.join(map(repr, dict.fromkeys(known)))}")
         return joints[0] if joints else None
     if joints is not None and entry.joint not in joints:
         right = f"its joints are {', '.join(joints)}"

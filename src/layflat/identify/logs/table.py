@@ -10,13 +10,12 @@ from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header, header_of
+from layflat.identify.model import Array
 
-Array = NDArray[np.float64]
 Cells = Array | list[str]
 T = TypeVar("T")
 

@@ -101,9 +101,8 @@ def _check_shape(names: list[str], rows: list[list[str]], where: str) -> None:
         raise InputError(f"column {doubled!r} stands there twice", where=where, right="rename one of them")
     odd = next((i for i, row in enumerate(rows) if len(row) != len(names)), None)
     if odd is not None:
-        raise InputError(
-            f"{len(rows[odd])} values", where=f"{where}, sample {odd + 1}", right=f"give {len(names)} as in its header"
-        )
+        right = f"give {len(names)} as in its header"
+        raise InputError(f"{len(rows[odd])} values", where=f"{where}, sample {odd + 1}", right=right)
 
 
 def _cells(cells: list[str], delimiter: str) -> Cells:

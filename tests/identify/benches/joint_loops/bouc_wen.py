@@ -41,7 +41,7 @@ def measured(
 ) -> xarray.Dataset:
     """Three loops of a single-acting joint at 3 bar with this loss, with noise and 12-bit counts."""
     rng = np.random.default_rng(seed)
-    hose, time = parameters.hose(machine.joint[joint]), np.linspace(0.0, 3 * period, 1500)
+    hose, time = parameters.hose(machine.joint[joint]), np.linspace(0.0, 3 * period, 900)
     angle = amplitude * np.sin(2 * np.pi * time / period)
     K = np.array([torque_per_pressure(hose.stroke, hose.neutral + q) for q in angle])
     torque = scale * K * 3e5 - loss.torque(time, amplitude, period) + rng.normal(0.0, 0.03, len(time))

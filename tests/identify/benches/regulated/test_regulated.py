@@ -9,7 +9,7 @@ import xarray
 
 from layflat.errors import InputError
 from layflat.identify import fit
-from layflat.identify.benches.candidates import simulated, with_columns
+from layflat.identify.benches.contract import simulated, with_columns
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.regulated.description import RegulatedJointBench
 from layflat.identify.benches.regulated.model import Log, RegulatedModel, parameters
@@ -183,19 +183,21 @@ def test_unknown_blocks_are_refused() -> None:
 
 @pytest.mark.slow
 def test_the_elbow_of_an_android_is_predicted_from_its_commands(measured_data: Path, tmp_path: Path) -> None:
-    """The example, fitted on six runs together and validation on others; 1 % is how well the rig repeats itself."""
+    """The example, fitted on the first 6 s of two runs and validated by another; the rig repeats itself within 1 %."""
     script = Path(__file__).parents[4] / "examples" / "identify_affetto.py"
-    folder = measured_data / "affetto"
-    subprocess.run([sys.executable, str(script), str(folder), "--out", str(tmp_path)], check=True, timeout=600)
+    for name in ("motion_data_000.csv", "motion_data_003.csv", "motion_data_006.csv"):
+        lines = (measured_data / "affetto" / name).read_text(encoding="utf-8").splitlines(keepends=True)
+        (tmp_path / name).write_text("".join(lines[:181]), encoding="utf-8")
+    command = [sys.executable, str(script), str(tmp_path), "--validate", "006", "--out", str(tmp_path)]
+    subprocess.run(command, check=True, timeout=600)
     found = json.loads((tmp_path / "identify_affetto.json").read_text(encoding="utf-8"))
     assert (tmp_path / "identify_affetto.png").exists()
     assert found["converged"]
     validation = [own for own in found["logs"].values() if own["validation"]]
-    assert len(validation) == 2
-    for own in validation:
-        assert own["angle_percent"] <= 4.5
-        assert own["pressure_a_kpa"] <= 20.0
-        assert own["pressure_b_kpa"] <= 20.0
+    assert len(validation) == 1
+    assert validation[0]["angle_percent"] <= 2.5
+    assert validation[0]["pressure_a_kpa"] <= 10.0
+    assert validation[0]["pressure_b_kpa"] <= 10.0
 
 
 def test_the_example_tells_in_one_line_what_is_missing(tmp_path: Path) -> None:

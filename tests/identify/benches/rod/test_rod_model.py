@@ -133,7 +133,8 @@ def test_noise_of_a_smooth_motion() -> None:
 @pytest.mark.parametrize("seal", ["KDN", "Kidney_lc", "O-ring", "PK"])
 def test_measured_loops_are_predicted_at_a_pressure_that_was_not_fitted(seal: str) -> None:
     def read(bar: int) -> xarray.Dataset:
-        time, position, pressure, force = np.loadtxt(DATA / f"{seal}_{bar}bar.csv", usecols=(0, 4, 5, 6), unpack=True)
+        samples = np.loadtxt(DATA / f"{seal}_{bar}bar.csv", usecols=(0, 4, 5, 6))[::2]
+        time, position, pressure, force = samples.T.copy()
         return xarray.Dataset(
             {
                 "position": ("time", 1e-3 * position),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from layflat.identify.benches.candidates import simulated
+from layflat.identify.benches.contract import simulated
 from layflat.identify.benches.rod.laws import Rod, RodLog, rod_force
 
 ROD = Rod(

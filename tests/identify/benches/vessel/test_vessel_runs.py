@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from layflat.identify.benches.candidates import simulated
+from layflat.identify.benches.contract import simulated
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
 from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, Wall, exchange, rates
 from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel

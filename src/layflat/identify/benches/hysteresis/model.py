@@ -9,9 +9,8 @@ import numpy as np
 
 from layflat.description import Part
 from layflat.description.change import changed_all, value_at
-from layflat.identify.benches.candidates import with_columns
-from layflat.identify.model import Array, Model
-from layflat.identify.unknown import Unknown
+from layflat.identify.benches.contract import with_columns
+from layflat.identify.model import Array, Model, Unknown
 
 Described = TypeVar("Described", bound=Part)
 

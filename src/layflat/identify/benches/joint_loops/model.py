@@ -13,13 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.benches.candidates import simulated
-from layflat.identify.benches.contract import Bench, Logs, check_known, has_samples, require_samples
+from layflat.identify.benches.contract import Bench, Logs, check_known, has_samples, require_samples, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, element_unknowns, within
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
-from layflat.identify.model import Array, Output
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import Array, Output, Unknown
 from layflat.machine import Joint, Machine, parameters
 
 if TYPE_CHECKING:

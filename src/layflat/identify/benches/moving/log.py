@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 import xarray
 
-from layflat.identify.model import FITTED, Array, Flags, Output
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import FITTED, Array, Flags, Output, Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
 from layflat.physics.joint import FILLED

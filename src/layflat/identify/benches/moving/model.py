@@ -14,8 +14,7 @@ from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.log import Record, sensor_offset
-from layflat.identify.model import Array, Model
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import Array, Model, Unknown
 from layflat.machine import Machine, parameters
 from layflat.physics.joint import FILLED
 from layflat.physics.step import STEP

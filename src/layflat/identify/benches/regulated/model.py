@@ -18,8 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from layflat.errors import InputError
-from layflat.identify.benches.candidates import simulated, with_columns
-from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of
+from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.regulated import run
 from layflat.identify.benches.regulated.description import RegulatedJointBench, friction_law
 from layflat.identify.benches.regulated.laws import Air, LaggingFriction, RegulatedJoint, Regulator

@@ -7,7 +7,7 @@ supply is known from its gauge.
 from __future__ import annotations
 
 from layflat.identify.benches.regulated.description import RegulatedJointBench, least_volume
-from layflat.identify.unknown import ParameterSpec, around, factor_range, from_zero
+from layflat.identify.model import ParameterSpec, around, factor_range, from_zero
 
 GAIN, OFFSET, DELAY = 1.5, 100e3, 0.15
 """Farthest gain (either way), offset (Pa) and delay (s) of a valve."""

@@ -11,14 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from layflat.description.change import value_at
-from layflat.identify.benches.candidates import simulated
-from layflat.identify.benches.contract import Bench, Logs, check_known
+from layflat.identify.benches.contract import Bench, Logs, check_known, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import CurveModel, element_unknowns, within
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.laws import Rod, RodLog, rod_force
-from layflat.identify.model import Array
-from layflat.identify.unknown import Unknown
+from layflat.identify.model import Array, Unknown
 
 BLOCKS = ("piston", "friction", "viscous")
 """What can be fitted; `viscous` only where it is asked for, with logs of speeds that differ at each pressure."""

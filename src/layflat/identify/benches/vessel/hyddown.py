@@ -9,6 +9,7 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+from layflat import extras
 from layflat.description.text import read_text
 from layflat.errors import InputError
 from layflat.physics.flow import sonic_conductance
@@ -49,9 +50,8 @@ def hyddown_tables(path: str | Path) -> dict[str, Any]:
     name = FLUIDS.get(fluid, fluid)
     if name not in FLUIDS.values():
         known = ", ".join(sorted(set(FLUIDS.values())))
-        raise InputError(
-            f"{start.get('fluid')!r} is an unknown gas", where=f"{where}: initial.fluid", right=f"use {known}"
-        )
+        what = f"{start.get('fluid')!r} is an unknown gas"
+        raise InputError(what, where=f"{where}: initial.fluid", right=f"use {known}")
     T = _number(start, "temperature", f"{where}: initial")
     around = float(heat.get("temp_ambient", T))
     space, capacity, outer = _sizes(vessel, where)
@@ -71,17 +71,16 @@ def hyddown_tables(path: str | Path) -> dict[str, Any]:
 
 
 def _tables(path: Path) -> dict[str, Any]:
+    extras.require("hyddown", "yaml", where=str(path))
+    import yaml  # noqa: PLC0415
+
+    right = "give HydDown's input file"
     try:
-        import yaml  # noqa: PLC0415
-    except ImportError:
-        raise InputError("needs PyYAML", where=str(path), right="pip install 'layflat[hyddown]'") from None
-    try:
-        tables = yaml.safe_load(read_text(path, str(path), "give HydDown's input file"))
+        tables = yaml.safe_load(read_text(path, str(path), right))
     except (RecursionError, yaml.YAMLError) as error:
-        text = str(error).splitlines()[0]
-        raise InputError(f"can't be read ({text})", where=str(path), right="give HydDown's input file") from None
+        raise InputError(f"can't be read ({str(error).splitlines()[0]})", where=str(path), right=right) from None
     if not isinstance(tables, dict):
-        raise InputError("is not a table", where=str(path), right="give HydDown's input file")
+        raise InputError("is not a table", where=str(path), right=right)
     return tables
 
 

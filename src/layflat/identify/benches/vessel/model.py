@@ -19,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.errors import InputError
-from layflat.identify.benches.candidates import simulated, with_columns
-from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of
+from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.vessel.description import Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
 from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
 from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
-from layflat.identify.model import Array, Model, Output
-from layflat.identify.unknown import ParameterSpec, Unknown, factor_range, fixed_range
+from layflat.identify.model import Array, Model, Output, ParameterSpec, Unknown, factor_range, fixed_range
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import sonic_conductance
 
@@ -164,11 +162,9 @@ def parameters(bench: VesselBench, added_volume: float = 0.0) -> Setup:
 
 def _check_gas(bench: VesselBench, place: Place, where: str) -> None:
     if not is_gas(GASES[bench.gas.name], place.pressure, place.temperature):
-        raise InputError(
-            f"{bench.gas.name} is no gas at {place.pressure / 1e5:g} bar and {place.temperature:g} K",
-            where=f"{bench.name}: {where}",
-            right="give a lower pressure or a higher temperature",
-        )
+        what = f"{bench.gas.name} is no gas at {place.pressure / 1e5:g} bar and {place.temperature:g} K"
+        right = "give a lower pressure or a higher temperature"
+        raise InputError(what, where=f"{bench.name}: {where}", right=right)
 
 
 def _read(name: str, log: xarray.Dataset, added_volume: float) -> VesselLog:

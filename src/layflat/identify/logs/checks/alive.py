@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.description import units as u
-from layflat.identify.logs.checks.channels import Array, Channel, CheckedLog, noise, quantum, runs
+from layflat.identify.logs.checks.channels import Channel, CheckedLog, noise, quantum, runs
 from layflat.identify.logs.issue import Issue
+from layflat.identify.model import Array
 
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8

@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from layflat.description import units as u
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name
+from layflat.identify.model import Array
 from layflat.machine import Machine
 
 if TYPE_CHECKING:
     import xarray
-
-Array = NDArray[np.float64]
 
 TAIL = 0.5
 """Per cent of the samples at both ends that don't count for a range: single wild samples."""

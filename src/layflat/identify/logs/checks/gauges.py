@@ -21,11 +21,8 @@ LASTING = 0.1
 
 def issues(log: CheckedLog) -> Iterator[Issue]:
     """Absolute pressures that count from the wrong level."""
-    for channel in log.filled:
-        if channel.signal.absolute:
-            issue = counts_wrong(channel, log)
-            if issue is not None:
-                yield issue
+    found = (counts_wrong(channel, log) for channel in log.filled if channel.signal.absolute)
+    yield from (issue for issue in found if issue is not None)
 
 
 def pressure_span(channel: Channel, log: CheckedLog) -> tuple[float, float]:

@@ -12,8 +12,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.identify.logs.checks.channels import Array, CheckedLog, noise, smoothed
+from layflat.identify.logs.checks.channels import CheckedLog, noise, smoothed
 from layflat.identify.logs.issue import Issue
+from layflat.identify.model import Array
 
 SMOOTH = 0.04
 """Time of averaging, s: two periods of a dither."""
