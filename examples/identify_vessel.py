@@ -28,13 +28,20 @@ OUT = Path("build/examples")
 def read(path: Path) -> xarray.Dataset:
     """Points read off curves, from the start of the blow-down on; the mean of the hottest and coldest gas."""
     points = pd.read_csv(path)
-    factors = points["unit"].map({"bar_abs": 1e5, "K": 1.0})
-    table = points.assign(value=points["value"] * factors).pivot_table("value", "time_s", "signal")
+    points["value"] *= points["unit"].map({"bar_abs": 1e5, "K": 1.0})
+    curves = {str(name): of.sort_values("time_s") for name, of in points.groupby("signal", sort=False)}
+    series = {}
+    for signal, begin in (("pressure", "gas_pressure"), ("temperature", "T_gas"), ("wall_temperature", "T_wall")):
+        alike = [curve for name, curve in curves.items() if name.startswith(begin)]
+        if alike:
+            since, until = (max(c["time_s"].min() for c in alike), min(c["time_s"].max() for c in alike))
+            time = np.unique(alike[0]["time_s"])
+            time = time[(time >= since) & (time <= until)]
+            mean = np.mean([np.interp(time, c["time_s"], c["value"]) for c in alike], axis=0)
+            series[signal] = pd.Series(mean, index=time)
+    table = pd.DataFrame(series)
     table = table.reindex(table.index.union([0.0]))
-    begins = {"pressure": "gas_pressure", "temperature": "T_gas", "wall_temperature": "T_wall"}
-    curves = {name: table[[c for c in table if c.startswith(begin)]] for name, begin in begins.items()}
-    means = {name: of.mean(axis="columns", skipna=False) for name, of in curves.items() if len(of.columns)}
-    return xarray.Dataset({name: ("time", mean) for name, mean in means.items()}, {"time": table.index})
+    return xarray.Dataset({name: ("time", table[name]) for name in table}, {"time": table.index})
 
 
 def simulated(rig: VesselBench) -> xarray.Dataset:
