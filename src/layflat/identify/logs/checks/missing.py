@@ -25,6 +25,13 @@ SLIP = 300.0
 COMMANDS = ("voltage", "setpoint_a", "setpoint_b", "demand")
 PRESSURES = ("measured_pressure", "pressure_a", "pressure_b")
 
+WANTED: tuple[tuple[str, Severity, tuple[str, ...], str], ...] = (
+    ("angle", "warning", ("angle",), "map its angle; nothing that moves is identifiable without it"),
+    ("command", "warning", COMMANDS, "map voltage, demand or set-points: a simulation is driven by them"),
+    ("pressure", "note", PRESSURES, "losses and valve are hard to separate without it"),
+)
+"""What a joint should have, of which signals one is enough, and what follows without any."""
+
 
 def issues(log: CheckedLog) -> Iterator[Issue]:
     """Joints without signals, channels without samples, a log that is too short."""
@@ -45,17 +52,10 @@ def _joints(log: CheckedLog) -> Iterator[Issue]:
         if not any(channel.joint == name for channel in log.channels.values()):
             yield Issue("warning", name, "has no channel in this log", "nothing of this joint is identifiable")
             continue
-        wanted = {"no angle": ("angle",), "no command": COMMANDS, "no pressure": PRESSURES}
-        follows = {
-            "no angle": "map its angle; nothing that moves is identifiable without it",
-            "no command": "map voltage, demand or set-points: a simulation is driven by them",
-            "no pressure": "losses and valve are hard to separate without it",
-        }
-        for what, signals in wanted.items():
-            if what == "no command" and log.of("torque", name) is not None:
-                continue  # turned by hand or by a rig
-            if all(log.of(signal, name) is None for signal in signals):
-                yield Issue("note" if what == "no pressure" else "warning", name, f"has {what}", follows[what])
+        for what, severity, signals, right in WANTED:
+            turned = what == "command" and log.of("torque", name) is not None  # by hand or by a rig
+            if not turned and all(log.of(signal, name) is None for signal in signals):
+                yield Issue(severity, name, f"has no {what}", right)
 
 
 def _samples(channel: Channel, log: CheckedLog) -> Iterator[Issue]:

@@ -1,9 +1,10 @@
-"""One joint, stepped by hand."""
-
 from collections.abc import Iterator
+from math import exp
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from layflat.identify.benches.regulated.laws import (
@@ -13,11 +14,17 @@ from layflat.identify.benches.regulated.laws import (
     LaggingFriction,
     RegulatedJoint,
     Regulator,
+    asked_set_point,
     at_rest,
     chamber_at_rest,
     exchange_gas,
     lag_shares,
     move,
+    next_level,
+    regulator_conductances,
+    regulator_opening,
+    settled_level,
+    share_in,
 )
 from layflat.physics.air import GAMMA
 from layflat.physics.chamber import Chamber
@@ -98,3 +105,55 @@ def test_motion_between_shut_chambers_is_that_of_an_adiabatic_spring() -> None:
         errors.append(abs(motion.angle - exact))
     assert errors[-1] < 1e-3
     assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]
+
+
+VALVE = Regulator(1.05, -2e4, 0.04, 2e-10, 3e-10, 5e4, 8e4, 0.3, laminar_slope(0.3))
+pressures = st.floats(1e5, 8e5)
+
+
+@given(pressures, pressures)
+def test_only_the_side_towards_the_set_point_is_open(s: float, p: float) -> None:
+    C_in, C_out = regulator_conductances(VALVE, s, p)
+    assert C_in * C_out == 0.0
+    assert (C_in > 0.0) == (s > p)
+    assert (C_out > 0.0) == (s < p)
+
+
+@pytest.mark.parametrize(
+    ("error", "opening"), [(0.0, 0.0), (2.5e4, 0.5), (5e4, 1.0), (3e5, 1.0), (-4e4, -0.5), (-3e5, -1.0)]
+)
+def test_it_opens_in_proportion_to_the_error_up_to_its_bands(error: float, opening: float) -> None:
+    assert regulator_opening(VALVE, 4e5 + error, 4e5) == pytest.approx(opening, abs=1e-12)
+
+
+def test_its_gain_and_offset_count_from_ambient_pressure() -> None:
+    assert asked_set_point(VALVE, 1e5, 1e5) == pytest.approx(1e5 - 2e4)
+    assert asked_set_point(VALVE, 5e5, 1e5) == pytest.approx(1e5 + 1.05 * 4e5 - 2e4)
+
+
+@given(st.floats(1e-5, 0.1), st.floats(1e-3, 1.0))
+def test_two_half_steps_of_a_lag_make_a_whole_one(h: float, lag: float) -> None:
+    half = share_in(0.5 * h, lag)
+    assert 1.0 - (1.0 - half) ** 2 == pytest.approx(share_in(h, lag), rel=1e-9)
+
+
+angles = st.floats(-1.5, 1.5)
+
+
+@given(angles, st.floats(-3.0, 3.0))
+def test_friction_is_positive_wherever_the_joint_is(q: float, fade: float) -> None:
+    assert settled_level(LaggingFriction(0.2, fade, 3.0), q) > 0.0
+
+
+def test_without_fade_it_is_coulomb_friction() -> None:
+    friction = LaggingFriction(0.2, 0.0, 3.0)
+    assert next_level(friction, 0.2, 1.2, 0.5) == 0.2
+
+
+@given(angles)
+def test_a_joint_that_stays_settles_exponentially(q: float) -> None:
+    friction, h, F = LaggingFriction(0.2, 0.9, 2.0), 1e-3, 0.5
+    for _ in range(3000):
+        F = next_level(friction, F, q, share_in(h, friction.lag))
+    settled = settled_level(friction, q)
+    assert pytest.approx(settled + (0.5 - settled) * exp(-3.0 / 2.0), rel=1e-9) == F
