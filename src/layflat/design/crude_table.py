@@ -68,12 +68,12 @@ def table1(constants: Table1Constants | None = None) -> Table1:
     law = np.array([roller_torque(k.pressure, R, r, k.hose_width / pi, g, float(alpha)) for alpha in a])
     T = law * np.cos((pi - g) / 2) / A
     b = k.roller_step_deg * row
-    work = _after_zero((T[1:] + T[:-1]) / 2 * k.roller_step_deg)
+    work = np.append(0.0, (T[1:] + T[:-1]) / 2 * k.roller_step_deg)
     move = b * r * k.pi / 180
     force = T / r
     mean = work.sum() / b[-1]
     cam_radius = mean / force
-    cam_angle = _after_zero(np.cumsum(np.diff(move) / ((cam_radius[1:] + cam_radius[:-1]) / 2)))
+    cam_angle = np.append(0.0, np.cumsum(np.diff(move) / ((cam_radius[1:] + cam_radius[:-1]) / 2)))
     columns = {
         "gamma_rad": np.full(k.rows, g),
         "alpha_rad": a,
@@ -93,7 +93,3 @@ def table1(constants: Table1Constants | None = None) -> Table1:
         "output_torque_Nm": force * cam_radius,
     }
     return Table1(columns)
-
-
-def _after_zero(rest: Array) -> Array:
-    return np.concatenate(([0.0], rest))
