@@ -201,11 +201,11 @@ def _print_picks(deliveries: list[Delivery]) -> None:
 
 def _print_runs(runs: list[Run]) -> None:
     """Print a row a seed."""
-    from layflat.cell.work.results import summary  # noqa: PLC0415
+    from layflat.cell.work.results import Summary  # noqa: PLC0415
 
     rows = []
     for run in runs:
-        found = summary(run.deliveries)
+        found = Summary(run.deliveries)
         work = [f"{found.correct} of {found.picks}", _known(found.picks_a_minute, 1), _known(found.release_error_mm, 1)]
         strain = [_known(found.peak_acceleration, 0), f"{found.collisions}", _known(found.air, 1)]
         rows.append([f"{run.seed}", *work, *strain, _known(found.vision_error_mm, 2)])
@@ -218,9 +218,9 @@ def _known(value: float, digits: int) -> str:
 
 
 def _print_summary(cell: Cell, deliveries: list[Delivery]) -> None:
-    from layflat.cell.work.results import counted, summary  # noqa: PLC0415
+    from layflat.cell.work.results import Summary, counted  # noqa: PLC0415
 
-    found, limits = summary(deliveries), cell.limits
+    found, limits = Summary(deliveries), cell.limits
     if not found.picks:
         return
     share = f"{found.correct / found.picks:.1%}"

@@ -9,7 +9,7 @@ from layflat.cell import load
 from layflat.cell.perception import detector_of
 from layflat.cell.vision import OnnxDetector
 from layflat.cell.work.observer import Observer
-from layflat.cell.work.results import summary
+from layflat.cell.work.results import Summary
 from layflat.cell.work.run import calibrated, packed
 from layflat.errors import CellError, InputError
 
@@ -43,7 +43,7 @@ def test_a_cell_packs_by_what_its_network_finds(tmp_path: Path) -> None:
     cell = load(path)
     assert isinstance(detector_of(cell), OnnxDetector)
     found = packed(cell, 1, 1, calibrated(cell), Observer())
-    assert summary(found.deliveries).correct == 1
+    assert Summary(found.deliveries).correct == 1
 
 
 def test_a_network_that_is_not_there_is_told(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from layflat.cell.vision import Calibration
 from layflat.cell.work.film_and_sheet import FPS, film_and_sheet
 from layflat.cell.work.observer import Observer, Observers, PickCounter
 from layflat.cell.work.records import Delivery
-from layflat.cell.work.results import as_dict, counted, save, summary
+from layflat.cell.work.results import Summary, as_dict, counted, save
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.study import repeated
 from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
@@ -55,7 +55,7 @@ def run(cell: Cell, calibration: Calibration, tmp_path_factory: pytest.TempPathF
 def test_what_the_camera_sees_is_packed(run: tuple[Run, Path, list[int]]) -> None:
     found, _, told = run
     assert [len(delivery.picks) for delivery in found.deliveries] == [2, 1]
-    figures = summary(found.deliveries)
+    figures = Summary(found.deliveries)
     assert (figures.picks, figures.correct, figures.collisions, figures.false_detections) == (3, 3, 0, 0)
     assert figures.release_error_worst_mm < 3.5
     assert figures.vision_error_mm < 1.0
@@ -100,7 +100,7 @@ def test_nothing_to_pick_is_told() -> None:
     empty = packed(cell_with({"tray/infeed/count": {"least": 0, "most": 0}}), 0, 3, None, Observer())
     assert isinstance(empty.error, CellError)
     assert "there is nothing in the trays" in str(empty.error)
-    figures = summary(empty.deliveries)
+    figures = Summary(empty.deliveries)
     assert figures.picks == 0
     assert isnan(figures.picks_a_minute)
     unripe = {"produce/tomato/colour/red/share": 1e-6, "produce/tomato/colour/orange/share": 1.0}
@@ -155,7 +155,7 @@ def test_a_rig_that_stops_ends_the_run_and_what_was_done_is_kept(cell: Cell) -> 
     found = packed(cell, 2, 5, None, Jamming())
     assert isinstance(found.error, RigStoppedError)
     assert [len(delivery.picks) for delivery in found.deliveries] == [1]
-    assert summary(found.deliveries).correct == 1
+    assert Summary(found.deliveries).correct == 1
     assert as_dict(cell, [found])["runs"][0]["error"] == str(found.error)
 
 
@@ -196,7 +196,7 @@ class Impatient(Observer):
 def test_what_was_done_before_ctrl_c_is_kept(cell: Cell) -> None:
     found = packed(cell, 2, 5, None, Impatient())
     assert isinstance(found.error, StoppedError)
-    assert summary(found.deliveries).correct == 1
+    assert Summary(found.deliveries).correct == 1
     hasty = Impatient()
     hasty.carried = 1
     with pytest.raises(KeyboardInterrupt):

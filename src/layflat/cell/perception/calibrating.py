@@ -25,10 +25,7 @@ def calibrate_scene(
 ) -> Calibration:
     """Calibrate with the cell's board in nine poses before the camera, then with the markers on the table.
 
-    Args:
-        scene: with the arm out of the camera's view.
-        camera: of this scene.
-        progress: is called with the share that is done.
+    The arm of the scene is out of the camera's view; `progress` is called with the share that is done.
 
     Raises:
         PictureError: a picture can't be used: it is dark, blurred.

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat import extras
-from layflat.cell.pictures.paths import of_kind
-from layflat.cell.pictures.text import INK, PAPER, fitted, font
+from layflat.cell.pictures.shared import INK, PAPER, fitted, font, of_kind
 from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 
@@ -31,7 +30,7 @@ class Film:
 
     Args:
         path: where to; ends in .mp4 or .gif.
-        fps: frames a second, to 100.
+        fps: frames a second, up to 100.
 
     Raises:
         OutputError: the path ends otherwise or can't be written, or no frame was added.

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.cell.pictures.paths import of_kind
-from layflat.cell.pictures.text import INK, PAPER, fitted, font
+from layflat.cell.pictures.shared import INK, PAPER, fitted, font, of_kind
 from layflat.errors import InputError
 from layflat.files import whole_file
 
@@ -37,14 +36,9 @@ class _Tile(NamedTuple):
 
 
 class ContactSheet:
-    """Pictures of picks beside one another, with an overview at the upper left where there is one.
+    """Pictures of picks in columns (at least 2, or InputError), with an overview at the upper left where there is one.
 
-    Args:
-        title: the head line; settable until it is drawn.
-        columns: tiles side by side, at least 2.
-
-    Raises:
-        InputError: there are fewer columns.
+    The title is the head line, settable until it is drawn.
     """
 
     def __init__(self, title: str, columns: int = 5) -> None:
@@ -74,11 +68,7 @@ class ContactSheet:
         return np.asarray(self._drawn())
 
     def save(self, path: Path) -> Path:
-        """Write the sheet as a PNG.
-
-        Raises:
-            OutputError: the path does not end in .png, or can't be written.
-        """
+        """Write the sheet; raise OutputError if the path does not end in .png, or can't be written."""
         of_kind(path, ".png")
         with whole_file(path) as temporary:
             self._drawn().save(temporary)

@@ -72,7 +72,7 @@ def arm_limits(
     Args:
         machine: with valves.
         start: rad, (joints,).
-        end: rad, (joints,).
+        end: likewise.
         payload: at the tip, kg; default: the machine's.
         shares: of what is possible.
 

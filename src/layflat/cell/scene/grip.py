@@ -15,19 +15,13 @@ SMOOTHED = 5e-3  # time over which forces on the lip are averaged, s: its rubber
 
 
 class Grip:
-    """What the cup does to fruit.
-
-    Attributes:
-        cup: its vacuum; switch `cup.on`.
-        held: number of the fruit that it holds, None if it holds none.
-        press: greatest force with which the cup pressed each fruit so far, (n,) N.
-    """
+    """What the cup does to fruit."""
 
     def __init__(self, model: Any, data: Any, cell: Cell, fruits: list[SceneFruit]) -> None:
         self._mj, self._model, self._data, self._most_tilt = mujoco(), model, data, cell.cup.tilt
         self.cup = SuctionCup(cell.cup)
-        self.held: int | None = None
-        self.press = np.zeros(len(fruits))
+        self.held: int | None = None  # number of the fruit that it holds
+        self.press = np.zeros(len(fruits))  # greatest force with which the cup pressed each fruit so far, N
         self._geom, self._body = model.geom("cup").id, model.body("cup").id
         self._bodies = [model.body(fruit.name).id for fruit in fruits]
         self._welds = [model.equality(f"hold.{fruit.name}").id for fruit in fruits]

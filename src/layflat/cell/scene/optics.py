@@ -16,12 +16,9 @@ from layflat.cell.geometry import Array, looking
 class Optics:
     """Geometry of a camera in pinhole form with Brown and Conrady's distortion.
 
-    Attributes:
-        matrix: intrinsic matrix in OpenCV's convention (pixel centres are whole numbers), (3, 3) px.
-        distortion: k1, k2, p1, p2, k3.
-        wide: width and height of the ideal picture that is rendered, px.
-        field: angle of the ideal picture from bottom to top, rad.
-        orientation: quaternion of the camera in MuJoCo's convention: it looks along its -z, x right, y up.
+    Matrix (3, 3, px; pixel centres are whole numbers) and distortion are OpenCV's, the orientation is a quaternion of
+    MuJoCo: it looks along its -z, x right, y up. The ideal picture is `wide` (width, height, px) and sees an angle of
+    `field` (rad) from bottom to top.
     """
 
     def __init__(self, camera: Camera) -> None:

@@ -21,7 +21,7 @@ from layflat.description.explain import explained
 from layflat.description.tables import parsed
 from layflat.description.text import read_text, told_as
 from layflat.errors import CameraError
-from layflat.files import whole_file
+from layflat.files import write_text
 
 Array: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[float, float, float]
@@ -95,9 +95,7 @@ class Calibration(Part):
 
     def save(self, path: Path) -> Path:
         """Write it as TOML; raise OutputError where that can't be."""
-        with whole_file(path) as temporary:
-            temporary.write_text(tomli_w.dumps(self.model_dump()), encoding="utf-8")
-        return path
+        return write_text(path, tomli_w.dumps(self.model_dump()))
 
 
 def load_calibration(path: Path) -> Calibration:

@@ -14,7 +14,7 @@ from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration, draw
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.records import Delivery, Pick, Verdict
-from layflat.cell.work.results import counted, summary
+from layflat.cell.work.results import Summary, counted
 
 FPS = 10.0  # frames of a film a second of the cell's time
 
@@ -45,7 +45,7 @@ class FilmAndSheet(Observer):
     @property
     def summary(self) -> str:
         """What came of all picks so far."""
-        found = summary(self._deliveries)
+        found = Summary(self._deliveries)
         rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
         return f"{found.correct} of {counted(found.picks, 'pick')} correct{rate}"
 

@@ -27,12 +27,7 @@ OUTSIDE = "lies beside trays and containers"
 
 
 class Packer:
-    """What decides in a cell, by its station's sensors and its perception's images, and no more.
-
-    Attributes:
-        packing: what lies in the containers by now.
-        not_picked: what is not picked, and why, when the last choice was made.
-    """
+    """What decides in a cell, by its station's sensors and its perception's images, and no more."""
 
     def __init__(self, cell: Cell, station: Station, perception: Perception, observer: Observer) -> None:
         self._cell, self._station, self._observer = cell, station, observer
@@ -40,8 +35,8 @@ class Packer:
         self._world = WorldModel(cell, perception, self._reach, observer)
         self._rules, self._passing = rules_of(cell, self._reach), passing_height(cell)
         self._cup = CupClearance(cell.cup.diameter / 2)
-        self.packing = packing_of(cell)
-        self.not_picked: tuple[NotPicked, ...] = ()
+        self.packing = packing_of(cell)  # what lies in the containers by now
+        self.not_picked: tuple[NotPicked, ...] = ()  # when the last choice was made
         self._given_up: list[Fruit] = []
         self._current = False  # whether the last image showed everything, and nothing was moved since
 
@@ -136,11 +131,7 @@ class Packer:
     # Observing from home
 
     def _observe_from_home(self) -> None:
-        """Take an image with the arm where it hides nothing, and note which places are taken.
-
-        Raises:
-            PictureError: no image can be used.
-        """
+        """Take an image with the arm where it hides nothing, and note which places are taken."""
         arm = None if self._went_home() else self._station.arm.angles
         for _ in range(IMAGES - 1):
             if self._world.updated(self._station.time, arm):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
 from math import isfinite, nan
 from pathlib import Path
 from typing import Any
@@ -14,54 +13,38 @@ import numpy as np
 from layflat.cell.file.model import Cell
 from layflat.cell.work.records import Delivery, Pick, Verdict
 from layflat.cell.work.run import Run
-from layflat.files import whole_file
-
-MINUTE = 60.0
+from layflat.files import write_text
 
 
-@dataclass(frozen=True)
 class Summary:
-    """Figures of any number of picks; not a number where nothing was picked or seen."""
+    """Figures of the picks in any number of deliveries; not a number where nothing was picked or seen."""
 
-    picks: int
-    correct: int  # of these, in the chosen place, and of its kind and grade
-    overlooked: int  # fruit left in trays that were worked off, though a free place takes it
-    seconds_a_pick: float  # all images and ways home included
-    picks_a_minute: float  # likewise
-    release_error_mm: float  # placement error, of the fruit's middle in its place as it is released, 95th percentile
-    release_error_worst_mm: float
-    peak_acceleration: float  # of any picked fruit, m/s^2
-    press: float  # greatest force of the cup, N
-    collisions: int  # of arm, lift or cup with what they should not touch
-    air: float  # normal litres a pick, of joints, lift and cup
-    vision_error_mm: float  # of fruit in trays, 95th percentile over all images
-    diameter_error: float  # share, 95th percentile
-    false_detections: int  # of known kinds where no such fruit is, in all images
-
-
-def summary(deliveries: Iterable[Delivery]) -> Summary:
-    """Return figures of deliveries."""
-    all_of = list(deliveries)
-    picks = [pick for delivery in all_of for pick in delivery.picks]
-    verdicts = [verdict for delivery in all_of for verdict in delivery.verdicts]
-    errors = [1e3 * verdict.release_error for verdict in verdicts]
-    each = sum(delivery.time for delivery in all_of) / len(picks) if picks else nan
-    return Summary(
-        picks=len(picks),
-        correct=sum(verdict.correct for verdict in verdicts),
-        overlooked=sum(delivery.overlooked or 0 for delivery in all_of),
-        seconds_a_pick=each,
-        picks_a_minute=MINUTE / each if picks else nan,
-        release_error_mm=_quantile(errors),
-        release_error_worst_mm=_greatest(errors),
-        peak_acceleration=_greatest([verdict.peak_acceleration for verdict in verdicts]),
-        press=_greatest([verdict.press for verdict in verdicts]),
-        collisions=sum(len(delivery.collisions) for delivery in all_of),
-        air=sum(pick.air for pick in picks) / len(picks) if picks else nan,
-        vision_error_mm=1e3 * _quantile([error for one in all_of for error in one.vision.positions]),
-        diameter_error=_quantile([error for one in all_of for error in one.vision.diameters]),
-        false_detections=sum(one.vision.false for one in all_of),
-    )
+    def __init__(self, deliveries: Iterable[Delivery]) -> None:
+        all_of = list(deliveries)
+        picks = [pick for delivery in all_of for pick in delivery.picks]
+        verdicts = [verdict for delivery in all_of for verdict in delivery.verdicts]
+        errors = [1e3 * verdict.release_error for verdict in verdicts]
+        each = sum(delivery.time for delivery in all_of) / len(picks) if picks else nan
+        self.picks = len(picks)
+        # In the chosen place, and of its kind and grade.
+        self.correct = sum(verdict.correct for verdict in verdicts)
+        # Fruit left in trays that were worked off, though a free place takes it.
+        self.overlooked = sum(delivery.overlooked or 0 for delivery in all_of)
+        # All images and ways home included.
+        self.seconds_a_pick, self.picks_a_minute = each, 60.0 / each if picks else nan
+        # Of the fruit's middle in its place as it is released, 95th percentile and greatest.
+        self.release_error_mm, self.release_error_worst_mm = _quantile(errors), _greatest(errors)
+        # Of any picked fruit, m/s^2; greatest force of the cup, N.
+        self.peak_acceleration = _greatest([verdict.peak_acceleration for verdict in verdicts])
+        self.press = _greatest([verdict.press for verdict in verdicts])
+        # Of arm, lift or cup with what they should not touch.
+        self.collisions = sum(len(delivery.collisions) for delivery in all_of)
+        # Of joints, lift and cup, normal litres a pick.
+        self.air = sum(pick.air for pick in picks) / len(picks) if picks else nan
+        # Of fruit in trays, over all images: 95th percentiles, the second as a share; known kinds where there are none.
+        self.vision_error_mm = 1e3 * _quantile([error for one in all_of for error in one.vision.positions])
+        self.diameter_error = _quantile([error for one in all_of for error in one.vision.diameters])
+        self.false_detections = sum(one.vision.false for one in all_of)
 
 
 def as_dict(cell: Cell, runs: Sequence[Run], *, partial: bool = False) -> dict[str, Any]:
@@ -74,7 +57,7 @@ def as_dict(cell: Cell, runs: Sequence[Run], *, partial: bool = False) -> dict[s
         "cell": cell.origin,
         "machine": cell.machine.origin,
         "limits": {"acceleration": cell.limits.acceleration, "press": cell.limits.press},
-        "summary": _plain(asdict(summary(delivery for run in runs for delivery in run.deliveries))),
+        "summary": _plain(vars(Summary(delivery for run in runs for delivery in run.deliveries))),
         "runs": [
             {
                 "seed": run.seed,
@@ -89,9 +72,7 @@ def as_dict(cell: Cell, runs: Sequence[Run], *, partial: bool = False) -> dict[s
 
 def save(content: dict[str, Any], path: Path) -> Path:
     """Write results; raise OutputError where they can't be."""
-    with whole_file(path) as temporary:
-        temporary.write_text(json.dumps(content, indent=1), encoding="utf-8")
-    return path
+    return write_text(path, json.dumps(content, indent=1))
 
 
 def _delivery(delivery: Delivery) -> dict[str, Any]:
@@ -118,7 +99,7 @@ def _pick(pick: Pick, verdict: Verdict) -> dict[str, Any]:
         "place": place.name,
         "outcome": pick.outcome.name.lower(),
         **{name: getattr(pick, name) for name in ("trouble", "tries", "begin", "end", "air")},
-        "truth": _plain(asdict(verdict)),
+        "truth": _plain(vars(verdict)),
     }
 
 

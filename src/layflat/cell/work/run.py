@@ -51,14 +51,16 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
     Same cell, seed and calibration, same run. It ends where a delivery has nothing that can be picked.
 
     Raises:
-        PictureError, CameraError, CellError: as `deliver`, of the first delivery; those of others end the run.
+        PictureError: the camera gives no image that can be used.
+        CameraError: it is not where its calibration says, against which it is checked before anything moves.
+        CellError: the scene can't be made. All of these of the first delivery; those of others end the run.
     """
     deliveries: list[Delivery] = []
     error, done = None, 0
     while done < picks and error is None:
         drawn = int(np.random.SeedSequence((seed, len(deliveries))).generate_state(1)[0])
         try:
-            delivery = deliver(cell, drawn, picks - done, calibration, observer)
+            delivery = _delivered(cell, drawn, picks - done, calibration, observer)
         except LayflatError as raised:
             if not deliveries:
                 raise
@@ -74,22 +76,8 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
     return Run(cell, seed, tuple(deliveries), calibration, error)
 
 
-def deliver(cell: Cell, seed: int, most: int, calibration: Calibration | None, observer: Observer) -> Delivery:
-    """Work off one delivery.
-
-    Args:
-        cell: its description.
-        seed: of the scene, the camera's and the sensors' noise.
-        most: picks after which it ends.
-        calibration: of the camera, against which it is checked before anything moves; None where there is no camera:
-            the scene's truth then stands in for it.
-        observer: observes the work.
-
-    Raises:
-        PictureError: the camera gives no image that can be used.
-        CameraError: it is not where its calibration says.
-        CellError: the scene can't be made.
-    """
+def _delivered(cell: Cell, seed: int, most: int, calibration: Calibration | None, observer: Observer) -> Delivery:
+    """Work off one delivery of up to `most` picks; without a calibrated camera the scene's truth stands in for it."""
     scene = Scene(cell, seed)
     with ExitStack() as stack:
         camera = None if calibration is None else stack.enter_context(SimulatedCamera(scene))

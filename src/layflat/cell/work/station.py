@@ -20,7 +20,7 @@ from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Driver
 from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.rig.law import layout_of
-from layflat.rig.loop import Loop, Recorder
+from layflat.rig.loop import Loop
 from layflat.rig.record import RIG_SIGNALS
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
@@ -38,30 +38,21 @@ class Arm:
         clock: that the loop waits by.
         load: greatest that it carries, lift included, kg.
         tip_speed: greatest of the tip, m/s.
-        recorder: what keeps the cycles.
-
-    Attributes:
-        angles: averaged, rad.
-        velocities: averaged, rad/s.
-        target: where it is on the way to, rad.
     """
 
     ended = False
 
-    def __init__(
-        self, machine: Machine, driver: Driver, clock: Clock, *,
-        load: float, tip_speed: float, recorder: Recorder | None = None,
-    ) -> None:  # fmt: skip
+    def __init__(self, machine: Machine, driver: Driver, clock: Clock, *, load: float, tip_speed: float) -> None:
         self._machine, self._load, self._tip_speed = machine, load, tip_speed
         self._layout = layout_of(machine)
         driver.configure()
         driver.activate()
-        self.loop = Loop(machine, driver, clock, self, recorder)
+        self.loop = Loop(machine, driver, clock, self, None)
         first = driver.read()
         self.loop.begin(first)
-        self.angles: Angles = tuple(first.angles.tolist())
-        self.velocities: Angles = (0.0,) * len(self.angles)
-        self.target: Angles = self.angles
+        self.angles: Angles = tuple(first.angles.tolist())  # averaged, rad
+        self.velocities: Angles = (0.0,) * len(self.angles)  # averaged, rad/s
+        self.target: Angles = self.angles  # where it is on the way to, rad
         self._demand, self._course, self._at = first.angles.copy(), first.angles[None], 0
 
     @property
@@ -99,10 +90,7 @@ class Arm:
 class Station:
     """A scene's arm, lift and cup, as a control loop of 5 ms meets them: what is measured, and what is commanded.
 
-    Args:
-        scene: settled.
-        seed: of the sensors' noise.
-        each_cycle: is called after every control cycle.
+    The seed is that of the sensors' noise; `each_cycle` is called after every control cycle.
     """
 
     def __init__(self, scene: Scene, seed: int, each_cycle: Callable[[], object] = lambda: None) -> None:
@@ -133,12 +121,7 @@ class Station:
         return Readings(self.time, arm.angles, arm.velocities, scene.cup.vacuum, lip, speed, relocation)
 
     def advance(self, command: Command) -> None:
-        """Go through one control cycle.
-
-        Raises:
-            RigStoppedError: the rig's supervisor does not let it move.
-            DivergedError: the simulation diverged.
-        """
+        """Go through one control cycle; raise RigStoppedError as `Arm.advance`, DivergedError if the simulation did."""
         self.arm.go(command.target)
         self._scene.lift.demand = self._top - command.height
         self._scene.cup.on = command.suction

@@ -31,7 +31,7 @@ def repeated(
         picks: of each.
         calibration: of the camera; None where there is none.
         progress: is called with the picks that have ended so far.
-        processes: default: as many as there are cores.
+        processes: default: one a core.
 
     Raises:
         LayflatError: as `packed`.

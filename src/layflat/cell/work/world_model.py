@@ -31,17 +31,12 @@ HANGING = 0.05  # radius of what hangs from the tip, m: lift, cup and the larges
 
 
 class WorldModel:
-    """Takes images of the table, gives the observations to an observer, and knows what lies there.
-
-    Attributes:
-        known: what lies on the table, as far as was observed.
-        seen_in: the last observation of each fruit that is known.
-    """
+    """Takes images of the table, gives the observations to an observer, and knows what lies there."""
 
     def __init__(self, cell: Cell, perception: Perception, reach: Reach, observer: Observer) -> None:
         self._cell, self._perception, self._reach, self._observer = cell, perception, reach, observer
-        self.known: list[Fruit] = []
-        self.seen_in: dict[Fruit, Observation] = {}
+        self.known: list[Fruit] = []  # what lies on the table, as far as was observed
+        self.seen_in: dict[Fruit, Observation] = {}  # the last observation of each of these
 
     @property
     def in_trays(self) -> list[Fruit]:
@@ -57,8 +52,7 @@ class WorldModel:
     def update(self, time: float, arm: Angles | None) -> None:
         """Take an image at a time (s), with the arm at its angles (rad), None where it is out of view.
 
-        Raises:
-            PictureError: it can't be used; all that was known is known still.
+        Raises PictureError where it can't be used; all that was known is known still.
         """
         observation = self._perception.observe(time)
         occlusion = self._occlusion(arm) if arm is not None else None
@@ -119,10 +113,7 @@ class OcclusionModel:
 
 
 def remembered(before: Sequence[Fruit], seen: Sequence[Fruit], occlusion: OcclusionModel | None) -> list[Fruit]:
-    """Return what lies on the table by now: all that is seen in the open, and what was known of what the arm hides.
-
-    There is no `occlusion` where the arm is out of view.
-    """
+    """Return what lies on the table by now: all that is seen in the open, and what was known of what the arm hides."""
     if occlusion is None:
         return list(seen)
     in_the_open = [fruit for fruit in seen if not occlusion.hides(fruit)]

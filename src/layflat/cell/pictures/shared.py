@@ -1,4 +1,4 @@
-"""Text in pictures: one typeface for films and sheets."""
+"""What films and sheets share: one typeface, and where they go."""
 
 from __future__ import annotations
 
@@ -6,15 +6,26 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from layflat.errors import OutputError
+
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont
 
 INK, PAPER = (26, 26, 26), (255, 255, 255)
 
 
+def of_kind(path: Path, *suffixes: str) -> str:
+    """Return the suffix of a path; raise OutputError unless it is one of those given."""
+    suffix = path.suffix.lower()
+    if suffix not in suffixes:
+        problem = f"{path.suffix!r} is no kind of file that is written here" if suffix else "has no suffix"
+        raise OutputError(problem, where=str(path), right=f"give a path that ends in {' or '.join(suffixes)}")
+    return suffix
+
+
 @lru_cache
 def font(size: int, *, bold: bool = False) -> FreeTypeFont:
-    """DejaVu Sans, which comes with matplotlib, `size` px high."""
+    """Return DejaVu Sans, which comes with matplotlib, `size` px high."""
     import matplotlib as mpl  # noqa: PLC0415  # both take long to import
     from PIL import ImageFont  # noqa: PLC0415
 
@@ -23,7 +34,7 @@ def font(size: int, *, bold: bool = False) -> FreeTypeFont:
 
 
 def fitted(text: str, written: FreeTypeFont, width: float) -> str:
-    """A text, or as much of its beginning as has room in `width` px, with an ellipsis."""
+    """Return a text, or as much of its beginning as has room in `width` px, with an ellipsis."""
     if written.getlength(text) <= width:
         return text
     while text and written.getlength(text + "\N{HORIZONTAL ELLIPSIS}") > width:
