@@ -1,7 +1,5 @@
 """Libraries of the extra `cell`, imported when they are needed; MissingExtraError names one that is not there."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 Lengths in m, angles in rad, counter-clockwise seen from above.
 """
 
-from __future__ import annotations
-
 from math import cos, sin
 
 import numpy as np

@@ -11,8 +11,6 @@ By the law of cosines cos(q_2 + e) = (D^2 - l_1^2 - l_2^2) / (2 l_1 l_2): two el
 to the tip.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import acos, atan2, cos, hypot, pi, radians, remainder, sin, tau
 from typing import NamedTuple

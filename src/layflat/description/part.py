@@ -1,11 +1,33 @@
-"""Base of everything that is described."""
+"""Bases of everything that is described."""
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, PrivateAttr
+
+from layflat.description.names import Name
+from layflat.description.provenance import Provenance
 
 
 class Part(BaseModel):
     """Base of all parts: frozen, and an unknown key is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+
+
+class Described(Part):
+    """Base of what a whole file describes: it knows where it and each of its values come from."""
+
+    name: Name
+    title: str
+    _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
+    _origin: str = PrivateAttr(default="")
+
+    @property
+    def provenance(self) -> dict[str, Provenance]:
+        """Source of each value by its dotted path; "given" where the file does not say."""
+        return self._provenance
+
+    @property
+    def origin(self) -> str:
+        """The file or built-in name that it was loaded from, its own name where there is none: for messages."""
+        return self._origin or self.name

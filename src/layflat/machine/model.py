@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Self
 
-from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, model_validator
 
 from layflat.control import CONTROL_LAWS, ControlKind, ControllerPart
 from layflat.description import Part
 from layflat.description import units as u
-from layflat.description.names import Key, Name
-from layflat.description.provenance import Provenance
+from layflat.description.names import Key
+from layflat.description.part import Described
 from layflat.kinds import AnyOf
 from layflat.machine.gains import gains_of_law
 from layflat.machine.interface import Interface
@@ -56,11 +56,9 @@ class PressureSensor(Part):
     offset: u.AnyPressure
 
 
-class Machine(Part):
+class Machine(Described):
     """A validated description. `provenance` gives the source of each value by its dotted path."""
 
-    name: Name
-    title: str
     kinds: tuple[str, ...] = Field(default=(), description="Python files that hold kinds which this machine uses")
     supply: Supply
     joint: dict[Key, Joint]
@@ -71,8 +69,6 @@ class Machine(Part):
     controller: Annotated[ControllerPart, AnyOf(CONTROL_LAWS)] | None = None
     interface: Interface = Interface()
     safety: Safety = Safety()
-    _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
-    _origin: str = PrivateAttr(default="")
 
     @model_validator(mode="wrap")
     @classmethod
@@ -111,16 +107,6 @@ class Machine(Part):
     def control_law(self) -> ControlKind:
         """The kind of control law; the paper's for a machine without a controller."""
         return CONTROL_LAWS.named(getattr(self.controller, "kind", CONTROL_LAWS.usual))
-
-    @property
-    def provenance(self) -> dict[str, Provenance]:
-        """Source of each value by its dotted path; "given" where the file does not say."""
-        return self._provenance
-
-    @property
-    def origin(self) -> str:
-        """The file or built-in name that it was loaded from, its own name where there is none: for messages."""
-        return self._origin or self.name
 
     @property
     def cycle(self) -> float:

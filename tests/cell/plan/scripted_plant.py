@@ -20,6 +20,11 @@ def _tip(angles: tuple[float, ...]) -> tuple[float, float]:
 
 PASSING, CARRYING = 0.1, 0.16
 RULES = Rules(tip=_tip, clear=(0.9, 0.5))
+_DOWN = RULES.lower_time + RULES.seal_time + RULES.heavy_time + RULES.lower_time + RULES.release_time
+_TRY = RULES.settle_time + _DOWN + RULES.raise_time + RULES.settle_time + RULES.image_time
+_CARRIED = RULES.settle_time + RULES.lower_time + RULES.raise_time
+LONGEST = RULES.tries * (_TRY + _CARRIED) + RULES.release_time + RULES.raise_time
+"""No pick may take longer, s."""
 TASK = Task((0.1, 0.2), (-0.5, 0.4), 0.06, 0.054, 0.05, PASSING, CARRYING)
 
 
@@ -91,7 +96,7 @@ def run(plant: Plant, task: Task = TASK) -> tuple[State, list[tuple[State, Comma
         trace.append((state, command))
         plant.turn(command, state)
         measured = plant.measure(image=command.image)
-        assert plant.time < RULES.longest + 1.0
+        assert plant.time < LONGEST + 1.0
     return state, trace
 
 

@@ -4,7 +4,7 @@ from math import dist
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scripted_plant import CARRYING, CYCLE, PASSING, RULES, TASK, Plant, phases, run
+from scripted_plant import CARRYING, CYCLE, LONGEST, PASSING, RULES, TASK, Plant, phases, run
 
 from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Relocation, State
 from layflat.cell.plan.pick_machine import SUCTION, TRANSITIONS, Event, begun, step
@@ -157,7 +157,7 @@ def test_an_arm_that_is_pushed_again_and_again_ends_with_the_fruit_held() -> Non
         lowered += pushed
         at = (over[0] + 0.02 * pushed, over[1])
         state, command = step(RULES, state, _measured(now, at, height=0.07 if pushed else CARRYING, vacuum=50e3))
-        assert now < RULES.longest
+        assert now < LONGEST
     assert lowered == RULES.tries
     assert state.outcome is Outcome.STUCK
     assert command.suction
@@ -242,5 +242,5 @@ def test_every_pick_ends(readings: list[Reading], led: bool) -> None:
         reading = _towards(state, readings[k % len(readings)]) if led else readings[k % len(readings)]
         now, k = now + 0.05, k + 1
         state, _ = step(RULES, state, Readings(now, *reading[1:]))
-        assert now <= RULES.longest + 2.0
+        assert now <= LONGEST + 2.0
     assert state.outcome is not None

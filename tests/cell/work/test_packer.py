@@ -70,7 +70,7 @@ def test_a_tray_is_packed() -> None:
     assert all(verdict.correct for verdict in verdicts)
     assert max(verdict.release_error for verdict in verdicts) < 3e-3
     assert max(verdict.peak_acceleration for verdict in verdicts) < work.scene.cell.limits.acceleration
-    assert work.evaluator.collisions == ()
+    assert work.scene.truth().collisions == ()
     assert work.packer.not_picked == ()
     assert work.evaluator.vision.false == 0
     assert all(1.5 < pick.end - pick.begin < 4.5 for pick in work.picks)

@@ -1,7 +1,5 @@
 """Whether a cell can be: parts that overlap, out of reach or view, unknown kinds, too small, a lift too short."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from pathlib import Path
 
@@ -14,7 +12,7 @@ from layflat.cell.reach import Reach
 
 def check(cell: Cell) -> None:
     """Raise ValueError, one clear line, for the first thing because of which a cell can't be."""
-    for rule in (_arm, _kinds, _network, _markers, _sizes, _apart, _in_reach, _in_view, _lifted):
+    for rule in (_arm, _kinds, _markers, _sizes, _apart, _in_reach, _in_view, _lifted):
         rule(cell)
 
 
@@ -42,9 +40,6 @@ def _kinds(cell: Cell) -> None:
             raise ValueError(f"{key}.kind {kind!r} is not known to vision; set produce.{kind}.known")
         if container.grade not in (grades := list(cell.produce[kind].grade)):
             raise ValueError(f"{key}.grade {container.grade!r} is none of {kind}; its grades are {grades}")
-
-
-def _network(cell: Cell) -> None:
     if cell.network is not None and not Path(cell.network.file).is_file():
         raise ValueError(f"network.file: there is no {cell.network.file}; give the path of an ONNX file from here")
 

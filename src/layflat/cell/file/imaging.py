@@ -1,7 +1,5 @@
 """Camera, lens and sensor, and what they need: lights, calibration board, markers, a network."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

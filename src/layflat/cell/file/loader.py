@@ -1,7 +1,5 @@
 """From a description file, or the name of a built-in cell, to a validated `Cell`."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,26 +1,20 @@
 """The whole packing cell."""
 
-from __future__ import annotations
-
 from math import pi
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field
 
 from layflat.cell.file.imaging import BaseMarkers, Board, Camera, Light, Network, Overview
 from layflat.cell.file.parts import Container, Cup, HandlingLimits, Lift, Mount, Table, Tray
 from layflat.cell.file.produce import Clutter, Produce, Spread
 from layflat.cell.geometry import Array, rectangle
-from layflat.description import Part
-from layflat.description.names import Name
-from layflat.description.provenance import Provenance
+from layflat.description.part import Described
 from layflat.machine import Machine
 
 
-class Cell(Part):
+class Cell(Described):
     """A validated description; `file.build` makes it and checks that it can be."""
 
-    name: Name
-    title: str
     machine: Machine = Field(description="built-in name or file of the arm")
     mount: Mount
     table: Table
@@ -38,18 +32,6 @@ class Cell(Part):
     network: Network | None = Field(default=None, description="detects produce; default: colours do")
     clutter: dict[str, Clutter] = Field(default_factory=dict)
     limits: HandlingLimits
-    _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)
-    _origin: str = PrivateAttr(default="")
-
-    @property
-    def provenance(self) -> dict[str, Provenance]:
-        """Source of each value by its dotted path; "given" where the file does not say."""
-        return self._provenance
-
-    @property
-    def origin(self) -> str:
-        """The file or built-in name that it was loaded from: for messages."""
-        return self._origin or self.name
 
     @property
     def incoming(self) -> dict[str, Produce]:

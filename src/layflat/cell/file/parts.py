@@ -4,8 +4,6 @@ All numbers are SI floats once validated. Places are in the cell's frame: z up, 
 first axis, x along link 1 at mid-stroke. Rotations are counter-clockwise seen from above.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Self
 
 import numpy as np

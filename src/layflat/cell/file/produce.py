@@ -1,7 +1,5 @@
 """Kinds of produce: how their size, shape, mass and colour are spread, and their grades; and clutter among them."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal, Self
 
 import numpy as np

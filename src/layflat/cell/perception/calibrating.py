@@ -1,7 +1,5 @@
 """The camera of a scene calibrated as one on a rig is: a board held before it, then the markers on the table."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import cos, pi, sin
 

@@ -3,8 +3,6 @@
 A skin is identified by its chromaticity, r and g of r + g + b = 1, which light and shade leave alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

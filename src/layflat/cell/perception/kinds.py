@@ -1,7 +1,5 @@
 """What vision looks for, from the cell's description of produce: colours, sizes and shapes."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from math import sin
 from pathlib import Path
@@ -12,12 +10,12 @@ from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce
 from layflat.cell.perception.skins import GREY, SATURATION_MARGIN, Region, hsv, share, span
 from layflat.cell.scene.produce import CAP
-from layflat.cell.vision import Colour, ColourDetector, Detector, Kind, OnnxDetector
+from layflat.cell.vision import Colour, ColourDetector, Kind, OnnxDetector
 
 ROUND = 0.05  # how far the outline of fruit is from that of a spheroid, share of its radius
 
 
-def detector_of(cell: Cell) -> Detector:
+def detector_of(cell: Cell) -> ColourDetector | OnnxDetector:
     """Return a detector of the cell's produce, in trays and containers on its table: its network, or one by colour.
 
     Raises:

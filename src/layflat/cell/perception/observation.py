@@ -1,7 +1,5 @@
 """What the cell observes: images and vision, or where no image can be rendered, the scene's own truth with noise."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol

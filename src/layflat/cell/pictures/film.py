@@ -1,7 +1,5 @@
 """Films of the cell: H.264 that any browser plays, or an animated GIF."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction

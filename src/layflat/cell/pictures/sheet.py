@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,12 +29,6 @@ EDGE, ALARM, BEYOND = (150, 150, 150), (176, 0, 32), 205
 """Colours of frames, of a failed pick's, and of what lies beyond a picture."""
 
 
-class _Tile(NamedTuple):
-    picture: Picture
-    lines: Lines
-    failed: str
-
-
 class ContactSheet:
     """Pictures of picks in columns (at least 2, or InputError), with an overview at the upper left where there is one.
 
@@ -46,22 +40,22 @@ class ContactSheet:
             raise InputError(f"{columns} is too few", where="columns of a sheet", right=f"give {ACROSS} or more")
         self.title, self._columns = title, columns
         self._overview: tuple[Picture, Lines] | None = None
-        self._tiles: list[_Tile] = []
+        self._tiles: list[tuple[Image, Lines, str]] = []
 
     def overview(self, picture: Picture, lines: Lines) -> None:
         """Show a picture large, (H, W, 3) RGB, with two lines under it."""
         self._overview = picture.copy(), lines
 
     def add(self, picture: Picture, at: tuple[float, float], lines: Lines, *, failed: str = "") -> None:
-        """Show what a picture has around a pick, with two lines under it.
+        """Show what a picture (H, W, 3), RGB, has around a pick `at` (px from the left, from the top), with two lines.
 
-        Args:
-            picture: of the overhead camera, detections drawn on it; (H, W, 3) RGB.
-            at: of the pick, px from the left and from the top; the middle of the tile.
-            lines: the first is bold.
-            failed: a word for how the pick failed, such as "missed": the tile is marked by it and framed in dashes.
+        A word for how the pick failed, such as "missed", marks the tile, which is then framed in dashes.
         """
-        self._tiles.append(_Tile(_around(picture, at), lines, failed))
+        from PIL import Image  # noqa: PLC0415
+
+        tile = Image.new("RGB", TILE, (BEYOND,) * 3)
+        tile.paste(Image.fromarray(picture), (TILE[0] // 2 - round(at[0]), TILE[1] // 2 - round(at[1])))
+        self._tiles.append((tile, lines, failed))
 
     def picture(self) -> Picture:
         """The sheet, (H, W, 3) RGB."""
@@ -75,12 +69,12 @@ class ContactSheet:
         return path
 
     def _drawn(self) -> Image:
-        from PIL import Image, ImageDraw  # noqa: PLC0415
+        from PIL import Image, ImageDraw, ImageOps  # noqa: PLC0415
 
         (wide, high), columns = TILE, self._columns
-        large = self._overview is not None
-        taken = {(row, column) for row in range(DOWN) for column in range(ACROSS)} if large else set()
-        rows = max(ceil((len(self._tiles) + len(taken)) / columns), DOWN if large else 1)
+        across, below = (0, 1) if self._overview is None else (ACROSS, DOWN)
+        taken = {(row, column) for row in range(below) for column in range(across)}
+        rows = max(ceil((len(self._tiles) + len(taken)) / columns), below)
         cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) not in taken]
         top, down, right = GAP + 2 * TITLE, high + CAPTION + GAP, wide + GAP
         sheet = Image.new("RGB", (GAP + columns * right, top + rows * down), PAPER)
@@ -89,34 +83,16 @@ class ContactSheet:
         draw.text((GAP, GAP), fitted(self.title, head, sheet.width - 2 * GAP), INK, head)
         if self._overview is not None:
             picture, lines = self._overview
-            _paste(sheet, draw, _within(picture, ACROSS * right - GAP, DOWN * down - GAP - CAPTION), (GAP, top), lines)
-        for tile, (row, column) in zip(self._tiles, cells, strict=False):
+            room = ACROSS * right - GAP, DOWN * down - GAP - CAPTION
+            large = ImageOps.contain(Image.fromarray(picture), room, Image.Resampling.LANCZOS)
+            _paste(sheet, draw, large, (GAP, top), lines)
+        for (tile, lines, failed), (row, column) in zip(self._tiles, cells, strict=False):
             at = GAP + column * right, top + row * down
-            _paste(sheet, draw, Image.fromarray(tile.picture), at, tile.lines)
+            _paste(sheet, draw, tile, at, lines)
             _aim(draw, at)
-            if tile.failed:
-                _mark(draw, at, tile.failed)
+            if failed:
+                _mark(draw, at, failed)
         return sheet
-
-
-def _around(picture: Picture, at: tuple[float, float]) -> Picture:
-    """As much of a picture as a tile shows around a point."""
-    wide, high = TILE
-    left, top = round(at[0]) - wide // 2, round(at[1]) - high // 2
-    tile = np.full((high, wide, 3), BEYOND, np.uint8)
-    rows = np.arange(max(top, 0), max(min(top + high, picture.shape[0]), 0))
-    columns = np.arange(max(left, 0), max(min(left + wide, picture.shape[1]), 0))
-    tile[np.ix_(rows - top, columns - left)] = picture[np.ix_(rows, columns)]
-    return tile
-
-
-def _within(picture: Picture, wide: int, high: int) -> Image:
-    """A picture as large as has room."""
-    from PIL import Image  # noqa: PLC0415
-
-    scale = min(wide / picture.shape[1], high / picture.shape[0])
-    size = round(scale * picture.shape[1]), round(scale * picture.shape[0])
-    return Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS)
 
 
 def _paste(sheet: Image, draw: ImageDraw, picture: Image, at: tuple[int, int], lines: Lines) -> None:

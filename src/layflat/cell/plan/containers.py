@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from layflat.cell.file.model import Cell
-from layflat.cell.file.parts import Container
 from layflat.cell.plan.fruit import Fruit
 
 Key = tuple[str, str]  # names of a container and of a place in it
@@ -94,7 +93,15 @@ class Packing:
 
 def packing_of(cell: Cell) -> Packing:
     """Return all containers of a cell, empty; rows of places lie along a container's y axis."""
-    return Packing(tuple(place for name, one in cell.container.items() for place in _places(name, one, cell)))
+    places = []
+    for name, container in cell.container.items():
+        grade, layout = cell.produce[container.kind].grade[container.grade], container.layout
+        largest = min(grade.most, layout.opening)
+        accepts = Acceptance(frozenset({container.kind}), frozenset({container.grade}), grade.least, largest)
+        for i, (x, y) in enumerate(container.places.tolist()):
+            row, column = divmod(i, layout.columns)
+            places.append(Place(name, f"{row + 1}-{column + 1}", x, y, layout.wall, accepts))
+    return Packing(tuple(places))
 
 
 def free_place_at(cell: Cell, packing: Packing, fruit: Fruit) -> Place | None:
@@ -103,13 +110,3 @@ def free_place_at(cell: Cell, packing: Packing, fruit: Fruit) -> Place | None:
         return None
     place = [place for place in packing.places if place.container == found[0]][found[1]]
     return None if place.key in packing.contents else place
-
-
-def _places(name: str, container: Container, cell: Cell) -> list[Place]:
-    grade, layout = cell.produce[container.kind].grade[container.grade], container.layout
-    largest = min(grade.most, layout.opening)
-    accepts = Acceptance(frozenset({container.kind}), frozenset({container.grade}), grade.least, largest)
-    return [
-        Place(name, f"{i // layout.columns + 1}-{i % layout.columns + 1}", float(x), float(y), layout.wall, accepts)
-        for i, (x, y) in enumerate(container.places)
-    ]

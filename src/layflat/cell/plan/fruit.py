@@ -1,7 +1,5 @@
 """One fruit as a camera detected it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

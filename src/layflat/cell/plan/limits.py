@@ -9,9 +9,8 @@
 | V | volume of a hose in the middle of its travel | m3 |
 | M | mass matrix of the arm | kg m2 |
 
-Speed: the hose that is emptied has to lose the volume K w per second, and a choked path takes C p_0 whatever the
-pressure: w = C p_0 / K. Acceleration: the torque of a full hose against an empty one, less brake and gravity, over M,
-for all joints at once in their worst directions. Jerk: both hoses' pressures change by C p_0 (p_s phi + p_h phi) / V a
+Speed: w = C p_0 / K. Acceleration: the torque of a full hose against an empty one, less brake and gravity, over M, for
+all joints at once in their worst directions. Jerk: both hoses' pressures change by C p_0 (p_s phi + p_h phi) / V a
 second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md.
 """
 

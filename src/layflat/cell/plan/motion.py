@@ -3,8 +3,6 @@
 Time-optimal within the limits, all axes ending together. Source: berscheid2021, the library ruckig.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil, inf, sqrt
 from typing import Any

@@ -13,8 +13,6 @@ The cup passes a neighbour if their centres are c + w apart. The fruit passes it
 apart, or if the neighbour is no higher: the way between them then only grows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from math import hypot, sqrt
 from typing import NamedTuple

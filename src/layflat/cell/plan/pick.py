@@ -83,14 +83,6 @@ class Rules:
     release_time: float = 0.5  # longest time until the vacuum is gone, s
     image_time: float = 2.0  # longest time until an image comes, s
 
-    @property
-    def longest(self) -> float:
-        """No pick takes longer, s."""
-        down = self.lower_time + self.seal_time + self.heavy_time + self.lower_time + self.release_time
-        one = self.settle_time + down + self.raise_time + self.settle_time + self.image_time
-        carried = self.settle_time + self.lower_time + self.raise_time
-        return self.tries * (one + carried) + self.release_time + self.raise_time
-
 
 class Relocation(NamedTuple):
     """What a new image showed of a fruit that was missed: the task where it lies now; None if it is gone."""

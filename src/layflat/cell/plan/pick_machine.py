@@ -1,21 +1,10 @@
 """The state machine of a pick, as a pure function of what is measured: `step(rules, state, measured)`.
 
-```
-APPROACH -> LOWER -> SEAL -> LIFT -> CARRY -> PLACE -> RELEASE -> RAISE -> DONE
-   ^                  |       |
-   |         no seal  v       v too heavy
-   |       RELEASE_BACK <- PUT_BACK
-   |                  v
-AWAIT_IMAGE <- CLEAR <- RAISE (missed: a new image, up to `tries` times)
-```
-
 Each phase has a rule that says which event has happened, if any; `TRANSITIONS` is the one place that says which phase
-follows. Whatever is measured, three things hold. The lift is lowered only while the tip is where it should be and the
-arm still. Another posture is commanded only with the lift up. What is held is released only in the fruit's place, or
-where it was.
+follows, drawn in docs/cell-plan.md. Whatever is measured, three things hold. The lift is lowered only while the tip is
+where it should be and the arm still. Another posture is commanded only with the lift up. What is held is released only
+in the fruit's place, or where it was.
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -158,7 +147,12 @@ def _approach(rules: Rules, state: State, measured: Readings) -> Found:
 
 
 def _lower(rules: Rules, state: State, measured: Readings) -> Found:
-    if _down(rules, state, measured) or measured.vacuum >= rules.sound:
+    """The cup comes down: on the fruit, with it into its place, or with it to where it was."""
+    holds = measured.vacuum >= rules.gone
+    if state.phase is Phase.PLACE and not holds:
+        return _lost(state)
+    felt = {Phase.LOWER: measured.vacuum >= rules.sound, Phase.PUT_BACK: not holds}
+    if _down(rules, state, measured) or felt.get(state.phase, False):
         return Event.CONTACT, state
     return _waiting(state, measured, rules.lower_time)
 
@@ -194,14 +188,6 @@ def _carry(rules: Rules, state: State, measured: Readings) -> Found:
     return _settling(rules, state, measured, state.task.over_place)
 
 
-def _place(rules: Rules, state: State, measured: Readings) -> Found:
-    if measured.vacuum < rules.gone:
-        return _lost(state)
-    if _down(rules, state, measured):
-        return Event.CONTACT, state
-    return _waiting(state, measured, rules.lower_time)
-
-
 def _lost(state: State) -> Found:
     return _ended(Event.DROPPED, state, Outcome.LOST, f"the vacuum was lost while the arm {state.phase.value}")
 
@@ -210,12 +196,6 @@ def _release(rules: Rules, state: State, measured: Readings) -> Found:
     if measured.vacuum < rules.empty:
         return Event.RELEASED, replace(state, outcome=Outcome.PLACED if state.phase is Phase.RELEASE else None)
     return _waiting(state, measured, rules.release_time, "the vacuum does not decay")
-
-
-def _put_back(rules: Rules, state: State, measured: Readings) -> Found:
-    if _down(rules, state, measured) or measured.vacuum < rules.gone:
-        return Event.CONTACT, state
-    return _waiting(state, measured, rules.lower_time)
 
 
 def _raise(rules: Rules, state: State, measured: Readings) -> Found:
@@ -240,9 +220,9 @@ _RULES: dict[Phase, Callable[[Rules, State, Readings], Found]] = {
     Phase.SEAL: _seal,
     Phase.LIFT: _lift,
     Phase.CARRY: _carry,
-    Phase.PLACE: _place,
+    Phase.PLACE: _lower,
     Phase.RELEASE: _release,
-    Phase.PUT_BACK: _put_back,
+    Phase.PUT_BACK: _lower,
     Phase.RELEASE_BACK: _release,
     Phase.RAISE: _raise,
     Phase.CLEAR: lambda rules, state, measured: _settling(rules, state, measured, rules.clear),

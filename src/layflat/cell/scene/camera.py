@@ -1,7 +1,5 @@
 """The cameras' images: the only thing that vision is given of the scene."""
 
-from __future__ import annotations
-
 from typing import Any, Literal, Self
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What stands in the cell and does not move: table, trays, containers, markers, lights, cameras."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any
 

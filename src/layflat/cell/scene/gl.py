@@ -1,7 +1,5 @@
 """Drawing without a screen: which OpenGL is there, and a context of it."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 from importlib import import_module

@@ -1,7 +1,5 @@
 """Cup and fruit in the scene: when the lip seals, when the vacuum holds, when a fruit is released."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What moves in the scene beside the arm's links: fruit, and lift and cup at the arm's tip."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The camera's lens: from an ideal picture, rendered wider than needed, to what the sensor gets."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from math import atan
 

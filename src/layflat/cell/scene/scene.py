@@ -1,7 +1,5 @@
 """The cell's physical scene: built from a description and a seed, settled, then stepped."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -11,11 +9,10 @@ from numpy.typing import NDArray
 from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
-from layflat.cell.scene.clutter import add_clutter
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
-from layflat.cell.scene.produce import SceneFruit, fruit_of
+from layflat.cell.scene.produce import SceneFruit, add_clutter, fruit_of
 from layflat.cell.scene.tool import LiftDrive
 from layflat.cell.scene.truth import Truth, TruthRecorder
 from layflat.errors import CellError

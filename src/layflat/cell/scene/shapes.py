@@ -1,7 +1,5 @@
 """Geoms of a MuJoCo spec in one line each."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 from layflat.cell.extras import mujoco

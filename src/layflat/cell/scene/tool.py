@@ -1,7 +1,5 @@
 """Lift and suction cup: how a valve leads the piston, how the vacuum builds up and leaks, and what it can hold."""
 
-from __future__ import annotations
-
 from math import copysign, exp, pi, sqrt
 
 from layflat.cell.file.parts import Cup, Lift

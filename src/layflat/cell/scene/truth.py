@@ -1,7 +1,5 @@
 """What is true in the scene: for evaluation only, never for vision or plans."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from math import sqrt
 from typing import Any, NamedTuple

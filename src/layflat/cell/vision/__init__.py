@@ -4,8 +4,7 @@ from layflat.cell.vision.boards import BaseBoard, BaseMarkers, CharucoBoard, Che
 from layflat.cell.vision.calibrate import calibrate, self_check
 from layflat.cell.vision.calibration import Calibration, load_calibration
 from layflat.cell.vision.colour import ColourDetector
-from layflat.cell.vision.detection import SURE, Colour, Detection, Detector, Kind
-from layflat.cell.vision.drawing import draw
+from layflat.cell.vision.detection import SURE, Colour, Detection, Kind, draw
 from layflat.cell.vision.onnx import OnnxDetector
 from layflat.cell.vision.prepare import check_picture
 
@@ -19,7 +18,6 @@ __all__ = [
     "Colour",
     "ColourDetector",
     "Detection",
-    "Detector",
     "Kind",
     "Marker",
     "OnnxDetector",

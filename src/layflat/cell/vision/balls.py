@@ -7,13 +7,8 @@ the plane z = h; seen from p that is p_z + D c_z = h + height_ratio D sin(a), wh
 A ball that is flattened by k = height / width, its axis upright, is a ball where all heights are divided by k, and rays
 that touch it still touch it there: `upright` takes rays there, `flattened` takes points and rays back.
 
-R       number of rays of an outline
-a       half angle of the cone, rad
-c       direction of the ball's middle, unit vector
-n       c / cos(a)
+There are R rays an outline; a is the half angle of the cone (rad), c the direction of the ball's middle (unit vector).
 """
-
-from __future__ import annotations
 
 import numpy as np
 

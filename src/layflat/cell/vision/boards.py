@@ -1,7 +1,5 @@
 """What a camera is calibrated with: a ChArUco board or a checkerboard, and the markers fixed beside the arm."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 

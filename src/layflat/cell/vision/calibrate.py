@@ -1,7 +1,5 @@
 """A camera's lens from pictures of a board (Zhang 2000), its pose from one picture of the base's markers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TypeAlias
 

@@ -4,8 +4,6 @@ Camera frame as in OpenCV: x right, y down, z ahead; pixel (0, 0) is the middle 
 k1, k2, p1, p2, k3.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias

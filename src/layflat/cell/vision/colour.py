@@ -1,7 +1,5 @@
 """A detector of round produce by colour."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -61,10 +59,9 @@ class ColourDetector:
         self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
 
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
-        """Return what lies on the table, surest first; what is flat, not round or of another size is left out.
+        """Return what lies on the table, surest first, in a picture (H, W, 3), RGB, of a calibrated camera.
 
-        Raises:
-            PictureError: the picture can't be used.
+        What is flat, not round or of another size is left out. Raises PictureError if the picture can't be used.
         """
         half = check_picture(picture, calibration.picture_px)
         even = evenly_lit(half, self.table)

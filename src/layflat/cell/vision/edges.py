@@ -1,7 +1,5 @@
 """Where the edges of round things are: along rays from a middle in a mask, then across an outline in the picture."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """From rough outlines to places, sizes, colours and confidence: the part that all detectors share."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -63,7 +61,10 @@ def measure(
     ratio = np.array([kind.height_ratio for kind in kinds])
     middles, radii = balls.place(middle, half, eye, plane, ratio, flattening)
     outlines = outlined()
-    return Measured(middles, radii, outlines, on.mean(axis=1), _look(even, outlines))
+    _, level, skin, values = _skins(even, outlines)
+    dull = skin & (level <= np.sort(level, axis=1)[:, -level.shape[1] // 10, None])
+    colours = (values * dull[..., None]).sum(axis=1) / np.maximum(dull.sum(axis=1, keepdims=True), 1)
+    return Measured(middles, radii, outlines, on.mean(axis=1), colours)
 
 
 def detections(names: Sequence[str | None], measured: Measured, sure: Array, good: Array) -> list[Detection]:
@@ -108,13 +109,6 @@ def relief(even: Any, outlines: Array, own: Array) -> Array:
     weighed = (basis * weights[..., None]).transpose(0, 2, 1)
     terms = np.linalg.solve(weighed @ basis + 1e-6 * np.eye(4), weighed @ level[..., None])
     return np.asarray(-terms[:, 3, 0] * basis[..., 3].std(axis=1) / np.maximum(level.mean(axis=1), 1.0))
-
-
-def _look(even: Any, outlines: Array) -> Array:
-    """Return mean colours without stalks and reflections, (B, 3)."""
-    _, level, skin, values = _skins(even, outlines)
-    dull = skin & (level <= np.sort(level, axis=1)[:, -level.shape[1] // 10, None])
-    return np.asarray((values * dull[..., None]).sum(axis=1) / np.maximum(dull.sum(axis=1, keepdims=True), 1))
 
 
 def _skins(even: Any, outlines: Array) -> tuple[Array, Array, Array, Array]:

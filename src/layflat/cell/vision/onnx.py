@@ -5,8 +5,6 @@ lower (px of its input), score and the kind's number, as networks of the YOLO fa
 out. The ellipse in a box is where the outline is first sought.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

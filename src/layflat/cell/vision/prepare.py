@@ -1,7 +1,5 @@
 """Whether a picture can be used at all, and what it would be in even, white light."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

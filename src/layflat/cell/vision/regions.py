@@ -1,7 +1,5 @@
 """Which pixels have a kind's colour, and where in them round things may be."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any

@@ -1,7 +1,5 @@
 """Evaluates what a cell does by what is true in the scene, which the cell itself never learns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from math import dist, hypot, nan
 
@@ -10,7 +8,7 @@ from layflat.cell.plan.containers import Packing
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene
-from layflat.cell.scene.truth import Collision, FruitTruth
+from layflat.cell.scene.truth import FruitTruth
 from layflat.cell.vision.detection import SURE
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.records import Pick, Verdict, VisionErrors
@@ -25,11 +23,6 @@ class Evaluator(Observer):
         self._scene, self.vision = scene, VisionErrors()
         self._carried, self._error = "", nan
         self._picks: list[tuple[str, float]] = []
-
-    @property
-    def collisions(self) -> tuple[Collision, ...]:
-        """Of arm, lift or cup with what they should not touch."""
-        return self._scene.truth().collisions
 
     def phase(self, choice: Choice, before: State, after: State) -> None:
         """Note what is carried, and where it is released."""

@@ -28,7 +28,9 @@ def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Cali
     with nullcontext() if film is None else Film(film, FPS) as opened:
         observer = FilmAndSheet(opened, ContactSheet(title), calibration)
         yield observer
-        observer.sheet.title = f"{title}: {observer.summary}"
+        found = Summary(observer.deliveries)
+        rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
+        observer.sheet.title = f"{title}: {found.correct} of {counted(found.picks, 'pick')} correct{rate}"
         observer.sheet.save(sheet)
 
 
@@ -40,14 +42,7 @@ class FilmAndSheet(Observer):
         self._camera: SimulatedCamera | None = None
         self._next = 0.0
         self._doing, self._packed = "takes an image of the tray", 0
-        self._deliveries: list[Delivery] = []
-
-    @property
-    def summary(self) -> str:
-        """What came of all picks so far."""
-        found = Summary(self._deliveries)
-        rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
-        return f"{found.correct} of {counted(found.picks, 'pick')} correct{rate}"
+        self.deliveries: list[Delivery] = []
 
     def begins(self, scene: Scene, camera: SimulatedCamera | None) -> None:  # noqa: ARG002  (as all observers)
         """Film also a tray from which nothing is picked."""
@@ -58,7 +53,7 @@ class FilmAndSheet(Observer):
         """Add a frame, if it is time for one."""
         if self._film is not None and self._camera is not None and time >= self._next:
             self._next += 1.0 / FPS
-            left = f"delivery {len(self._deliveries) + 1}: {self._doing}"
+            left = f"delivery {len(self.deliveries) + 1}: {self._doing}"
             frame = self._camera.picture("overview")
             self._film.add(captioned(frame, left, f"{time:.0f} s, {self._packed} packed"))
 
@@ -73,11 +68,11 @@ class FilmAndSheet(Observer):
 
     def ends(self, delivery: Delivery) -> None:
         """Put the picks, now that they are evaluated, on the sheet."""
-        self._deliveries.append(delivery.without_pictures)
+        self.deliveries.append(delivery.without_pictures)
         for pick, verdict in zip(delivery.picks, delivery.verdicts, strict=True):
             if pick.observation.picture is not None:
                 self._add(pick, verdict)
-        if self._camera is not None and len(self._deliveries) == 1:
+        if self._camera is not None and len(self.deliveries) == 1:
             final = self._camera.picture("overview")
             self.sheet.overview(final, ("the cell after its first delivery", counted(len(delivery.picks), "pick")))
         self._camera = None
@@ -91,5 +86,5 @@ class FilmAndSheet(Observer):
         result = f"{place.container} {place.name}, error {error:.1f} mm, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
         if pick.outcome is not Outcome.PLACED:
             result = pick.trouble
-        head = f"{len(self._deliveries)}.{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
+        head = f"{len(self.deliveries)}.{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
         self.sheet.add(picture, (x, y), (head, result), failed="" if verdict.correct else verdict.word(pick))

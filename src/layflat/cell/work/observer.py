@@ -1,7 +1,5 @@
 """Who observes a cell at work: one protocol for progress, evaluation, films and sheets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

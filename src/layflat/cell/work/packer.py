@@ -1,7 +1,5 @@
 """Packs what lies in the trays: observe, choose, pick, observe again on release, until nothing is left to pick."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from math import dist

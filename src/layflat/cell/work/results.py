@@ -1,7 +1,5 @@
 """What came of runs as numbers: one row a pick, and the figures that growers ask for."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from math import isfinite, nan

@@ -1,7 +1,5 @@
 """A run of the cell: as many deliveries, trays of produce and empty containers, as it takes for a number of picks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -109,6 +107,6 @@ def _worked(scene: Scene, perception: Perception, most: int, observer: Observer)
         error = StoppedError(f"{len(picks)} picks") if isinstance(raised, KeyboardInterrupt) else raised
     worked_off = error is None and len(picks) < most
     return Delivery(
-        scene.seed, tuple(picks), tuple(evaluator.verdicts(picks)), packer.not_picked, evaluator.collisions,
+        scene.seed, tuple(picks), tuple(evaluator.verdicts(picks)), packer.not_picked, scene.truth().collisions,
         station.time, evaluator.vision, evaluator.overlooked(packer.packing) if worked_off else None, error,
     )  # fmt: skip

@@ -1,7 +1,5 @@
 """The cell's hardware in simulation, on one clock: the arm behind the rig's control loop, lift and cup."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The same cell with many seeds, on all cores."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
@@ -9,7 +7,6 @@ from concurrent.futures import ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context
 from queue import Queue
-from threading import current_thread, main_thread
 
 from layflat.cell.file.model import Cell
 from layflat.cell.vision import Calibration
@@ -38,8 +35,12 @@ def repeated(
         KeyboardInterrupt: somebody stopped the study; runs that had not ended are lost.
     """
     with _workers(processes or os.cpu_count() or 1) as (pool, ended):
-        with _uninterrupted():
+        # Workers inherit that Ctrl-C is ignored, and so don't die of one before they can heed it.
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
             left = {pool.submit(_one, cell, seed, picks, calibration, ended) for seed in seeds}
+        finally:
+            signal.signal(signal.SIGINT, before)
         done = 0
         while left:
             jobs, left = wait(left, timeout=POLL)
@@ -58,31 +59,14 @@ def _workers(processes: int) -> Iterator[tuple[ProcessPoolExecutor, Queue[int]]]
         try:
             yield pool, manager.Queue()
         except BaseException:
-            _interrupt_workers()
+            # A Ctrl-C in a terminal reaches the workers too, a signal to this process does not.
+            for process in active_children():
+                if process.pid is not None:
+                    with suppress(ProcessLookupError):
+                        os.kill(process.pid, signal.SIGINT)
             raise
         finally:
             pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def _uninterrupted() -> Iterator[None]:
-    """Ignore Ctrl-C while workers start, which inherit this and so don't die of one before they can heed it."""
-    if current_thread() is not main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-def _interrupt_workers() -> None:
-    """End what the workers pack: a Ctrl-C in a terminal reaches them too, a signal to this process does not."""
-    for process in active_children():
-        if process.pid is not None:
-            with suppress(ProcessLookupError):
-                os.kill(process.pid, signal.SIGINT)
 
 
 def _alone() -> None:

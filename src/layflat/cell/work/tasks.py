@@ -1,7 +1,5 @@
 """From a choice to a task: heights of the lift that follow from the cell's description and the fruit's diameter."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import cos, dist, sin
 
