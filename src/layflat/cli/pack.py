@@ -41,7 +41,7 @@ def cells(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="print its file, to start from")] = None,
 ) -> None:
     """List the built-in packing cells, or print one."""
-    from layflat.cell.file import load, names, text  # noqa: PLC0415
+    from layflat.cell.file.loader import load, names, text  # noqa: PLC0415
 
     if name is not None:
         typer.echo(text(name), nl=False)

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from layflat.cell.file import Cell, build, load, names
-from layflat.cell.file.loader import CELLS, LAYOUTS
+from layflat.cell.file.loader import CELLS, LAYOUTS, build, load, names
+from layflat.cell.file.model import Cell
 from layflat.errors import CellError, MachineError
 
 MARKERS = {

@@ -18,7 +18,7 @@ from tests.cell.perception.cell_pictures import (
 from layflat.cell import Cell
 from layflat.cell.perception import base_of, calibrate_scene, detector_of, fruit_of
 from layflat.cell.perception.calibrating import views_of
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.optics import optics_of

@@ -5,14 +5,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from places import places
 
-from layflat.cell.plan.containers import Acceptance, Packing
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit, Packing
 
-TOMATO = frozenset({"tomato"})
-SMALL = Acceptance(TOMATO, frozenset({"A"}), 0.04, 0.06)
-LARGE = Acceptance(TOMATO, frozenset({"A", "B"}), 0.05, 0.08)
-PUNNET = places("punnet", (0.3, 0.1, 0.01), 0.08, (2, 3), LARGE)
-TRAY = places("tray", (0.3, -0.4, 0.0), 0.07, (3, 4), SMALL)
+SMALL, LARGE = (0.04, 0.06), (0.05, 0.08)
+PUNNET = places("punnet", (0.3, 0.1, 0.01), 0.08, (2, 3), *LARGE)
+TRAY = places("tray", (0.3, -0.4, 0.0), 0.07, (3, 4), *SMALL)
+SECOND = places("seconds", (0.5, -0.4, 0.0), 0.08, (1, 1), *LARGE, sort=("tomato", "B"))
 
 
 def fruit(diameter: float = 0.055, kind: str = "tomato", grade: str = "A") -> Fruit:
@@ -43,12 +41,12 @@ def test_each_place_is_filled_once_by_what_it_takes_and_what_is_over_is_refused(
         packing = packing.filled(place, one)
     assert len(packing.contents) + refused == len(diameters)
     assert len(packing.contents) + len(packing.free) == 18
-    rules = {place.key: place.accepts for place in packing.places}
-    assert all(rules[key].takes(one) for key, one in packing.contents.items())
+    filled = {place.key: place for place in packing.places}
+    assert all(filled[key].takes(one) for key, one in packing.contents.items())
 
 
 def test_containers_fill_one_by_one_and_a_taken_place_is_refused() -> None:
-    second = places("second", (0.5, 0.1, 0.0), 0.08, (2, 3), LARGE)
+    second = places("second", (0.5, 0.1, 0.0), 0.08, (2, 3), *LARGE)
     packing, one = Packing(PUNNET + second), fruit(0.07)
     for k in range(7):
         place = packing.best(one)
@@ -70,7 +68,7 @@ def test_containers_fill_one_by_one_and_a_taken_place_is_refused() -> None:
     ],
 )
 def test_a_fruit_without_a_place_has_a_reason(one: Fruit, reason: str) -> None:
-    packing = Packing(PUNNET + TRAY)
+    packing = Packing(PUNNET + TRAY + SECOND)
     assert packing.best(one) is None
     assert packing.refusal(one) == reason
 

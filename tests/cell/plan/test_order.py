@@ -6,14 +6,13 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from places import places
 
-from layflat.cell.plan.containers import Acceptance, Packing
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit, Packing
 from layflat.cell.plan.order import CupClearance, cup_room, lift_room, next_pick
 from layflat.cell.reach import Angles, Reach
 from layflat.machine import load
 
 REACH = Reach(load("paper-arm"))
-PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3), Acceptance(frozenset({"tomato", "apple"}))))
+PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3)))
 CUP = CupClearance(radius=0.012)
 HOME = (0.0, 0.0)
 
@@ -69,7 +68,7 @@ def test_what_can_not_be_picked_is_left_with_a_reason() -> None:
 
 def test_a_place_out_of_reach_and_full_containers_are_told() -> None:
     one = seen(0.5, 0.4)
-    beyond = Packing(places("far", (1.2, 0.0, 0.0), 0.1, (1, 1), Acceptance()))
+    beyond = Packing(places("far", (1.2, 0.0, 0.0), 0.1, (1, 1)))
     (left,) = next_pick([one], beyond, REACH, HOME, CUP, travel_time).not_picked
     assert left.reason.startswith("its place 1-1 of far is out of reach by ")
     full = PACKING

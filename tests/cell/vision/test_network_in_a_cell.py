@@ -7,10 +7,10 @@ from red_network import COLUMNS, ROWS, network
 
 from layflat.cell import load
 from layflat.cell.perception import detector_of
-from layflat.cell.vision import OnnxDetector
+from layflat.cell.vision import Calibration, OnnxDetector
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.results import Summary
-from layflat.cell.work.run import calibrated, packed
+from layflat.cell.work.run import packed
 from layflat.errors import CellError, InputError
 
 CELL = """\
@@ -35,14 +35,14 @@ share = 0.000001
 """
 
 
-def test_a_cell_packs_by_what_its_network_finds(tmp_path: Path) -> None:
+def test_a_cell_packs_by_what_its_network_finds(tmp_path: Path, calibration: Calibration) -> None:
     """The stand-in calls the red thing number 0, which is the first kind of the cell's file: a tomato."""
     network(tmp_path / "red.onnx")
     path = tmp_path / "learned.toml"
     path.write_text(CELL.format(rows=ROWS, columns=COLUMNS), encoding="utf-8")
     cell = load(path)
     assert isinstance(detector_of(cell), OnnxDetector)
-    found = packed(cell, 1, 1, calibrated(cell), Observer())
+    found = packed(cell, 1, 1, calibration, Observer())
     assert Summary(found.deliveries).correct == 1
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from layflat.cell import Cell
 from layflat.cell.perception import Observation, ScenePerception
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Outcome, Phase, State
 from layflat.cell.scene import Scene

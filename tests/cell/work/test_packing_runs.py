@@ -37,15 +37,6 @@ def cell() -> Cell:
 
 
 @pytest.fixture(scope="module")
-def calibration(cell: Cell) -> Calibration:
-    shares: list[float] = []
-    found = calibrated(cell, shares.append)
-    assert shares == sorted(shares)
-    assert shares[-1] == 1.0
-    return found
-
-
-@pytest.fixture(scope="module")
 def run(cell: Cell, calibration: Calibration, tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, Path, list[int]]:
     folder, told = tmp_path_factory.mktemp("run"), list[int]()
     with film_and_sheet(folder / "film.mp4", folder / "sheet.png", "few, seed 2", calibration) as show:

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.cell import Cell
-from layflat.cell.plan.containers import Place, packing_of
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit, Place, packing_of
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Task
 from layflat.cell.reach import Reach
@@ -64,7 +63,7 @@ def test_places_are_those_of_the_scene(packing: Cell) -> None:
     tomatoes = [place for place in places if place.container == "tomatoes"]
     assert [place.name for place in tomatoes] == ["1-1", "1-2", "1-3", "2-1", "2-2", "2-3"]
     assert [(place.x, place.y) for place in tomatoes] == list(map(tuple, packing.container["tomatoes"].places))
-    apples = next(place for place in places if place.container == "apples").accepts
+    apples = next(place for place in places if place.container == "apples")
     assert apples.takes(Fruit(0, 0, 0.07, "apple", "first"))
     assert not apples.takes(Fruit(0, 0, 0.07, "apple", "yellow"))
     assert not apples.takes(Fruit(0, 0, 0.07, "tomato", "first"))

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit
 from layflat.cell.work.world_model import OcclusionModel, remembered, same
 
 CAMERA = np.array([0.3, 0.37, 1.5])

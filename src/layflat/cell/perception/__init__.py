@@ -1,9 +1,8 @@
 """Vision set up for a cell: what it detects, a calibrated camera, grades of what it sees; never the scene's truth."""
 
 from layflat.cell.perception.calibrating import base_of, calibrate_scene
-from layflat.cell.perception.grading import fruit_of
 from layflat.cell.perception.kinds import background_of, detector_of, kinds_of
-from layflat.cell.perception.observation import CameraPerception, Observation, Perception, ScenePerception
+from layflat.cell.perception.observation import CameraPerception, Observation, Perception, ScenePerception, fruit_of
 
 __all__ = [
     "CameraPerception",

@@ -1,4 +1,4 @@
-"""Places in containers, what lies in them, and which place for which fruit."""
+"""Fruit as a camera detected it, places in containers, what lies in them, and which place for which fruit."""
 
 from __future__ import annotations
 
@@ -6,31 +6,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from layflat.cell.file.model import Cell
-from layflat.cell.plan.fruit import Fruit
 
 Key = tuple[str, str]  # names of a container and of a place in it
 
 
 @dataclass(frozen=True)
-class Acceptance:
-    """What may lie in a place."""
+class Fruit:
+    """One detected fruit, taken as a sphere that lies on the table."""
 
-    kinds: frozenset[str] = frozenset()  # of produce; empty: any
-    grades: frozenset[str] = frozenset()  # likewise
-    smallest: float = 0.0  # diameter, m
-    largest: float = float("inf")
+    x: float  # of its centre, m, in the frame of the arm's base
+    y: float
+    diameter: float  # m
+    kind: str  # such as "tomato"
+    grade: str  # such as "A"; empty where there is none
+    confidence: float = 1.0  # that there is one, of this kind, 0 to 1
+    doubt: str = ""  # why it has no grade, as a clause
 
-    def takes_kind(self, fruit: Fruit) -> bool:
-        """Return whether fruit of this kind may lie here."""
-        return not self.kinds or fruit.kind in self.kinds
-
-    def takes_grade(self, fruit: Fruit) -> bool:
-        """Return whether fruit of this kind and grade may lie here."""
-        return self.takes_kind(fruit) and (not self.grades or fruit.grade in self.grades)
-
-    def takes(self, fruit: Fruit) -> bool:
-        """Return whether the fruit may lie here."""
-        return self.takes_grade(fruit) and self.smallest <= fruit.diameter <= self.largest
+    @property
+    def radius(self) -> float:
+        """Half its diameter, m."""
+        return self.diameter / 2
 
 
 @dataclass(frozen=True)
@@ -42,12 +37,18 @@ class Place:
     x: float  # of its middle, m
     y: float
     z: float = 0.0  # of its floor, m
-    accepts: Acceptance = field(default_factory=Acceptance)
+    sort: tuple[str, str] = ("", "")  # kind and grade of what may lie here
+    smallest: float = 0.0  # diameter, m
+    largest: float = float("inf")
 
     @property
     def key(self) -> Key:
         """Names of the container and of the place."""
         return self.container, self.name
+
+    def takes(self, fruit: Fruit) -> bool:
+        """Return whether the fruit may lie here."""
+        return self.sort == (fruit.kind, fruit.grade) and self.smallest <= fruit.diameter <= self.largest
 
 
 @dataclass(frozen=True)
@@ -64,24 +65,23 @@ class Packing:
 
     def best(self, fruit: Fruit) -> Place | None:
         """Return the place that is least too large; of equal ones the first, so that containers fill one by one."""
-        fits = [place for place in self.free if place.accepts.takes(fruit)]
-        return min(fits, key=lambda place: place.accepts.largest, default=None)
+        fits = [place for place in self.free if place.takes(fruit)]
+        return min(fits, key=lambda place: place.largest, default=None)
 
     def refusal(self, fruit: Fruit) -> str:
         """Return why there is no place for a fruit, as one clause; empty where there is one."""
         if self.best(fruit) is not None:
             return ""
-        rules = {place.accepts for place in self.places}
-        if not rules:
+        if not self.places:
             return "there is no container"
-        if not any(rule.takes_kind(fruit) for rule in rules):
+        sorts = {place.sort for place in self.places}
+        if fruit.kind not in {kind for kind, _ in sorts}:
             return f"no place takes kind {fruit.kind!r}"
-        sort = f"{fruit.kind} of grade {fruit.grade!r}"
-        if not any(rule.takes_grade(fruit) for rule in rules):
-            return f"no place takes {sort}"
-        fitting = dict.fromkeys(place.container for place in self.places if place.accepts.takes(fruit))
+        if (fruit.kind, fruit.grade) not in sorts:
+            return f"no place takes {fruit.kind} of grade {fruit.grade!r}"
+        fitting = dict.fromkeys(place.container for place in self.places if place.takes(fruit))
         if not fitting:
-            return f"no place takes {sort} with {1e3 * fruit.diameter:.0f} mm"
+            return f"no place takes {fruit.kind} of grade {fruit.grade!r} with {1e3 * fruit.diameter:.0f} mm"
         return f"every place that takes it is full, in {', '.join(fitting)}"
 
     def filled(self, place: Place, fruit: Fruit) -> Packing:
@@ -96,11 +96,10 @@ def packing_of(cell: Cell) -> Packing:
     places = []
     for name, container in cell.container.items():
         grade, layout = cell.produce[container.kind].grade[container.grade], container.layout
-        largest = min(grade.most, layout.opening)
-        accepts = Acceptance(frozenset({container.kind}), frozenset({container.grade}), grade.least, largest)
         for i, (x, y) in enumerate(container.places.tolist()):
             row, column = divmod(i, layout.columns)
-            places.append(Place(name, f"{row + 1}-{column + 1}", x, y, layout.wall, accepts))
+            limits = (container.kind, container.grade), grade.least, min(grade.most, layout.opening)
+            places.append(Place(name, f"{row + 1}-{column + 1}", x, y, layout.wall, *limits))
     return Packing(tuple(places))
 
 

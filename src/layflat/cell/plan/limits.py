@@ -19,15 +19,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.cell.geometry import Array
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import REFERENCE_PRESSURE
 from layflat.physics.flow import effective_pressure, laminar_slope
 from layflat.physics.joint import FILLED
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,18 +8,16 @@ from math import ceil, inf, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from layflat import extras
+from layflat.cell.geometry import Array
 from layflat.cell.plan.limits import SHARES, MotionLimits, Shares, arm_limits
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.sim.kinematics import tip_position
 
-Array = NDArray[np.float64]
-
 LEAD = 0.2  # with which the paper's controllers follow best, s (docs/cell-plan.md)
-
 POINTS = 400  # at which the tip's motion along a path is looked at
 
 

@@ -17,8 +17,7 @@ from collections.abc import Callable, Sequence
 from math import hypot, sqrt
 from typing import NamedTuple
 
-from layflat.cell.plan.containers import Packing, Place
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit, Packing, Place
 from layflat.cell.reach import Angles, Posture, Reach
 
 TravelTime = Callable[[Angles, Angles], float]  # from one posture to another, s

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
+from layflat.cell.geometry import Array
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
@@ -18,7 +18,6 @@ from layflat.cell.scene.truth import Truth, TruthRecorder
 from layflat.errors import CellError
 from layflat.machine import changed
 
-Array = NDArray[np.float64]
 SETTLED = 2e-3  # speed of the fastest fruit of a settled scene, m/s
 LONGEST = 4.0  # time in which fruit has to settle, s
 ROCKING = 0.1  # time constant with which soft skin and flesh end a fruit's rocking, s

@@ -5,13 +5,11 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat.cell.file.model import Cell
+from layflat.cell.geometry import Array
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.produce import SceneFruit, Specimen
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -32,9 +32,8 @@ class OnnxDetector:
     Args:
         path: the ONNX file.
         kinds: of produce, in the order of the network's numbers.
-        table: the table's colour in the reference light, RGB of 255.
+        table, plane: as of a `ColourDetector`.
         size: rows and columns of the network's input.
-        plane: height of what the produce rests on, m: a tray's floor.
 
     Raises:
         InputError: the file can't be read or is no network that OpenCV runs.

@@ -1,6 +1,7 @@
 """Who observes a cell at work: one protocol for progress, evaluation, films and sheets."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from layflat.cell.perception import Observation
@@ -38,7 +39,7 @@ class Observers(Observer):
 
     def __init__(self, *observers: Observer) -> None:
         for event in ("begins", "cycle", "phase", "observed", "picked", "ends"):
-            setattr(self, event, _to_all([getattr(observer, event) for observer in observers]))
+            setattr(self, event, partial(_tell, [getattr(observer, event) for observer in observers]))
 
 
 class PickCounter(Observer):
@@ -53,9 +54,6 @@ class PickCounter(Observer):
         self._count(self._picks)
 
 
-def _to_all(calls: list[Callable[..., None]]) -> Callable[..., None]:
-    def call(*event: Any) -> None:
-        for one in calls:
-            one(*event)
-
-    return call
+def _tell(calls: list[Callable[..., None]], *event: Any) -> None:
+    for call in calls:
+        call(*event)

@@ -6,8 +6,7 @@ from math import dist
 
 from layflat.cell.file.model import Cell
 from layflat.cell.perception import Perception
-from layflat.cell.plan.containers import free_place_at, packing_of
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit, free_place_at, packing_of
 from layflat.cell.plan.order import Choice, CupClearance, NotPicked, next_pick
 from layflat.cell.plan.pick import Command, Outcome, Phase, Relocation, State
 from layflat.cell.plan.pick_machine import begun, step

@@ -4,8 +4,7 @@ from dataclasses import replace
 from math import cos, dist, sin
 
 from layflat.cell.file.model import Cell
-from layflat.cell.plan.containers import Place
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit, Place
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Rules, Task
 from layflat.cell.reach import Angles, Reach

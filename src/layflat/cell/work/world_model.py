@@ -21,7 +21,7 @@ import numpy as np
 from layflat.cell.file.model import Cell
 from layflat.cell.geometry import Array
 from layflat.cell.perception import Observation, Perception
-from layflat.cell.plan.fruit import Fruit
+from layflat.cell.plan.containers import Fruit
 from layflat.cell.reach import Angles, Reach
 from layflat.cell.work.observer import Observer
 from layflat.errors import PictureError
