@@ -34,11 +34,7 @@ def dictionary(name: str, last: int) -> Any:
 
 
 def charuco(board: Board | CharucoBoard) -> Any:
-    """Return a board as `cv2.aruco.CharucoBoard`: its corners count from its first, x right and y down in its picture.
-
-    Raises:
-        CameraError: as `dictionary`.
-    """
+    """Return a board as `cv2.aruco.CharucoBoard`: its corners count from the first, x right, y down in its picture."""
     markers = np.arange(board.first_id, board.first_id + board.columns * board.rows // 2)
     words = dictionary(board.dictionary, int(markers[-1]))
     return opencv().aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, words, markers)

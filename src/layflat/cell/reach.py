@@ -90,10 +90,7 @@ class Reach:
         return tuple(sorted(found, key=lambda posture: -posture.margin))
 
     def choose(self, x: float, y: float, travel_time: Callable[[Angles], float]) -> Posture | None:
-        """Return the posture over a point (m) to take, None where it is out of reach.
-
-        It is one with ample margin if there is one, and of these the one with the shortest `travel_time` (s).
-        """
+        """Return the posture to take over a point (m), if any: with ample margin if there is one, then the soonest."""
 
         def worth(posture: Posture) -> tuple[float, float]:
             return -min(posture.margin, AMPLE_MARGIN), travel_time(posture.angles)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from layflat.cell import Cell
-from layflat.cell.perception import background_of, detector_of, kinds_of
+from layflat.cell.perception.kinds import background_of, detector_of, kinds_of
 from layflat.cell.vision import Colour, ColourDetector
 from layflat.cell.vision.regions import in_colours
 

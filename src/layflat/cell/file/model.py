@@ -77,7 +77,6 @@ class Cell(Described):
     def place_at(self, x: float, y: float) -> tuple[str, int] | None:
         """Return the container's name and the place's number that a point (m) is over, None where it is over none."""
         for name, container in self.container.items():
-            number = container.place_at(x, y)
-            if number is not None:
+            if (number := container.place_at(x, y)) is not None:
                 return name, number
         return None

@@ -1,7 +1,7 @@
 """Vision set up for a cell: what it detects, a calibrated camera, grades of what it sees; never the scene's truth."""
 
 from layflat.cell.perception.calibrating import base_of, calibrate_scene
-from layflat.cell.perception.kinds import background_of, detector_of, kinds_of
+from layflat.cell.perception.kinds import detector_of
 from layflat.cell.perception.observation import CameraPerception, Observation, Perception, ScenePerception, fruit_of
 
 __all__ = [
@@ -9,10 +9,8 @@ __all__ = [
     "Observation",
     "Perception",
     "ScenePerception",
-    "background_of",
     "base_of",
     "calibrate_scene",
     "detector_of",
     "fruit_of",
-    "kinds_of",
 ]

@@ -52,9 +52,8 @@ def base_of(cell: Cell) -> BaseMarkers:
 def views_of(cell: Cell) -> list[tuple[Array, Array]]:
     """Return poses of the board, tilted and in all parts of the picture: middle (3,), m, and quaternion, w first."""
     camera, facing = cell.camera, np.array(optics_of(cell.camera).orientation)
-    away = camera.focal_pixels * max(
-        cell.board.size[0] / (FILLS * camera.width), cell.board.size[1] / (FILLS * camera.height)
-    )
+    wide, high = cell.board.size
+    away = camera.focal_pixels * max(wide / (FILLS * camera.width), high / (FILLS * camera.height))
     # At the picture's edges the whole board is still in view.
     reach = 0.5 * (0.96 - FILLS) * np.array([camera.width, camera.height]) / camera.focal_pixels
     poses = []

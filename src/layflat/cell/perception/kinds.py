@@ -16,16 +16,11 @@ ROUND = 0.05  # how far the outline of fruit is from that of a spheroid, share o
 
 
 def detector_of(cell: Cell) -> ColourDetector | OnnxDetector:
-    """Return a detector of the cell's produce, in trays and containers on its table: its network, or one by colour.
-
-    Raises:
-        InputError: the network's file can't be read, or is no network.
-    """
+    """Return a detector of the cell's produce, in trays and containers on its table: its network, or one by colour."""
     red, green, blue = (255.0 * channel for channel in cell.table.colour)
     plane = float(np.mean([tray.wall for tray in cell.tray.values()] or [0.0]))
     if (given := cell.network) is not None:
-        size = given.rows, given.columns
-        return OnnxDetector(Path(given.file), kinds_of(cell), (red, green, blue), size, plane)
+        return OnnxDetector(Path(given.file), kinds_of(cell), (red, green, blue), (given.rows, given.columns), plane)
     return ColourDetector(kinds_of(cell), (red, green, blue), background_of(cell), plane)
 
 

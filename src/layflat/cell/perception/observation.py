@@ -40,8 +40,7 @@ class Observation:
 class Perception(Protocol):
     """What observes the table from above."""
 
-    position: Array
-    """Of the camera, (3,) m."""
+    position: Array  # of the camera, (3,) m
 
     def observe(self, time: float) -> Observation:
         """Return what lies there now; raise PictureError if the picture can't be used."""
@@ -57,12 +56,7 @@ class CameraPerception:
         self.position = calibration.position
 
     def check(self) -> float:
-        """Return how far the markers on the table are from where the calibration says, m.
-
-        Raises:
-            PictureError: the picture can't be used.
-            CameraError: they are off: the camera was moved, or is miscalibrated.
-        """
+        """Return how far the markers on the table are from where the calibration says, m; raise as `self_check`."""
         return self_check(self._picture(), self._calibration, self._base)
 
     def observe(self, time: float) -> Observation:

@@ -3,13 +3,12 @@
 A region is a set of rectangles in hue (degree, near its skin's own) and saturation, as light and shade change neither.
 """
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise, product
 from math import hypot, remainder
+from typing import Self
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from layflat.cell.file.produce import Skin
 from layflat.cell.vision import Colour
 
 Rectangle = tuple[float, float, float, float]  # hue from, to; saturation from, to
-
 SIGMAS = 3.0  # of a skin's spread that its region holds
 HUE_MARGIN, SATURATION_MARGIN = 5.0, 0.06
 """For tints of lights beside that of the table, and for noise; degree and of 1."""
@@ -39,8 +37,8 @@ class Region:
     parts: list[Rectangle]  # that do not overlap
     darkest: float  # value of its shaded side
 
-    @staticmethod
-    def around(skin: Skin) -> Region:
+    @classmethod
+    def around(cls, skin: Skin) -> Self:
         """Return all colours that differ from a skin's by up to `SIGMAS` of its spread."""
         hue, saturation, value = hsv(skin.rgb)
         ways = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
@@ -54,7 +52,7 @@ class Region:
             start, end = -WIDEST, WIDEST
         darkest = SHADED * value * (1.0 - SIGMAS * skin.spread)
         reach = (end - start) / 2, (high - low) / 2
-        return Region((hue, saturation), reach, [(hue + start, hue + end, low, high)], darkest)
+        return cls((hue, saturation), reach, [(hue + start, hue + end, low, high)], darkest)
 
     def off(self, hue: float, saturation: float) -> float:
         """Return how far a colour is from the skin's, in its reach."""

@@ -16,7 +16,6 @@ from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 
 Picture = NDArray[np.uint8]
-
 H264 = {"preset": "veryfast", "crf": "23"}  # of x264: a film of the cell takes some 30 kB a second
 THREADS = 2  # with another number the same film has other bytes
 
@@ -25,10 +24,7 @@ class Film:
     """A film that is written frame by frame, in a `with` block; it is there when the block ends well, or not at all.
 
     All frames have the size of the first. A GIF has the 256 colours of the first, and times that are hundredths of s.
-
-    Args:
-        path: where to; ends in .mp4 or .gif.
-        fps: frames a second, up to 100.
+    The path ends in .mp4 or .gif; there are up to 100 frames a second.
 
     Raises:
         OutputError: the path ends otherwise or can't be written, or no frame was added.

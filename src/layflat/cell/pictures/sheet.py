@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 Picture = NDArray[np.uint8]
 Lines = tuple[str, str]
-
 TILE = (300, 225)
 """Width and height of a pick's picture, px: as many of the camera's, so that what is drawn on it stays legible."""
 GAP, TEXT, TITLE = 20, 14, 22  # between tiles, and heights of captions and title, px

@@ -1,9 +1,8 @@
 """Fruit as a camera detected it, places in containers, what lies in them, and which place for which fruit."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from layflat.cell.file.model import Cell
 
@@ -84,11 +83,11 @@ class Packing:
             return f"no place takes {fruit.kind} of grade {fruit.grade!r} with {1e3 * fruit.diameter:.0f} mm"
         return f"every place that takes it is full, in {', '.join(fitting)}"
 
-    def filled(self, place: Place, fruit: Fruit) -> Packing:
+    def filled(self, place: Place, fruit: Fruit) -> Self:
         """Return the same with a fruit in a place; raise ValueError if something lies there already."""
         if place.key in self.contents:
             raise ValueError(f"place {place.name} of {place.container} is taken")
-        return Packing(self.places, {**self.contents, place.key: fruit})
+        return replace(self, contents={**self.contents, place.key: fruit})
 
 
 def packing_of(cell: Cell) -> Packing:

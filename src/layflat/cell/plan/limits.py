@@ -14,9 +14,8 @@ all joints at once in their worst directions. Jerk: both hoses' pressures change
 second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -36,13 +35,10 @@ class MotionLimits:
     acceleration: tuple[float, ...]
     jerk: tuple[float, ...]
 
-    def slower(self, factor: float) -> MotionLimits:
+    def slower(self, factor: float) -> Self:
         """Return limits with which every motion goes the same way in `factor` times its time."""
-        return MotionLimits(
-            tuple(v / factor for v in self.speed),
-            tuple(a / factor**2 for a in self.acceleration),
-            tuple(j / factor**3 for j in self.jerk),
-        )
+        speed, acceleration = tuple(v / factor for v in self.speed), tuple(a / factor**2 for a in self.acceleration)
+        return replace(self, speed=speed, acceleration=acceleration, jerk=tuple(j / factor**3 for j in self.jerk))
 
 
 @dataclass(frozen=True)
@@ -64,14 +60,9 @@ POSTURES = 9  # looked at along a move
 def arm_limits(
     machine: Machine, start: Array, end: Array, *, payload: float | None = None, shares: Shares = SHARES
 ) -> MotionLimits:
-    """Return the limits of a move of the arm's joints, at the worst posture on its way.
+    """Return the limits of a move of the arm's joints between two postures (joints,), rad, at the worst on its way.
 
-    Args:
-        machine: with valves.
-        start: rad, (joints,).
-        end: likewise.
-        payload: at the tip, kg; default: the machine's.
-        shares: of what is possible.
+    The payload is in kg, by default the machine's.
 
     Raises:
         MachineError: the machine has no valves, or can't hold itself against gravity.

@@ -81,16 +81,10 @@ def move_arm(
     payload: float | None = None, shares: Shares = SHARES,
     tip_acceleration: float = inf, tip_speed: float = inf,
 ) -> Path:  # fmt: skip
-    """Plan a move of an arm's joints within a share of what it can do.
+    """Plan a move of an arm's joints, from angles to angles (joints,), rad, within shares of what it can do.
 
-    Args:
-        machine: the machine.
-        start: angles, rad, (joints,).
-        end: likewise.
-        payload: at the tip, kg; default: the machine's.
-        shares: of what valves and hoses can do.
-        tip_acceleration: that the planned motion of the tip may not exceed, m/s2: soft fruit bruises.
-        tip_speed: likewise, m/s.
+    The payload (kg) is by default the machine's. The planned motion of the tip exceeds neither the speed (m/s) nor the
+    acceleration (m/s2) that are given for it: soft fruit bruises.
 
     Raises:
         MachineError: the machine can't be driven.

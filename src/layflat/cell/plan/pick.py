@@ -1,12 +1,10 @@
 """One pick: its phases, what it is to do, what is measured of it, what it commands, and how it may end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
 from math import radians
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from layflat.cell.reach import Angles
 
@@ -51,7 +49,7 @@ class Task:
     passing: float  # over everything, the cup being empty
     carrying: float  # over everything, with the fruit
 
-    def seated(self, height: float) -> Task:
+    def seated(self, height: float) -> Self:
         """Return the same once the cup sits on the fruit at a height, which shows how high the fruit is."""
         higher = height - self.fruit_height
         return replace(self, fruit_height=height, place_height=self.place_height + higher)

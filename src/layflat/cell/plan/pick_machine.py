@@ -14,10 +14,7 @@ from math import dist
 from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Rules, State, Task
 from layflat.cell.reach import Angles
 
-Event = Enum(
-    "Event",
-    "SETTLED CONTACT SEALED NO_SEAL RAISED DROPPED TOO_HEAVY RELEASED DISTURBED RELOCATED FINISHED STUCK",
-)
+Event = Enum("Event", "SETTLED CONTACT SEALED NO_SEAL RAISED DROPPED HEAVY RELEASED DISTURBED RELOCATED ENDED STUCK")
 """What ends a phase."""
 
 TRANSITIONS: dict[Phase, dict[Event, Phase]] = {
@@ -25,15 +22,15 @@ TRANSITIONS: dict[Phase, dict[Event, Phase]] = {
     # Suction that was on may hold something by now: a disturbed arm lifts it.
     Phase.LOWER: {Event.CONTACT: Phase.SEAL, Event.DISTURBED: Phase.LIFT},
     Phase.SEAL: {Event.SEALED: Phase.LIFT, Event.NO_SEAL: Phase.RELEASE_BACK, Event.DISTURBED: Phase.LIFT},
-    Phase.LIFT: {Event.RAISED: Phase.CARRY, Event.DROPPED: Phase.RAISE, Event.TOO_HEAVY: Phase.PUT_BACK},
+    Phase.LIFT: {Event.RAISED: Phase.CARRY, Event.DROPPED: Phase.RAISE, Event.HEAVY: Phase.PUT_BACK},
     Phase.CARRY: {Event.SETTLED: Phase.PLACE, Event.DROPPED: Phase.RAISE},
     Phase.PLACE: {Event.CONTACT: Phase.RELEASE, Event.DROPPED: Phase.RAISE, Event.DISTURBED: Phase.CARRY},
     Phase.RELEASE: {Event.RELEASED: Phase.RAISE, Event.DISTURBED: Phase.RAISE},
     Phase.PUT_BACK: {Event.CONTACT: Phase.RELEASE_BACK, Event.DISTURBED: Phase.DONE},
     Phase.RELEASE_BACK: {Event.RELEASED: Phase.RAISE, Event.DISTURBED: Phase.RAISE},
-    Phase.RAISE: {Event.RAISED: Phase.CLEAR, Event.FINISHED: Phase.DONE},
+    Phase.RAISE: {Event.RAISED: Phase.CLEAR, Event.ENDED: Phase.DONE},
     Phase.CLEAR: {Event.SETTLED: Phase.AWAIT_IMAGE},
-    Phase.AWAIT_IMAGE: {Event.RELOCATED: Phase.APPROACH, Event.FINISHED: Phase.DONE},
+    Phase.AWAIT_IMAGE: {Event.RELOCATED: Phase.APPROACH, Event.ENDED: Phase.DONE},
     Phase.DONE: {},
 }
 """The phase that follows an event; `Event.STUCK` ends a pick in any phase."""
@@ -82,9 +79,6 @@ def _height(state: State) -> float:
     return state.task.fruit_height if state.phase in DOWN else state.passing
 
 
-# What is measured
-
-
 def _up(rules: Rules, state: State, measured: Readings) -> bool:
     """Return whether the cup, with what it holds, passes over everything."""
     return measured.height >= state.passing - rules.height
@@ -108,9 +102,6 @@ def _shaken(rules: Rules, state: State, measured: Readings) -> bool:
     """Return whether a lowered arm has to be raised."""
     moves = any(abs(v) > rules.shaken for v in measured.velocities)
     return moves or dist(rules.tip(measured.angles), rules.tip(state.over)) > rules.off
-
-
-# What has happened
 
 
 def _ended(event: Event, state: State, outcome: Outcome | None, trouble: str) -> Found:
@@ -177,7 +168,7 @@ def _lift(rules: Rules, state: State, measured: Readings) -> Found:
     heavy = "it is lifted too slowly: too heavy, or two fruits"
     if _shaken(rules, state, measured):
         return _ended(Event.STUCK, state, Outcome.STUCK, heavy)
-    return Event.TOO_HEAVY, replace(state, trouble=heavy)
+    return Event.HEAVY, replace(state, trouble=heavy)
 
 
 def _carry(rules: Rules, state: State, measured: Readings) -> Found:
@@ -203,14 +194,14 @@ def _raise(rules: Rules, state: State, measured: Readings) -> Found:
         return _waiting(state, measured, rules.raise_time)
     if state.outcome is None and state.tried < rules.tries:
         return Event.RAISED, state
-    return Event.FINISHED, replace(state, outcome=state.outcome or Outcome.MISSED)
+    return Event.ENDED, replace(state, outcome=state.outcome or Outcome.MISSED)
 
 
 def _await_image(rules: Rules, state: State, measured: Readings) -> Found:
     if measured.relocation is None:
         return _waiting(state, measured, rules.image_time, "no image came")
     if measured.relocation.task is None:
-        return Event.FINISHED, replace(state, outcome=Outcome.GONE)
+        return Event.ENDED, replace(state, outcome=Outcome.GONE)
     return Event.RELOCATED, replace(state, task=measured.relocation.task)
 
 

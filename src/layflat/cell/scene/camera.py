@@ -21,9 +21,7 @@ class SimulatedCamera:
     """The overhead camera of a scene, and an overview for people. Close it when done, or use it in a `with` block.
 
     The pictures of a scene differ by their noise, which is the same for the same scene, seed and order of pictures.
-
-    Raises:
-        NoDrawingError: there is no OpenGL to draw with; the text names the package to install.
+    Raises NoDrawingError, which names the package to install, where there is no OpenGL.
     """
 
     def __init__(self, scene: Scene) -> None:

@@ -13,11 +13,7 @@ INSTALL = "install one: apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)"
 
 
 def context(width: int, height: int) -> Any:
-    """Return a current OpenGL context to draw off screen: by the way that MUJOCO_GL names, or by the first there is.
-
-    Raises:
-        NoDrawingError: no library is there, or it can't draw.
-    """
+    """Return a current context to draw off screen, by MUJOCO_GL's way or the first there is; NoDrawingError without."""
     way = os.environ.get("MUJOCO_GL", "").lower() or _there()
     try:
         made = import_module(f"mujoco.{way}").GLContext(width, height)

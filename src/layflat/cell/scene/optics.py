@@ -15,8 +15,7 @@ class Optics:
     """Geometry of a camera in pinhole form with Brown and Conrady's distortion.
 
     Matrix (3, 3, px; pixel centres are whole numbers) and distortion are OpenCV's, the orientation is a quaternion of
-    MuJoCo: it looks along its -z, x right, y up. The ideal picture is `wide` (width, height, px) and sees an angle of
-    `field` (rad) from bottom to top.
+    MuJoCo: it looks along its -z, x right, y up. The ideal picture is `wide` (px) and `field` high (rad).
     """
 
     def __init__(self, camera: Camera) -> None:

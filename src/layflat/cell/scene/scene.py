@@ -38,7 +38,6 @@ class Scene:
 
     Raises:
         CellError: there is no room for the fruit, or it does not come to rest in its trays.
-        InputError: MuJoCo or OpenCV is not installed.
     """
 
     def __init__(self, cell: Cell, seed: int, *, step: float = 1e-3) -> None:

@@ -6,7 +6,6 @@ from layflat.cell.file.parts import Cup, Lift
 from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY, REFERENCE_TEMPERATURE
 
 STIFFNESS = 4000.0  # of the air in the cylinder against what keeps the piston from where its valve leads it, N/m
-DAMPING_RATIO = 1.0
 AMBIENT = 101325.0  # Pa
 
 
@@ -19,7 +18,7 @@ class LiftDrive:
 
     def __init__(self, described: Lift, step: float) -> None:
         self._lift, self._step = described, step
-        self._damping = 2.0 * DAMPING_RATIO * sqrt(STIFFNESS * described.mass)
+        self._damping = 2.0 * sqrt(STIFFNESS * described.mass)  # critical
         density = (described.pressure + AMBIENT) / (GAS_CONSTANT * REFERENCE_TEMPERATURE)
         self._air_per_metre = described.force / described.pressure * density / NORMAL_DENSITY
         self._at, self._speed, self._demand, self.air = 0.0, 0.0, 0.0, 0.0
@@ -89,9 +88,6 @@ class SuctionCup:
         self.vacuum = end + (self.vacuum - end) * exp(-rate * step)
 
     def holds(self, pull: float, shear: float) -> bool:
-        """Return whether it holds against a force away from it and one sideways, N.
-
-        The lip presses with what the pull leaves of the vacuum's force, and friction follows from that; moments are
-        left out, as bellows give way to them.
-        """
+        """Return whether it holds against a force away from it and one sideways, N; to moments its bellows give way."""
+        # The lip presses with what the pull leaves of the vacuum's force, and friction follows from that.
         return self.force >= pull and shear <= self._cup.friction * (self.force - pull)

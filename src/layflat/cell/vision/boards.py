@@ -80,11 +80,7 @@ class Marker:
 
 @dataclass(frozen=True)
 class BaseMarkers:
-    """The markers fixed in the base frame, each with a number of its own; several that stand far apart make it exact.
-
-    Raises:
-        CameraError: there are none, or two with one number.
-    """
+    """The markers fixed in the base frame, each with its own number; several that are far apart give an exact pose."""
 
     markers: tuple[Marker, ...]
     dictionary: str = DICTIONARY

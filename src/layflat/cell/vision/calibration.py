@@ -10,10 +10,11 @@ from typing import TypeAlias
 
 import numpy as np
 import tomli_w
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import ValidationError, field_validator
 
 from layflat.cell.extras import opencv, points
+from layflat.cell.geometry import Array
 from layflat.description import Part
 from layflat.description.explain import explained
 from layflat.description.tables import parsed
@@ -21,7 +22,6 @@ from layflat.description.text import read_text, told_as
 from layflat.errors import CameraError
 from layflat.files import write_text
 
-Array: TypeAlias = NDArray[np.float64]
 Triple: TypeAlias = tuple[float, float, float]
 
 

@@ -11,7 +11,6 @@ from layflat.cell.extras import opencv
 from layflat.errors import InputError
 
 Span: TypeAlias = tuple[float, float]
-
 SURE = 0.7  # confidence from which a detection is whole and clear enough to be picked
 DARK, BRIGHT = (0, 0, 0), (255, 255, 255)
 BRIGHT_GROUND = 160.0  # mean level of what lies under a text from which it is written dark
@@ -30,11 +29,7 @@ class Colour:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of produce, as a detector knows it: round, within limits of size and colour.
-
-    Raises:
-        InputError: the limits of its diameter are not in order, or it is flat.
-    """
+    """A kind of produce, as a detector knows it: round, within limits of size and colour; InputError for others."""
 
     name: str
     colours: tuple[Colour, ...]  # from shaded to lit, and in reflections

@@ -55,9 +55,7 @@ class OnnxDetector:
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
         """Return what the network detects, measured on the table, surest first; a number over the kinds' is unknown.
 
-        Raises:
-            PictureError: the picture can't be used.
-            InputError: the network's input or output has another shape.
+        Raises PictureError as any detector, and InputError where the network's input or output has another shape.
         """
         half = check_picture(picture, calibration.picture_px)
         boxes = self._boxes(picture)

@@ -19,12 +19,7 @@ FEWEST = 40  # of those pixels that must show the table
 
 
 def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = None, where: str = "picture") -> Any:
-    """Refuse a picture that can't be used; return it halved, as all looks begin with that.
-
-    Args:
-        picture: RGB, (H, W, 3).
-        size: the width and height it should have, px.
-        where: its name, for the error.
+    """Refuse a picture (H, W, 3), RGB, that can't be used or has not the width and height of `size`; return it halved.
 
     Raises:
         PictureError: it is no picture, of another size, black, overexposed or blurred.
@@ -79,12 +74,8 @@ def evenly_lit(picture: NDArray[np.uint8], table: tuple[float, float, float], wh
     """Return a picture with each channel scaled so that the table has its reference colour everywhere.
 
     What the table shows of the light is smoothed by a polynomial of second degree in x and y (von Kries, a channel at
-    a time); what lies on the table and shadows are left out by their distance from it.
-
-    Args:
-        picture: RGB, (H, W, 3).
-        table: the table's colour in the reference light, RGB of 255.
-        where: the picture's name, for the error.
+    a time); what lies on the table and shadows are left out by their distance from it. Picture (H, W, 3) and the
+    table's colour in the reference light are RGB of 255.
 
     Raises:
         PictureError: too little of the table is seen.

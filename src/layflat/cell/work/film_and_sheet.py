@@ -1,7 +1,5 @@
 """Images of a run: a film of the cell, and a sheet with the image by which each pick was chosen."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
@@ -17,21 +15,6 @@ from layflat.cell.work.records import Delivery, Pick, Verdict
 from layflat.cell.work.results import Summary, counted
 
 FPS = 10.0  # frames of a film a second of the cell's time
-
-
-@contextmanager
-def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Calibration) -> Iterator[FilmAndSheet]:
-    """Give an observer that leaves a film (.mp4, .gif or None) and a contact sheet (.png), if the block ends well.
-
-    What came of the picks is added to the title of the sheet. Raises OutputError where they can't be written.
-    """
-    with nullcontext() if film is None else Film(film, FPS) as opened:
-        observer = FilmAndSheet(opened, ContactSheet(title), calibration)
-        yield observer
-        found = Summary(observer.deliveries)
-        rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
-        observer.sheet.title = f"{title}: {found.correct} of {counted(found.picks, 'pick')} correct{rate}"
-        observer.sheet.save(sheet)
 
 
 class FilmAndSheet(Observer):
@@ -83,8 +66,22 @@ class FilmAndSheet(Observer):
         picture = draw(pick.observation.picture, pick.observation.detections)
         x, y = self._calibration.to_pixels([fruit.x, fruit.y, fruit.radius]).tolist()
         error, peak = 1e3 * verdict.release_error, verdict.peak_acceleration
-        result = f"{place.container} {place.name}, error {error:.1f} mm, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
-        if pick.outcome is not Outcome.PLACED:
-            result = pick.trouble
+        packed = f"{place.container} {place.name}, error {error:.1f} mm, {peak:.0f} m/s\N{SUPERSCRIPT TWO}"
+        result = packed if pick.outcome is Outcome.PLACED else pick.trouble
         head = f"{len(self.deliveries)}.{pick.number}: {fruit.kind}, {fruit.grade}, {1e3 * fruit.diameter:.0f} mm"
         self.sheet.add(picture, (x, y), (head, result), failed="" if verdict.correct else verdict.word(pick))
+
+
+@contextmanager
+def film_and_sheet(film: Path | None, sheet: Path, title: str, calibration: Calibration) -> Iterator[FilmAndSheet]:
+    """Give an observer that leaves a film (.mp4, .gif or None) and a contact sheet (.png), if the block ends well.
+
+    What came of the picks is added to the title of the sheet. Raises OutputError where they can't be written.
+    """
+    with nullcontext() if film is None else Film(film, FPS) as opened:
+        observer = FilmAndSheet(opened, ContactSheet(title), calibration)
+        yield observer
+        found = Summary(observer.deliveries)
+        rate = f", {found.picks_a_minute:.1f} a minute" if found.picks else ""
+        observer.sheet.title = f"{title}: {found.correct} of {counted(found.picks, 'pick')} correct{rate}"
+        observer.sheet.save(sheet)

@@ -40,9 +40,7 @@ class Packer:
     def work(self, most: int) -> Iterator[Pick]:
         """Pick one fruit after the other, until there were so many picks or nothing can be picked.
 
-        Raises:
-            PictureError: the camera gives no image that can be used.
-            RigStoppedError: the rig does not let the arm move.
+        Raises PictureError where the camera gives no image that can be used, RigStoppedError as the station.
         """
         self._observe_from_home()
         for number in range(1, most + 1):
@@ -64,24 +62,19 @@ class Packer:
         if self._station.measure().vacuum < self._rules.gone:
             self._observe_from_home()
 
-    # Choosing
-
     def _choose(self, only: Fruit | None = None) -> Choice | None:
         """Choose what to pick next, of all or of one."""
         fruits = self._world.in_trays
-        if only is None:
-            passed = {fruit for fruit in fruits if any(same(fruit, other) for other in self._given_up)}
-        else:
-            passed = {fruit for fruit in fruits if fruit != only}
+        tried = {fruit for fruit in fruits if any(same(fruit, other) for other in self._given_up)}
+        passed = tried if only is None else set(fruits) - {only}
         selection = next_pick(
-            fruits, self.packing, self._reach, self._station.arm.angles, self._cup, _travel,
+            fruits, self.packing, self._reach, self._station.arm.angles, self._cup,
+            lambda start, end: max(abs(a - b) for a, b in zip(start, end, strict=True)),
             least_confidence=SURE, given_up=frozenset(passed),
         )  # fmt: skip
         if only is None:
             self.not_picked = selection.not_picked + tuple(NotPicked(one, OUTSIDE) for one in self._world.outside)
         return selection.choice
-
-    # Picking
 
     def _pick(self, number: int, choice: Choice) -> Pick:
         station, observation = self._station, self._world.seen_in[choice.fruit]
@@ -125,8 +118,6 @@ class Packer:
         found = min(alike, key=lambda new: apart(new, fruit), default=None)
         return self._choose(found) if found is not None else None
 
-    # Observing from home
-
     def _observe_from_home(self) -> None:
         """Take an image with the arm where it hides nothing, and note which places are taken."""
         arm = None if self._went_home() else self._station.arm.angles
@@ -160,7 +151,3 @@ class Packer:
     def _advance(self, posture: Angles) -> None:
         """Go through a cycle between picks."""
         self._station.advance(Command(posture, self._passing, suction=False, image=False))
-
-
-def _travel(start: Angles, end: Angles) -> float:
-    return max(abs(a - b) for a, b in zip(start, end, strict=True))

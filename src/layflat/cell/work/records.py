@@ -1,9 +1,8 @@
 """What is kept of a cell's work: picks, what is true of them, deliveries."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from math import nan
+from typing import Self
 
 from layflat.cell.perception import Observation
 from layflat.cell.plan.order import Choice, NotPicked
@@ -70,7 +69,7 @@ class Delivery:
     error: LayflatError | None = None  # what ended it early
 
     @property
-    def without_pictures(self) -> Delivery:
+    def without_pictures(self) -> Self:
         """The same but for its pictures, of which a hundred picks have half a GB."""
         bare = (replace(pick.observation, picture=None, detections=()) for pick in self.picks)
         picks = (replace(pick, observation=observation) for pick, observation in zip(self.picks, bare, strict=True))

@@ -46,10 +46,7 @@ class Summary:
 
 
 def as_dict(cell: Cell, runs: Sequence[Run], *, partial: bool = False) -> dict[str, Any]:
-    """Return runs in a cell as plain numbers and texts, fit for JSON: SI units but where a name says otherwise.
-
-    `partial` says whether more was asked for than was done.
-    """
+    """Return runs, `partial` if more was asked for, as numbers and texts for JSON: SI units unless names say else."""
     return {
         "partial": partial,
         "cell": cell.origin,

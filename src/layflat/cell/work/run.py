@@ -31,13 +31,7 @@ class Run:
 
 
 def calibrated(cell: Cell, progress: Callable[[float], object] = lambda _: None) -> Calibration:
-    """Calibrate the cell's camera, in a scene of its own.
-
-    Raises:
-        NoDrawingError: there is no OpenGL to render with.
-        PictureError: a picture can't be used.
-        CameraError: board or markers are not detected.
-    """
+    """Calibrate the cell's camera, in a scene of its own; raise as `SimulatedCamera` and `calibrate_scene`."""
     scene = Scene(cell, 0)
     with SimulatedCamera(scene) as camera:
         return calibrate_scene(scene, camera, progress)

@@ -30,12 +30,8 @@ ANGLE, VELOCITY = (list(RIG_SIGNALS).index(name) for name in ("averaged_angle", 
 class Arm:
     """An arm on a rig whose air is there; it is the host of the rig's loop, and goes to targets within its limits.
 
-    Args:
-        machine: with controller and gains.
-        driver: of its rig, not yet configured.
-        clock: that the loop waits by.
-        load: greatest that it carries, lift included, kg.
-        tip_speed: greatest of the tip, m/s.
+    The driver of its rig is not yet configured. The load (kg) is the greatest that it carries, lift included, and the
+    speed (m/s) the greatest of its tip.
     """
 
     ended = False

@@ -22,13 +22,7 @@ def repeated(
 ) -> Iterator[Run]:  # fmt: skip
     """Yield runs with all seeds, each the same as alone, as they end. Whoever stops iterating stops the work.
 
-    Args:
-        cell: its description.
-        seeds: each gives one run.
-        picks: of each.
-        calibration: of the camera; None where there is none.
-        progress: is called with the picks that have ended so far.
-        processes: default: one a core.
+    `progress` is called with the picks that have ended so far; by default there is one process a core.
 
     Raises:
         LayflatError: as `packed`.

@@ -10,8 +10,6 @@ The arm hides a fruit if the line of sight C P passes the links, or what hangs f
 and the fruit's apparent radius at that height: r (C_z - h) / (C_z - P_z).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot
@@ -28,6 +26,37 @@ from layflat.errors import PictureError
 
 SAME = 15e-3  # two detections nearer than this are of one fruit, m: no two fit there
 HANGING = 0.05  # radius of what hangs from the tip, m: lift, cup and the largest fruit
+
+
+@dataclass(frozen=True)
+class OcclusionModel:
+    """What the arm hides from a camera while it is still."""
+
+    camera: Array  # its position, (3,) m
+    joints: Array  # axes of the joints and the tip, in order, (n + 1, 2) m
+    height: float  # of the links' middle, m
+    radius: float  # of the links with their drums, m
+    half_height: float  # of the links, m
+
+    def hides(self, fruit: Fruit) -> bool:
+        """Return whether any of a fruit is hidden."""
+        low, high = self.height - self.half_height, self.height + self.half_height
+        for height in np.linspace(low, high, 3).tolist():
+            at, radius = self._apparent(fruit, height)
+            links = zip(self.joints[:-1], self.joints[1:], strict=True)
+            if min(_distance(at, a, b) for a, b in links) < self.radius + radius:
+                return True
+        for height in np.linspace(0.0, self.height, 5).tolist():
+            at, radius = self._apparent(fruit, max(height, fruit.radius))
+            if float(np.linalg.norm(at - self.joints[-1])) < HANGING + radius:
+                return True
+        return False
+
+    def _apparent(self, fruit: Fruit, height: float) -> tuple[Array, float]:
+        """Return where the line of sight passes a height (2,), m, and the fruit's apparent radius there."""
+        share = (self.camera[2] - height) / (self.camera[2] - fruit.radius)
+        at: Array = self.camera[:2] + share * (np.array([fruit.x, fruit.y]) - self.camera[:2])
+        return at, share * fruit.radius
 
 
 class WorldModel:
@@ -79,37 +108,6 @@ class WorldModel:
         half_height = max(joint.body.height for joint in joints) / 2
         axes = np.array(self._reach.axes(arm))
         return OcclusionModel(self._perception.position, axes, self._cell.mount.height, radius, half_height)
-
-
-@dataclass(frozen=True)
-class OcclusionModel:
-    """What the arm hides from a camera while it is still."""
-
-    camera: Array  # its position, (3,) m
-    joints: Array  # axes of the joints and the tip, in order, (n + 1, 2) m
-    height: float  # of the links' middle, m
-    radius: float  # of the links with their drums, m
-    half_height: float  # of the links, m
-
-    def hides(self, fruit: Fruit) -> bool:
-        """Return whether any of a fruit is hidden."""
-        low, high = self.height - self.half_height, self.height + self.half_height
-        for height in np.linspace(low, high, 3).tolist():
-            at, radius = self._apparent(fruit, height)
-            links = zip(self.joints[:-1], self.joints[1:], strict=True)
-            if min(_distance(at, a, b) for a, b in links) < self.radius + radius:
-                return True
-        for height in np.linspace(0.0, self.height, 5).tolist():
-            at, radius = self._apparent(fruit, max(height, fruit.radius))
-            if float(np.linalg.norm(at - self.joints[-1])) < HANGING + radius:
-                return True
-        return False
-
-    def _apparent(self, fruit: Fruit, height: float) -> tuple[Array, float]:
-        """Return where the line of sight passes a height (2,), m, and the fruit's apparent radius there."""
-        share = (self.camera[2] - height) / (self.camera[2] - fruit.radius)
-        at: Array = self.camera[:2] + share * (np.array([fruit.x, fruit.y]) - self.camera[:2])
-        return at, share * fruit.radius
 
 
 def remembered(before: Sequence[Fruit], seen: Sequence[Fruit], occlusion: OcclusionModel | None) -> list[Fruit]:
