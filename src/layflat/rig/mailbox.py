@@ -30,11 +30,8 @@ NUMBER = struct.Struct("<Q")
 HEAD = struct.Struct("<QI4x")
 """Number of the message, checksum; the values follow."""
 
-TRIES = 4
-"""Of a reader that meets a message in the making, until it keeps what it had."""
-
-PEOPLE_TRIES = 1000
-"""The same where there is time."""
+TRIES, PEOPLE_TRIES = 4, 1000
+"""Of a reader that meets a message in the making, until it keeps what it had; and where there is time."""
 
 
 class Slot:

@@ -50,7 +50,9 @@ def lock_rig(endpoint: str) -> int:
     Raises:
         DriverError: somebody else has it, or the file can't be made.
     """
-    folder = _folder()
+    runtime, chosen = os.environ.get("XDG_RUNTIME_DIR"), os.environ.get("LAYFLAT_RUNTIME_DIR")
+    usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{getpass.getuser()}"
+    folder = Path(chosen) if chosen else usual
     path = folder / (re.sub(r"[^A-Za-z0-9.]+", "-", endpoint).strip("-") + ".lock")
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -68,13 +70,6 @@ def lock_rig(endpoint: str) -> int:
     os.ftruncate(file, 0)
     os.write(file, f"process {os.getpid()} ({' '.join(Path(a).name for a in sys.argv[:3])})\n".encode())
     return file  # it stays on the disk, as whoever waits for it may have it open
-
-
-def _folder() -> Path:
-    """Where locks of this user lie until the machine is switched off."""
-    runtime = os.environ.get("XDG_RUNTIME_DIR")
-    usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{getpass.getuser()}"
-    return Path(os.environ.get("LAYFLAT_RUNTIME_DIR") or usual)
 
 
 class LinkedDriver(Driver):
