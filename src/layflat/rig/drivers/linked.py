@@ -126,7 +126,7 @@ class LinkedDriver(Driver):
             return self._identify().check(self._machine, self.endpoint)
         except WireError as error:
             self._let_go()
-            raise DriverError(str(error), where=self.endpoint, right="give the address of a rig") from None
+            raise self._error(str(error), "give the address of a rig") from None
         except BaseException:
             self._let_go()
             raise
@@ -145,6 +145,9 @@ class LinkedDriver(Driver):
         if self._lock >= 0:
             os.close(self._lock)
             self._lock = -1
+
+    def _error(self, what: str, right: str) -> DriverError:
+        return DriverError(what, where=self.endpoint, right=right)
 
     @abstractmethod
     def _connect(self) -> None:

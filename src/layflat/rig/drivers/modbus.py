@@ -16,7 +16,7 @@ from pymodbus.pdu import DecodePDU, ModbusPDU
 from pymodbus.pdu.register_message import ReadHoldingRegistersRequest, ReadWriteMultipleRegistersRequest
 
 from layflat.machine.model import Machine
-from layflat.rig.driver import DriverError, LinkError
+from layflat.rig.driver import LinkError
 from layflat.rig.drivers.linked import LinkedDriver, pieces
 from layflat.rig.wire.identity import Identity, Registers
 
@@ -114,6 +114,3 @@ class ModbusDriver(LinkedDriver):
         if self._line is not None:
             self._line.close()
             self._line = None
-
-    def _error(self, what: str, right: str) -> DriverError:
-        return DriverError(what, where=self.endpoint, right=right)

@@ -56,8 +56,7 @@ class SerialDriver(LinkedDriver):
                 told = self._ask(self._sequence, frames.ASK, [], frames.TELL, WAIT)
                 return Identity.from_words(told)
         what = "answers, but not in frames" if self._decoder.bad else "does not answer"
-        right = "see that the firmware runs, and that interface.serial.baud fits"
-        raise DriverError(what, where=self.endpoint, right=right)
+        raise self._error(what, "see that the firmware runs, and that interface.serial.baud fits")
 
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:
         return self._ask(sequence, frames.COMMAND, words, frames.READING, self._link.timeout)
@@ -95,7 +94,7 @@ class SerialDriver(LinkedDriver):
             what, right = "you may not open it", f"join the group {_group(path)!r} and log in anew"
         else:
             what, right = f"can't be opened ({error})", "see that no other program has it"
-        return DriverError(what, where=self.endpoint, right=right)
+        return self._error(what, right)
 
 
 def _group(path: Path) -> str:
