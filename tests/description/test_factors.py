@@ -40,7 +40,7 @@ def built_in_texts() -> set[str]:
         elif isinstance(value, str) and re.match(r"[-+\d.]+\S* \S", value):
             found.add(value)
 
-    for path in Path(layflat.__file__).parent.rglob("*.toml"):
+    for path in Path(layflat.__file__).parent.rglob("builtin/**/*.toml"):
         collect(tomllib.loads(path.read_text(encoding="utf-8")))
     return found
 
