@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -94,6 +95,13 @@ def test_what_is_not_identifiable_and_what_is_at_a_bound_are_marked(tmp_path: Pa
     ended = small(found(sought, [0.5, 0.5], at_bound=True), tmp_path / "end.toml")
     assert ended.title.startswith("not to be trusted: ")
     assert ended.provenance["joint.small.brake.torque"].note.startswith("at its bound from log")
+
+
+def test_a_value_that_misses_zero_by_rounding_is_zero(tmp_path: Path) -> None:
+    brake = next(one for one in ALL if one.path == "joint.small.brake.torque")
+    sought = (replace(brake, low=0.0, log=False),)
+    machine = small(found(sought, [8.7e-14 / brake.high]), tmp_path / "friction-free.toml")
+    assert machine.joint["small"].brake.torque == 0.0
 
 
 @pytest.mark.parametrize("name", bench_names())

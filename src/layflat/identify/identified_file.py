@@ -24,6 +24,9 @@ SUFFIX = "identified"
 LARGE = 1e7
 """Numbers from here on are written with an exponent."""
 
+ROUNDED = 1e-9
+"""Share of what was searched by which a value may miss its lower bound: 1e-13 N m of friction is none."""
+
 UNTRUSTED, PARTIAL = "not to be trusted: ", "partial, stopped by the user: "
 """Before the title of a description whose fit hit a bound or did not converge, or was stopped."""
 
@@ -122,6 +125,8 @@ def _written(path: str, value: float, estimate: Estimate | None, before: Any) ->
     if estimate is None:
         return Written(path, u.alike(before, value, "1"), "", before, None)
     unknown = estimate.unknown
+    if abs(value - unknown.low) < ROUNDED * (unknown.high - unknown.low):
+        value = unknown.low
     # The interval as far as it lies within what was searched: beyond it nothing is known.
     ends = max(estimate.low, unknown.low), min(estimate.high, unknown.high)
     low, high = (float(str(u.alike(before, end, unknown.unit)).partition(" ")[0]) for end in ends)
