@@ -167,10 +167,7 @@ def main() -> None:
     given = parser.parse_args()
     machine, random = patient(load("paper-arm")), np.random.default_rng(given.seed)
     results: list[Result] = []
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        DeviceProcess(VirtualRig(machine), machine, ModbusPort()) as device,
-    ):
+    with tempfile.TemporaryDirectory() as folder, DeviceProcess(VirtualRig(machine), machine, ModbusPort()) as device:
         for k in range(given.count):
             for victim in VICTIMS:
                 results.append(trial(device, machine, victim, random.uniform(0.0, 1.5), Path(folder)))

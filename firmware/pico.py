@@ -28,7 +28,7 @@ class PicoIO:
         self._asked, self._told = bytearray(3), bytearray(3)
         self._poll = select.poll()
         self._poll.register(sys.stdin, select.POLLIN)
-        micropython.kbd_intr(-1)  # a 3 in a frame is no Ctrl-C
+        micropython.kbd_intr(-1)  # a 3 in a frame is not a Ctrl-C
         self._watchdog = machine.WDT(timeout=WATCHDOG)
 
     def ticks(self):

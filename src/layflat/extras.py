@@ -1,7 +1,5 @@
 """Optional packages: which extra brings them, and one error for all that are missing."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec

@@ -1,7 +1,5 @@
 """Results reach their place whole or not at all: written under a temporary name beside it, then moved."""
 
-from __future__ import annotations
-
 import errno
 import os
 import tempfile
@@ -14,8 +12,7 @@ from layflat.errors import LayflatError, OutputError
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """The disk, the file or the user's share is at its limit."""
 
-TRIAL = bytes(1 << 16)
-"""Enough to see that nothing more can be written."""
+TRIAL = bytes(1 << 16)  # enough to see that nothing more can be written
 
 
 @contextmanager

@@ -25,8 +25,7 @@ from layflat.lanes import leaves
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler
 
-REQUIRED: Any = object()
-"""Stands where a kind has to say something."""
+REQUIRED: Any = object()  # stands where a kind has to say something
 
 
 class KindPart(Part):
@@ -42,23 +41,18 @@ class KindPart(Part):
 class Kind:
     """Base of all kinds.
 
-    Args:
-        name: what stands behind `kind =` in a file.
-        description: what a file says of it, with a field `kind: Literal[name]`.
-        parameters: from what is described to the parameters of the laws (named tuples of floats).
-        parameter_types: the named tuple classes that `parameters` may yield; they are the kind's own.
-
     Raises:
         KindError: something is missing, by name.
     """
 
-    LAWS: ClassVar[tuple[str, ...]] = ()
-    """Entries that have to be laws, which the compiler takes."""
+    LAWS: ClassVar[tuple[str, ...]] = ()  # entries that have to be laws, which the compiler takes
 
-    name: str = REQUIRED
-    description: type[BaseModel] = REQUIRED
+    name: str = REQUIRED  # what stands behind `kind =` in a file
+    description: type[BaseModel] = REQUIRED  # what a file says of it, with a field `kind: Literal[name]`
     parameters: Callable[..., Any] = REQUIRED
+    """From what is described to the parameters of the laws (named tuples of floats)."""
     parameter_types: tuple[type, ...] = REQUIRED
+    """The named tuple classes that `parameters` may yield; they are the kind's own."""
 
     def __post_init__(self) -> None:
         """Refuse a kind that is not whole."""
@@ -105,8 +99,7 @@ class Table(Generic[K]):
         kinds: those that are built in; the first is meant where a file names none.
     """
 
-    registered: ClassVar[int] = 0
-    """Kinds in all tables: what is built from tables is stale once it changes."""
+    registered: ClassVar[int] = 0  # kinds in all tables: what is built from tables is stale once it changes
 
     def __init__(self, thing: str, *kinds: K) -> None:
         self.thing, self.usual = thing, kinds[0].name
@@ -120,11 +113,7 @@ class Table(Generic[K]):
         return iter(self._kinds.values())
 
     def register(self, kind: K) -> K:
-        """Add a kind.
-
-        Raises:
-            KindError: there is one of this name, or one with the same class of parameters.
-        """
+        """Add a kind; raise KindError if there is one of this name, or one with the same class of parameters."""
         if kind.name in self._kinds:
             raise KindError(f"there is a kind {kind.name!r} of {self.thing} already", where="kinds")
         taken = [other.__name__ for other in kind.parameter_types if self._owner(other) is not None]
@@ -137,11 +126,7 @@ class Table(Generic[K]):
         return kind
 
     def named(self, name: object) -> K:
-        """The kind of a name.
-
-        Raises:
-            KindError: there is none; names the known ones and the nearest.
-        """
+        """The kind of a name; raise KindError if there is none; names the known ones and the nearest."""
         if isinstance(name, str) and name in self._kinds:
             return self._kinds[name]
         raise KindError(

@@ -1,7 +1,5 @@
 """Candidates are simulated side by side on all cores."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -246,10 +246,10 @@ def test_the_wall_is_felt_without_islands_too() -> None:
 @pytest.mark.parametrize(
     ("joints", "expected"),
     [
-        ({"elbow": "small"}, "joints: 'elbow' is no hinge of the model; hinges are a, b, c"),
-        ({"slide": "small"}, "joints: 'slide' is no hinge of the model; hinges are a, b, c"),
-        ({"a": "large"}, "joints: 'large' is no joint of paper-small-joint; joints are small"),
-        (None, "joints: 'small' is no hinge of the model; hinges are a, b, c"),
+        ({"elbow": "small"}, "joints: 'elbow' is not a hinge of the model; hinges are a, b, c"),
+        ({"slide": "small"}, "joints: 'slide' is not a hinge of the model; hinges are a, b, c"),
+        ({"a": "large"}, "joints: 'large' is not a joint of paper-small-joint; joints are small"),
+        (None, "joints: 'small' is not a hinge of the model; hinges are a, b, c"),
     ],
 )
 def test_wrong_names(joints: dict[str, str] | None, expected: str) -> None:

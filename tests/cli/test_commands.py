@@ -212,10 +212,7 @@ def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:
         (("simulate", "paper-arm", "--opening", "2, 0"), "--opening: 2 is out of range; give a share from -1 to 1"),
         (("simulate", "paper-arm", "--opening", "nan"), "--opening: "),
         (("simulate", "paper-arm", "--seed", "-1"), "'--seed': Input should be greater than or equal to 0"),
-        (
-            ("simulate", "paper-arm", "--seed", str(10**30)),
-            "'--seed': Input should be less than",
-        ),
+        (("simulate", "paper-arm", "--seed", str(10**30)), "'--seed': Input should be less than"),
         (("loop", "paper-arm", "--stroke", "1000 deg"), "--stroke: "),
         (("loop", "paper-arm", "--stroke", "150 deg"), "--stroke: 150 deg is out of range; give up to 140 deg"),
         (("loop", "paper-arm", "--stroke", "-10 deg"), "--stroke: "),

@@ -230,7 +230,7 @@ def test_a_served_rig_says_what_it_is_told(modbus: Served) -> None:
     lines = [modbus.line() for _ in FAILURES]
     assert any(line.startswith("burst-hose: ") for line in lines)
     for text, what in (
-        ("fail moonquake", "'moonquake' is no failure"),
+        ("fail moonquake", "'moonquake' is not a failure"),
         ("fail push elbow 1", "unknown joint 'elbow'; give large or small"),
         ("fail push large much", "neither joint nor number"),
         ("dance", "'dance' is not understood"),

@@ -29,15 +29,12 @@ def refused(*words: str) -> str:
     [
         (["--driver", "modbus://127.0.0.1:1"], "can't be reached (Connection refused)"),
         (["--driver", "serial:///dev/nothing"], "is not there"),
-        (["--driver", "telepathy"], "is no driver's address"),
-        (
-            ["--driver", "simulated", "--demand", "61 deg"],
-            "stroke of joint 'large'; stay within +-60 deg",
-        ),
+        (["--driver", "telepathy"], "is not a driver's address"),
+        (["--driver", "simulated", "--demand", "61 deg"], "stroke of joint 'large'; stay within +-60 deg"),
         (["--driver", "simulated", "--demand", "1 deg, 2 deg, 3 deg"], "has 3 values"),
         (["--driver", "simulated", "--demand", "absent.csv"], "can't be read"),
         (["--driver", "simulated", "--demand", "5 deg @ 4 s", "--duration", "2 s"], "ends before the last move"),
-        (["--driver", "simulated", "--duration", "-1 s"], "is no time to run"),
+        (["--driver", "simulated", "--duration", "-1 s"], "is not a time to run"),
         (["--driver", "simulated", "--out", "/proc/rig"], "can't write here"),
     ],
 )

@@ -95,7 +95,7 @@ CASES: list[tuple[dict[str, Any], str]] = [
     ({"shape": "round"}, "f.toml: shape"),
     (
         {"shape": {"kind": "rund", "radius": "1 m"}},
-        """f.toml: shape.kind: 'rund' is no known kind; did you mean "round"? known kinds are "round", "square\"""",
+        """f.toml: shape.kind: 'rund' is not a known kind; did you mean "round"? known kinds are "round", "square\"""",
     ),
     ({"shape": {"radius": "1 kg"}}, "f.toml: shape.radius: '1 kg' is not a length"),
     ({"shape": {}}, "f.toml: shape.radius: is missing; see one"),
@@ -113,7 +113,7 @@ CASES: list[tuple[dict[str, Any], str]] = [
         {"shape": {"kind": "square", "side": "1 m", "corners": ["1 deg", "1 m"]}},
         "f.toml: shape.corners.1: '1 m' is not an angle",
     ),
-    ({"plain": {"kind": "oval"}}, "f.toml: plain.kind: 'oval' is no known kind; known kinds are"),
+    ({"plain": {"kind": "oval"}}, "f.toml: plain.kind: 'oval' is not a known kind; known kinds are"),
     ({"plain": {"radius": "1 m"}}, "f.toml: plain.kind: is missing"),
     ({"plain": {"kind": "round", "radius": 3}}, "f.toml: plain.radius: 3 is a bare number"),
     ({"maybe": {"radius": "-1 m"}}, "f.toml: maybe.radius: '-1 m' is out of range; give more than 0"),

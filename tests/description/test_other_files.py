@@ -1,4 +1,4 @@
-"""What is no file is refused at once by all who read files."""
+"""What is not a file is refused at once by all who read files."""
 
 from __future__ import annotations
 

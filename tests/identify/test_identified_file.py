@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.identify import Fit, Model, Output, Unknown
 from layflat.identify.benches.loader import bench_names, load_bench, load_described
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.fit import Estimate
 from layflat.identify.identified_file import identified_path, write_identified
-from layflat.identify.model import Array
 from layflat.machine import Machine, load
 from layflat.machine.loader import tables
 

@@ -44,10 +44,7 @@ def everything(pair: Any, c: Any) -> Any:
 
 @composition
 def packed(a: Any, b: Any) -> Any:
-    return join(
-        join(Pair(a[0], b[0]), Pair(a[1], b[1])),
-        join(Pair(a[2], b[2]), Pair(a[3], b[3])),
-    )
+    return join(join(Pair(a[0], b[0]), Pair(a[1], b[1])), join(Pair(a[2], b[2]), Pair(a[3], b[3])))
 
 
 @kernel

@@ -60,7 +60,7 @@ def test_every_built_in_value_says_where_it_comes_from(name: str) -> None:
         ("[valve]\ncritical_ratio = nan", "valve.critical_ratio: nan is not a finite number; give one such as 0.5"),
         ("[angle_sensor]\nbits = 2.5", "angle_sensor.bits: 2.5 is not a whole number"),
         ("[valve]\nfricton = 0.1", "valve.fricton: unknown key; did you mean 'friction'?"),
-        ('[valve]\nkind = "magic"', """valve.kind: 'magic' is no known kind; known kinds are "spool", "switching\""""),
+        ('[valve]\nkind = "magic"', """'magic' is not a known kind; known kinds are "spool", "switching\""""),
         ('[valve]\nkind = "switching"', "valve.frequency: is missing"),
         ("[joint", "is not TOML"),
     ],

@@ -57,10 +57,7 @@ def losses(torque: float) -> ElastoSlip:
 def joint(K: float, dead_volume: float, compliance: float = 0.0) -> Joint:
     """A joint with constant K (m3/rad), dead volume (m3) and compliance (m3/Pa)."""
     hose = Hose(
-        Stroke(K, 0.0, 0.0, 0.0, 0.0),
-        Chamber(dead_volume, compliance, 1.0),
-        losses(0.035 * K * 4e5),
-        radians(66.5),
+        Stroke(K, 0.0, 0.0, 0.0, 0.0), Chamber(dead_volume, compliance, 1.0), losses(0.035 * K * 4e5), radians(66.5)
     )
     return Joint(hose, hose, VALVE, FREE, 250.0 * K, 0.0, ANGLE_SENSOR, PRESSURE_SENSOR)
 

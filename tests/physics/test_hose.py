@@ -6,14 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from layflat.physics.hose import (
-    Stroke,
-    peeled_volume,
-    roller_torque,
-    roller_travel,
-    swept_volume,
-    torque_per_pressure,
-)
+from layflat.physics.hose import Stroke, peeled_volume, roller_torque, roller_travel, swept_volume, torque_per_pressure
 
 # The paper's Table 1 was computed with pi = 3.14.
 R, r, R_H, GAMMA = 0.0762, 0.026, 0.16 / 3.14, 2.094

@@ -49,7 +49,7 @@ class PlantBench:
         machine: with valve and sensors.
         angles: at which it rests at first, rad.
         seed: of the sensors' noise.
-        gauge: pressure of hoses and supply at first, Pa; as in a run where not given.
+        gauge: pressure of hoses and supply at first, Pa; default: as in a run.
     """
 
     def __init__(self, machine: Machine, angles: Array, seed: int = 0, gauge: float | None = None) -> None:

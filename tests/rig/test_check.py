@@ -134,10 +134,7 @@ def test_a_line_with_air_in_it_is_told() -> None:
 
 @pytest.mark.parametrize(
     ("name", "size", "what", "right"),
-    [
-        ("supply-lost", None, "air", "look at compressor"),
-        ("kinked-hose", 0.0, "signs of large", "nothing stirs"),
-    ],
+    [("supply-lost", None, "air", "look at compressor"), ("kinked-hose", 0.0, "signs of large", "nothing stirs")],
 )
 def test_what_is_wrong_with_air(name: str, size: float | None, what: str, right: str) -> None:
     driver = Wired()

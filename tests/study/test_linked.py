@@ -57,7 +57,7 @@ def test_the_same_value_for_all_that_vary_along(tmp_path: Path) -> None:
     ("old", "new", "expected"),
     [
         ("close.error", "close.eror", "also.0: no number of this name can vary; nearest is"),
-        ('"joint.small.gains.close.error"', '"scenario.load"', "relative: scenario.load is no number of the machine"),
+        ('"joint.small.gains.close.error"', '"scenario.load"', "scenario.load is not a number of the machine"),
         ('"joint.small.gains.close.error"', '"angle_sensor.bits"', "relative: is a whole number; give values"),
         ('"joint.small.gains.close.error"', '"joint.small.brake.torque"', "joint.small.brake.torque varies twice"),
         ("relative = true\nvalues = [0.5, 2.0]", 'values = ["1 V/deg"]', "gains.integral' is of another kind"),

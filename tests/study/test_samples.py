@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from layflat.arrays import Array
 from layflat.study.description import StudyFile
 from layflat.study.kinds import Kind
-from layflat.study.sampling import Array, rows, samples
+from layflat.study.sampling import rows, samples
 from layflat.study.varied import Varied
 
 NUMBER = Kind(float)
@@ -26,11 +27,7 @@ def a_file(sampling: str, runs: int | None = None, seed: int = 0) -> StudyFile:
 
 
 @given(
-    st.sampled_from(["sobol", "lhs"]),
-    st.integers(0, 7),
-    st.integers(0, 99),
-    st.floats(-1e3, 1e3),
-    st.floats(1e-3, 1e3),
+    st.sampled_from(["sobol", "lhs"]), st.integers(0, 7), st.integers(0, 99), st.floats(-1e3, 1e3), st.floats(1e-3, 1e3)
 )
 def test_samples_lie_in_range_and_come_again(sampling: str, power: int, seed: int, low: float, span: float) -> None:
     varied = [

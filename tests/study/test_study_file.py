@@ -63,9 +63,9 @@ def test_what_varies_takes_the_place_of_a_constant_but_not_of_steps(tmp_path: Pa
         ('name = "small"', 'name = "small', "is not TOML"),
         ('"grid"', '"random"', "sampling: 'random' is not known; give 'grid', 'sobol', 'lhs' or 'saltelli'"),
         ('"grid"', '"sobol"', "runs: is missing; say how many samples, such as 1024"),
-        ('"grid"', '"sobol"\nruns = 100', "runs: 100 is no power of two; Sobol points are balanced in powers of two: give"),  # noqa: E501
+        ('"grid"', '"sobol"\nruns = 100', "runs: 100 is not a power of two; Sobol points are balanced in powers of two: give"),  # noqa: E501
         ('"grid"', '"grid"\nnoise_seeds = 0', "noise_seeds: 0 is out of range"),
-        ('"air_used"', '"air"', "metrics: 'air' is no metric; use settling, overshoot"),
+        ('"air_used"', '"air"', "metrics: 'air' is not a metric; use settling, overshoot"),
         ("duration", "durations", "scenario.0.durations: unknown key; did you mean 'duration'?"),
         ('"0.2 s"', "0.2", 'scenario.0.duration: 0.2 is a bare number; give a time such as "5 ms"'),
         ('"0.2 s"', '"2 kg"', "scenario.0.duration: '2 kg' is not a time"),
@@ -114,7 +114,7 @@ def test_a_mistake_is_named_in_one_line(tmp_path: Path, old: str, new: str, expe
         ('"joint.small.brake.torque"]\nmean = "1 N m"\ndeviation = "0 N m"', "torque.deviation: '0 N m' is out of range"),  # noqa: E501
         ('"joint.small.brake.torque"]\nmean = "1 N m"\ndeviation = "1 N m"\nlow = "2 N m"', "is not between low and high"),  # noqa: E501
         ('"joint.small.brake.torque"]\nmean = "1 N m"\ndeviation = "9 N m"', "is out of range; give at least 0"),
-        ('"supply.temperature"]\nmean = "20 degC"\ndeviation = "5 degC"', "is no difference of temperatures; give kelvin"),  # noqa: E501
+        ('"supply.temperature"]\nmean = "20 degC"\ndeviation = "5 degC"', "is not a difference of temperatures; give kelvin"),  # noqa: E501
         ('"angle_sensor.bits"]\nlow = 8\nhigh = 12', "vary.angle_sensor.bits: is a whole number; give values"),
         ('"angle_sensor.bits"]\nvalues = [8, 9.5]', "vary.angle_sensor.bits.values.1: 9.5 is not a whole number"),
         ('"valve.critical_ratio"]\nlow = 0.1\nhigh = 1.5', "vary.valve.critical_ratio.high: 1.5 is out of range"),

@@ -1,7 +1,5 @@
 """A machine's arm as a MuJoCo model: the rigid bodies that our own laws (physics/arm.py) have."""
 
-from __future__ import annotations
-
 from math import cos, sin, sqrt
 from typing import Any
 
@@ -10,22 +8,13 @@ from layflat.machine import Machine
 from layflat.machine.parts import Link
 from layflat.physics.step import STEP
 
-STANDARD_GRAVITY = 9.80665
-"""m/s2"""
-
-POINT = 1e-9
-"""Inertia of a point mass, kg m2: MuJoCo wants some."""
-
-THICK = 0.02
-"""Radius of what is drawn, m."""
+STANDARD_GRAVITY = 9.80665  # m/s2
+POINT = 1e-9  # inertia of a point mass, kg m2: MuJoCo wants some
+THICK = 0.02  # radius of what is drawn, m
 
 
 def engine() -> Any:
-    """Import the package `mujoco`.
-
-    Raises:
-        MissingExtraError: it is not installed.
-    """
+    """Import the package `mujoco`; raise MissingExtraError if it is not installed."""
     return extras.module("cell", "mujoco")
 
 

@@ -11,23 +11,19 @@ Find J with |J| <= B such that each joint either stands still, or slides with J 
 physics/friction.py for any number of joints: a convex quadratic in J over a box.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.jit import kernel
 from layflat.physics.friction import brake_one, brake_two
-
-Array = NDArray[np.float64]
 
 SWEEPS, EXACT = 2000, 1e-13
 """Sweeps over the joints at most, and the change of J, as a share of the greatest B, at which they end."""
 
-ROUNDS, CLOSE = 30, 1e-7
-"""The same for rounds in which contacts answer to the brakes."""
+ROUNDS, CLOSE = 30, 1e-7  # the same for rounds in which contacts answer to the brakes
 
 
 @kernel

@@ -29,8 +29,7 @@ class Carry(NamedTuple):
 
     state: JointState
     line: Line
-    opening: float
-    """To which the valve is driven, -1..1."""
+    opening: float  # to which the valve is driven, -1..1
 
 
 class Span(NamedTuple):

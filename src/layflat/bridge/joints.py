@@ -1,14 +1,12 @@
 """Joints of layflat hose on hinges of any MuJoCo model: voltages in, angles out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import ceil
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.bridge.arm import engine
 from layflat.bridge.brake import Brakes
 from layflat.bridge.halves import Carry, extrapolate, halves_of
@@ -21,10 +19,7 @@ from layflat.physics.joint import FILLED, Ledger, Surroundings, joint_at_rest
 from layflat.physics.step import STEP
 from layflat.physics.valves import held_at
 
-Array = NDArray[np.float64]
-
-SHORTEST = 1e-6
-"""Timestep of a model, s."""
+SHORTEST = 1e-6  # timestep of a model, s
 
 
 class PneumaticJoints(DrivenJoints):
@@ -47,8 +42,8 @@ class PneumaticJoints(DrivenJoints):
         brakes: torque at which each brake slips, N m, (n,); items can be set.
 
     Raises:
-        InputError: a name is no hinge of the model or no joint of the machine, the model's timestep or integrator is no
-            good, the machine has no valve, or MuJoCo is not installed.
+        InputError: a name is neither a hinge of the model nor a joint of the machine, the timestep or integrator of the
+            model is no good, the machine has no valve, or MuJoCo is not installed.
     """
 
     def __init__(
@@ -190,7 +185,7 @@ class PneumaticJoints(DrivenJoints):
 def _known(name: str, names: list[str], machine: Machine) -> str:
     if name not in names:
         raise InputError(
-            f"{name!r} is no joint of {machine.origin}", where="joints", right=f"joints are {', '.join(names)}"
+            f"{name!r} is not a joint of {machine.origin}", where="joints", right=f"joints are {', '.join(names)}"
         )
     return name
 
@@ -201,7 +196,7 @@ def _hinge(mj: Any, model: Any, name: str) -> int:
     if found not in hinges:
         names = [model.joint(i).name for i in hinges if model.joint(i).name]
         raise InputError(
-            f"{name!r} is no hinge of the model", where="joints", right=f"hinges are {', '.join(names) or 'none'}"
+            f"{name!r} is not a hinge of the model", where="joints", right=f"hinges are {', '.join(names) or 'none'}"
         )
     return int(found)
 

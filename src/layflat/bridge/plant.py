@@ -1,13 +1,9 @@
 """A machine whose arm moves in MuJoCo, as a plant that others move on bit by bit (as sim/plant.py is, with our arm)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.bridge.arm import arm_spec, engine
 from layflat.bridge.joints import PneumaticJoints
 from layflat.description import units as u
@@ -15,10 +11,8 @@ from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.physics.noise import noise_samples
 
-Array = NDArray[np.float64]
 Value = str | float
-Advance = Callable[[Any], None]
-"""Advances an MjData by a timestep, in place of `mj_step`."""
+Advance = Callable[[Any], None]  # advances an MjData by a timestep, in place of `mj_step`
 
 
 class MujocoPlant(PneumaticJoints):
@@ -97,11 +91,7 @@ class MujocoPlant(PneumaticJoints):
         self._mj.mj_setConst(self.model, self._mj.MjData(self.model))
 
     def advance(self, until: float) -> None:
-        """Let time pass up to the last whole step before `until` (s).
-
-        Raises:
-            DivergedError: the machine diverged.
-        """
+        """Let time pass up to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
         # A deadline that is a whole number of steps may be a hair short of it.
         for _ in range(int((until - self.time) / self.model.opt.timestep + 1e-3)):
             self._advance(self.step)

@@ -1,7 +1,5 @@
 """A machine's arm as URDF."""
 
-from __future__ import annotations
-
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from layflat.bridge.arm import POINT, bodies, inertia_of

@@ -6,9 +6,10 @@ Lengths in m, angles in rad, counter-clockwise seen from above.
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from layflat.arrays import Array
+
 Quaternion = tuple[float, float, float, float]
 
 

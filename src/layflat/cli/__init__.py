@@ -1,7 +1,5 @@
 """The command line: the one place that puts the parts together."""
 
-from __future__ import annotations
-
 import os
 import sys
 from contextlib import suppress

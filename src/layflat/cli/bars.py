@@ -1,6 +1,4 @@
-"""Signs of life on a terminal while some work goes on; nothing is drawn where stderr is no terminal."""
-
-from __future__ import annotations
+"""Signs of life on a terminal while some work goes on; nothing is drawn where stderr is not a terminal."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,7 +15,7 @@ COMPILES = "(compiles for some seconds the first time)"
 
 @contextmanager
 def bar(what: str, total: float | None, *columns: str) -> Iterator[Callable[..., None]]:
-    """Show a bar for what is done; nothing where stderr is no terminal.
+    """Show a bar for what is done; nothing where stderr is not a terminal.
 
     Columns behind it are named as in `rich.progress`. Yields what sets `completed`, `total` and `description`.
     """

@@ -1,7 +1,5 @@
 """Commands about descriptions: machines, show, check, schema, arm-model."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """Groups of commands that import a command's module when the command is used, and not before."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from importlib import import_module
 from typing import Any

@@ -67,8 +67,7 @@ def plot_log(
 
 @logs.command("export")
 def export_log(
-    log: RigLog,
-    out: Annotated[Path, typer.Argument(metavar="FILE", help="ends in .nc (NetCDF) or .parquet")],
+    log: RigLog, out: Annotated[Path, typer.Argument(metavar="FILE", help="ends in .nc (NetCDF) or .parquet")]
 ) -> None:
     """Write a rig's log for others, with the names and units of a simulated run."""
     from layflat.rig.recorder.run import check_format, export  # noqa: PLC0415

@@ -1,7 +1,5 @@
 """The command that reproduces the paper."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from textwrap import fill
 from typing import Annotated

@@ -35,18 +35,15 @@ Address = Annotated[
     str, typer.Option("--driver", metavar="ADDRESS", help="modbus://HOST:PORT, serial:///dev/NAME or simulated")
 ]
 
-FAULT, INTERRUPTED = 3, 130
-"""Exit statuses: a fault was found; stopped by hand."""
-
-SIMULATED = "simulated"
-"""Address of a virtual rig in the loop's own process."""
+FAULT, INTERRUPTED = 3, 130  # exit statuses: a fault was found; stopped by hand
+SIMULATED = "simulated"  # address of a virtual rig in the loop's own process
 
 
 def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str]:
     """What makes the driver of an address, and the name of the rig behind it.
 
     Raises:
-        InputError: it is no address, or a package is missing.
+        InputError: it is not an address, or a package is missing.
         MachineError: the machine can't be driven.
     """
     from layflat.cli.virtual_rig import simulated_rig  # noqa: PLC0415

@@ -1,7 +1,5 @@
 """Command that checks whether a rig is what its description says: rig check."""
 
-from __future__ import annotations
-
 import gc
 from contextlib import suppress
 from typing import Annotated

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from layflat.rig.trials.campaign import Outcome
     from layflat.rig.trials.soak import SoakResult
 
-LONG_ENOUGH = 0.05
-"""Time limit of a reply in a trial, s: time that passes for the processor is none for the rig."""
+LONG_ENOUGH = 0.05  # time limit of a reply in a trial, s: time that passes for the processor is none for the rig
 
 HEADER = ["fault", "good", "found after (ms)", "limit (ms)", "safe after (s)", "furthest (% of stroke)"]
 
@@ -51,7 +50,7 @@ def faults(
     from layflat.rig.trials.campaign import judged  # noqa: PLC0415
 
     if protocol not in (*PACKAGES, "both"):
-        raise InputError(f"{protocol!r} is no protocol", where="--protocol", right="give modbus, serial or both")
+        raise InputError(f"{protocol!r} is not a protocol", where="--protocol", right="give modbus, serial or both")
     chosen = list(PACKAGES) if protocol == "both" else [protocol]
     require_posix("rig faults")
     extras.require("rig", *(package for one in chosen for package in PACKAGES[one]), where="rig faults")

@@ -24,17 +24,10 @@ if TYPE_CHECKING:
     from layflat.rig.session import Snapshot
     from layflat.sim.metrics import Move
 
-LEAD = 0.1
-"""A move without a time begins so long after the soft start, s: the joints are at rest before it."""
-
-AFTER = 3.0
-"""From the last move to the end, where no duration is given, s."""
-
-SHOWN = 20
-"""Events that are listed; `layflat log info` lists all."""
-
-DEFLATES = 10.0
-"""A controlled stop takes less, s."""
+LEAD = 0.1  # a move without a time begins so long after the soft start, s: the joints are at rest before it
+AFTER = 3.0  # from the last move to the end, where no duration is given, s
+SHOWN = 20  # events that are listed; `layflat log info` lists all
+DEFLATES = 10.0  # a controlled stop takes less, s
 
 
 @rigs.command("run")
@@ -46,11 +39,11 @@ def run(
         typer.Option(
             metavar="FILE|TEXT",
             help='file of demands over time, or "40 deg", "40 deg, 20 deg" or "large=40 deg", with "@ 2 s" for later; '
-            "repeatable; joints are held where not given",
+            "repeatable; default: joints are held",
         ),
     ] = None,
     duration: Annotated[
-        str | None, typer.Option(help="from the end of the soft start; 3 s after the last move where not given")
+        str | None, typer.Option(help="from the end of the soft start; default: 3 s after the last move")
     ] = None,
     out: Out = Path("build/rig"),
 ) -> None:
@@ -108,7 +101,7 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
 
     lasts = u.quantity(duration, u.TIME, "--duration") if duration else None
     if lasts is not None and lasts <= 0.0:
-        raise InputError(f"{duration!r} is no time to run", where="--duration", right='give a time such as "3 s"')
+        raise InputError(f"{duration!r} is not a time to run", where="--duration", right='give a time such as "3 s"')
     file = next((text for text in demand if _is_file(text)), None)
     if file is not None and (len(demand) > 1 or duration):
         what = "cannot be combined with other demands or --duration"

@@ -21,8 +21,7 @@ from layflat.errors import InputError, LayflatError
 if TYPE_CHECKING:
     from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 
-LOOKS = 0.1
-"""Between two looks whether to end, s."""
+LOOKS = 0.1  # between two looks whether to end, s
 
 
 @rigs.command("serve")
@@ -64,11 +63,7 @@ def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | 
 
 
 def _answer(device: DeviceProcess, stopped: Callable[[], bool]) -> None:
-    """Do what lines on stdin say, until told to quit or to stop.
-
-    Raises:
-        LayflatError: the device is gone.
-    """
+    """Do what lines on stdin say, until told to quit or to stop; raise LayflatError if the device is gone."""
     from layflat.rig.device.console import obey  # noqa: PLC0415
 
     for words in _lines(device, stopped):

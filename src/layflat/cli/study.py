@@ -34,8 +34,7 @@ def studies(
 def study(
     file: Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in study, or what to vary, in TOML")],
     out: Annotated[
-        Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="for the results; default: build/study/NAME"),
+        Path | None, typer.Option("--out", "-o", metavar="DIR", help="for the results; default: build/study/NAME")
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="of a Dask cluster that does the work")

@@ -1,7 +1,5 @@
 """What a kind of control law has to offer: what it is given of the arm in a control cycle, and what it commands."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -18,30 +16,23 @@ from layflat.lanes import each
 class Sensed(NamedTuple):
     """What the sensors say in this cycle; tuples with an item per joint, from base to tip."""
 
-    angle: tuple[float, ...]
-    """rad"""
-    differential_pressure: tuple[float, ...]
-    """Hose A less hose B, Pa."""
+    angle: tuple[float, ...]  # rad
+    differential_pressure: tuple[float, ...]  # hose A less hose B, Pa
 
 
 class Demand(NamedTuple):
     """What is asked of the joints in this cycle; a step has zero rates."""
 
-    angle: tuple[float, ...]
-    """rad"""
-    velocity: tuple[float, ...]
-    """rad/s"""
-    acceleration: tuple[float, ...]
-    """rad/s2"""
+    angle: tuple[float, ...]  # rad
+    velocity: tuple[float, ...]  # rad/s
+    acceleration: tuple[float, ...]  # rad/s2
 
 
 class Command(NamedTuple):
     """What a law commands in this cycle. Shares are of what the machine has; 1 leaves it as it is."""
 
-    voltage: tuple[float, ...]
-    """To the valves' drivers, V."""
-    brake: tuple[float, ...]
-    """Of the torque at which each brake slips."""
+    voltage: tuple[float, ...]  # to the valves' drivers, V
+    brake: tuple[float, ...]  # of the torque at which each brake slips
 
 
 class ControllerPart(KindPart):
@@ -75,25 +66,21 @@ class ControlKind(Kind):
     for: a named tuple of floats, of named tuples and of tuples of these, with an item a joint. Laws are pure: no clock,
     no input or output, no plant. Those that are decorated with `layflat.jit.law` are compiled, and run in ensembles, in
     studies and on rigs; plain functions run in rollouts and on a virtual rig.
-
-    Args:
-        wake: `wake(settings, sensed)` yields the memory of a law that begins at these measurements, nested as settings.
-        step: `step(settings, memory, sensed, demand, elapsed)` yields memory, `Command` and report after a cycle that
-            came `elapsed` s after the one before. A report is a tuple of `report`, one a joint.
-        report: named tuple class of what the law shows of each joint, all floats; its fields are recorded by name.
-        signals: unit and meaning of each field of `report`.
-        gains: description of the table `gains` of each joint; None where the law has none.
-        centre_shift: `centre_shift(settings, memory, joints)` yields by how much each valve's centre is estimated to be
-            off, V, a tuple with an item per joint, as the zeros `joints` are. A rig's supervision of air takes it into
-            account; zero unless it is given.
     """
 
     wake: Callable[..., Any] = REQUIRED
+    """`wake(settings, sensed)` yields the memory of a law that begins at these measurements, nested as settings."""
     step: Callable[..., Any] = REQUIRED
+    """`step(settings, memory, sensed, demand, elapsed)` yields memory, `Command` and report after a cycle that came
+    `elapsed` s after the one before. A report is a tuple of `report`, one a joint."""
     report: type = REQUIRED
-    signals: Mapping[str, tuple[str, str]] = REQUIRED
-    gains: type[BaseModel] | None = None
+    """Named tuple class of what the law shows of each joint, all floats; its fields are recorded by name."""
+    signals: Mapping[str, tuple[str, str]] = REQUIRED  # unit and meaning of each field of `report`
+    gains: type[BaseModel] | None = None  # description of the table `gains` of each joint; None where the law has none
     centre_shift: Callable[..., Any] = no_shift
+    """`centre_shift(settings, memory, joints)` yields by how much each valve's centre is estimated to be off, V, a
+    tuple with an item per joint, as the zeros `joints` are. A rig's supervision of air takes it into account; zero
+    unless it is given."""
 
     def __post_init__(self) -> None:
         """Refuse a report whose signals have no unit."""
@@ -103,11 +90,7 @@ class ControlKind(Kind):
             raise KindError(f"signal {unexplained[0]!r} has no unit and meaning", where=f"control law {self.name!r}")
 
     def check_compiled(self, where: str) -> None:
-        """Make sure that the law can be compiled, as it has to be `where`.
-
-        Raises:
-            KindError: it is plain Python.
-        """
+        """Make sure that the law can be compiled, as it has to be `where`; raise KindError if it is plain Python."""
         if not self.compiled:
             raise KindError(
                 f"control law {self.name!r} is plain Python; it can't run {where}",

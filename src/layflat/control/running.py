@@ -1,7 +1,5 @@
 """Time loops with a control law that may be plain Python."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -70,11 +70,7 @@ def changed_all(
 
 
 def value_at(described: Part, path: str) -> Any:
-    """Return what stands at a dotted path (SI).
-
-    Raises:
-        InputError: there is no such path.
-    """
+    """Return what stands at a dotted path (SI); raise InputError if there is no such path."""
     part: Any = described
     for key in path.split("."):
         if isinstance(part, dict) and key in part:

@@ -1,7 +1,5 @@
 """One line for what pydantic found wrong: where in the file, what, and what would be right, in our own words."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -14,8 +12,7 @@ from layflat.description.quantity import Quantity
 from layflat.description.wrong import WRONG, shown
 from layflat.errors import InputError
 
-LONGER = 4
-"""Characters by which a misspelt key differs in length less than one of another kind does."""
+LONGER = 4  # characters by which a misspelt key differs in length less than one of another kind does
 
 
 def explained(
@@ -34,7 +31,7 @@ def explained(
         model: class of the description.
         kind: class of what is returned.
         complete: what to say where something is missing: what a complete description has, or what shows one.
-        written: how a place is named, from its steps and the value there; by dots where not given.
+        written: how a place is named, from its steps and the value there; default: by dots.
     """
     first, place = _first(error, model)
     steps, what, right = _said(first, place, complete)
@@ -90,7 +87,7 @@ def _kind(value: object, context: dict[str, Any]) -> tuple[str, str]:
     near = nearest(tag, names) if tag else None
     hint = f'did you mean "{near}"? ' if near else ""
     known = "known kinds are " + ", ".join(f'"{name}"' for name in names) if names else ""
-    return f"{shown(tag)} is no known kind" if tag else "is missing", f"{hint}{known}"
+    return f"{shown(tag)} is not a known kind" if tag else "is missing", f"{hint}{known}"
 
 
 BOUNDS = {

@@ -4,8 +4,6 @@ number   "4", "-0.5", "2.5e-3"
 unit     "mm", "N m", "dm^3/(s bar)", "kg*m**2", "1/s": names with whole exponents, products and quotients
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from difflib import get_close_matches
@@ -27,14 +25,13 @@ _TOKEN = re.compile(
 )
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 
-LONGEST = 100
-"""Characters of a quantity; more is no quantity."""
+LONGEST = 100  # characters of a quantity; more is not a quantity
 
 GREATEST_EXPONENT = 9
 
 
 class QuantityError(ValueError):
-    """A text is no quantity: what is wrong with it, and what would be right where that can be guessed."""
+    """A text is not a quantity: what is wrong with it, and what would be right where that can be guessed."""
 
     def __init__(self, what: str, right: str = "") -> None:
         super().__init__(what)
@@ -67,7 +64,7 @@ def unit_of(text: str) -> tuple[tuple[str, int], ...]:
     """Return the names of a unit with their exponents, in their order; none of an empty text.
 
     Raises:
-        QuantityError: it is no unit.
+        QuantityError: it is not a unit.
         UnknownUnitError: a name in it is that of no unit.
     """
     tokens = _tokens(text)

@@ -42,13 +42,11 @@ PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "d": 0.1, "k": 1e3, "M":
 
 PREFIXED = ("m", "g", "s", "A", "K", "rad", "Hz", "N", "Pa", "bar", "J", "W", "V", "l")
 
-CELSIUS = "degC"
-"""The one unit with a zero of its own; it stands alone."""
+CELSIUS = "degC"  # the one unit with a zero of its own; it stands alone
 
 ZERO_CELSIUS = 273.15
 
-SAME = {"L": "l", "°C": CELSIUS, "°": "deg", "liter": "l", "rev": "turn"}
-"""Other spellings."""
+SAME = {"L": "l", "°C": CELSIUS, "°": "deg", "liter": "l", "rev": "turn"}  # other spellings
 
 
 class UnknownUnitError(ValueError):

@@ -1,7 +1,5 @@
 """Descriptions of one sort: those that are built in, by name, and those in files; what extends what."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from pathlib import Path
@@ -15,8 +13,7 @@ from layflat.errors import InputError
 
 LONGEST_NAME = 200
 
-LONGEST_CHAIN = 20
-"""Files that extend each other."""
+LONGEST_CHAIN = 20  # files that extend each other
 
 
 @dataclass(frozen=True)
@@ -31,21 +28,13 @@ class Layer:
 
 @dataclass(frozen=True)
 class Library:
-    """Where descriptions of one sort are found.
+    """Where descriptions of one sort are found."""
 
-    Args:
-        folder: of those that are built in.
-        noun: what one of them is called.
-        shown_by: where the names of those that are built in are shown.
-        example: what a value looks like in such a file.
-        error: class of what is raised.
-    """
-
-    folder: Path
-    noun: str
-    shown_by: str
-    example: str
-    error: type[InputError]
+    folder: Path  # of those that are built in
+    noun: str  # what one of them is called
+    shown_by: str  # where the names of those that are built in are shown
+    example: str  # what a value looks like in such a file
+    error: type[InputError]  # class of what is raised
 
     @cached_property
     def names(self) -> tuple[str, ...]:

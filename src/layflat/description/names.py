@@ -1,7 +1,5 @@
 """Names of things, which become names of files and keys of paths."""
 
-from __future__ import annotations
-
 import re
 from typing import Annotated
 
@@ -10,8 +8,7 @@ from pydantic import AfterValidator
 from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
 
-LONGEST = 100
-"""Bytes in UTF-8; file systems take 255, suffixes included."""
+LONGEST = 100  # bytes in UTF-8; file systems take 255, suffixes included
 
 _FILE = re.compile(r"[^\W_][\w +()\[\].,=@-]*(?<![ .])")
 _KEY = re.compile(r"[^\W_][\w +()-]*(?<! )")
@@ -57,8 +54,7 @@ def _checked_key(name: str) -> str:
     return name
 
 
-Name = Annotated[str, AfterValidator(_checked_name)]
-"""Of something that results are written for, under this name."""
+Name = Annotated[str, AfterValidator(_checked_name)]  # of something that results are written for, under this name
 
 Key = Annotated[str, AfterValidator(_checked_key)]
 """Of one of several things in a table, such as a joint; it is part of dotted paths and of options."""

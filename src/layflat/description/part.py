@@ -1,7 +1,5 @@
 """Bases of everything that is described."""
 
-from __future__ import annotations
-
 from pydantic import BaseModel, ConfigDict, PrivateAttr
 
 from layflat.description.names import Name

@@ -4,8 +4,6 @@ What pydantic puts into a place beside the keys of the file (the tag of a kind, 
 out, whatever way a kind is chosen.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,25 +15,17 @@ from layflat.description.quantity import Quantity
 Steps = tuple[int | str, ...]
 Schema = dict[str, Any]
 
-INNER = ("schema", "python_schema", "strict_schema")
-"""Keys under which a schema that wraps another keeps it."""
+INNER = ("schema", "python_schema", "strict_schema")  # keys under which a schema that wraps another keeps it
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where something stands in a file.
+    """Where something stands in a file."""
 
-    Args:
-        steps: keys, and numbers of items, from the outside in.
-        known: keys that may stand there, if it is a table.
-        size: values that have to stand there, if it is a list of so many.
-        quantity: its kind, if it has one.
-    """
-
-    steps: Steps
-    known: tuple[str, ...] = ()
-    size: int | None = None
-    quantity: Quantity | None = None
+    steps: Steps  # keys, and numbers of items, from the outside in
+    known: tuple[str, ...] = ()  # keys that may stand there, if it is a table
+    size: int | None = None  # values that have to stand there, if it is a list of so many
+    quantity: Quantity | None = None  # its kind, if it has one
 
     def __str__(self) -> str:
         return ".".join(map(str, self.steps))

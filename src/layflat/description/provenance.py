@@ -6,8 +6,6 @@ In a file a value stands alone, or in a table that says where it comes from:
     width = { value = "160 mm", source = "paper", note = "section 2.3" }
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

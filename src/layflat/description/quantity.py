@@ -27,27 +27,19 @@ from layflat.description.wrong import INPUT, wrong
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 
-SI = {"si": True}
-"""Context of a validation in which numbers are taken to be in SI units, since they come from code."""
+SI = {"si": True}  # context of a validation in which numbers are taken to be in SI units, since they come from code
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A kind of quantity.
+    """A kind of quantity."""
 
-    Args:
-        name: what it is called.
-        unit: its SI unit.
-        example: for those who got it wrong.
-        least: magnitude (SI) below which a value other than zero makes no sense.
-        most: magnitude (SI) above which none does.
-    """
-
-    name: str
-    unit: str
-    example: str
+    name: str  # what it is called
+    unit: str  # its SI unit
+    example: str  # for those who got it wrong
     least: float = field(default=0.0, compare=False)
-    most: float = field(default=math.inf, compare=False)
+    """Magnitude (SI) below which a value other than zero makes no sense."""
+    most: float = field(default=math.inf, compare=False)  # magnitude (SI) above which none does
 
     @property
     def article(self) -> str:
@@ -102,22 +94,14 @@ class Quantity:
         return self._converted(number, source)
 
     def within(self, number: float) -> float:
-        """Return an SI float if it makes sense.
-
-        Raises:
-            QuantityError: its magnitude is too large or too small.
-        """
+        """Return an SI float if it makes sense; raise QuantityError if its magnitude is too large or too small."""
         if self.finite(number) != 0.0 and not self.least <= abs(number) <= self.most:
             right = f"give {self.article} between {self.least:g} and {self.most:g} {self.unit}"
             raise QuantityError("is out of range", right)
         return number
 
     def finite(self, number: float) -> float:
-        """Return an SI float if it is finite.
-
-        Raises:
-            QuantityError: it is not.
-        """
+        """Return an SI float if it is finite; raise QuantityError if it is not."""
         if not math.isfinite(number):
             raise QuantityError("is not finite", self.right)
         return number

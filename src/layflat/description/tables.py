@@ -1,7 +1,5 @@
 """Nested tables: from TOML, laid over each other, and back to text."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterator
@@ -15,12 +13,10 @@ from layflat.errors import InputError
 
 Plain = dict[str, Any]
 
-DEEPEST = 20
-"""Tables within tables; a machine has four."""
+DEEPEST = 20  # tables within tables; a machine has four
 
 
-GREATEST = 1e15
-"""Of a number without unit, infinity and what is no number aside, which are refused where they stand."""
+GREATEST = 1e15  # of a number without unit, infinity and what is not a number aside, which are refused where they stand
 
 TOO_DEEP = "is nested too deeply", f"use at most {DEEPEST} levels"
 

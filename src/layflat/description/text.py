@@ -1,7 +1,5 @@
 """Files that people wrote, read so that none can hang or fill the memory."""
 
-from __future__ import annotations
-
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -9,8 +7,7 @@ from pathlib import Path
 
 from layflat.errors import InputError
 
-MOST_BYTES = 4_000_000
-"""Of a description: a hundred times as much as the longest one that is built in."""
+MOST_BYTES = 4_000_000  # of a description: a hundred times as much as the longest one that is built in
 
 
 @contextmanager

@@ -4,8 +4,6 @@ Every quantity of a description is an annotated float, for instance `Length`. A 
 unknown unit or a magnitude that makes no sense is refused with what would be right.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from typing import Annotated

@@ -1,15 +1,11 @@
 """What our own checks say of a value: the problem, and what would be right."""
 
-from __future__ import annotations
-
 from pydantic_core import PydanticCustomError
 
-WRONG = "layflat"
-"""Type of such an error among pydantic's."""
+WRONG = "layflat"  # type of such an error among pydantic's
 
 
-INPUT = object()
-"""In place of a value: what stands in the file."""
+INPUT = object()  # in place of a value: what stands in the file
 
 
 def wrong(what: str, right: str = "", value: object = None) -> PydanticCustomError:

@@ -4,8 +4,6 @@ Everything starts from `design_joint` (what a described joint can do) or `size_j
 does what is asked). Names are loaded when they are first used.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

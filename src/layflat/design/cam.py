@@ -15,49 +15,34 @@ x = h cos eta - h' sin eta, y = h sin eta + h' cos eta. A strap can only pull, s
 Derived in docs/derivations-cam.md.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import degrees, isfinite
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.design.characteristic import Characteristic
-from layflat.design.curves import Array
 from layflat.design.straplines import StrapLine, turned, unit
 from layflat.errors import DesignError
 
 
 @dataclass(frozen=True)
 class Cam:
-    """A cam and how it runs; arrays of shape (n,) over the travel, from the collapsed hose on.
+    """A cam and how it runs; arrays of shape (n,) over the travel, from the collapsed hose on."""
 
-    Args:
-        torque_constant: K, m3/rad: torque per gauge pressure.
-        travel: s, m.
-        angle: phi, rad, from 0.
-        lever: p, m.
-        alignment: share of the strap's tension that acts along the shell's motion.
-        line_normal: psi, rad.
-        normal: eta, rad, falling.
-        curvature_radius: rho, m; not positive where the cam can't be made.
-        profile: points of the envelope in the cam's frame, which is the joint's at phi = 0 with its origin on the
-            output axis, m, shape (n, 2).
-        strap_point: A, m, in the joint's frame, shape (n, 2).
-        axis: O, m, in the joint's frame.
-    """
-
-    torque_constant: float
-    travel: Array
-    angle: Array
-    lever: Array
-    alignment: Array
-    line_normal: Array
-    normal: Array
-    curvature_radius: Array
+    torque_constant: float  # K, m3/rad: torque per gauge pressure
+    travel: Array  # s, m
+    angle: Array  # phi, rad, from 0
+    lever: Array  # p, m
+    alignment: Array  # share of the strap's tension that acts along the shell's motion
+    line_normal: Array  # psi, rad
+    normal: Array  # eta, rad, falling
+    curvature_radius: Array  # rho, m; not positive where the cam can't be made
     profile: Array
-    strap_point: Array
-    axis: tuple[float, float]
+    """Points of the envelope in the cam's frame, which is the joint's at phi = 0 with its origin on the output axis, m,
+    shape (n, 2)."""
+    strap_point: Array  # A, m, in the joint's frame, shape (n, 2)
+    axis: tuple[float, float]  # O, m, in the joint's frame
 
     @property
     def stroke(self) -> float:

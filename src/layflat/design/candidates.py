@@ -8,8 +8,6 @@
 | w, D | width of the flat hose, diameter of the cylinder | m |
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from math import ceil, degrees, pi, radians
@@ -24,14 +22,12 @@ HOSE_WIDTHS = tuple(w * 1e-3 for w in (40, 53, 67, 83, 102, 105, 110, 129, 160, 
 CHOSEN_RATIO = 0.8, 1.0
 """Cylinder diameter over hose width when both are chosen here. The paper's joints: 0.95 and 0.93."""
 
-GIVEN_RATIO = 0.5, 1.8
-"""The same when one is given: beyond these the hose kinks, or is nearly all dead volume."""
+GIVEN_RATIO = 0.5, 1.8  # the same when one is given: beyond these the hose kinks, or is nearly all dead volume
 
 RESERVE = radians(40.0 / 3.0)
 """Full travel beyond the working stroke, as in the paper's large joint: two thirds of the way to the stop."""
 
-CONTACT_SHARE = 0.7
-"""Contact angle at full travel over wrap: 84 deg of 120 deg in Table 1."""
+CONTACT_SHARE = 0.7  # contact angle at full travel over wrap: 84 deg of 120 deg in Table 1
 
 
 def hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[float, float]]:

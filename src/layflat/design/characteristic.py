@@ -10,43 +10,34 @@
 By virtual work F ds = P dV, so one curve is force and volume alike, and nothing built from it can make energy.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
 import numpy as np
 
-from layflat.design.curves import ORDER, Array, Through, spline
+from layflat.arrays import Array
+from layflat.design.curves import ORDER, Through, spline
 from layflat.errors import DesignError
 from layflat.machine import Joint
 from layflat.physics.hose import roller_torque
 
-POINTS = 601
-"""Nodes of a curve that a law gives; its quintic spline is then as exact as the law."""
+POINTS = 601  # nodes of a curve that a law gives; its quintic spline is then as exact as the law
 
 
 @dataclass(frozen=True)
 class Characteristic:
     """Force per pressure over travel.
 
-    Args:
-        travel: s, m, shape (n,), rising from 0.
-        force: f, N/Pa = m2, shape (n,), positive.
-        source: what the curve comes from, for reports.
-        fit_error: greatest distance of measured points from the curve, share of the greatest force.
-        through: lays the curve through the nodes.
-
     Raises:
         DesignError: the curve has too few points, does not rise in travel, or is not positive.
     """
 
-    travel: Array
-    force: Array
-    source: str
-    fit_error: float = 0.0
-    through: Through = spline
+    travel: Array  # s, m, shape (n,), rising from 0
+    force: Array  # f, N/Pa = m2, shape (n,), positive
+    source: str  # what the curve comes from, for reports
+    fit_error: float = 0.0  # greatest distance of measured points from the curve, share of the greatest force
+    through: Through = spline  # lays the curve through the nodes
 
     def __post_init__(self) -> None:
         where = f"characteristic from {self.source}"

@@ -14,14 +14,12 @@ The footnote of the printed table gives C and D wrongly; C = R (g - a)/2 and D =
 it rests on pi = 3.14. For exact work use `layflat.design.cam`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
-from layflat.design.curves import Array
+from layflat.arrays import Array
 from layflat.physics.hose import roller_torque
 
 

@@ -1,18 +1,15 @@
 """Integral and derivatives of a curve through points, in two ways."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from layflat.arrays import Array
+
 Through = Callable[[Array, Array], tuple[Array, Array, Array]]
 """Yields the integral of y over rising x from the first point on, and y' and y'', at each point: shape (n,) each."""
 
-ORDER = 5
-"""Of the spline, which goes through more points than that."""
+ORDER = 5  # of the spline, which goes through more points than that
 
 
 def spline(x: Array, y: Array) -> tuple[Array, Array, Array]:

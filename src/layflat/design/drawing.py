@@ -1,7 +1,5 @@
 """Drawings of a designed joint: the cam to be cut, and how it sits in the joint."""
 
-from __future__ import annotations
-
 import re
 from contextlib import ExitStack
 from io import StringIO
@@ -11,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from layflat import extras
+from layflat.arrays import Array
 from layflat.design.cam import Cam
-from layflat.design.curves import Array
 from layflat.design.dxf import dxf_text
 from layflat.design.outline import Outline
 from layflat.design.sheet import Circle, Diameter, Distance, Layer, Note, Sheet
@@ -25,14 +23,9 @@ from layflat.files import whole_file
 
 MM = 1e3
 LARGEST_TEXT = 3.5
-TEXTS_ACROSS = 18.0
-"""Text height of a drawing: the part's size over this, at most LARGEST_TEXT mm."""
-
-BORE_DIRECTION = 245.0
-"""Where the bore's dimension is led out, deg: the side without profile."""
-
-CYLINDER_DIRECTION = -35.0
-"""Where the cylinder's is, deg: the side without shell."""
+TEXTS_ACROSS = 18.0  # text height of a drawing: the part's size over this, at most LARGEST_TEXT mm
+BORE_DIRECTION = 245.0  # where the bore's dimension is led out, deg: the side without profile
+CYLINDER_DIRECTION = -35.0  # where the cylinder's is, deg: the side without shell
 
 
 def write_drawings(design: JointDesign, folder: Path) -> list[Path]:

@@ -1,7 +1,5 @@
 """What a joint weighs, part by part, and what air it uses."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from layflat.machine import Joint
@@ -29,17 +27,11 @@ class Mass:
 
 @dataclass(frozen=True)
 class Air:
-    """Air of one full stroke of one hose from its collapsed state, at supply pressure.
+    """Air of one full stroke of one hose from its collapsed state, at supply pressure."""
 
-    Args:
-        swept_volume: m3.
-        dead_volume: m3.
-        normal_litres: taken from the supply, at 0 degC and 1.01325 bar; isothermal at the supply's temperature.
-    """
-
-    swept_volume: float
-    dead_volume: float
-    normal_litres: float
+    swept_volume: float  # m3
+    dead_volume: float  # m3
+    normal_litres: float  # taken from the supply, at 0 degC and 1.01325 bar; isothermal at the supply's temperature
 
 
 def air_per_stroke(joint: Joint, swept_volume: float, supply: Supply) -> Air:

@@ -9,8 +9,6 @@ The first row that is not a comment (#) names the columns; the table runs from t
 A column `pressure_bar` gives the gauge pressure of each row; without it, one pressure holds for the whole table.
 """
 
-from __future__ import annotations
-
 import csv
 from io import StringIO
 from math import isfinite, radians
@@ -21,18 +19,15 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description.text import read_text
 from layflat.design.characteristic import POINTS, Characteristic
-from layflat.design.curves import Array
 from layflat.errors import InputError
 
 TRAVELS = {"angle_deg": radians(1.0), "angle_rad": 1.0, "travel_mm": 1e-3, "travel_m": 1.0}
 FORCES = {"torque_Nm": 1.0, "force_N": 1.0}
-PRESSURES = {"pressure_bar": 1e5, "pressure_Pa": 1.0}
-"""Known columns, and what turns each into its SI unit."""
-
-PRESSURE_RANGE = 1e3, 1e7
-"""Gauge pressures that a test may have had, Pa."""
+PRESSURES = {"pressure_bar": 1e5, "pressure_Pa": 1.0}  # known columns, and what turns each into its SI unit
+PRESSURE_RANGE = 1e3, 1e7  # gauge pressures that a test may have had, Pa
 
 LEAST_ROWS = 5
 DEGREE = 4

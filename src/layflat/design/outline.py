@@ -4,53 +4,39 @@ The profile is kept as it is. The run-out goes on with the curvature that it beg
 collapsed hose. Around the back runs the shortest convex line that holds flat and hub.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.design.cam import Cam
-from layflat.design.curves import Array
 from layflat.design.straplines import turned, unit
 from layflat.errors import DesignError
 
 BORES = tuple(size * 1e-3 for size in (4, 5, 6, 8, 10, 12, 15, 17, 20, 25, 30, 35, 40, 45, 50, 60))
 """Bores of common bearings and bushes, m."""
 
-BORE_SHARE = 0.6
-"""Greatest bore over the smallest lever arm."""
-
-HUB_SHARE = 1.5
-"""Hub diameter over bore: the least wall around the bore."""
-
-CLAMP_SHARE = 0.5
-"""Length of the flat for the strap's clamp over the smallest lever arm."""
-
-RUN_OUT = np.radians(np.arange(1.0, 13.0))
-"""Angles of the run-out's points beyond the profile, rad."""
+BORE_SHARE = 0.6  # greatest bore over the smallest lever arm
+HUB_SHARE = 1.5  # hub diameter over bore: the least wall around the bore
+CLAMP_SHARE = 0.5  # length of the flat for the strap's clamp over the smallest lever arm
+RUN_OUT = np.radians(np.arange(1.0, 13.0))  # angles of the run-out's points beyond the profile, rad
 
 HUB_POINTS = 180
-ON_LINE = 1e-8
-"""How far the outline may reach over a line of the strap, m."""
+ON_LINE = 1e-8  # how far the outline may reach over a line of the strap, m
 
 
 @dataclass(frozen=True)
 class Outline:
     """Closed outline of a convex cam in its own frame, origin on the output axis.
 
-    Args:
-        cam: the cam.
-        bore: diameter, m.
-
     Raises:
         DesignError: the cam is not convex, turns too far for one plane, or the bore leaves no wall.
     """
 
-    cam: Cam
-    bore: float
+    cam: Cam  # the cam
+    bore: float  # diameter, m
 
     def __post_init__(self) -> None:
         if not self.cam.convex:

@@ -18,41 +18,31 @@ In the collapsed state this is Eq. (1). Further on, Eq. (1) falls faster, becaus
 along the wrap. On a flat plate nothing shifts along the wrap, so nothing peels.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import asin, degrees, inf, isfinite, isinf, pi, sin
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from layflat.arrays import Array
 from layflat.design.characteristic import POINTS, Characteristic
-from layflat.design.curves import Array
 from layflat.errors import DesignError
 
-FULL_GAP = 0.999
-"""Share of the inflated diameter up to which the gap opens: at 1 the hose touches along a line only."""
-
-USED_FALL = 0.5
-"""Share of its first force at which a hose's travel ends by default: about that of the paper's cylinder."""
+FULL_GAP = 0.999  # share of the inflated diameter up to which the gap opens: at 1 the hose touches along a line only
+USED_FALL = 0.5  # share of its first force at which a hose's travel ends by default: about that of the paper's cylinder
 
 
 @dataclass(frozen=True)
 class Plate:
     """A plate with a hinged shell, both flat or both curved.
 
-    Args:
-        width: of the flat hose, m.
-        length: along the hose, from the clamp to the strap point, m.
-        radius: of curvature, m; infinite for a flat plate.
-
     Raises:
         DesignError: a size is not positive, or the plate wraps over 180 deg.
     """
 
-    width: float
-    length: float
-    radius: float = inf
+    width: float  # of the flat hose, m
+    length: float  # along the hose, from the clamp to the strap point, m
+    radius: float = inf  # of curvature, m; infinite for a flat plate
 
     def __post_init__(self) -> None:
         for name in ("width", "length", "radius"):

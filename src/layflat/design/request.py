@@ -1,7 +1,5 @@
 """What a joint is asked to do: the request that a joint is sized for, with the range of each value."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import isfinite, pi, radians
 from typing import Any, Self
@@ -25,45 +23,30 @@ RANGES: dict[str, tuple[u.Quantity | None, float, float]] = {
 }
 """Kind, least and greatest value (SI) of each request."""
 
-ROUNDING = 1e-9
-"""Share by which a bound may be missed: what is written in another unit is rounded."""
+ROUNDING = 1e-9  # share by which a bound may be missed: what is written in another unit is rounded
 
 
 @dataclass(frozen=True)
 class SizingRequest:
     """What a joint must do, in SI; what is None is chosen.
 
-    Args:
-        torque: over the whole working stroke at supply pressure, N m.
-        stroke: working stroke, rad.
-        supply: gauge supply pressure, Pa.
-        wrap: wrap angle of the collapsed hose, rad.
-        hose_width: width of the flat hose, m.
-        cylinder_diameter: m.
-        strap_width: m.
-        strap_thickness: m.
-        link_length: from the joint to what it carries, m; the paper's 0.4 m if None.
-        payload_inertia: about the joint, kg m2; the paper's 10^-2 kg m2 per N m if None.
-        stress_margin: yield over stress that the strap must keep.
-        name: of the machine and its files.
-
     Raises:
         InputError: the name can't be that of a file.
         DesignError: a value lies outside any sensible range.
     """
 
-    torque: float
-    stroke: float
-    supply: float
-    wrap: float = radians(120.0)
-    hose_width: float | None = None
-    cylinder_diameter: float | None = None
-    strap_width: float | None = None
-    strap_thickness: float | None = None
-    link_length: float | None = None
-    payload_inertia: float | None = None
-    stress_margin: float = 1.5
-    name: str = "sized-joint"
+    torque: float  # over the whole working stroke at supply pressure, N m
+    stroke: float  # working stroke, rad
+    supply: float  # gauge supply pressure, Pa
+    wrap: float = radians(120.0)  # wrap angle of the collapsed hose, rad
+    hose_width: float | None = None  # width of the flat hose, m
+    cylinder_diameter: float | None = None  # m
+    strap_width: float | None = None  # m
+    strap_thickness: float | None = None  # m
+    link_length: float | None = None  # from the joint to what it carries, m; the paper's 0.4 m if None
+    payload_inertia: float | None = None  # about the joint, kg m2; the paper's 10^-2 kg m2 per N m if None
+    stress_margin: float = 1.5  # yield over stress that the strap must keep
+    name: str = "sized-joint"  # of the machine and its files
 
     def __post_init__(self) -> None:
         file_name(self.name, "size: name")
@@ -83,7 +66,7 @@ class SizingRequest:
         """Return the request of texts with units, such as torque="25 N m"; what is None keeps its default.
 
         Raises:
-            InputError: a text is no quantity of its kind.
+            InputError: a text is not a quantity of its kind.
             DesignError: a value lies outside any sensible range.
         """
         values: dict[str, Any] = {}

@@ -28,14 +28,9 @@ WRAP_LIMIT = radians(120.0)
 WRAP_GREATEST = pi
 """Over half a turn Eq. (1) means nothing."""
 
-SAFETY_WANTED = 1.3
-"""Yield over stress below which a strap is worth a warning."""
-
-ALIGNMENT_WANTED = 0.7
-"""Share of the strap's tension along the shell's motion below which a shaft is badly placed."""
-
-FIT_WANTED = 0.03
-"""Distance of measured points from their curve, share of the greatest force, that is worth a warning."""
+SAFETY_WANTED = 1.3  # yield over stress below which a strap is worth a warning
+ALIGNMENT_WANTED = 0.7  # share of the strap's tension along the shell's motion below which a shaft is badly placed
+FIT_WANTED = 0.03  # distance of measured points from their curve, share of the greatest force, that is worth a warning
 
 SLACK = radians(1e-6)
 LEAST_SLOT = 0.5e-3
@@ -43,21 +38,13 @@ LEAST_SLOT = 0.5e-3
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was found.
+    """One thing that was found."""
 
-    Args:
-        severity: "error", "warning" or "note".
-        rule: short name of the rule.
-        where: machine, joint and key.
-        what: what is so, with its value.
-        right: what would be right, or what it leads to.
-    """
-
-    severity: Severity
-    rule: str
-    where: str
-    what: str
-    right: str = ""
+    severity: Severity  # "error", "warning" or "note"
+    rule: str  # short name of the rule
+    where: str  # machine, joint and key
+    what: str  # what is so, with its value
+    right: str = ""  # what would be right, or what it leads to
 
     def __str__(self) -> str:
         text = f"{self.where}: {self.what}"

@@ -1,14 +1,12 @@
 """What a drawing shows, apart from the format that it is written in. Everything in mm, y upwards."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import radians
 from typing import Literal
 
 import numpy as np
 
-from layflat.design.curves import Array
+from layflat.arrays import Array
 from layflat.design.straplines import unit
 
 Point = tuple[float, float] | Array

@@ -7,8 +7,6 @@ model moves more slowly, as sqrt(T/J), and the speeds below which its phases beg
 is not made quicker: spool, averaging and control cycle are as slow as the model's.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,8 +19,7 @@ from layflat.design.request import SizingRequest
 from layflat.machine import Joint, Machine
 from layflat.machine.parameters import torque_constant, travel_volume
 
-Rows = Iterator[tuple[str, str | int, str]]
-"""Dotted path, value as it is written, and note."""
+Rows = Iterator[tuple[str, str | int, str]]  # dotted path, value as it is written, and note
 
 BRAKE_SHARE = 0.08
 """Brake over maximum torque. Source: section 4.2."""
@@ -30,35 +27,25 @@ BRAKE_SHARE = 0.08
 OVERSHOOT_ROOM = 20.0
 """Mechanical beyond working stroke, deg. Source: section 2.3."""
 
-HEIGHT_PER_WIDTH = 1.6
-"""Height of a joint over the width of its hose: 1.64 and 1.56 in the paper."""
+HEIGHT_PER_WIDTH = 1.6  # height of a joint over the width of its hose: 1.64 and 1.56 in the paper
 
 INERTIA_PER_TORQUE = 1e-2
 """Payload inertia that a joint carries, kg m2 per N m. Source: section 5."""
 
-ASKED = "asked for"
-"""Note of values that are given; all others are derived."""
+ASKED = "asked for"  # note of values that are given; all others are derived
 
 BY_TORQUE = "the paper's small joint, scaled by torque"
 
 
 @dataclass(frozen=True)
 class SizedJoint:
-    """What sizing settled, in SI.
+    """What sizing settled, in SI."""
 
-    Args:
-        request: what was asked for.
-        joint: the model's joint with its new sizes.
-        torque_constant: K, m3/rad.
-        swept_volume: of one hose, m3.
-        mass: of the whole joint, kg.
-    """
-
-    request: SizingRequest
-    joint: Joint
-    torque_constant: float
-    swept_volume: float
-    mass: float
+    request: SizingRequest  # what was asked for
+    joint: Joint  # the model's joint with its new sizes
+    torque_constant: float  # K, m3/rad
+    swept_volume: float  # of one hose, m3
+    mass: float  # of the whole joint, kg
 
     @property
     def torque(self) -> float:

@@ -3,8 +3,6 @@
 Everything that is not sized is taken from the paper's small joint, by its built-in description.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import islice
 from math import ceil, degrees
@@ -26,14 +24,9 @@ from layflat.files import write_text
 from layflat.machine import Joint, Machine, load
 from layflat.machine.mass import part_masses
 
-MODEL = "paper-small-joint"
-"""The machine that a sized joint is laid over."""
-
-WIDER = 4
-"""How many hoses beyond the narrowest are tried before the strap is called too weak."""
-
-LARGEST_ROLLER = 0.8
-"""Roller radius over the cylinder's beyond which a cam doesn't fit."""
+MODEL = "paper-small-joint"  # the machine that a sized joint is laid over
+WIDER = 4  # how many hoses beyond the narrowest are tried before the strap is called too weak
+LARGEST_ROLLER = 0.8  # roller radius over the cylinder's beyond which a cam doesn't fit
 
 OFFSET_SHARES = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85)
 """Shaft offset over cylinder radius: the first at which the strap clears the cylinder's free edge is taken."""
@@ -41,19 +34,12 @@ OFFSET_SHARES = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85)
 
 @dataclass(frozen=True)
 class Sized:
-    """A sized joint.
+    """A sized joint."""
 
-    Args:
-        request: what it was sized for.
-        toml: its description, each value with its provenance.
-        machine: the machine that this text describes.
-        design: its design at supply pressure.
-    """
-
-    request: SizingRequest
-    toml: str
-    machine: Machine
-    design: JointDesign
+    request: SizingRequest  # what it was sized for
+    toml: str  # its description, each value with its provenance
+    machine: Machine  # the machine that this text describes
+    design: JointDesign  # its design at supply pressure
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -61,11 +47,7 @@ class Sized:
         return self.design.findings
 
     def write(self, path: Path) -> Path:
-        """Write the description to a TOML file.
-
-        Raises:
-            OutputError: it can't be written there.
-        """
+        """Write the description to a TOML file; raise OutputError if it can't be written there."""
         return write_text(path, self.toml)
 
 

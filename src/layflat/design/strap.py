@@ -11,8 +11,6 @@ Layers lie loose on each other, so each bends by itself; so does each fibre of a
 in the bending stress.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import ceil, inf
 
@@ -20,11 +18,8 @@ from layflat.design.request import SizingRequest
 from layflat.errors import DesignError
 from layflat.machine.parts import Strap
 
-THICKNESSES = tuple(t * 1e-3 for t in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3))
-"""Of steel strip, m."""
-
-WIDTH_SHARE = 0.45
-"""Greatest width of a strap over the hose's: two opposing straps pass each other."""
+THICKNESSES = tuple(t * 1e-3 for t in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3))  # of steel strip, m
+WIDTH_SHARE = 0.45  # greatest width of a strap over the hose's: two opposing straps pass each other
 
 LEAST_WIDTH = 0.012
 LAYERS = (2, 4)
@@ -32,23 +27,14 @@ LAYERS = (2, 4)
 
 @dataclass(frozen=True)
 class StrapStress:
-    """Stress of the strap at one place, Pa.
+    """Stress of the strap at one place, Pa."""
 
-    Args:
-        place: where it bends.
-        bend_radius: rho there, m.
-        tension: greatest tension, N.
-        tensile: F/(w t n).
-        bending: E t/(2 rho).
-        yield_stress: what the strap bears.
-    """
-
-    place: str
-    bend_radius: float
-    tension: float
-    tensile: float
-    bending: float
-    yield_stress: float
+    place: str  # where it bends
+    bend_radius: float  # rho there, m
+    tension: float  # greatest tension, N
+    tensile: float  # F/(w t n)
+    bending: float  # E t/(2 rho)
+    yield_stress: float  # what the strap bears
 
     @property
     def total(self) -> float:

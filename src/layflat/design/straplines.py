@@ -16,40 +16,30 @@ mirror image. Derived in docs/derivations-cam.md.
 | K | torque per pressure that is wanted, the same at all travels | m3/rad |
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from layflat.design.curves import Array
+from layflat.arrays import Array
 from layflat.design.plates import Plate
 from layflat.errors import DesignError
 from layflat.machine import Joint
 
 Point = tuple[float, float]
 
-CLAMP_ANGLE = -pi / 2
-"""Where on the cylinder both hoses are clamped, back to back."""
+CLAMP_ANGLE = -pi / 2  # where on the cylinder both hoses are clamped, back to back
 
 
 @dataclass(frozen=True)
 class Lines:
-    """The strap's line at each travel; all of shape (n,) but `strap_point`.
+    """The strap's line at each travel; all of shape (n,) but `strap_point`."""
 
-    Args:
-        lever: p, m.
-        normal_angle: psi, rad, continuous.
-        alignment: A'.u, the share of the tension that acts along the shell's motion.
-        strap_point: A, m, shape (n, 2).
-    """
-
-    lever: Array
-    normal_angle: Array
-    alignment: Array
-    strap_point: Array
+    lever: Array  # p, m
+    normal_angle: Array  # psi, rad, continuous
+    alignment: Array  # A'.u, the share of the tension that acts along the shell's motion
+    strap_point: Array  # A, m, shape (n, 2)
 
 
 @dataclass(frozen=True)
@@ -140,8 +130,7 @@ class RollerLine:
         return Lines(p, psi, np.ones_like(p), leaves)
 
 
-StrapLine = ShellLine | RollerLine
-"""How the strap gets from the hose to the cam."""
+StrapLine = ShellLine | RollerLine  # how the strap gets from the hose to the cam
 
 
 def of_joint(joint: Joint) -> StrapLine:

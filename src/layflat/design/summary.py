@@ -1,7 +1,5 @@
 """A joint's whole design from its description: curve, cam, strap, findings, mass and air."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -9,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
 from layflat.design.characteristic import Characteristic, of_cylinder
-from layflat.design.curves import Array, Through, spline
+from layflat.design.curves import Through, spline
 from layflat.design.mass import Air, Mass, air_per_stroke
 from layflat.design.outline import Outline, cam_outline
 from layflat.design.rules import Finding, check, refuse_errors
@@ -24,23 +23,14 @@ from layflat.machine.mass import part_masses
 
 @dataclass(frozen=True)
 class JointDesign:
-    """The whole design of one joint.
+    """The whole design of one joint."""
 
-    Args:
-        machine: the machine it belongs to.
-        name: the joint's name there.
-        pressure: gauge supply pressure, Pa; all torques, tensions and stresses hold at this pressure.
-        characteristic: force of one hose over its travel.
-        cam: the exact cam; None with a round roller.
-        outline: the cam as a part to be cut; None with a round roller.
-    """
-
-    machine: Machine
-    name: str
-    pressure: float
-    characteristic: Characteristic
-    cam: Cam | None
-    outline: Outline | None
+    machine: Machine  # the machine it belongs to
+    name: str  # the joint's name there
+    pressure: float  # gauge supply pressure, Pa; all torques, tensions and stresses hold at this pressure
+    characteristic: Characteristic  # force of one hose over its travel
+    cam: Cam | None  # the exact cam; None with a round roller
+    outline: Outline | None  # the cam as a part to be cut; None with a round roller
 
     @property
     def where(self) -> str:
@@ -129,11 +119,7 @@ class JointDesign:
         }
 
     def with_cam(self) -> Cam:
-        """Return the cam.
-
-        Raises:
-            DesignError: the joint has none.
-        """
+        """Return the cam; raise DesignError if the joint has none."""
         if self.cam is None:
             raise DesignError(
                 '"roller"',

@@ -1,13 +1,11 @@
 """A sheet as SVG: true to scale in mm, dimensions drawn as lines, arrows and text."""
 
-from __future__ import annotations
-
 from html import escape
 from math import radians
 
 import numpy as np
 
-from layflat.design.curves import Array
+from layflat.arrays import Array
 from layflat.design.sheet import Diameter, Distance, Layer, Point, Sheet
 from layflat.design.straplines import turned, unit
 
@@ -22,8 +20,7 @@ STYLES: dict[Layer, str] = {  # of lines; text has none
 ARROW, GAP, PAST = 0.8, 0.3, 0.5
 """Length of an arrow, gap at a point and reach past the dimension line, in text heights."""
 
-LETTER = 0.58
-"""Width of a letter in text heights."""
+LETTER = 0.58  # width of a letter in text heights
 
 
 def svg_text(sheet: Sheet) -> str:

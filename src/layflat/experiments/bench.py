@@ -1,7 +1,5 @@
 """The machines of the paper's experiments, all derived from one arm, and what an experimenter may change in them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

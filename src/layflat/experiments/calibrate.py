@@ -13,8 +13,6 @@ Each search begins at what stands in the descriptions and repeats itself for the
 ten minutes on two cores.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import sys
@@ -26,9 +24,9 @@ from math import degrees, radians
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from layflat.arrays import Array
 from layflat.description.change import changed_all
 from layflat.experiments.bench import Bench, bench, payload_for_inertia
 from layflat.files import write_text
@@ -41,7 +39,6 @@ from layflat.sim.sweep import sweep
 from layflat.tune.knobs import PER_DEG, Knob, gain_knobs, values_of
 from layflat.tune.search import Strategy
 
-Array = NDArray[np.float64]
 AT, LAST = 0.5, 3.0  # time of the step, and how long it may take, s
 
 BOTH = ("large", "small")

@@ -1,7 +1,5 @@
 """Dither: what it moves, what it is needed for, and the averaging that hides it (section 3)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -10,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.control.paper.law import step_joint, wake_joint
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import sweep_spool
@@ -28,9 +27,9 @@ OPENING = "of full opening"
 class ValveSweep:
     """Mean net opening (to supply less to exhaust, of one hose) against a slowly swept command, on both ways."""
 
-    command: NDArray[np.float64]
-    up: NDArray[np.float64]
-    down: NDArray[np.float64]
+    command: Array
+    up: Array
+    down: Array
 
     @property
     def hysteresis(self) -> float:
@@ -43,7 +42,7 @@ class ValveSweep:
         return float(np.max(np.gradient(self.up, self.command)[np.abs(self.command) <= SMALL_SIGNAL]))
 
 
-def amplitude_at(time: NDArray[np.float64], signal: NDArray[np.float64], frequency: float) -> float:
+def amplitude_at(time: Array, signal: Array, frequency: float) -> float:
     """Return the amplitude of one frequency in a signal, over a whole number of its periods."""
     rotation = np.exp(-2j * pi * frequency * time)
     return float(2.0 * np.abs(np.mean((signal - signal.mean()) * rotation)))
@@ -70,12 +69,12 @@ def sweep_valve(valve: SpoolValvePart, amplitude: float, frequency: float) -> Va
     return ValveSweep(command, opening[162:243], opening[243:][::-1])
 
 
-def frequency_response(frequency: NDArray[np.float64], cycle: float) -> NDArray[np.float64]:
+def frequency_response(frequency: Array, cycle: float) -> Array:
     """Return the gain of the controller's average, the mean of four samples that are a cycle (s) apart."""
     return np.asarray(np.abs(np.mean(np.exp(-2j * pi * cycle * np.outer(np.arange(4), frequency)), axis=0)))
 
 
-def followed(gains: Any, cycle: float, signal: NDArray[Any]) -> NDArray[np.float64]:
+def followed(gains: Any, cycle: float, signal: NDArray[Any]) -> Array:
     """Return the angle that a controller uses where its sensor gives `signal`."""
     memory = wake_joint(gains, float(signal[0]), 0.0)
     out = np.empty_like(signal)
@@ -91,7 +90,7 @@ class Dither(Experiment):
     frequency = np.linspace(0.5, 100.0, 400)  # at which the averaged signal is probed, Hz
 
     @cached_property
-    def response(self) -> NDArray[np.float64]:
+    def response(self) -> Array:
         """Gain of the average at these frequencies."""
         return frequency_response(self.frequency, self.bench.arm.cycle)
 

@@ -1,7 +1,5 @@
 """What the experiments compile for themselves: a controller that is timed, a valve whose command is swept."""
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Open-loop characteristics: hysteresis curves of the rigs and joints (Figs 2 to 5 and 10 to 12)."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """All experiments of the paper on one bench, and all its claims."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -8,8 +8,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.design import JointDesign, Table1, design_joint, table1
 from layflat.experiments.bench import alone, maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
@@ -68,7 +68,7 @@ def stiffness(run: xarray.Dataset) -> float:
     return -float(np.polyfit(last["angle"].to_numpy()[:, 0], torque, 1)[0])
 
 
-def cam_torque(design: JointDesign) -> NDArray[np.float64]:
+def cam_torque(design: JointDesign) -> Array:
     """Return a cam's torque over its stroke, N m: Eq. (1)'s force through the strap, times the profile's lever."""
     cam = design.with_cam()
     normals = np.stack([np.cos(cam.normal), np.sin(cam.normal)])

@@ -7,8 +7,8 @@ from math import inf, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.open_loop import OF_TORQUE, percent
 from layflat.sim.ensemble.parallel import TIP_BAND
@@ -47,7 +47,7 @@ class TwoAxis(Experiment):
         return self._run(demand, END, seed=2)
 
     @cached_property
-    def rest(self) -> NDArray[np.float64]:
+    def rest(self) -> Array:
         """Mean angles (rad, approaches x joints) over the last 0.2 s of each approach to mid-stroke.
 
         The approaches come from -20 and +20 deg by turns.
@@ -67,7 +67,7 @@ class TwoAxis(Experiment):
         )
 
     @cached_property
-    def tip(self) -> NDArray[np.float64]:
+    def tip(self) -> Array:
         """Where the tip comes to rest, m, (approaches, 2)."""
         return tip_position(self.bench.arm, self.rest)
 

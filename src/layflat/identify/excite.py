@@ -5,25 +5,18 @@ losses; small moves show what lies about the valve's centre; pauses show leakage
 of it, to be fitted; the last third holds it again in other sizes, for validation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 from scipy.signal import chirp
 
+from layflat.arrays import Array
 from layflat.errors import InputError
-from layflat.identify.model import Array
 from layflat.machine import Machine
 
-REACH = 0.3
-"""Largest angle from the middle, as a share of the working stroke."""
-
-SPEED = 5.0
-"""Greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows."""
-
-WHOLE, AGAIN = 28.0, 14.0
-"""Length of what is fitted, and of what is for validation, s."""
+REACH = 0.3  # largest angle from the middle, as a share of the working stroke
+SPEED = 5.0  # greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows
+WHOLE, AGAIN = 28.0, 14.0  # length of what is fitted, and of what is for validation, s
 
 
 def _steps(t: Array, duration: float, random: np.random.Generator) -> Array:

@@ -27,37 +27,24 @@ from layflat.machine import Machine
 if TYPE_CHECKING:
     import xarray
 
-NAMED = 3
-"""Values, and motions, that are named where there are more."""
+NAMED = 3  # values, and motions, that are named where there are more
 
 
-KEPT = ("value", "low", "high", "identified", "at_bound", "partner")
-"""What the JSON says of an estimate."""
+KEPT = ("value", "low", "high", "identified", "at_bound", "partner")  # what the JSON says of an estimate
 
 
 @dataclass(frozen=True)
 class Identification:
-    """Logs and a description, ready to be fitted.
+    """Logs and a description, ready to be fitted."""
 
-    Args:
-        given: built-in name or file of the description.
-        described: what it says.
-        logs: to fit, by name.
-        validation: logs that are only predicted.
-        issues: what is doubtful in each log.
-        blocks: what is fitted.
-        model: that is fitted.
-        path: where the description that is found is put.
-    """
-
-    given: str
-    described: Machine | BenchDescription
-    logs: Mapping[str, xarray.Dataset]
-    validation: Mapping[str, xarray.Dataset]
-    issues: Mapping[str, Sequence[Issue]]
-    blocks: Sequence[str]
-    model: Model
-    path: Path
+    given: str  # built-in name or file of the description
+    described: Machine | BenchDescription  # what it says
+    logs: Mapping[str, xarray.Dataset]  # to fit, by name
+    validation: Mapping[str, xarray.Dataset]  # logs that are only predicted
+    issues: Mapping[str, Sequence[Issue]]  # what is doubtful in each log
+    blocks: Sequence[str]  # what is fitted
+    model: Model  # that is fitted
+    path: Path  # where the description that is found is put
 
     def fit(self, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
         """Fit the model: see `layflat.identify.fit`."""

@@ -1,7 +1,5 @@
 """What was found, as a description that a simulation takes: each value with its interval and the logs it comes from."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,11 +19,8 @@ from layflat.machine.listing import to_toml
 
 SUFFIX = "identified"
 
-LARGE = 1e7
-"""Numbers from here on are written with an exponent."""
-
-ROUNDED = 1e-9
-"""Share of what was searched by which a value may miss its lower bound: 1e-13 N m of friction is none."""
+LARGE = 1e7  # numbers from here on are written with an exponent
+ROUNDED = 1e-9  # share of what was searched by which a value may miss its lower bound: 1e-13 N m of friction is none
 
 UNTRUSTED, PARTIAL = "not to be trusted: ", "partial, stopped by the user: "
 """Before the title of a description whose fit hit a bound or did not converge, or was stopped."""
@@ -33,21 +28,13 @@ UNTRUSTED, PARTIAL = "not to be trusted: ", "partial, stopped by the user: "
 
 @dataclass(frozen=True)
 class Written:
-    """A value as it stands in a file, its interval in the same unit, and what was there before.
+    """A value as it stands in a file, its interval in the same unit, and what was there before."""
 
-    Args:
-        path: where it stands.
-        value: text with its unit, or a number.
-        interval: such as "1.98 to 2.01"; empty where it has none.
-        before: text, or a number, or None.
-        estimate: what was fitted; None of what follows from other values, such as weights.
-    """
-
-    path: str
-    value: str | float
-    interval: str
-    before: Any
-    estimate: Estimate | None
+    path: str  # where it stands
+    value: str | float  # text with its unit, or a number
+    interval: str  # such as "1.98 to 2.01"; empty where it has none
+    before: Any  # text, or a number, or None
+    estimate: Estimate | None  # what was fitted; None of what follows from other values, such as weights
 
     @property
     def identified(self) -> bool:
@@ -61,11 +48,7 @@ class Written:
 
 
 def identified_path(given: str, described: Machine | BenchDescription, folder: Path) -> Path:
-    """Where the description is put.
-
-    Raises:
-        InputError: what it begins with can't be extended from there.
-    """
+    """Where the description is put; raise InputError if what it begins with can't be extended from there."""
     if isinstance(described, Machine):
         return derived_path(given, folder, SUFFIX)
     path = folder / f"{Path(given).stem.removesuffix('.rig')}-{SUFFIX}.toml"

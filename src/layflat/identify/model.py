@@ -12,66 +12,44 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description import Part
 from layflat.description.change import value_at
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-FITTED = 2.0 / 3.0
-"""Share of a log that is fitted where no other log is there for validation."""
+FITTED = 2.0 / 3.0  # share of a log that is fitted where no other log is there for validation
 
 
 @dataclass(frozen=True)
 class Unknown:
-    """A parameter to be identified.
+    """A parameter to be identified."""
 
-    Args:
-        path: where it stands in the description, "valve.conductance"; a nuisance begins with "start." or "log.".
-        unit: SI, for tables.
-        guess: where the search begins.
-        low: least value.
-        high: greatest value.
-        log: whether it is searched on a logarithmic scale; then `low` is above zero.
-        excitation: what a log has to contain to identify it, in one clause.
-        nuisance: whether it is fitted only because the rest depends on it, as the state that a log begins in.
-        floor: whether the lower bound is physical, such as zero delay, where a value may well lie.
-    """
-
-    path: str
-    unit: str
-    guess: float
-    low: float
-    high: float
-    log: bool = True
-    excitation: str = ""
+    path: str  # where it stands in the description, "valve.conductance"; a nuisance begins with "start." or "log."
+    unit: str  # SI, for tables
+    guess: float  # where the search begins
+    low: float  # least value
+    high: float  # greatest value
+    log: bool = True  # whether it is searched on a logarithmic scale; then `low` is above zero
+    excitation: str = ""  # what a log has to contain to identify it, in one clause
     nuisance: bool = False
-    floor: bool = False
+    """Whether it is fitted only because the rest depends on it, as the state that a log begins in."""
+    floor: bool = False  # whether the lower bound is physical, such as zero delay, where a value may well lie
 
 
 @dataclass(frozen=True)
 class Output:
-    """A measured signal that is compared with the simulated one.
+    """A measured signal that is compared with the simulated one."""
 
-    Args:
-        name: such as "angle large".
-        unit: SI.
-        log: the log that it was read from.
-        time: s, (samples,).
-        measured: (samples,), not a number where nothing was measured.
-        fitted: (samples,), whether a sample is fitted; otherwise it is for validation.
-        scale: what an error is divided by: the noise, or how large an error matters.
-        driven_by: the input that moves it most, (samples,); errors of a good model have nothing to do with it.
-    """
-
-    name: str
-    unit: str
-    log: str
-    time: Array
-    measured: Array
-    fitted: Flags
-    scale: float
+    name: str  # such as "angle large"
+    unit: str  # SI
+    log: str  # the log that it was read from
+    time: Array  # s, (samples,)
+    measured: Array  # (samples,), not a number where nothing was measured
+    fitted: Flags  # (samples,), whether a sample is fitted; otherwise it is for validation
+    scale: float  # what an error is divided by: the noise, or how large an error matters
     driven_by: Array | None = None
+    """The input that moves it most, (samples,); errors of a good model have nothing to do with it."""
 
 
 class Model(ABC):

@@ -1,7 +1,5 @@
 """What a fit is worth, as one page that needs nothing else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -15,16 +13,11 @@ from layflat.plot.fits import Compared, measured_and_simulated
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 
-MOST = 9
-"""Logs that are drawn; those for validation first."""
+MOST = 9  # logs that are drawn; those for validation first
 
 
 def write_page(session: Identification, found: Fit, path: Path) -> Path:
-    """Write the page.
-
-    Raises:
-        OutputError: it can't be written there.
-    """
+    """Write the page; raise OutputError if it can't be written there."""
     values = session.values(found)
     html = page(
         "layflat.identify",

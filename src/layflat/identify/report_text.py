@@ -1,7 +1,5 @@
 """What a fit says, as tables and sentences: the same on a terminal and on a page."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

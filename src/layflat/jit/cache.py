@@ -5,8 +5,6 @@ named by a digest of every source that can end up in it: its own file and what t
 change of any other file leaves the machine code as it is.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import os
@@ -21,11 +19,8 @@ PACKAGE = Path(__file__).parents[1]
 WITHOUT_LAWS = ("description", "errors.py", "files.py", "kinds.py", "parallel.py")
 """Rooms and files that laws may import although none of their source ends up in machine code."""
 
-DIGITS = 16
-"""Hexadecimal digits of a digest that name a folder."""
-
-KEPT_FOR = 30 * 24 * 3600.0
-"""Machine code of other sources is kept this long, s."""
+DIGITS = 16  # hexadecimal digits of a digest that name a folder
+KEPT_FOR = 30 * 24 * 3600.0  # machine code of other sources is kept this long, s
 
 _included: dict[Path, str] = {}
 _digests: tuple[str, ...] = ()

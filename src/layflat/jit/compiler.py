@@ -7,8 +7,6 @@ are the ones that are accepted.
 # mypy: disable-error-code="no-untyped-call"
 # The compiler's own modules are untyped.
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache

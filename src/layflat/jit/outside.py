@@ -3,8 +3,6 @@
 Such a file is a program: whoever loads a machine that names one runs it.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 import traceback

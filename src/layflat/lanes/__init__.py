@@ -211,7 +211,7 @@ def total(numbers: tuple[Any, ...]) -> Any:
 def each(law: Callable[..., Any], *args: Any) -> Any:
     """A law called with the first items of some tuples, with the second ones and so on: the tuple of what it returns.
 
-    What is no plain tuple is given to every call as it is. Of a law that returns several things (a plain tuple), a
+    What is not a plain tuple is given to every call as it is. Of a law that returns several things (a plain tuple), a
     tuple of each: `memory, voltage = each(step, ...)`.
     """
     count = next(len(arg) for arg in args if type(arg) is tuple)

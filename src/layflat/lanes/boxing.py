@@ -3,8 +3,6 @@
 # mypy: disable-error-code="no-untyped-call,import-untyped,untyped-decorator"
 # The compiler's own modules are untyped.
 
-from __future__ import annotations
-
 from typing import Any
 
 from llvmlite import ir

@@ -3,8 +3,6 @@
 # mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call,untyped-decorator"
 # The compiler's own modules are untyped.
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable, Mapping
 from itertools import count
@@ -29,8 +27,7 @@ from layflat.lanes.typing import (
     width_in,
 )
 
-ALIGNED = 8
-"""Rows of a block begin at multiples of this, bytes."""
+ALIGNED = 8  # rows of a block begin at multiples of this, bytes
 
 
 @lower_cast(types.Number, LanesType)

@@ -7,8 +7,6 @@ the compiler they are lists.
 # mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call,untyped-decorator"
 # The compiler's own modules are untyped.
 
-from __future__ import annotations
-
 import operator
 from typing import Any
 

@@ -3,8 +3,6 @@
 # mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call,untyped-decorator"
 # The compiler's own modules are untyped.
 
-from __future__ import annotations
-
 from functools import reduce
 from typing import Any
 

@@ -3,8 +3,6 @@
 # mypy: disable-error-code="attr-defined,import-untyped,no-untyped-call"
 # The compiler's own modules are untyped.
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Callable, Iterable

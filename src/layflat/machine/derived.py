@@ -1,7 +1,5 @@
 """Descriptions that a search wrote: what it found, laid over the description that it began with."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from copy import deepcopy
 from pathlib import Path

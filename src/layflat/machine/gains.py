@@ -51,5 +51,4 @@ def _known_to_the_law(value: object) -> object:
     return value
 
 
-Gains = Annotated[Any, _OfTheLaw()]
-"""Gains of a joint: of the class that the machine's control law names."""
+Gains = Annotated[Any, _OfTheLaw()]  # gains of a joint: of the class that the machine's control law names

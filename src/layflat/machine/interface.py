@@ -3,8 +3,6 @@
 The device is what the wires end in: a remote I/O station, or a microcontroller.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

@@ -1,7 +1,5 @@
 """Where descriptions of machines and of test benches are found."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -77,8 +75,7 @@ def _kinds(layer: Layer) -> list[str]:
 MACHINES = MachineLibrary(_HERE / "builtin", "machine", _SHOWN, 'width = "160 mm"', MachineError)
 BENCHES = Library(_BENCHES, "test bench", _SHOWN, 'volume = "10 l"', MachineError)
 
-HYDDOWN = {".yml", ".yaml"}
-"""Suffixes of HydDown's input files, which describe vessels."""
+HYDDOWN = {".yml", ".yaml"}  # suffixes of HydDown's input files, which describe vessels
 
 
 def is_bench(where: str | Path) -> bool:

@@ -1,7 +1,5 @@
 """A description as people read it: line by line with its sources, as TOML to start from, as JSON Schema."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Any
@@ -88,11 +86,7 @@ def _sourced(entry: dict[str, Any]) -> dict[str, Any]:
     plain = {key: value for key, value in entry.items() if key != "description"}
     with_source = {
         "type": "object",
-        "properties": {
-            "value": plain,
-            "source": {"enum": list(SOURCES)},
-            "note": {"type": "string"},
-        },
+        "properties": {"value": plain, "source": {"enum": list(SOURCES)}, "note": {"type": "string"}},
         "required": ["value"],
         "additionalProperties": False,
     }

@@ -1,7 +1,5 @@
 """From a description file, or the name of a built-in machine, to a validated `Machine`."""
 
-from __future__ import annotations
-
 import json
 from functools import lru_cache
 from pathlib import Path
@@ -84,11 +82,7 @@ def build(plain: Plain, sources: Sources, where: str) -> Machine:
 
 
 def restored(text: str, where: str = "") -> Machine:
-    """Return a machine from the JSON that it was kept as, in a run or a log.
-
-    Raises:
-        MachineError: it is none.
-    """
+    """Return a machine from the JSON that it was kept as, in a run or a log; raise MachineError if it is none."""
     return build(json.loads(text), {}, where)
 
 

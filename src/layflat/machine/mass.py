@@ -11,14 +11,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from layflat.machine.parts import Joint
 
-CLAMPED = 0.03
-"""Length of hose that the clamp takes from each end, m."""
-
-CYLINDER_LONGER = 1.2
-"""Length of the cylinder over the hose's width: room for the end plates."""
-
-STRAP_LONGER = 1.5
-"""Length of the strap over the full travel and the cylinder's radius: what is clamped at both ends."""
+CLAMPED = 0.03  # length of hose that the clamp takes from each end, m
+CYLINDER_LONGER = 1.2  # length of the cylinder over the hose's width: room for the end plates
+STRAP_LONGER = 1.5  # length of the strap over the full travel and the cylinder's radius: what is clamped at both ends
 
 WHOLE_PER_PARTS = 3.2
 """Mass of a whole joint over that of the parts that are counted, as in the paper's small joint (2 kg)."""

@@ -20,8 +20,7 @@ from layflat.physics.arms import ARMS, ArmPart
 from layflat.physics.delay import LONGEST
 from layflat.physics.valves import VALVES, ValvePart
 
-CYCLE = 0.005
-"""Cycle of a machine without a controller, s: the paper's."""
+CYCLE = 0.005  # cycle of a machine without a controller, s: the paper's
 
 
 class Supply(Part):

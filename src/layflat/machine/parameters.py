@@ -9,8 +9,6 @@ A number of the machine may be an array, an item a run (see sim/ensemble); then 
 | K | torque per pressure | m3/rad |
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from math import degrees, pi, radians
@@ -18,8 +16,8 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.control.paper.description import idle_gains
 from layflat.control.paper.gains import Settings
@@ -39,13 +37,8 @@ from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
 from layflat.physics.valves import VALVES, ValvePart
 
-Array = NDArray[np.float64]
-
-FOLLOW = 40.0
-"""Rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s."""
-
-SMOOTHING = 0.05
-"""Time over which the residual of air is averaged: a few periods of the dither, s."""
+FOLLOW = 40.0  # rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s
+SMOOTHING = 0.05  # time over which the residual of air is averaged: a few periods of the dither, s
 
 
 def full_travel(joint: parts.Joint) -> float:
@@ -124,11 +117,7 @@ def sensor(described: AngleSensor | PressureSensor) -> Sensor:
 
 
 def drive_parts(machine: Machine) -> tuple[ValvePart, AngleSensor, PressureSensor]:
-    """Valve and sensors of a machine that moves by itself.
-
-    Raises:
-        MachineError: it has none, as the open-loop rigs.
-    """
+    """Valve and sensors of a machine that moves by itself; raise MachineError if it has none, as the open-loop rigs."""
     if machine.valve is None or machine.angle_sensor is None or machine.pressure_sensor is None:
         raise MachineError(
             "has no valve or sensors: it is a rig for torque-angle loops",
@@ -170,11 +159,7 @@ def stops(joint: parts.Joint) -> Stops:
 
 
 def check_inside_stroke(machine: Machine, name: str, angle: float, where: str) -> float:
-    """An angle (rad) that the joint can reach.
-
-    Raises:
-        MachineError: it lies outside the working stroke.
-    """
+    """An angle (rad) that the joint can reach; raise MachineError if it lies outside the working stroke."""
     half = machine.joint[name].stops.working_stroke / 2
     if not abs(angle) <= half + radians(1e-9):
         raise MachineError(

@@ -43,8 +43,7 @@ class Hose(Part):
         default=1.0, description="measured torque over that of Eq. (1); of its volume likewise"
     )
     folded: bool = Field(
-        default=True,
-        description="folded back on itself, or of a single thickness: no difference in loss",
+        default=True, description="folded back on itself, or of a single thickness: no difference in loss"
     )
 
     @model_validator(mode="after")

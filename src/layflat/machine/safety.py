@@ -1,7 +1,5 @@
 """Limits that a rig's supervisor holds a machine to. Reasons for the values stand in docs/rig.md."""
 
-from __future__ import annotations
-
 from math import radians
 from typing import Annotated, Self
 

@@ -1,7 +1,5 @@
 """Values that follow from others, were given once, and do not fit any more since those others changed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,23 +19,16 @@ FOLLOWS = {
 
 UNITS = {"link.centre": "m", "link.inertia": "kg m^2", "body.mass": "kg"}
 
-DEVIATION = 0.05
-"""Share by which a value that a file calls derived or assumed may be off."""
+DEVIATION = 0.05  # share by which a value that a file calls derived or assumed may be off
 
 
 @dataclass(frozen=True)
 class Stale:
-    """A value that does not fit what it follows from.
+    """A value that does not fit what it follows from."""
 
-    Args:
-        path: where it stands.
-        what: why it does not fit.
-        right: what to do.
-    """
-
-    path: str
-    what: str
-    right: str
+    path: str  # where it stands
+    what: str  # why it does not fit
+    right: str  # what to do
 
 
 def stale_values(machine: str | Path) -> list[Stale]:

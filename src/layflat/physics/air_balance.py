@@ -27,8 +27,7 @@ from layflat.physics.ramp import mean_above_zero
 REFERENCE_PRESSURE = REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE
 """p_0: pressure at which ISO 6358 counts volumes, Pa."""
 
-SUBSTEPS = 5
-"""In a control cycle: pressures may change by a bar in 10 ms."""
+SUBSTEPS = 5  # in a control cycle: pressures may change by a bar in 10 ms
 
 
 class AirParts(NamedTuple):
@@ -42,14 +41,10 @@ class AirParts(NamedTuple):
     critical_ratio: float
     laminar_slope: float
     overlap: float
-    dither: float
-    """Amplitude that the spool's opening is dithered with, share of full opening."""
-    follow: float
-    """L, 1/s."""
-    smoothing: float
-    """Time over which the residual is averaged, s."""
-    fastest: float
-    """Faster than that no joint turns: an angle that jumps is the sensor's, rad/s."""
+    dither: float  # amplitude that the spool's opening is dithered with, share of full opening
+    follow: float  # L, 1/s
+    smoothing: float  # time over which the residual is averaged, s
+    fastest: float  # faster than that no joint turns: an angle that jumps is the sensor's, rad/s
 
 
 class AirEstimate(NamedTuple):

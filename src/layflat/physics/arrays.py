@@ -1,7 +1,5 @@
 """Laws of numbers for parameters that may be arrays, an item a run."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -25,8 +25,7 @@ class Chamber(NamedTuple):
 
     dead_volume: float
     compliance: float
-    wall_conductance: float
-    """Heat flow to the wall per kelvin, W/K."""
+    wall_conductance: float  # heat flow to the wall per kelvin, W/K
 
 
 @law

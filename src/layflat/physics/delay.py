@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 from layflat.jit import law
 
-LONGEST = 3
-"""Control cycles that a command may take at most."""
+LONGEST = 3  # control cycles that a command may take at most
 
 
 class Line(NamedTuple):

@@ -5,24 +5,20 @@ from math import exp
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.lanes import read_numbers, write_numbers
 from layflat.physics.failing import BURST_TIME, kinked
 from layflat.physics.joint import Joint
 from layflat.physics.valves import held_at, seized
-
-Array = NDArray[np.float64]
 
 
 class Inputs(NamedTuple):
     """What acts on a joint from outside."""
 
     voltage: float
-    load: float
-    """N m"""
-    hole_a: float
-    """Share of its pressure above the outside that hose A loses through a hole in a step; 0: it has none."""
+    load: float  # N m
+    hole_a: float  # share of its pressure above the outside that hose A loses through a hole in a step; 0: it has none
     hole_b: float
 
 

@@ -1,15 +1,12 @@
 """What goes wrong with a joint: a kinked hose, a hose with a hole; for a valve that sticks see valves/kind.py."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from layflat.jit import law
 from layflat.physics.chamber import air_mass, energy, pressure, temperature
 from layflat.physics.joint import HoseState
 
-BURST_TIME = 0.02
-"""Time constant with which a burst hose loses its air, s."""
+BURST_TIME = 0.02  # time constant with which a burst hose loses its air, s
 
 
 def kinked(valve: Any, share: float) -> Any:

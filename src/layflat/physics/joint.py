@@ -52,12 +52,9 @@ class Surroundings(NamedTuple):
 class Drive(NamedTuple):
     """What acts on a joint during one control cycle."""
 
-    opening: float
-    """Opening asked of the valve, without dither, -1..1."""
-    brake_torque: float
-    """Torque at which the brake slips, N m."""
-    load_torque: float
-    """External torque on the joint, N m."""
+    opening: float  # opening asked of the valve, without dither, -1..1
+    brake_torque: float  # torque at which the brake slips, N m
+    load_torque: float  # external torque on the joint, N m
 
 
 class HoseState(NamedTuple):
@@ -69,8 +66,7 @@ class HoseState(NamedTuple):
     pressure: float
     pressure_change: float
     mass_change: float
-    loss: Any
-    """Of the hysteresis (see hysteresis/kind.py)."""
+    loss: Any  # of the hysteresis (see hysteresis/kind.py)
 
 
 class Motion(NamedTuple):

@@ -7,8 +7,7 @@
 
 from layflat.jit import law
 
-TINY = 1e-30
-"""Keeps a quotient of two zeros at zero."""
+TINY = 1e-30  # keeps a quotient of two zeros at zero
 
 
 @law

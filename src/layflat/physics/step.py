@@ -26,8 +26,7 @@ from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motio
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import chamber_flow, move
 
-STEP = 0.25e-3
-"""Default step, s."""
+STEP = 0.25e-3  # default step, s
 
 
 class Running(NamedTuple):

@@ -12,8 +12,7 @@ from layflat.plot.style import LINES, QUIET
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-HATCHES = ("", "///", "...", "xxx")
-"""Kinds of bars, told apart without colour."""
+HATCHES = ("", "///", "...", "xxx")  # kinds of bars, told apart without colour
 
 
 def draw_bars(

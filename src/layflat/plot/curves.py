@@ -7,18 +7,17 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Curve = tuple[NDArray[np.float64], NDArray[np.float64]]
+Curve = tuple[Array, Array]
 
 
-SHOWN = 25
-"""Strap lines of a cam that are drawn."""
+SHOWN = 25  # strap lines of a cam that are drawn
 
 
 def hysteresis_curves(drawn: Mapping[str, Any]) -> Figure:
@@ -92,7 +91,7 @@ def settling_over_inertia(found: Mapping[str, Mapping[float, float]], limit: flo
     return made
 
 
-def average_response(frequency: NDArray[np.float64], response: NDArray[np.float64], marked: float) -> Figure:
+def average_response(frequency: Array, response: Array, marked: float) -> Figure:
     """Draw the gain of the controller's average over frequency, with the dither's frequency marked."""
     with figure() as (made, (axes,)):
         axes.plot(frequency, 20 * np.log10(np.maximum(response, 1e-4)), **LINES[0])

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 
 class Compared(NamedTuple):
@@ -30,8 +29,7 @@ class Compared(NamedTuple):
 
 MEASURED = {**QUIET, "linewidth": 2.2, "color": "#b5b5b5"}
 
-FEW = 200
-"""Up to so many samples are marked one by one."""
+FEW = 200  # up to so many samples are marked one by one
 
 
 def measured_and_simulated(signals: Sequence[Compared]) -> Figure:

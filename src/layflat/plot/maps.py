@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from layflat.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = NDArray[np.float64]
-
-COLOURS = "cividis_r"
-"""Light is little, dark is much: also in black and white."""
+COLOURS = "cividis_r"  # light is little, dark is much: also in black and white
 
 NOTHING = {"facecolor": "#ffffff", "edgecolor": "#bbbbbb", "hatch": "///"}
 """Where there is no number."""

@@ -1,7 +1,5 @@
 """Pages that need nothing else: one look for all, figures inside."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WARN = 30
-"""Level of an event from which on it is marked, as in rcl_interfaces/msg/Log."""
+WARN = 30  # level of an event from which on it is marked, as in rcl_interfaces/msg/Log
 
 
 def draw_response(axes: tuple[Axes, Axes], run: xarray.Dataset, label: str, order: int, *, since: float = 0.0) -> None:
@@ -104,14 +103,9 @@ def _pressures(axes: Axes, part: xarray.Dataset) -> None:
         axes.set_ylabel("Differential pressure (bar)")
 
 
-MOST_MARKS = 12
-"""Events that are marked; more can't be told apart."""
-
-NOTE = 0.17
-"""Height of a line about an event, inches."""
-
-CLOSE = 0.09
-"""Share of a run's duration: labels of events that are closer than this would overlap."""
+MOST_MARKS = 12  # events that are marked; more can't be told apart
+NOTE = 0.17  # height of a line about an event, inches
+CLOSE = 0.09  # share of a run's duration: labels of events that are closer than this would overlap
 
 
 def _marked(run: xarray.Dataset) -> list[tuple[int, str, float]]:

@@ -8,16 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, figure
 
 if TYPE_CHECKING:
     import matplotlib.axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-
-BINS, IN_BIN = 12, 8
-"""Bins of values that differ from run to run, at most, and runs in each at least."""
+BINS, IN_BIN = 12, 8  # bins of values that differ from run to run, at most, and runs in each at least
 
 
 def study_figure(

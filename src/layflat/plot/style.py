@@ -44,12 +44,9 @@ RC: Any = {
 }
 
 
-LEFT, RIGHT, BOTTOM, TOP = 0.72, 0.14, 0.52, 0.12
-"""Margins of a figure, inches."""
-HEAD = 0.30
-"""Room above the axes for a title or a legend, inches."""
-BETWEEN = (0.78, 0.16)
-"""Space between axes, beside and above each other, inches."""
+LEFT, RIGHT, BOTTOM, TOP = 0.72, 0.14, 0.52, 0.12  # margins of a figure, inches
+HEAD = 0.30  # room above the axes for a title or a legend, inches
+BETWEEN = (0.78, 0.16)  # space between axes, beside and above each other, inches
 
 
 @contextmanager
@@ -113,11 +110,7 @@ def to_svg(made: Figure) -> str:
 
 
 def save(made: Figure, path: Path) -> Path:
-    """Write a figure; the suffix says how (.png, .svg, .pdf).
-
-    Raises:
-        OutputError: it can't be written there.
-    """
+    """Write a figure; the suffix says how (.png, .svg, .pdf). Raise OutputError if it can't be written there."""
     with whole_file(path) as temporary:
         made.savefig(temporary, dpi=150)
     return path

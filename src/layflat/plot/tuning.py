@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.plot.runs import draw_demand, draw_response, frame_error
 from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
 
@@ -15,10 +15,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
-
-LETTER = 0.06
-"""Width of a letter in the names of a search's parts, inches."""
+LETTER = 0.06  # width of a letter in the names of a search's parts, inches
 
 
 def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) -> Figure:

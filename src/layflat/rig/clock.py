@@ -3,19 +3,14 @@
 All times are whole nanoseconds, so that a cycle is just as long at the end of a day as at its beginning.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 
-SECOND = 1_000_000_000
-"""ns"""
-
-BINS = 5000
-"""Of the histograms of lateness and compute time, a microsecond each; the last one takes all that is later."""
+SECOND = 1_000_000_000  # ns
+BINS = 5000  # of the histograms of lateness and compute time, a microsecond each; the last one takes all that is later
 
 LEAD, LATEST, TIMES = 1_000_000, 250_000, 3
 """A punctual clock wakes so early before an instant (ns), begins no warmup later than so, makes so many of them."""

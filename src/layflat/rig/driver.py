@@ -13,14 +13,10 @@ from abc import ABC, abstractmethod
 from enum import Enum, IntEnum
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import drive_parts
-
-Array = NDArray[np.float64]
 
 
 class Lifecycle(Enum):
@@ -35,10 +31,8 @@ class Lifecycle(Enum):
 class DeviceState(IntEnum):
     """What the device does by itself."""
 
-    RUNNING = 0
-    """It obeys."""
-    CENTRED = 1
-    """It heard nothing for some cycles: the valves are centred."""
+    RUNNING = 0  # it obeys
+    CENTRED = 1  # it heard nothing for some cycles: the valves are centred
     DUMPED = 2
     """It heard nothing for longer, or the e-stop is pressed: the air is let out. It obeys again after `reset`."""
 
@@ -46,25 +40,18 @@ class DeviceState(IntEnum):
 class Command(NamedTuple):
     """What a cycle asks for."""
 
-    voltages: Array
-    """To the valves' drivers, V, (joints,)."""
-    air: bool
-    """Whether the dump valve lets air in; else the supply line is open to the atmosphere."""
-    reset: bool = False
-    """Asks a device that has dumped to obey again; it does on the edge, with the e-stop released."""
+    voltages: Array  # to the valves' drivers, V, (joints,)
+    air: bool  # whether the dump valve lets air in; else the supply line is open to the atmosphere
+    reset: bool = False  # asks a device that has dumped to obey again; it does on the edge, with the e-stop released
 
 
 class Reading(NamedTuple):
     """What a cycle is told, as the converters report it."""
 
-    angles: Array
-    """rad, (joints,)"""
-    pressures: Array
-    """Hose A less hose B, Pa, (joints,)."""
-    supply: float
-    """In the line behind the dump valve, absolute, Pa."""
-    stopped: bool
-    """Whether the e-stop is pressed (its loop is open)."""
+    angles: Array  # rad, (joints,)
+    pressures: Array  # hose A less hose B, Pa, (joints,)
+    supply: float  # in the line behind the dump valve, absolute, Pa
+    stopped: bool  # whether the e-stop is pressed (its loop is open)
     device: DeviceState
 
 
@@ -76,10 +63,8 @@ class Capabilities(NamedTuple):
     voltage_high: float
     centre_voltage: float
     """Where valves are closed; the fallback of the device. V"""
-    dithers: bool
-    """Whether the device adds the dither; nobody else does."""
-    shortest_cycle: float
-    """s"""
+    dithers: bool  # whether the device adds the dither; nobody else does
+    shortest_cycle: float  # s
 
     @classmethod
     def needed(cls, machine: Machine) -> Capabilities:
@@ -139,11 +124,7 @@ class Driver(ABC):
         self.state = Lifecycle.UNCONFIGURED
 
     def configure(self) -> Capabilities:
-        """Connect, and ask what is there.
-
-        Raises:
-            DriverError: nothing fit is there.
-        """
+        """Connect, and ask what is there; raise DriverError if nothing fit is there."""
         self._expect("configure", Lifecycle.UNCONFIGURED)
         found = self._configure()
         self.state = Lifecycle.INACTIVE
@@ -172,11 +153,7 @@ class Driver(ABC):
 
     @abstractmethod
     def read(self) -> Reading:
-        """What the sensors say now.
-
-        Raises:
-            LinkError: the device did not answer well.
-        """
+        """What the sensors say now; raise LinkError if the device did not answer well."""
 
     @abstractmethod
     def write(self, command: Command) -> None:

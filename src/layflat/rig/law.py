@@ -1,7 +1,5 @@
 """The control law of a rig's joints, as its loop has it: numbers by name, and the signals that it reports."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -14,8 +12,7 @@ from layflat.machine import Machine, parameters
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
 
-TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)
-"""Demands, rad, by which a law at rest shows whether it commands brakes."""
+TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)  # demands, rad, by which a law at rest shows whether it commands brakes
 
 
 class ArmLaw:

@@ -3,15 +3,13 @@
 deadline -> driver.read -> supervisor (detectors, demands, control law, voltages) -> driver.write -> row -> snapshot
 """
 
-from __future__ import annotations
-
 from struct import Struct
 from time import perf_counter_ns, time_ns
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND, Clock, Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, LinkError, Reading
@@ -20,13 +18,8 @@ from layflat.rig.record import SHARED
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.supervisor import HostRequest, Supervisor
 
-Array = NDArray[np.float64]
-
-HEAD = Struct(f"{len(SHARED)}d")
-"""Of a row: what there is once."""
-
-ALIVE_EVERY = 20
-"""Cycles between two looks whether the recorder is alive."""
+HEAD = Struct(f"{len(SHARED)}d")  # of a row: what there is once
+ALIVE_EVERY = 20  # cycles between two looks whether the recorder is alive
 
 
 class Host(Protocol):

@@ -5,8 +5,6 @@ and a checksum stands beside the values, so that a reader takes a whole message 
 where the writer was killed half way. The memory is a file that is mapped; it stays as long as anyone maps it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import mmap
 import os
@@ -17,18 +15,15 @@ from pathlib import Path
 from zlib import crc32
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.record import Layout
 from layflat.rig.safety.supervisor import HostRequest
 from layflat.rig.system import MAILBOX, lock, new_file
 
-Array = NDArray[np.float64]
-
 NUMBER = struct.Struct("<Q")
-HEAD = struct.Struct("<QI4x")
-"""Number of the message, checksum; the values follow."""
+HEAD = struct.Struct("<QI4x")  # number of the message, checksum; the values follow
 
 TRIES, PEOPLE_TRIES = 4, 1000
 """Of a reader that meets a message in the making, until it keeps what it had; and where there is time."""
@@ -76,18 +71,13 @@ class Slot:
 
 @dataclass
 class Setpoints:
-    """What the host asks for. Edges are counted, so that none is lost between two cycles.
+    """What the host asks for. Edges are counted, so that none is lost between two cycles."""
 
-    Args:
-        demands: rad; not a number where there is none yet.
-    """
-
-    demands: list[float]
+    demands: list[float]  # rad; not a number where there is none yet
     starts: int = 0
     stops: int = 0
     resets: int = 0
-    ended: bool = False
-    """Whether the loop is to end once it has let out the air."""
+    ended: bool = False  # whether the loop is to end once it has let out the air
 
 
 class Mailbox:

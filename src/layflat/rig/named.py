@@ -1,13 +1,11 @@
 """Numbers of named tuples in arrays that stay in place: rows for the compiler, columns by name for everything else."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.lanes import leaves
 
 
@@ -40,14 +38,14 @@ class NamedRows:
 
     def __init__(self, rows: list[Any]) -> None:
         self.like = rows[0]
-        self.array: NDArray[np.float64] = np.array([list(leaves(row)) for row in rows], dtype=float)
+        self.array: Array = np.array([list(leaves(row)) for row in rows], dtype=float)
         self._columns = {name: i for i, name in enumerate(leaf_names(self.like))}
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Array:
         """The numbers of one name, (rows,); a view."""
         return self.array[:, self._columns[name]]
 
-    def block(self, part: str) -> NDArray[np.float64]:
+    def block(self, part: str) -> Array:
         """The numbers of a part, (rows, numbers); a view."""
         at, size = getattr(places(self.like), part), len(list(leaves(getattr(self.like, part))))
         return self.array[:, at : at + size]

@@ -1,7 +1,5 @@
 """A plan of demands, performed on a rig: soft start, demands in time, and what ends it early."""
 
-from __future__ import annotations
-
 import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
@@ -13,11 +11,8 @@ from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Snapshot
 
-TICK = 0.02
-"""Between two looks at the rig, at most, s: who looks all the time takes a processor from the loop."""
-
-SPARE = 5.0
-"""Beyond the machine's start time, in which a start that is refused shows, s."""
+TICK = 0.02  # between two looks at the rig, at most, s: who looks all the time takes a processor from the loop
+SPARE = 5.0  # beyond the machine's start time, in which a start that is refused shows, s
 
 
 class EarlyEndError(LayflatError):
@@ -35,17 +30,11 @@ class EarlyEndError(LayflatError):
 
 @dataclass(frozen=True)
 class Plan:
-    """Demands in time, from the end of the soft start.
+    """Demands in time, from the end of the soft start."""
 
-    Args:
-        times: from which on each holds, growing, s.
-        demands: rad, one for each joint from base to tip, a row for each time.
-        duration: until the joints are held and the air is let out, s.
-    """
-
-    times: Sequence[float]
-    demands: Sequence[Sequence[float]]
-    duration: float
+    times: Sequence[float]  # from which on each holds, growing, s
+    demands: Sequence[Sequence[float]]  # rad, one for each joint from base to tip, a row for each time
+    duration: float  # until the joints are held and the air is let out, s
 
 
 def free_place(folder: Path, name: str) -> Path:
@@ -73,11 +62,7 @@ class PlanRunner:
         """When the plan ended, or what ended it was seen, by the same, s."""
 
     def bring_air(self) -> list[float]:
-        """Start softly; angles at which the joints are held then, rad.
-
-        Raises:
-            EarlyEndError: there is no air.
-        """
+        """Start softly; angles at which the joints are held then, rad. Raise EarlyEndError if there is no air."""
         session, give_up = self._rig.session, time.monotonic() + self._rig.machine.safety.start_time + SPARE
         self._look()
         session.start()
@@ -93,11 +78,7 @@ class PlanRunner:
         return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
 
     def follow(self, plan: Plan) -> None:
-        """Ask for the plan's demands in time, until it ends.
-
-        Raises:
-            EarlyEndError: something ended it.
-        """
+        """Ask for the plan's demands in time, until it ends; raise EarlyEndError if something ended it."""
         begin, done = time.monotonic(), 0
         while (now := time.monotonic() - begin) < plan.duration:
             shot = self._look()
@@ -111,11 +92,7 @@ class PlanRunner:
         self._look()
 
     def _look(self) -> Snapshot | None:
-        """The last cycle.
-
-        Raises:
-            EarlyEndError: the run has ended.
-        """
+        """The last cycle; raise EarlyEndError if the run has ended."""
         shot = self._rig.session.snapshot()
         self.ended = float(shot["time"]) if shot is not None else 0.0
         if self._stopped():

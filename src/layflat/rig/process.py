@@ -1,7 +1,5 @@
 """The loop in a process of its own: what runs there, and how it begins and ends."""
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,16 +16,11 @@ from layflat.rig.mailbox import Mailbox, RemoteHost
 from layflat.rig.system import go_realtime, processors
 from layflat.rig.warmup import WarmupLoop
 
-LEADS = 4
-"""Shorter cycles than so many leads of a punctual clock leave others too little of a processor."""
+LEADS = 4  # shorter cycles than so many leads of a punctual clock leave others too little of a processor
 
 
 def run_loop(
-    machine: Machine,
-    driver: Callable[[], Driver],
-    mailbox: Path,
-    recorder: Callable[[], Recorder],
-    pipe: Connection,
+    machine: Machine, driver: Callable[[], Driver], mailbox: Path, recorder: Callable[[], Recorder], pipe: Connection
 ) -> None:
     """Main function of the process: loop until the host has ended or died, and the air is out.
 

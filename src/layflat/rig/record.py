@@ -9,9 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.control.average import SIGNALS as AVERAGED
 from layflat.machine.signals import SIGNALS
 
@@ -38,21 +36,16 @@ RIG_SIGNALS: dict[str, tuple[str, str]] = {
 }
 """Unit and meaning of what there is of every joint, whatever law controls it; behind it stands what the law tells."""
 
-JOINT_FAULT = {"joint_fault": ("1", "number of the joint's worst fault, 0 for none")}
-"""What stands at the end."""
+JOINT_FAULT = {"joint_fault": ("1", "number of the joint's worst fault, 0 for none")}  # what stands at the end
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where everything stands in a row: what is shared, then one joint after the other.
+    """Where everything stands in a row: what is shared, then one joint after the other."""
 
-    Args:
-        joints: names, from base to tip.
-        law: unit and meaning of each signal that the control law tells of a joint.
-    """
-
-    joints: tuple[str, ...]
+    joints: tuple[str, ...]  # names, from base to tip
     law: tuple[tuple[str, tuple[str, str]], ...] = ()
+    """Unit and meaning of each signal that the control law tells of a joint."""
 
     @classmethod
     def of(cls, joints: Sequence[str], law: Mapping[str, tuple[str, str]]) -> Layout:
@@ -79,7 +72,7 @@ class Layout:
         """Where the numbers of a joint stand in its part of a row, by name."""
         return {name: i for i, name in enumerate(self.by_joint)}
 
-    def joint_rows(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    def joint_rows(self, rows: Array) -> Array:
         """The joints' part of rows, (..., joints, numbers); a view of (..., width)."""
         return rows[..., len(SHARED) :].reshape(*rows.shape[:-1], len(self.joints), len(self.by_joint))
 

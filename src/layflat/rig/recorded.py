@@ -1,7 +1,5 @@
 """A rig in use whose every cycle is kept: recorder and loop, each in a process of its own, begun and ended in order."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
@@ -18,8 +16,7 @@ from layflat.rig.recorder.process import part_of, start_recorder
 from layflat.rig.recorder.ring import Ring
 from layflat.rig.session import Session
 
-PATIENCE = 20.0
-"""A recorder that has shown no sign of life for so long will not finish its log, s."""
+PATIENCE = 20.0  # a recorder that has shown no sign of life for so long will not finish its log, s
 
 
 class Recorded(AbstractContextManager["Recorded"]):

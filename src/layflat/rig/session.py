@@ -1,7 +1,5 @@
 """The host's hold on a rig: it starts the loop's process, keeps setpoints fresh, and looks on."""
 
-from __future__ import annotations
-
 import multiprocessing
 import threading
 import time
@@ -11,9 +9,7 @@ from dataclasses import replace
 from math import nan
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
@@ -26,16 +22,9 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.system import start_process
 
-Array = NDArray[np.float64]
-
-REFRESH = 0.025
-"""Setpoints are written again so often, s; they are stale after 100 ms."""
-
-STARTS_WITHIN = 60.0
-"""The process has to run by then; it may have to compile first, s."""
-
-ENDS_WITHIN = 10.0
-"""A controlled stop, and the hoses' emptying, take less, s."""
+REFRESH = 0.025  # setpoints are written again so often, s; they are stale after 100 ms
+STARTS_WITHIN = 60.0  # the process has to run by then; it may have to compile first, s
+ENDS_WITHIN = 10.0  # a controlled stop, and the hoses' emptying, take less, s
 
 
 class LoopError(LayflatError):
@@ -148,11 +137,7 @@ class Session(AbstractContextManager["Session"]):
         return Snapshot(self._layout, row) if row is not None else None
 
     def check(self) -> None:
-        """Make sure that the loop runs.
-
-        Raises:
-            LoopError: it does not.
-        """
+        """Make sure that the loop runs; raise LoopError if it does not."""
         self._listen()
         if not self.process.is_alive():
             raise LoopError(f"the loop's process is gone (status {self.process.exitcode}); the device vents by itself")

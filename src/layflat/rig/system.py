@@ -1,7 +1,5 @@
 """What operating systems do differently, processes share, and the machine grants one that must not be late."""
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import multiprocessing
@@ -20,21 +18,15 @@ from layflat.errors import InputError
 FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
 """Signals that a terminal sends to all of its processes."""
 
-MAILBOX, RING = "layflat-rig-", "layflat-ring-"
-"""How the names of files of shared memory begin."""
-
-YOUNG = 60.0
-"""For so long after it was made a file may be on its way to those who are going to lock it, s."""
+MAILBOX, RING = "layflat-rig-", "layflat-ring-"  # how the names of files of shared memory begin
+YOUNG = 60.0  # for so long after it was made a file may be on its way to those who are going to lock it, s
 
 
 PRIORITY = 50
 """Of SCHED_FIFO: above everything that is not real-time itself, below the kernel's own threads for interrupts."""
 
-LOCK_ALL = 3
-"""MCL_CURRENT | MCL_FUTURE of mlockall."""
-
-TIMER_SLACK = 29
-"""PR_SET_TIMERSLACK of prctl."""
+LOCK_ALL = 3  # MCL_CURRENT | MCL_FUTURE of mlockall
+TIMER_SLACK = 29  # PR_SET_TIMERSLACK of prctl
 
 
 def require_posix(where: str) -> None:
@@ -146,11 +138,7 @@ def go_realtime() -> list[str]:
 
 
 def first_in() -> None:
-    """Run before everything that is not real-time itself.
-
-    Raises:
-        OSError: that is not granted.
-    """
+    """Run before everything that is not real-time itself; raise OSError if that is not granted."""
     os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
 
 

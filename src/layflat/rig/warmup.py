@@ -4,8 +4,6 @@ A processor that slept for 5 ms has forgotten code and data of the loop: a cycle
 follows another. A warmup is the same code with data of its own; nothing of the real rig is touched.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from layflat.machine import Machine
@@ -17,14 +15,9 @@ from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.ring import RecorderState, Ring
 
-READINGS = 64
-"""Given one after the other."""
-
-ANGLE_NOISE, PRESSURE_NOISE, RIPPLE = 2e-4, 200.0, (0.0, 3e3, 0.0, -3e3)
-"""Of the readings, rad and Pa."""
-
-UNTIL_LOADED = 20
-"""Cycles after which everything was called once."""
+READINGS = 64  # given one after the other
+ANGLE_NOISE, PRESSURE_NOISE, RIPPLE = 2e-4, 200.0, (0.0, 3e3, 0.0, -3e3)  # of the readings, rad and Pa
+UNTIL_LOADED = 20  # cycles after which everything was called once
 
 
 class Resting(Driver):

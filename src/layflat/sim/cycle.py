@@ -13,22 +13,14 @@ from layflat.physics.valves import driven, start_wave
 class Acting(NamedTuple):
     """What acts on a joint in a control cycle."""
 
-    demand: float
-    """rad"""
-    opening: float
-    """In place of the controller, -1..1; not a number where it drives."""
-    voltage: float
-    """In place of the controller, V; not a number where it drives."""
-    lead: float
-    """What draws a joint that follows given voltages towards the demand, V/rad."""
-    brake: float
-    """Torque at which the brake slips, N m."""
-    load: float
-    """External torque, N m."""
-    drift: float
-    """Shift of the valve's centre, V."""
-    noise_angle: float
-    """Standard normal sample."""
+    demand: float  # rad
+    opening: float  # in place of the controller, -1..1; not a number where it drives
+    voltage: float  # in place of the controller, V; not a number where it drives
+    lead: float  # what draws a joint that follows given voltages towards the demand, V/rad
+    brake: float  # torque at which the brake slips, N m
+    load: float  # external torque, N m
+    drift: float  # shift of the valve's centre, V
+    noise_angle: float  # standard normal sample
     noise_pressure: float
 
 

@@ -1,16 +1,14 @@
 """A run as an `xarray.Dataset`, and runs on disk (NetCDF)."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 import layflat
+from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.errors import InputError
 from layflat.files import whole_file
@@ -22,9 +20,7 @@ from layflat.sim.run import Prepared
 from layflat.sim.scenario import Scenario
 
 
-def dataset(
-    machine: Machine, scenario: Scenario, prepared: Prepared, rows: NDArray[np.float64], shown: NDArray[np.float64]
-) -> xarray.Dataset:
+def dataset(machine: Machine, scenario: Scenario, prepared: Prepared, rows: Array, shown: Array) -> xarray.Dataset:
     """Name the columns of a run, those of the control law's report among them, and lay demand and tip beside them."""
     acting, timing, law = prepared.signals, prepared.timing, CONTROL_LAWS.of(prepared.settings)
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
@@ -53,11 +49,7 @@ def dataset(
 
 
 def save(run: xarray.Dataset, path: Path) -> Path:
-    """Write a run as NetCDF.
-
-    Raises:
-        OutputError: it can't be written there.
-    """
+    """Write a run as NetCDF; raise OutputError if it can't be written there."""
     content = run.to_netcdf(None, engine="h5netcdf")  # in memory: HDF5 brings the process down on a full disk
     with whole_file(path) as temporary:
         temporary.write_bytes(content)
@@ -65,11 +57,7 @@ def save(run: xarray.Dataset, path: Path) -> Path:
 
 
 def open_run(path: Path) -> xarray.Dataset:
-    """Read a run back.
-
-    Raises:
-        InputError: the file is missing or is no run.
-    """
+    """Read a run back; raise InputError if the file is missing or is not a run."""
     try:
         with xarray.open_dataset(path, engine="h5netcdf") as run:
             return run.load()

@@ -1,19 +1,15 @@
 """Demands over time in a CSV file: a column "time [s]", and one for every joint such as "demand.large [deg]"."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
-
-Array = NDArray[np.float64]
 
 
 def write_demand(machine: Machine, time: Array, demand: Array, path: Path) -> Path:

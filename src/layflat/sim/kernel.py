@@ -28,22 +28,15 @@ class Timing(NamedTuple):
 class Signals(NamedTuple):
     """What acts on the machine, an item per cycle (first axis) and, where shaped so, per joint (second axis)."""
 
-    demand: np.ndarray
-    """rad, (cycles, joints)"""
+    demand: np.ndarray  # rad, (cycles, joints)
     opening: np.ndarray
     """Valve opening in an open-loop run, -1..1, (cycles, joints); not a number where the controller drives."""
-    brake: np.ndarray
-    """Torque at which the brake slips, N m, (cycles, joints)"""
-    load: np.ndarray
-    """External torque, N m, (cycles, joints)"""
-    drift: np.ndarray
-    """Shift of the valve's centre, V, (cycles, joints)"""
-    supply: np.ndarray
-    """Absolute supply pressure, Pa, (cycles,)"""
-    payload: np.ndarray
-    """kg, (cycles,)"""
-    noise: np.ndarray
-    """Standard normal samples of angle and pressure sensor, (cycles + 1, joints, 2)"""
+    brake: np.ndarray  # torque at which the brake slips, N m, (cycles, joints)
+    load: np.ndarray  # external torque, N m, (cycles, joints)
+    drift: np.ndarray  # shift of the valve's centre, V, (cycles, joints)
+    supply: np.ndarray  # absolute supply pressure, Pa, (cycles,)
+    payload: np.ndarray  # kg, (cycles,)
+    noise: np.ndarray  # standard normal samples of angle and pressure sensor, (cycles + 1, joints, 2)
 
 
 class Sample(NamedTuple):
@@ -124,11 +117,7 @@ def _acting(signals, k, j):
 @composition
 def _surroundings(air, signals, k):
     return Surroundings(
-        signals.supply[k],
-        air.supply_temperature,
-        air.ambient_pressure,
-        air.ambient_temperature,
-        signals.payload[k],
+        signals.supply[k], air.supply_temperature, air.ambient_pressure, air.ambient_temperature, signals.payload[k]
     )
 
 

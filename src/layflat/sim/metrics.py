@@ -12,17 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.sim.tally import last_records, tallied
 
 if TYPE_CHECKING:
     import xarray
 
-BAND = radians(0.3)
-"""Within this of its demand a joint has settled, rad."""
-
-MOST_MOVES = 100
-"""A demand that changes more often is taken for one that moves all the time."""
+BAND = radians(0.3)  # within this of its demand a joint has settled, rad
+MOST_MOVES = 100  # a demand that changes more often is taken for one that moves all the time
 
 
 @dataclass(frozen=True)
@@ -30,17 +28,13 @@ class Move:
     """Metrics of one joint over one move; `settling` is infinite where it does not settle."""
 
     joint: str
-    settling: float
-    """s"""
-    overshoot: float
-    """rad"""
-    steady_error: float
-    """rad, mean over the last fifth of the move"""
-    ripple: float
-    """rad, peak to peak over the last fifth of the move"""
+    settling: float  # s
+    overshoot: float  # rad
+    steady_error: float  # rad, mean over the last fifth of the move
+    ripple: float  # rad, peak to peak over the last fifth of the move
 
 
-def settling_time(time: NDArray[np.floating[Any]], error: NDArray[np.float64], band: float) -> float:
+def settling_time(time: NDArray[np.floating[Any]], error: Array, band: float) -> float:
     """Time of the last exit from +-band, counted from the first instant; infinite if the end lies outside."""
     records = int(tallied(np.ascontiguousarray(error), 0.0, band).settled)
     return float(time[records] - time[0]) if records < len(error) else inf
@@ -68,7 +62,7 @@ def disturbance(run: xarray.Dataset, joint: str, since: float, until: float) -> 
     return float(np.abs(angle - angle[0]).max())
 
 
-def move_windows(demand: NDArray[np.float64]) -> list[tuple[int, int]]:
+def move_windows(demand: Array) -> list[tuple[int, int]]:
     """First and last record of every move: from each change of any demand (records, joints) to the next.
 
     A demand that never changes is one move, and so is one that changes all the time.

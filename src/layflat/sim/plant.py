@@ -1,12 +1,10 @@
 """A machine that others move on bit by bit: the plant of a rollout without its controller."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import DivergedError
 from layflat.lanes import leaves, write_numbers
@@ -18,8 +16,6 @@ from layflat.physics.step import STEP
 from layflat.sim.run import start_angles, start_pressures, timing_of
 from layflat.sim.scenario import Angles, Pair, Scenario, Value
 from layflat.sim.stepping import Setting, kept_at_rest, stepping
-
-Array = NDArray[np.float64]
 
 
 class SteppedPlant(DrivenJoints):
@@ -99,11 +95,7 @@ class SteppedPlant(DrivenJoints):
         self._due = -1
 
     def advance(self, until: float) -> None:
-        """Let time pass up to the last whole step before `until` (s).
-
-        Raises:
-            DivergedError: the machine diverged.
-        """
+        """Let time pass up to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
         # A deadline that is a whole number of steps may be a hair short of it.
         last = int(until / self._h + 1e-6)
         if last > self._at:

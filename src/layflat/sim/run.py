@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.control.running import running
 from layflat.description import units as u
@@ -79,12 +79,12 @@ class Prepared:
     joints: tuple[Joint, ...]
     settings: Any
     around: Surroundings
-    angles: NDArray[np.float64]
-    pressures: NDArray[np.float64]
+    angles: Array
+    pressures: Array
     signals: Signals
     timing: Timing
 
-    def run(self) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    def run(self) -> tuple[Array, Array, int]:
         """Records up to where it diverged, and in which joint that was (-1: none).
 
         Returns:
@@ -134,17 +134,17 @@ def timing_of(cycle: float, step: float, records: int) -> Timing:
     return Timing(cycle, per_record * records, records)
 
 
-def start_angles(scenario: Scenario, machine: Machine, demand: NDArray[np.float64]) -> NDArray[np.float64]:
+def start_angles(scenario: Scenario, machine: Machine, demand: Array) -> Array:
     """Angles at which the arm rests at first, (joints,)."""
     if scenario.start is None:
         return np.array(demand[0])
-    angles: NDArray[np.float64] = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
+    angles: Array = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
     for name, angle in zip(machine.joints, angles, strict=True):
         parameters.check_inside_stroke(machine, name, float(angle), "start")
     return angles
 
 
-def start_pressures(scenario: Scenario, machine: Machine, usual: float) -> NDArray[np.float64]:
+def start_pressures(scenario: Scenario, machine: Machine, usual: float) -> Array:
     """Absolute pressures of hoses A and B at the start, Pa, (joints, 2); `usual` where the scenario gives none.
 
     Raises:

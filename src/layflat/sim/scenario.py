@@ -1,7 +1,5 @@
 """What happens to a machine during a run: demands and disturbances, as signals over time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from itertools import pairwise
@@ -11,6 +9,7 @@ from typing import Any, NamedTuple, TypeGuard, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
@@ -22,14 +21,11 @@ Value = str | float
 Angles = Value | Mapping[str, Value] | Sequence[Value]
 """Of all joints: one value, a table by joint, or one value a joint from base to tip."""
 Steps = Sequence[tuple[Value, Angles]]
-Signal = Angles | Steps | Callable[[float], Angles] | NDArray[np.float64]
+Signal = Angles | Steps | Callable[[float], Angles] | Array
 """A constant, steps of (time, values), a function of time, or one row of numbers per control cycle."""
 
-Pair = tuple[Value, Value]
-"""Of the hoses A and B."""
-
-LARGEST_SEED = 2**32 - 1
-"""Of all random numbers."""
+Pair = tuple[Value, Value]  # of the hoses A and B
+LARGEST_SEED = 2**32 - 1  # of all random numbers
 
 Times = NDArray[np.floating[Any]]
 K = TypeVar("K")
@@ -44,14 +40,14 @@ class Scenario:
     Args:
         demand: angles asked for (rad); must lie inside the working stroke where the controller drives.
         duration: s.
-        start: angles at which the arm rests at first; the first demand where not given.
+        start: angles at which the arm rests at first; default: the first demand.
         opening: valve openings, -1..1, in place of the controller: an open-loop run.
         voltage: control voltages in place of the controller, V: a run that follows a log.
         brake: share of the brake's torque.
         load: external torque on each joint, N m.
         drift: shift of each valve's centre, V.
-        supply: gauge pressure of the supply, Pa; the machine's where not given.
-        payload: kg; the machine's where not given.
+        supply: gauge pressure of the supply, Pa; default: the machine's.
+        payload: kg; default: the machine's.
         pressures: absolute pressures of the hoses A and B at the start, Pa, of all joints or by joint; at equal leakage
             where not given.
         noise: whether the sensors are noisy.
@@ -78,11 +74,7 @@ class Scenario:
         return self.opening is None and self.voltage is None
 
     def __post_init__(self) -> None:
-        """Refuse a seed that the generator can't take.
-
-        Raises:
-            InputError: it is negative or too large.
-        """
+        """Refuse a seed that the generator can't take; raise InputError if it is negative or too large."""
         if not 0 <= self.seed <= LARGEST_SEED:
             raise InputError(f"{self.seed} is out of range", where="seed", right=f"give 0 to {LARGEST_SEED}")
 
@@ -110,22 +102,14 @@ def checked_options(kind: type[K], given: Mapping[str, Any], where: str, over: K
 class Shapes(NamedTuple):
     """A scenario as arrays over control cycles, before a machine is known; not a number: as usual."""
 
-    demand: NDArray[np.float64]
-    """rad, (cycles, joints)"""
-    opening: NDArray[np.float64]
-    """-1..1, (cycles, joints); not a number where the controller or a voltage drives"""
-    voltage: NDArray[np.float64]
-    """V, (cycles, joints); not a number where the controller or an opening drives"""
-    brake: NDArray[np.float64]
-    """Share of the brake's torque, (cycles, joints)"""
-    load: NDArray[np.float64]
-    """N m, (cycles, joints)"""
-    drift: NDArray[np.float64]
-    """V, (cycles, joints)"""
-    supply: NDArray[np.float64]
-    """Gauge pressure, Pa, (cycles,)"""
-    payload: NDArray[np.float64]
-    """kg, (cycles,)"""
+    demand: Array  # rad, (cycles, joints)
+    opening: Array  # -1..1, (cycles, joints); not a number where the controller or a voltage drives
+    voltage: Array  # V, (cycles, joints); not a number where the controller or an opening drives
+    brake: Array  # share of the brake's torque, (cycles, joints)
+    load: Array  # N m, (cycles, joints)
+    drift: Array  # V, (cycles, joints)
+    supply: Array  # gauge pressure, Pa, (cycles,)
+    payload: Array  # kg, (cycles,)
 
 
 def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
@@ -137,12 +121,12 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     n, names = scenario.cycles(cycle), list(machine.joints)
     times = cycle * np.arange(n)
 
-    def expand(signal: Signal | None, kind: u.Quantity | None, where: str, usual: float = 0.0) -> NDArray[np.float64]:
+    def expand(signal: Signal | None, kind: u.Quantity | None, where: str, usual: float = 0.0) -> Array:
         if signal is None:
             return np.full((n, len(names)), nan)
         return spread(signal, times, names, kind, where, usual)
 
-    def shared(signal: Signal | None, kind: u.Quantity, where: str) -> NDArray[np.float64]:
+    def shared(signal: Signal | None, kind: u.Quantity, where: str) -> Array:
         if signal is None:
             return np.full(n, nan)
         return np.ascontiguousarray(spread(signal, times, [where], kind, where, nan)[:, 0])
@@ -188,27 +172,22 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     )
 
 
-def _opening(own: Shapes, machine: Machine) -> NDArray[np.float64]:
+def _opening(own: Shapes, machine: Machine) -> Array:
     """Openings asked for; not a number where the controller drives."""
     if machine.valve is None or np.isnan(own.voltage).all():
         return own.opening
     return (own.voltage - machine.valve.centre_voltage) / machine.valve.volts_to_full
 
 
-def _check(good: NDArray[np.bool_], values: NDArray[np.float64], where: str, right: str) -> None:
+def _check(good: NDArray[np.bool_], values: Array, where: str, right: str) -> None:
     good |= np.isnan(values)
     if not good.all():
         raise InputError(f"{values[~good][0]:g} is out of range", where=where, right=f"give {right}")
 
 
 def spread(
-    signal: Signal,
-    times: Times,
-    names: Sequence[str],
-    kind: u.Quantity | None,
-    where: str,
-    usual: float | None = None,
-) -> NDArray[np.float64]:
+    signal: Signal, times: Times, names: Sequence[str], kind: u.Quantity | None, where: str, usual: float | None = None
+) -> Array:
     """Values of a signal at the given times, shape (times, names).
 
     `usual` is the value before the first of its steps and of a name that a table leaves out; without it the first step
@@ -234,7 +213,7 @@ def _is_steps(signal: object) -> TypeGuard[Steps]:
 
 def _steps(
     steps: Steps, times: Times, names: Sequence[str], kind: u.Quantity | None, where: str, usual: float | None
-) -> NDArray[np.float64]:
+) -> Array:
     since = [u.quantity(time, u.TIME, where) for time, _ in steps]
     if any(b <= a for a, b in pairwise(since)):
         raise InputError("the times of its steps do not grow", where=where, right='give ("0 s", ...), ("1 s", ...)')
@@ -245,7 +224,7 @@ def _steps(
     return np.array([before, *rows])[which]
 
 
-def _rows(rows: NDArray[np.float64], times: Times, names: Sequence[str], where: str) -> NDArray[np.float64]:
+def _rows(rows: Array, times: Times, names: Sequence[str], where: str) -> Array:
     wide = rows if rows.ndim == 2 else np.repeat(rows.reshape(-1, 1), len(names), axis=1)
     if wide.shape != (len(times), len(names)):
         raise InputError(
@@ -256,9 +235,7 @@ def _rows(rows: NDArray[np.float64], times: Times, names: Sequence[str], where: 
     return np.ascontiguousarray(wide, dtype=np.float64)
 
 
-def _row(
-    values: object, names: Sequence[str], kind: u.Quantity | None, where: str, usual: float | None
-) -> NDArray[np.float64]:
+def _row(values: object, names: Sequence[str], kind: u.Quantity | None, where: str, usual: float | None) -> Array:
     """One value a joint, in SI."""
     if isinstance(values, Mapping):
         unknown = sorted(set(values) - set(names))

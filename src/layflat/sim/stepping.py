@@ -24,8 +24,7 @@ class Setting(NamedTuple):
 
     arm: Any
     joints: tuple[Joint, ...]
-    cycle: float
-    """s"""
+    cycle: float  # s
     around: Surroundings
 
 
@@ -33,11 +32,9 @@ class Carry(NamedTuple):
     """What is kept of a joint from call to call."""
 
     state: JointState
-    wave: Any
-    """Dither or carrier of the coming step."""
+    wave: Any  # dither or carrier of the coming step
     line: Line
-    opening: float
-    """To which the valve is driven, -1..1."""
+    opening: float  # to which the valve is driven, -1..1
 
 
 class Stepping(NamedTuple):

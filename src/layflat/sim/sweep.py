@@ -3,32 +3,27 @@
 The joint is turned slowly while its torque is read, so mass and air flow do not matter: torque = K p - losses - brake.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import degrees
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.sim.slow import sweep_joint
 
-HIGHEST = 100e5
-"""No layflat hose bears more, Pa."""
-
-MOST_BRAKE = 100.0
-"""Times the brake's own torque."""
+HIGHEST = 100e5  # no layflat hose bears more, Pa
+MOST_BRAKE = 100.0  # times the brake's own torque
 
 
 @dataclass(frozen=True)
 class Loop:
     """A closed torque-angle loop, forward and back: angles (rad), torques (N m), and these without losses and brake."""
 
-    angle: NDArray[np.float64]
-    torque: NDArray[np.float64]
-    lossless: NDArray[np.float64]
+    angle: Array
+    torque: Array
+    lossless: Array
 
     @property
     def height(self) -> float:

@@ -13,12 +13,9 @@ from layflat.lanes import select
 class Tally(NamedTuple):
     """A move so far."""
 
-    settled: float
-    """Records until it stays within the band."""
-    overshoot: float
-    """Largest error beyond the goal."""
-    last_sum: float
-    """Sum of the last errors."""
+    settled: float  # records until it stays within the band
+    overshoot: float  # largest error beyond the goal
+    last_sum: float  # sum of the last errors
     last_low: float
     last_high: float
 
@@ -27,8 +24,7 @@ EMPTY = Tally(0.0, 0.0, 0.0, inf, -inf)
 COLUMNS = len(Tally._fields)
 SETTLED, OVERSHOOT, LAST_SUM, LAST_LOW, LAST_HIGH = range(COLUMNS)
 
-LAST_PART = 0.8
-"""What comes after this share of a move counts as its end."""
+LAST_PART = 0.8  # what comes after this share of a move counts as its end
 
 
 @law

@@ -1,13 +1,11 @@
 """Whether all runs of a study can be: asked before the first of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description.change import changed_all
 from layflat.errors import InputError
 from layflat.machine import Machine
@@ -17,7 +15,7 @@ from layflat.sim.run import timing_of
 from layflat.study.description import ScenarioTable
 from layflat.study.kinds import kind
 
-Samples = Mapping[str, NDArray[np.float64]]
+Samples = Mapping[str, Array]
 
 SAME_THING = {"scenario.payload": "arm.payload", "scenario.supply": "supply.pressure_gauge"}
 """Settings of a scenario that stand in for a number of the machine."""

@@ -1,7 +1,5 @@
 """The study file as it is written: tables with known keys, quantities as text with units."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 

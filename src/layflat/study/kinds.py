@@ -1,7 +1,5 @@
 """What a study may vary: numbers of the machine and settings of its scenarios, each with its unit and its bounds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -59,7 +57,7 @@ class Kind:
     def difference(self, value: object, where: str) -> float:
         """Return the SI float of a difference of two such values, greater than zero (InputError: naming `where`)."""
         if self.quantity is u.TEMPERATURE and not (isinstance(value, str) and value.strip().endswith("K")):
-            raise InputError(f"{value!r} is no difference of temperatures", where=where, right='give kelvin: "5 K"')
+            raise InputError(f"{value!r} is not a difference of temperatures", where=where, right='give kelvin: "5 K"')
         number = Kind(Annotated[float, self.quantity] if self.quantity else float).parse(value, where)
         if number <= 0.0:
             raise InputError(f"{value!r} is out of range", where=where, right="give more than zero")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.files import write_text
 from layflat.study.folder import ANSWER, table
 from layflat.study.study import Study
@@ -91,7 +92,7 @@ def _label(name: str, si: str) -> tuple[str, float]:
     return words if unit == "1" else f"{words} ({unit.replace('*', ' ')})", factor
 
 
-def _most_decisive(frame: pandas.DataFrame, paths: list[str], result: NDArray[np.float64]) -> list[str]:
+def _most_decisive(frame: pandas.DataFrame, paths: list[str], result: Array) -> list[str]:
     """Paths, the fewest that fit: those with which a result goes most, by rank."""
     if len(paths) <= MOST_VARIED:
         return paths

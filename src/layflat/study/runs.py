@@ -13,13 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import layflat
+from layflat.arrays import Array
 from layflat.errors import InputError, StoppedError
 from layflat.extras import require
 from layflat.jit.cache import source_digest
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble import kernel as ensemble_kernel
 from layflat.study.folder import Folder
-from layflat.study.sampling import Array, rows, samples
+from layflat.study.sampling import rows, samples
 from layflat.study.study import Study
 from layflat.study.varied import applied
 

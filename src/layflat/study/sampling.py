@@ -1,18 +1,14 @@
 """Samples of what varies, the runs that they make, and the sensitivity indices of what comes of these."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.study.description import StudyFile
 from layflat.study.varied import Varied, groups
-
-Array = NDArray[np.float64]
 
 RESAMPLES, ENDS = 200, (0.05, 0.95)
 """Of the bootstrap of indices, and what share of them lies below the ends of an interval."""

@@ -167,7 +167,7 @@ def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None
         (bool(twice), "vary", f"{''.join(twice[:1])} varies twice; vary it once"),
         (drawn and not varied, "vary", 'nothing varies; say what, or use sampling = "grid"'),
         (drawn and file.runs is None, "runs", "is missing; say how many samples, such as 1024"),
-        (odd, "runs", f"{file.runs} is no power of two; {balanced}"),
+        (odd, "runs", f"{file.runs} is not a power of two; {balanced}"),
         (len(set(named)) < len(named), "scenario.name", "two have the same name; give each its own"),
     )
 
@@ -186,5 +186,5 @@ def _metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
     known = [name for name in UNITS if name != "diverged"]
     unknown = [name for name in names or () if name not in known]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no metric", where=f"{where}: metrics", right=f"use {', '.join(known)}")
+        raise InputError(f"{unknown[0]!r} is not a metric", where=f"{where}: metrics", right=f"use {', '.join(known)}")
     return tuple(name for name in known if names is None or name in names)

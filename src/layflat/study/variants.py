@@ -1,7 +1,5 @@
 """Machines that a study compares: each the study's own, or another one, with changes."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,10 +54,10 @@ def _varied(table: VariantTable, usual: str, folder: Path, where: str) -> Machin
     for path, factor in leaves(table.times):
         key = f"{where}.times.{path}"
         if isinstance(factor, bool) or not isinstance(factor, (int, float)) or factor < 0:
-            raise InputError(f"{factor!r} is no factor", where=key, right="give a number such as 2.0")
+            raise InputError(f"{factor!r} is not a factor", where=key, right="give a number such as 2.0")
         if path not in known:
             value_at(machine, path)
-            raise InputError("is no number", where=key, right="name a single number of the machine")
+            raise InputError("is not a number", where=key, right="name a single number of the machine")
         times[path] = value_at(machine, path) * factor
     machine = changed_all(machine, times, f"{where}.times")
     return build(machine.model_dump(mode="json"), sources | own, f"{where}.times") if table.times else machine

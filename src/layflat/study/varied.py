@@ -8,14 +8,12 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.machine import Machine
 from layflat.study.description import Range, refuse
 from layflat.study.kinds import FACTOR, Kind, kind
-
-Array = NDArray[np.float64]
 
 EDGE = 1e-12  # a normal distribution is cut off where less than this share of it lies beyond
 
@@ -119,7 +117,7 @@ def resolved(path: str, given: Range, machine: Machine, sampling: str, where: st
             ".group",
             'has no effect; use sampling = "saltelli", or leave it out',
         ),
-        (relative and setting != "", ".relative", f"{setting} is no number of the machine; leave it out"),
+        (relative and setting != "", ".relative", f"{setting} is not a number of the machine; leave it out"),
         (relative and whole, ".relative", WHOLE),
         (not relative and odd != "", ".also", f"{odd!r} is of another kind; vary it by itself, or add relative = true"),
     )

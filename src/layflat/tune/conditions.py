@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.machine import Machine
 from layflat.sim import Scenario
@@ -25,14 +25,8 @@ from layflat.sim.metrics import BAND
 if TYPE_CHECKING:
     import xarray
 
-Array = NDArray[np.float64]
-
 POSTURES = {
-    1: (
-        ((-1 / 3,), (1 / 3,), (0.36,)),
-        ((1 / 3,), (-1 / 3,), (-1 / 2,)),
-        ((0.0,), (1 / 6,), (-2 / 3,)),
-    ),
+    1: (((-1 / 3,), (1 / 3,), (0.36,)), ((1 / 3,), (-1 / 3,), (-1 / 2,)), ((0.0,), (1 / 6,), (-2 / 3,))),
     2: (
         ((-1 / 3, -1 / 3), (1 / 3, -1 / 3), (1 / 3, 1 / 3)),
         ((1 / 3, 1 / 3), (-1 / 3, 1 / 3), (-1 / 3, -1 / 3)),

@@ -1,7 +1,5 @@
 """What a search may turn, values of a machine with their ranges; and methods: all at once, or phase by phase."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import cycle
@@ -9,14 +7,12 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.control.paper import PaperGainsPart
 from layflat.description.change import changed, value_at
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine
-
-Array = NDArray[np.float64]
 
 PER_DEG, PER_BAR = 180.0 / np.pi, 1e-5
 

@@ -1,7 +1,5 @@
 """What a tuning did, as figures in a table and as one page that needs nothing else."""
 
-from __future__ import annotations
-
 from math import isfinite
 from pathlib import Path
 

@@ -5,23 +5,19 @@ then luck in part; the middle of the search is not, so that it is this which is 
 conditions that stays the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.extras import module
 from layflat.machine import Machine
 from layflat.sim import STEP
 from layflat.sim.ensemble import ensemble
 from layflat.tune.conditions import Conditions, candidate_costs, conditions
 from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to_shares
-
-Array = NDArray[np.float64]
 
 WIDTH = 0.15  # spread of the first generation, share of each knob's range
 COARSE = 1e-3

@@ -1,7 +1,5 @@
 """A tuning from its beginning to a description with better gains. `begin` checks, `seek` searches, `keep` writes."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field

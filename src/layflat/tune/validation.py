@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import disturbance
@@ -16,8 +16,6 @@ from layflat.tune.conditions import POSTURES, REST, Conditions, candidate_costs,
 
 if TYPE_CHECKING:
     import xarray
-
-Array = NDArray[np.float64]
 
 FRESH, FRESH_SEED = 256, 2_000_000_000  # runs of the validation, and their seed
 LIMIT = 1.5  # time in which the paper's arm settles, s: section 4.2

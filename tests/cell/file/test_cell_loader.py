@@ -62,7 +62,7 @@ def test_units_are_si_behind_the_file(packing: Cell) -> None:
         ("lift/stroke", "140 mm", "lift.stroke is too short"),
         ("mount/home", {"large": "0 deg"}, "mount.home"),
         ("mount/home", {"large": "0 deg", "small": "61 deg"}, "mount.home.small is outside"),
-        ("machine", "paper-large-joint", "is no level arm of two joints"),
+        ("machine", "paper-large-joint", "is not a level arm of two joints"),
         ("base_markers/marker/left-near/centre", ["0 mm", "60 mm"], "marker.left-near and the arm's column overlap"),
         ("base_markers/marker/left-near/number", 41, "left-near.number 41 is that of 'right-far' too"),
         ("base_markers/marker", {}, "base_markers.marker"),

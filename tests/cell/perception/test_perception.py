@@ -6,14 +6,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from tests.cell.perception.cell_pictures import (
-    Picture,
-    false_picks,
-    nearest,
-    picture_of,
-    with_camera,
-    with_unknown,
-)
+from tests.cell.perception.cell_pictures import Picture, false_picks, nearest, picture_of, with_camera, with_unknown
 
 from layflat.cell import Cell
 from layflat.cell.perception import base_of, calibrate_scene, detector_of, fruit_of
@@ -135,8 +128,7 @@ def test_a_blurred_picture_is_refused(cell: Cell, calibration: Calibration, pict
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
-    [({"exposure": 0.02}, "is black"), ({"exposure": 6.0}, "is white"), ({"blur": 3.0}, "blurred")],
+    ("change", "told"), [({"exposure": 0.02}, "is black"), ({"exposure": 6.0}, "is white"), ({"blur": 3.0}, "blurred")]
 )
 def test_a_camera_that_is_set_wrongly_is_refused(cell: Cell, change: dict[str, Any], told: str) -> None:
     with pytest.raises(PictureError, match=told):

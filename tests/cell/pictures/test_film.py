@@ -90,7 +90,7 @@ def test_a_film_that_breaks_off_leaves_nothing_and_keeps_what_was_there(
 
 
 def test_what_is_wrong_is_told_in_one_line(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"'.avi' is no kind of file that is written here; give .* \.mp4 or \.gif"):
+    with pytest.raises(OutputError, match=r"'.avi' is not a kind of file that is written here; give .* \.mp4 or \.gif"):
         Film(tmp_path / "film.avi")
     with pytest.raises(OutputError, match="has no suffix"):
         Film(tmp_path / "film")

@@ -96,7 +96,7 @@ def test_a_sheet_is_saved_whole(tmp_path: Path) -> None:
     with Image.open(saved) as opened:
         assert np.array_equal(np.asarray(opened), sheet.picture())
     assert list(saved.parent.iterdir()) == [saved]
-    with pytest.raises(OutputError, match=r"'.jpg' is no kind of file that is written here; give a path .* \.png"):
+    with pytest.raises(OutputError, match=r"'.jpg' is not a kind of file that is written here; give a path .* \.png"):
         sheet.save(tmp_path / "sheet.jpg")
 
 

@@ -61,7 +61,7 @@ def test_a_broken_file_is_told(tmp_path: Path, old: str, new: str, told: str) ->
 def test_what_is_no_rotation_is_told(tmp_path: Path) -> None:
     path = tmp_path / "camera.toml"
     true_calibration().model_copy(update={"rotation": ((1, 0, 0), (0, 1, 0), (0, 0, -1))}).save(path)
-    with pytest.raises(CameraError, match="rotation: is no rotation"):
+    with pytest.raises(CameraError, match="rotation: is not a rotation"):
         load_calibration(path)
 
 

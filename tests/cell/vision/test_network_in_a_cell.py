@@ -52,7 +52,7 @@ def test_a_network_that_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(CellError, match=r"network\.file: there is no .*red\.onnx"):
         load(path)
     (tmp_path / "red.onnx").write_bytes(b"no network")
-    with pytest.raises(InputError, match="is no network that OpenCV runs"):
+    with pytest.raises(InputError, match="is not a network that OpenCV runs"):
         detector_of(load(path))
     path.write_text(CELL.format(rows=1, columns=COLUMNS), encoding="utf-8")
     with pytest.raises(CellError, match=r"network\.rows"):

@@ -37,7 +37,7 @@ def test_a_file_that_is_no_network_is_told(tmp_path: Path) -> None:
         OnnxDetector(tmp_path / "none.onnx", KINDS, TABLE)
     broken = tmp_path / "broken.onnx"
     broken.write_bytes(b"no network")
-    with pytest.raises(InputError, match="is no network"):
+    with pytest.raises(InputError, match="is not a network"):
         OnnxDetector(broken, KINDS, TABLE)
 
 

@@ -205,7 +205,7 @@ def test_missing_channels_and_joints(tmp_path: Path) -> None:
     assert "has no angle; map its angle" in told(issues, "warning", "small")
     assert "has no command; map voltage" in told(issues, "warning", "small")
     other = check(read_log(path, mapping(theta={"joint": "elbow"})), SMALL)
-    assert "is no joint of the machine; its joints are small" in told(other, "error", "elbow")
+    assert "is not a joint of the machine; its joints are small" in told(other, "error", "elbow")
     commands = check(read_log(path, mapping("theta", "pA", "pB")), SMALL)
     assert "holds nothing that was measured" in told(commands, "error", "log")
     assert "has no pressure" in told(commands, "note", "small")

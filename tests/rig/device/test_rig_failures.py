@@ -199,7 +199,7 @@ def test_sizes_may_be_given() -> None:
 
 
 def test_an_unknown_failure_and_an_unknown_joint_are_told() -> None:
-    with pytest.raises(InputError, match="'fire' is no failure; failures are reply-lost, reply-crc"):
+    with pytest.raises(InputError, match="'fire' is not a failure; failures are reply-lost, reply-crc"):
         failure("fire")
     with pytest.raises(InputError, match="has no joint 2; joints are 0 to 1"):
         failure("push").begin(OpenLoopRig().device, 2)

@@ -35,9 +35,9 @@ def test_addresses(address: str, endpoint: str) -> None:
         ("serial://ttyACM0", "names no device"),
         ("serial://", "names no device"),
         ("serial:///", "names no device"),
-        ("/dev/ttyACM0", "is no driver's address"),
-        ("can://0", "is no driver's address"),
-        ("", "is no driver's address"),
+        ("/dev/ttyACM0", "is not a driver's address"),
+        ("can://0", "is not a driver's address"),
+        ("", "is not a driver's address"),
     ],
 )
 def test_what_is_no_address(address: str, what: str) -> None:

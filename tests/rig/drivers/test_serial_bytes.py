@@ -159,7 +159,7 @@ def test_a_port_that_answers_otherwise(terminal: Terminal, monkeypatch: pytest.M
     for reply, what in (
         (lambda *_: b"", "does not answer; see that the firmware runs"),
         (lambda *_: b"\0ok\n\0", "answers, but not in frames"),
-        (lambda _, sequence: frame(0x81, sequence, [7] * 14), "what answers is no rig of layflat's"),
+        (lambda _, sequence: frame(0x81, sequence, [7] * 14), "what answers is not a rig of layflat's"),
     ):
         terminal.reply = reply
         with pytest.raises(DriverError, match=what):
@@ -194,7 +194,7 @@ def test_a_port_that_is_not_there() -> None:
 def test_what_is_no_port(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for path in (tmp_path, tmp_path / "file"):
-        with pytest.raises(DriverError, match="is no serial port"):
+        with pytest.raises(DriverError, match="is not a serial port"):
             driver_of(f"serial://{path}", ARM).configure()
 
 

@@ -66,11 +66,11 @@ def test_a_log_that_was_cut_is_told_repaired_and_read(log: Path) -> None:
 def test_files_that_are_none_and_formats_that_are_none_are_refused(log: Path, tmp_path: Path) -> None:
     (tmp_path / "text.mcap").write_text("time,angle\n")
     for command in ("info", "repair", "plot"):
-        with pytest.raises(InputError, match="is no MCAP file; give an MCAP file"):
+        with pytest.raises(InputError, match="is not an MCAP file; give an MCAP file"):
             layflat(command, tmp_path / "text.mcap")
         with pytest.raises(InputError, match="No such file"):
             layflat(command, tmp_path / "none.mcap")
-    with pytest.raises(InputError, match=r"'\.csv' is no format; use \.nc or \.parquet"):
+    with pytest.raises(InputError, match=r"'\.csv' is not a format; use \.nc or \.parquet"):
         layflat("export", tmp_path / "text.mcap", tmp_path / "run.csv")
     with pytest.raises(InputError, match="can't write here"):
         layflat("plot", log, "--out", log / "run.png")

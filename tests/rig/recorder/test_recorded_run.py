@@ -129,7 +129,7 @@ def test_exported_logs_hold_the_same(recorded: Path, tmp_path: Path) -> None:
 
 def test_formats_that_are_none_and_places_that_can_t_be_written_are_told(recorded: Path, tmp_path: Path) -> None:
     run = read_run(recorded)
-    with pytest.raises(InputError, match=r"'\.xlsx' is no format; use \.nc or \.parquet"):
+    with pytest.raises(InputError, match=r"'\.xlsx' is not a format; use \.nc or \.parquet"):
         export(run, tmp_path / "run.xlsx")
     (tmp_path / "file").touch()
     with pytest.raises(OutputError, match="can't write here"):

@@ -168,7 +168,7 @@ def test_what_can_t_be_repaired_is_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is empty"):
         repair(path)
     path.write_bytes(b"time,angle\n0,1\n")
-    with pytest.raises(InputError, match="is no MCAP file"):
+    with pytest.raises(InputError, match="is not an MCAP file"):
         repair(path)
     part = tmp_path / "a.mcap.part"
     part.write_bytes(FILES["grown"])

@@ -138,5 +138,5 @@ def test_the_simulator_alone_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_another_device_says_which_there_are() -> None:
-    with pytest.raises(InputError, match='\'tpu\' is no device; use "cpu" or "cuda"'):
+    with pytest.raises(InputError, match='\'tpu\' is not a device; use "cpu" or "cuda"'):
         ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="tpu")

@@ -33,7 +33,7 @@ def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
     ("options", "message"),
     [
         ({"thread": 1}, "ensemble: unknown option 'thread'; did you mean 'threads'?"),
-        ({"traces": ["angel"]}, "'angel' is no signal"),
+        ({"traces": ["angel"]}, "'angel' is not a signal"),
         ({"every": 0}, "every"),
         ({"step": "1 s"}, "step"),
         ({"band": "1 kg"}, "band"),

@@ -19,7 +19,9 @@ def check(cell: Cell) -> None:
 def _arm(cell: Cell) -> None:
     joints = list(cell.machine.joints)
     if len(joints) != 2 or cell.machine.arm.gravity != 0.0:
-        raise ValueError(f"machine {cell.machine.name!r} is no level arm of two joints; take one such as 'paper-arm'")
+        raise ValueError(
+            f"machine {cell.machine.name!r} is not a level arm of two joints; take one such as 'paper-arm'"
+        )
     if set(cell.mount.home) != set(joints):
         raise ValueError(f"mount.home has {sorted(cell.mount.home)}; give an angle for each of {joints}")
     for name, joint in cell.machine.joints.items():

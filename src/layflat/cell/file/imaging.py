@@ -4,9 +4,10 @@ from typing import Annotated
 
 from pydantic import Field
 
+from layflat.arrays import Array
 from layflat.cell.file.parts import Extent, PlanePoint, Point
 from layflat.cell.file.produce import Spread
-from layflat.cell.geometry import Array, rectangle
+from layflat.cell.geometry import rectangle
 from layflat.description import Part
 from layflat.description import units as u
 

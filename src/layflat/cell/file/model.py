@@ -4,10 +4,11 @@ from math import pi
 
 from pydantic import Field
 
+from layflat.arrays import Array
 from layflat.cell.file.imaging import BaseMarkers, Board, Camera, Light, Network, Overview
 from layflat.cell.file.parts import Container, Cup, HandlingLimits, Lift, Mount, Table, Tray
 from layflat.cell.file.produce import Clutter, Produce, Spread
-from layflat.cell.geometry import Array, rectangle
+from layflat.cell.geometry import rectangle
 from layflat.description.part import Described
 from layflat.machine import Machine
 

@@ -9,7 +9,8 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from layflat.cell.geometry import Array, placed, rectangle
+from layflat.arrays import Array
+from layflat.cell.geometry import placed, rectangle
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.names import Name

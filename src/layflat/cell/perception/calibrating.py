@@ -5,8 +5,9 @@ from math import cos, pi, sin
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.cell.file.model import Cell
-from layflat.cell.geometry import Array, product, rotated
+from layflat.cell.geometry import product, rotated
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.optics import optics_of

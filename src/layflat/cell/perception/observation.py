@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce, Skin
-from layflat.cell.geometry import Array
 from layflat.cell.perception.calibrating import base_of
 from layflat.cell.perception.kinds import detector_of
 from layflat.cell.plan.containers import Fruit

@@ -18,7 +18,7 @@ def of_kind(path: Path, *suffixes: str) -> str:
     """Return the suffix of a path; raise OutputError unless it is one of those given."""
     suffix = path.suffix.lower()
     if suffix not in suffixes:
-        problem = f"{path.suffix!r} is no kind of file that is written here" if suffix else "has no suffix"
+        problem = f"{path.suffix!r} is not a kind of file that is written here" if suffix else "has no suffix"
         raise OutputError(problem, where=str(path), right=f"give a path that ends in {' or '.join(suffixes)}")
     return suffix
 

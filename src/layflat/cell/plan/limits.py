@@ -19,7 +19,7 @@ from typing import Self
 
 import numpy as np
 
-from layflat.cell.geometry import Array
+from layflat.arrays import Array
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import REFERENCE_PRESSURE

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from layflat import extras
-from layflat.cell.geometry import Array
+from layflat.arrays import Array
 from layflat.cell.plan.limits import SHARES, MotionLimits, Shares, arm_limits
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine

@@ -6,9 +6,10 @@ from math import atan
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.cell.extras import opencv
 from layflat.cell.file.imaging import Camera
-from layflat.cell.geometry import Array, looking
+from layflat.cell.geometry import looking
 
 
 class Optics:

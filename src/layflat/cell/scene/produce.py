@@ -6,10 +6,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Tray
 from layflat.cell.file.produce import Clutter
-from layflat.cell.geometry import Array, about_z, overlap, product, rectangle
+from layflat.cell.geometry import about_z, overlap, product, rectangle
 from layflat.cell.scene import shapes
 from layflat.errors import CellError
 

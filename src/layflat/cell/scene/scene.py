@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
-from layflat.cell.geometry import Array
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool

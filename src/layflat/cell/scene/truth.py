@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.cell.file.model import Cell
-from layflat.cell.geometry import Array
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.produce import SceneFruit, Specimen
 

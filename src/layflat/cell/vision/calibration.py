@@ -13,8 +13,8 @@ import tomli_w
 from numpy.typing import ArrayLike
 from pydantic import ValidationError, field_validator
 
+from layflat.arrays import Array
 from layflat.cell.extras import opencv, points
-from layflat.cell.geometry import Array
 from layflat.description import Part
 from layflat.description.explain import explained
 from layflat.description.tables import parsed
@@ -41,7 +41,7 @@ class Calibration(Part):
     def _is_rotation(cls, rotation: tuple[Triple, Triple, Triple]) -> tuple[Triple, Triple, Triple]:
         R = np.array(rotation)
         if not np.allclose(R @ R.T, np.eye(3), atol=1e-6) or np.linalg.det(R) < 0.0:
-            raise ValueError("is no rotation; its rows must be perpendicular, of length 1 and right-handed")
+            raise ValueError("is not a rotation; its rows must be perpendicular, of length 1 and right-handed")
         return rotation
 
     @cached_property

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.cell.extras import opencv
 from layflat.errors import InputError
 
@@ -55,7 +56,7 @@ class Detection:
     diameter: float  # m
     colour: tuple[float, float, float]  # mean, RGB of 255, lit as the table's reference is
     confidence: float  # 0 to 1; from `SURE` on it is whole and clear
-    outline: NDArray[np.float64]  # what its outline would be if it were all seen, (N, 2) px
+    outline: Array  # what its outline would be if it were all seen, (N, 2) px
 
 
 def draw(picture: NDArray[np.uint8], detections: Sequence[Detection]) -> NDArray[np.uint8]:
@@ -82,7 +83,7 @@ def _outline(drawn: Any, detection: Detection) -> None:
         cv2.polylines(drawn, dashes, False, colour, thick, cv2.LINE_AA, SHIFT)
 
 
-def _text(drawn: Any, lines: Sequence[str], middle: NDArray[np.float64]) -> None:
+def _text(drawn: Any, lines: Sequence[str], middle: Array) -> None:
     """Write lines about a point (px), dark on bright ground and bright on dark ground, each with a rim of the other."""
     cv2 = opencv()
     font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.4

@@ -13,8 +13,7 @@ from layflat.cell.vision.detection import Detection, Kind
 STALK = 0.06  # how far a chromaticity, in each of r, g, b of 1, may be from a thing's median to be of its skin
 STALK_LEVEL = 0.6  # brightness under which a thing's skin is a stalk, share of its median
 DUST = 1.2  # px that an edge may be off its outline in any case
-BALLS_APART = 0.8
-"""How far two balls are apart at least, as a share of the distance at which they touch: what is nearer is no ball."""
+BALLS_APART = 0.8  # least distance of two balls, as a share of that at which they touch: what is nearer is none
 COMPLETE = 0.8  # share of an outline from which it is as good as whole: what touches others is never seen all around
 
 

@@ -36,7 +36,7 @@ class OnnxDetector:
         size: rows and columns of the network's input.
 
     Raises:
-        InputError: the file can't be read or is no network that OpenCV runs.
+        InputError: the file can't be read or is not a network that OpenCV runs.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class OnnxDetector:
         try:
             self._network = cv2.dnn.readNetFromONNX(str(path))
         except cv2.error:
-            raise InputError("is no network that OpenCV runs", where=str(path), right="export it as ONNX") from None
+            raise InputError("is not a network that OpenCV runs", where=str(path), right="export it as ONNX") from None
 
     def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
         """Return what the network detects, measured on the table, surest first; a number over the kinds' is unknown.

@@ -22,7 +22,7 @@ def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = Non
     """Refuse a picture (H, W, 3), RGB, that can't be used or has not the width and height of `size`; return it halved.
 
     Raises:
-        PictureError: it is no picture, of another size, black, overexposed or blurred.
+        PictureError: it is not a picture, of another size, black, overexposed or blurred.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
         raise PictureError(f"is {picture.dtype} {picture.shape}", where=where, right="needs uint8 (height, width, 3)")

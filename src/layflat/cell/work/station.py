@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.bridge import MujocoPlant
 from layflat.cell.plan.motion import LEAD, move_arm
 from layflat.cell.plan.pick import Command, Readings, Relocation
@@ -74,7 +74,7 @@ class Arm:
         self._at += 1
         return HostRequest(self._demand.tolist())
 
-    def publish(self, row: NDArray[np.float64]) -> None:
+    def publish(self, row: Array) -> None:
         """Read what the controllers know."""
         joints = [row[self._layout.of_joint(j)] for j in range(len(self.angles))]
         self.angles = tuple(float(joint[ANGLE]) for joint in joints)

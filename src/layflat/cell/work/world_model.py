@@ -16,8 +16,8 @@ from math import hypot
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.cell.file.model import Cell
-from layflat.cell.geometry import Array
 from layflat.cell.perception import Observation, Perception
 from layflat.cell.plan.containers import Fruit
 from layflat.cell.reach import Angles, Reach

@@ -1,7 +1,5 @@
 """What a machine's file says of the paper's control law, and the law's settings that follow."""
 
-from __future__ import annotations
-
 from typing import Any, Literal
 
 from pydantic import Field
@@ -53,11 +51,7 @@ class PaperGainsPart(Part):
 
 
 def settings(shared: PaperControllerPart, machine: Any) -> Settings:
-    """Settings of every joint.
-
-    Raises:
-        MachineError: a joint has no gains.
-    """
+    """Settings of every joint; raise MachineError if a joint has no gains."""
     return Settings(tuple(_gains(shared, machine, name) for name in machine.joints))
 
 

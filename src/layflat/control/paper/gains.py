@@ -8,10 +8,8 @@ from layflat.control.average import SIGNALS as AVERAGED
 class Phase(NamedTuple):
     """Gains of one phase of a move."""
 
-    error_gain: float
-    """k_e, V/rad."""
-    pressure_gain: float
-    """k_p, V/Pa."""
+    error_gain: float  # k_e, V/rad
+    pressure_gain: float  # k_p, V/Pa
 
 
 class Gains(NamedTuple):
@@ -24,28 +22,18 @@ class Gains(NamedTuple):
     near_speed: float
     close_error: float
     close_speed: float
-    null: float
-    """N, the valve's nominal centre, V."""
-    integral_gain: float
-    """Of the short-term integral F, V/(rad s)."""
-    integral_limit: float
-    """Of F, V."""
-    drift_time: float
-    """Time constant of the long-term integral FL, s."""
-    drift_limit: float
-    """Of FL, V."""
-    air_ripple: float
-    """Rule 1: the pressure ripple that shows that air is there, Pa."""
-    rest_speed: float
-    """Rule 2: the speed under which the joint may be at rest, rad/s."""
-    rest_time: float
-    """Rule 2: how long it has to be so slow, s: a joint that turns back is not at rest."""
-    load_pressure: float
-    """Rule 3: the differential pressure under which there is no offset load, Pa."""
+    null: float  # N, the valve's nominal centre, V
+    integral_gain: float  # of the short-term integral F, V/(rad s)
+    integral_limit: float  # of F, V
+    drift_time: float  # time constant of the long-term integral FL, s
+    drift_limit: float  # of FL, V
+    air_ripple: float  # rule 1: the pressure ripple that shows that air is there, Pa
+    rest_speed: float  # rule 2: the speed under which the joint may be at rest, rad/s
+    rest_time: float  # rule 2: how long it has to be so slow, s: a joint that turns back is not at rest
+    load_pressure: float  # rule 3: the differential pressure under which there is no offset load, Pa
     voltage_low: float
     voltage_high: float
-    averaged: float
-    """1: signals are averaged over four cycles (a dither period); 0: the last sample alone is used."""
+    averaged: float  # 1: signals are averaged over four cycles (a dither period); 0: the last sample alone is used
 
 
 class Settings(NamedTuple):
@@ -66,8 +54,7 @@ class Memory(NamedTuple):
     last_angle: float
     short_term: float
     long_term: float
-    rest: float
-    """How long the joint has been slow, s."""
+    rest: float  # how long the joint has been slow, s
 
 
 class Report(NamedTuple):

@@ -3,8 +3,6 @@
 Each has a module with `figure(study, frame)` and `finding(study, frame)`; titles and captions stand in questions.toml.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME
-from layflat.experiments.questions.tables import Array, listed, moves_of
+from layflat.experiments.questions.tables import listed, moves_of
 from layflat.plot.bars import draw_bars
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from layflat.experiments.questions.tables import Array, listed, moves_of
+from layflat.arrays import Array
+from layflat.experiments.questions.tables import listed, moves_of
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.plot.maps import draw_map, edges
 from layflat.plot.style import LINES, mark

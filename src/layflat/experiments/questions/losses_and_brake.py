@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME, SCAN
 from layflat.experiments.bench import INERTIA_PER_TORQUE
-from layflat.experiments.questions.tables import JOINT, Array, grid, hysteresis, inertia_per_torque, limits
+from layflat.experiments.questions.tables import JOINT, grid, hysteresis, inertia_per_torque, limits
 from layflat.machine import changed
 from layflat.plot.style import LINES
 from layflat.plot.style import figure as new_figure

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME
-from layflat.experiments.questions.tables import Array
 from layflat.plot.style import LINES, mark
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study

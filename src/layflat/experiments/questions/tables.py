@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.experiments.axis_one import limit_within
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque
 from layflat.machine import Machine
@@ -15,8 +15,6 @@ from layflat.sim.sweep import sweep
 
 if TYPE_CHECKING:
     import pandas
-
-Array = NDArray[np.float64]
 
 JOINT = "small"  # that the studies of one joint are about
 

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description import Part
 from layflat.description.change import replaced
 from layflat.description.names import Name
 from layflat.errors import InputError
-from layflat.identify.model import FITTED, Array, Model
+from layflat.identify.model import FITTED, Model
 from layflat.lanes import mapped
 from layflat.parallel import on_all_cores
 

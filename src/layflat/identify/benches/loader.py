@@ -5,8 +5,6 @@ a `model` with the `BENCH` that fits its logs; `builtin` holds descriptions. Mac
 own; two kinds of bench take their logs.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 from typing import Any

@@ -11,27 +11,19 @@ a model leaves out stay the same for many samples. Blocks longer than this memor
 draw moves the optimum by one Gauss-Newton step, -(H + P)^-1 g, which needs no further simulation (kunsch1989).
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.identify.fit.residuals import PRIOR_WIDTH, STEP
-from layflat.identify.model import Array, Model
+from layflat.identify.model import Model
 
-DRAWS = 1000
-"""Bootstrap samples."""
-
-MOST_BLOCKS, LEAST_BLOCKS = 100, 20
-"""Blocks in all logs together."""
-
-MEMORIES = 5.0
-"""Length of a block over the residuals' memory."""
-
-NORMAL = 1.959964
-"""Standard deviations in 95 %."""
+DRAWS = 1000  # bootstrap samples
+MOST_BLOCKS, LEAST_BLOCKS = 100, 20  # blocks in all logs together
+MEMORIES = 5.0  # length of a block over the residuals' memory
+NORMAL = 1.959964  # standard deviations in 95 %
 
 
 def covariance(jacobian: Array, residuals: Array) -> Array:

@@ -1,19 +1,17 @@
 """Residuals of a model, and how they change with every unknown, from one simulation of all candidates."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.errors import InputError
-from layflat.identify.model import Array, Model, Unknown
+from layflat.identify.model import Model, Unknown
 
 STEP, WIDEST = 1e-3, 0.2
 """Half the width of a difference, as a share of the way between the bounds: at least and at most."""
 
-NOTICED = 2.0
-"""A difference is as wide as it takes to change the residuals by so much in all, within these limits."""
+NOTICED = 2.0  # a difference is as wide as it takes to change the residuals by so much in all, within these limits
 
 PRIOR_WIDTH = 0.5
 """Standard deviation of the prior of an unknown, as a share of the way between its bounds.
@@ -21,8 +19,7 @@ PRIOR_WIDTH = 0.5
 It is worth less than one good sample, and keeps what the log does not identify near the description.
 """
 
-DIVERGED = 1e4
-"""What stands for a residual where a candidate diverged, in units of the scale."""
+DIVERGED = 1e4  # what stands for a residual where a candidate diverged, in units of the scale
 
 
 class Scaled:
@@ -35,7 +32,7 @@ class Scaled:
     def __init__(self, unknowns: Sequence[Unknown]) -> None:
         for one in unknowns:
             if not (one.low < one.high and (one.low > 0.0 or not one.log)):
-                raise InputError(f"{one.low:g} to {one.high:g} is no range", where=one.path, right="give low < high")
+                raise InputError(f"{one.low:g} to {one.high:g} is not a range", where=one.path, right="give low < high")
             if not one.low <= one.guess <= one.high:
                 where = f"{one.path}: {one.guess:g} {one.unit}"
                 raise InputError("lies outside what is searched", where=where, right=f"{one.low:g} to {one.high:g}")

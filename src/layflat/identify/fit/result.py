@@ -1,49 +1,35 @@
 """What a fit found, how sure it is, and how well it predicts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from layflat.identify.model import Array, Flags, Model, Output, Unknown
+from layflat.arrays import Array
+from layflat.identify.model import Flags, Model, Output, Unknown
 
 SURE = 0.2
 """A parameter is identified if its interval reaches less than this beyond it: of itself, or of half its range."""
 
-ALIKE = 0.95
-"""Correlation from which on two parameters are identified only together."""
+ALIKE = 0.95  # correlation from which on two parameters are identified only together
 
 MISPREDICTED = 0.25
 """A prediction that misses by more (rms, as a share of the range) is none: the search ended in a wrong minimum."""
 
-LAGS = 25
-"""Lags at which errors are compared with themselves, and with the input."""
-
-BAND = 1.959964
-"""What stays within so many over the root of the number of samples is chance, in 95 of 100 lags."""
+LAGS = 25  # lags at which errors are compared with themselves, and with the input
+BAND = 1.959964  # what stays within so many over the root of the number of samples is chance, in 95 of 100 lags
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value with its 95 % interval, SI.
+    """A value with its 95 % interval, SI."""
 
-    Args:
-        unknown: what was looked for.
-        value: best found.
-        low: lower end of the interval.
-        high: upper end.
-        at_bound: whether it hit its bound.
-        partner: the parameter that it can't be separated from, if any.
-    """
-
-    unknown: Unknown
-    value: float
-    low: float
-    high: float
-    at_bound: bool
-    partner: str | None = None
+    unknown: Unknown  # what was looked for
+    value: float  # best found
+    low: float  # lower end of the interval
+    high: float  # upper end
+    at_bound: bool  # whether it hit its bound
+    partner: str | None = None  # the parameter that it can't be separated from, if any
 
     @property
     def identified(self) -> bool:
@@ -57,54 +43,31 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Quality:
-    """How well an output is predicted.
+    """How well an output is predicted."""
 
-    Args:
-        output: its name.
-        unit: SI.
-        log: which log.
-        validation: over samples that were not fitted.
-        samples: how many.
-        rms: of the error, in `unit`.
-        bias: mean error, in `unit`.
-        share: rms over the range of what was measured.
-        fit: 1 - rms / standard deviation of what was measured.
-        white: share of the lags at which errors resemble themselves no more than chance; 0.95 for a perfect model.
-        driven: greatest correlation of the error with the input, at any lag; None where no input is known.
-    """
-
-    output: str
-    unit: str
-    log: str
-    validation: bool
-    samples: int
-    rms: float
-    bias: float
-    share: float
-    fit: float
-    white: float
-    driven: float | None
+    output: str  # its name
+    unit: str  # SI
+    log: str  # which log
+    validation: bool  # over samples that were not fitted
+    samples: int  # how many
+    rms: float  # of the error, in `unit`
+    bias: float  # mean error, in `unit`
+    share: float  # rms over the range of what was measured
+    fit: float  # 1 - rms / standard deviation of what was measured
+    white: float  # share of the lags at which errors resemble themselves no more than chance; 0.95 for a perfect model
+    driven: float | None  # greatest correlation of the error with the input, at any lag; None where no input is known
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted model.
+    """A fitted model."""
 
-    Args:
-        model: what was fitted.
-        estimates: of its unknowns, in order.
-        simulated: all outputs with the best values, one after the other.
-        converged: whether the search converged.
-        simulations: runs that it took.
-        partial: whether the user stopped it.
-    """
-
-    model: Model
-    estimates: tuple[Estimate, ...]
-    simulated: Array
-    converged: bool
-    simulations: int
-    partial: bool = False
+    model: Model  # what was fitted
+    estimates: tuple[Estimate, ...]  # of its unknowns, in order
+    simulated: Array  # all outputs with the best values, one after the other
+    converged: bool  # whether the search converged
+    simulations: int  # runs that it took
+    partial: bool = False  # whether the user stopped it
 
     @cached_property
     def values(self) -> Array:

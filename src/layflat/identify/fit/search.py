@@ -1,49 +1,36 @@
 """Search for the values that predict best: several starts, each refined a little, the best of them to the end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.identify.fit.certainty import blocks_of, bootstrap, covariance, interval
 from layflat.identify.fit.residuals import Residuals
 from layflat.identify.fit.result import ALIKE, Estimate, Fit
-from layflat.identify.model import Array, Model
+from layflat.identify.model import Model
 
-Progress = Callable[[float, str], None]
-"""Called with the share of the work that is done at most, and the present task."""
-
-STARTS, REFINED = 32, 3
-"""Starts that are drawn, and how many of them are refined."""
+Progress = Callable[[float, str], None]  # called with the share of the work that is done at most, and the present task
+STARTS, REFINED = 32, 3  # starts that are drawn, and how many of them are refined
 
 SPREAD = 0.25
 """Every other start lies at most so far from the guess, as a share of the way between the bounds; the rest anywhere."""
 
-SHORT, LONG = 6, 60
-"""Steps of a start's refinement, and of the last one."""
-
-ROUNDS = 2
-"""Refinements of every model; the outputs are weighed after each."""
+SHORT, LONG = 6, 60  # steps of a start's refinement, and of the last one
+ROUNDS = 2  # refinements of every model; the outputs are weighed after each
 
 EXPLAINED = 3.0
 """A continuation is good enough where the mean square of the residuals, in units of their scale, is below this."""
 
-OUTLYING = 2.0
-"""Residuals beyond this, in units of their scale, count less at first in every model of a continuation."""
+OUTLYING = 2.0  # residuals beyond this, in units of their scale, count less at first in every model of a continuation
 
 BASIN_HOPS, HOP_SIZES = 4, (1.0, 3.0, 10.0, 30.0)
 """How often to try to leave a small local minimum, and how far, in standard deviations."""
 
-WORTH = 1e-4
-"""Basin hopping goes on as long as the cost falls by more than this share."""
-
-PASSES = 6
-"""Jacobians one after the other at the end: each finds the axes better."""
-
-EDGE = 2e-3
-"""A share within this of 0 or 1 is at its bound."""
+WORTH = 1e-4  # basin hopping goes on as long as the cost falls by more than this share
+PASSES = 6  # jacobians one after the other at the end: each finds the axes better
+EDGE = 2e-3  # a share within this of 0 or 1 is at its bound
 
 TOLERANCE, ROUGH = 1e-6, 1e-4
 """The search ends where the cost falls by less than this in a step, relative: the last model, and those before it."""

@@ -1,7 +1,5 @@
 """Tables of arrays: Parquet, and NetCDF as `layflat simulate` writes it or from elsewhere."""
 
-from __future__ import annotations
-
 import gc
 import sys
 from collections.abc import Callable
@@ -16,8 +14,7 @@ from layflat.identify.logs.table import Cells
 
 T = TypeVar("T")
 
-LONGEST = 120
-"""Characters of a library's own message that are passed on."""
+LONGEST = 120  # characters of a library's own message that are passed on
 
 
 def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:

@@ -19,11 +19,8 @@ from layflat.identify.logs.table import Column
 if TYPE_CHECKING:
     from mcap.records import Channel, Schema
 
-LARGEST = 64
-"""Items of an array that become columns; longer ones are images and scans."""
-
-CYCLE = "layflat_msgs/msg/Cycle"
-"""Type of the messages of a rig's recorder."""
+LARGEST = 64  # items of an array that become columns; longer ones are images and scans
+CYCLE = "layflat_msgs/msg/Cycle"  # type of the messages of a rig's recorder
 
 CLOCK = Header("log_time", "s", None, "log_time")
 
@@ -141,7 +138,7 @@ def _items(values: Any, names: Any, place: str) -> Iterator[tuple[str, float]]:
 
 
 def _fields(message: Any) -> dict[str, Any] | None:
-    """Fields of a message; None for what is no message."""
+    """Fields of a message; None for what is not a message."""
     if isinstance(message, dict):
         return message
     if isinstance(message, SimpleNamespace) or hasattr(message, "__slots__"):

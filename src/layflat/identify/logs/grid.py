@@ -3,30 +3,20 @@
 Stamps may jitter, stand twice, be missing or go backwards once.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.logs.signals import SIGNALS, channel_name
 
-Array = NDArray[np.float64]
-
-GAP = 4.5
-"""Periods between two samples that are a gap: more than three samples are missing."""
-
-EVEN = 1e-6
-"""Deviation from an even clock, in periods, that is rounding."""
-
-NANOSECONDS = 2e-9
-"""The same in s, for stamps that are whole nanoseconds."""
-
-MOST = 50_000_000
-"""Instants of a grid; more would be a wrong unit of time."""
+GAP = 4.5  # periods between two samples that are a gap: more than three samples are missing
+EVEN = 1e-6  # deviation from an even clock, in periods, that is rounding
+NANOSECONDS = 2e-9  # the same in s, for stamps that are whole nanoseconds
+MOST = 50_000_000  # instants of a grid; more would be a wrong unit of time
 
 
 @dataclass(frozen=True)
@@ -35,20 +25,13 @@ class Clock:
 
     time: Array
     rows: NDArray[np.intp]
-    period: float
-    """Median, s; 0 for less than two samples."""
-    jitter: float
-    """Rms deviation of the steps from the period, gaps left out, s."""
-    even: bool
-    """The stamps are those of an even clock, with none missing."""
-    duplicates: int
-    """Samples left out because the next one has the same stamp."""
-    undated: int
-    """Samples left out because they have no stamp."""
-    reset: tuple[float, float] | None
-    """Stamps between which the clock jumped back; None if it didn't."""
-    cut: int
-    """Samples left out for it."""
+    period: float  # median, s; 0 for less than two samples
+    jitter: float  # rms deviation of the steps from the period, gaps left out, s
+    even: bool  # the stamps are those of an even clock, with none missing
+    duplicates: int  # samples left out because the next one has the same stamp
+    undated: int  # samples left out because they have no stamp
+    reset: tuple[float, float] | None  # stamps between which the clock jumped back; None if it didn't
+    cut: int  # samples left out for it
 
 
 def clock_of(stamps: Array, where: str) -> Clock:
@@ -112,8 +95,7 @@ class Series:
     joint: str | None
     clock: Clock
     values: Array
-    source: dict[str, object]
-    """What the log's attributes tell of it."""
+    source: dict[str, object]  # what the log's attributes tell of it
 
     @property
     def channel(self) -> str:
@@ -167,11 +149,7 @@ def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
 
 
 def grid_as_recorded(clocks: Sequence[Clock], where: str) -> Grid:
-    """All stamps of all clocks, as they are.
-
-    Raises:
-        InputError: there are too few.
-    """
+    """All stamps of all clocks, as they are; raise InputError if there are too few."""
     stamps = np.unique(np.concatenate([clock.time for clock in clocks]))
     if stamps.size < 2:
         raise InputError("has less than two samples", where=where, right="give a log of a motion")

@@ -3,8 +3,6 @@
 It is a proposal with reasons, for a person to look through; nothing applies it by itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -13,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.identify.logs.headers import meanings, signal_of, words_of
@@ -20,7 +19,6 @@ from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
-from layflat.identify.model import Array
 
 BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
 """What a unit alone tells, by its SI unit."""

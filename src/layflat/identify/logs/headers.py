@@ -1,7 +1,5 @@
 """What a column's header says of it: a name, what its words mean, and often a unit."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 
@@ -71,18 +69,15 @@ class Header:
     """What is said of a column, by the name that the file and a mapping have for it."""
 
     name: str
-    unit: str = ""
-    """As pint knows it; empty where the file doesn't say."""
-    gauge: bool | None = None
-    """Whether a pressure counts from ambient; None where the file doesn't say."""
-    stem: str = ""
-    """The name without its unit."""
+    unit: str = ""  # as pint knows it; empty where the file doesn't say
+    gauge: bool | None = None  # whether a pressure counts from ambient; None where the file doesn't say
+    stem: str = ""  # the name without its unit
 
 
 def written_unit(text: str) -> tuple[str, bool | None]:
     """A unit such as "bar_abs", "kPag" or "deg" as pint knows it, and whether it is a gauge pressure.
 
-    What is no unit gives an empty text.
+    What is not a unit gives an empty text.
     """
     plain = text.strip()
     if plain.lower() in _UNITS:

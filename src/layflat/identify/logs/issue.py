@@ -1,7 +1,5 @@
 """What a check finds in a log."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -17,14 +15,10 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 class Issue:
     """Something in a log that is wrong, doubtful or worth knowing."""
 
-    severity: Severity
-    """"error" (no fit makes sense), "warning" (look at it) or "note"."""
-    channel: str
-    """Signal and joint, such as "pressure_a.elbow"; "log" for the whole."""
-    text: str
-    """What was found, with values."""
-    right: str = ""
-    """What would be right, or follows."""
+    severity: Severity  # "error" (no fit makes sense), "warning" (look at it) or "note"
+    channel: str  # signal and joint, such as "pressure_a.elbow"; "log" for the whole
+    text: str  # what was found, with values
+    right: str = ""  # what would be right, or follows
 
 
 def ordered(issues: Iterable[Issue]) -> list[Issue]:
@@ -42,11 +36,7 @@ def several(channels: Sequence[str]) -> str:
 
 
 def refuse(issues: Sequence[Issue], where: str = "log") -> None:
-    """Stop at a log with errors.
-
-    Raises:
-        InputError: the first error, and how many there are.
-    """
+    """Stop at a log with errors: raise InputError with the first one, and how many there are."""
     errors = [issue for issue in issues if issue.severity == "error"]
     if errors:
         first, more = errors[0], len(errors) - 1

@@ -1,6 +1,6 @@
 """The mapping file: which column of a log is which signal, in which unit, turned which way.
 
-    ambient = "1.013 bar"          # what gauge pressures count from; a standard atmosphere where not given
+    ambient = "1.013 bar"          # what gauge pressures count from; default: a standard atmosphere
 
     [time]
     column = "t"                   # not needed where each column has times of its own
@@ -56,7 +56,7 @@ class TimeColumn(Part):
         try:
             u.TIME.convert(f"1 {unit}")
         except ValueError:
-            raise wrong(f"{unit!r} is no unit of a time", 'give one such as "s" or "ms"') from None
+            raise wrong(f"{unit!r} is not a unit of a time", 'give one such as "s" or "ms"') from None
         return unit
 
     @property
@@ -87,13 +87,13 @@ class MappedColumn(Part):
     def _makes_sense(self) -> MappedColumn:
         signal = SIGNALS.get(self.signal)
         if signal is None:
-            raise wrong(f"{shown(self.signal)} is no signal", did_you_mean(self.signal, SIGNALS))
+            raise wrong(f"{shown(self.signal)} is not a signal", did_you_mean(self.signal, SIGNALS))
         try:
             conversion(self.unit, signal)
         except ValueError as error:
             raise wrong(*str(error).split("; ")) from None
         if self.gauge is not None and not signal.absolute:
-            raise wrong(f"gauge is said of {self.signal}, which is no absolute pressure", "leave gauge out")
+            raise wrong(f"gauge is said of {self.signal}, which is not an absolute pressure", "leave gauge out")
         if self.gauge is None and signal.absolute:
             raise wrong(
                 f"{self.signal} does not say what it counts from",

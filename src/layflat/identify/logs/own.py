@@ -1,7 +1,5 @@
 """Logs whose names are our own, a simulated run among them: they need no mapping file."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from layflat.identify.logs.mapping import Mapping, mapping_of
@@ -10,8 +8,7 @@ from layflat.identify.logs.table import Table
 
 CLOCKS = ("time", "t")
 
-SENSED = {"measured_angle": "angle"}
-"""What the sensors of a simulated run have seen, and the signal that it stands for."""
+SENSED = {"measured_angle": "angle"}  # what the sensors of a simulated run have seen, and the signal that it stands for
 
 
 def own_mapping(table: Table) -> Mapping | None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
@@ -17,7 +18,6 @@ from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
-from layflat.identify.model import Array
 
 if TYPE_CHECKING:
     import xarray
@@ -37,7 +37,7 @@ def read_log(
         path: CSV, Parquet, NetCDF or MCAP; or what `read_table` made of it.
         mapping: what the columns are, or its file; not needed where their names are our own.
         joints: those of the machine, in its order. A log without joints is taken for that of the only one.
-        cycle: period of the grid; the log's own where not given.
+        cycle: period of the grid; default: the log's own.
         as_recorded: every sample at its own stamp in place of a grid, NaN where other signals have theirs.
 
     Returns:
@@ -125,7 +125,7 @@ def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: 
         return joints[0] if joints else None
     if joints is not None and entry.joint not in joints:
         right = f"its joints are {', '.join(joints)}"
-        raise InputError(f"{entry.joint!r} is no joint of the machine", where=where, right=right)
+        raise InputError(f"{entry.joint!r} is not a joint of the machine", where=where, right=right)
     return entry.joint
 
 

@@ -1,15 +1,12 @@
 """The standard signals of a log: their names, what they measure, and how they are treated in time."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from layflat.description import units as u
 
 FORCE = u.Quantity("force", "N", "12 N")
 
-AMBIENT = 101325.0
-"""Pressure of a standard atmosphere, Pa: gauge pressures count from it where nothing else is said."""
+AMBIENT = 101325.0  # pressure of a standard atmosphere, Pa: gauge pressures count from it where nothing else is said
 
 
 @dataclass(frozen=True)
@@ -17,13 +14,10 @@ class Signal:
     """One of the standard signals, as in a log's data set."""
 
     name: str
-    kind: u.Quantity | None
-    """Of quantity; None is a share, without unit."""
+    kind: u.Quantity | None  # of quantity; None is a share, without unit
     meaning: str
-    by_joint: bool = True
-    """Each joint has its own."""
-    held: bool = False
-    """What is commanded, and holds until the next sample; all else is measured."""
+    by_joint: bool = True  # each joint has its own
+    held: bool = False  # what is commanded, and holds until the next sample; all else is measured
     absolute: bool = False
     """An absolute pressure inside, so that a log has to say whether it counts from ambient pressure."""
 
@@ -68,7 +62,7 @@ def conversion(unit: str, signal: Signal) -> tuple[float, float]:
     text = unit.strip()
     if signal.kind is None:
         if text not in _SHARES:
-            raise ValueError(f"{unit!r} is no unit of a share; give one of {', '.join(map(repr, _SHARES))}")
+            raise ValueError(f"{unit!r} is not a unit of a share; give one of {', '.join(map(repr, _SHARES))}")
         return _SHARES[text], 0.0
     try:
         if text[:1].isdigit() or text[:1] == ".":
@@ -78,7 +72,7 @@ def conversion(unit: str, signal: Signal) -> tuple[float, float]:
             factor = signal.kind.convert(f"1 {text}") - shift
     except ValueError:
         article, unit_of_it = signal.kind.article, signal.kind.example.partition(" ")[2]
-        raise ValueError(f'{unit!r} is no unit of {article}; give one such as "{unit_of_it}"') from None
+        raise ValueError(f'{unit!r} is not a unit of {article}; give one such as "{unit_of_it}"') from None
     if factor <= 0.0:
         raise ValueError(f"{unit!r} is not positive; turn a signal round with sign = -1")
     return factor, shift

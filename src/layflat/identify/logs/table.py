@@ -1,7 +1,5 @@
 """A log as its file has it: columns of raw numbers, each with its stamps where the file says so."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -11,10 +9,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header, header_of
-from layflat.identify.model import Array
 
 Cells = Array | list[str]
 T = TypeVar("T")
@@ -29,8 +27,7 @@ class Column:
 
     values: Array
     header: Header
-    stamps: Array | None = None
-    """Times of its own, (samples,); None where a column of the table is the clock."""
+    stamps: Array | None = None  # times of its own, (samples,); None where a column of the table is the clock
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Tables of text: CSV with any delimiter, with a header, a header and a line of units, or neither."""
 
-from __future__ import annotations
-
 import csv
 from contextlib import suppress
 from pathlib import Path
@@ -13,8 +11,7 @@ from layflat.identify.logs.headers import written_unit
 from layflat.identify.logs.table import Cells
 
 DELIMITERS = (",", "\t", ";", "|", " ")
-LOOKED_AT = 50
-"""Lines that the delimiter is told from."""
+LOOKED_AT = 50  # lines that the delimiter is told from
 
 
 def read_text(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
@@ -25,7 +22,7 @@ def read_text(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     comma.
 
     Raises:
-        InputError: it is no table.
+        InputError: it is not a table.
     """
     where = str(path)
     try:

@@ -1,7 +1,5 @@
 """What a kind of arm has to offer: how torques become motion, and where the arm is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
@@ -35,20 +33,16 @@ class ArmPart(KindPart):
 
 @dataclass(frozen=True, kw_only=True)
 class ArmLaws:
-    """The laws of arms whose parameters are of one class. Angles and torques are tuples with an item per joint.
+    """The laws of arms whose parameters are of one class. Angles and torques are tuples with an item per joint."""
 
-    Args:
-        joints: how many joints such an arm has, 1 or 2.
-        dynamics: `dynamics(arm, payload, q, v)` yields three tuples at angles q (rad) and velocities v (rad/s): the
-            upper triangle of the mass matrix, row by row (kg m2); the torques that come of the velocities (N m,
-            `NONE` where there are none); and those that come of the angles (gravity, springs).
-        points: `points(arm, q)` yields positions (x, y) of the base, of every further joint, and of the tip, m; x along
-            link 1 at mid-stroke.
-    """
-
-    joints: int
+    joints: int  # how many joints such an arm has, 1 or 2
     dynamics: Law
+    """`dynamics(arm, payload, q, v)` yields three tuples at angles q (rad) and velocities v (rad/s): the upper triangle
+    of the mass matrix, row by row (kg m2); the torques that come of the velocities (N m, `NONE` where there are none);
+    and those that come of the angles (gravity, springs)."""
     points: Law
+    """`points(arm, q)` yields positions (x, y) of the base, of every further joint, and of the tip, m; x along link 1
+    at mid-stroke."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,12 +50,9 @@ class ArmKind(Kind):
     """A kind of arm.
 
     `parameters(described, joints)` has the described arm and joints (a list, from base to tip).
-
-    Args:
-        laws: by class of the parameters.
     """
 
-    laws: Mapping[type, ArmLaws] = REQUIRED
+    laws: Mapping[type, ArmLaws] = REQUIRED  # by class of the parameters
 
     def __post_init__(self) -> None:
         """Refuse parameters without laws."""

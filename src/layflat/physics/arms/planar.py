@@ -13,8 +13,6 @@
 Source: the planar two-link arm of any textbook, e.g. Spong 2020 (key spong2020), with the masses lumped.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, NamedTuple
 

@@ -11,8 +11,6 @@ An element is a spring in series with a Coulomb slider (Prandtl-Ishlinskii model
 a motion much smaller than Y/k it is a spring and loses nothing: the reason why such hysteresis damps little.
 """
 
-from __future__ import annotations
-
 from typing import Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator

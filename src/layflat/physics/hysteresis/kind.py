@@ -1,7 +1,5 @@
 """What a kind of hysteresis has to offer: torques that hose and strap lose, from how the joint turns."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -29,20 +27,17 @@ class HysteresisKind(Kind):
 
     `parameters(described, limit)` has the torque that the losses oppose either way at the reference pressure in a large
     slow motion, N m. All zeros have to be parameters of a hose without losses.
-
-    Args:
-        at_rest: `at_rest(loss)` yields the state of a hose that never moved: a named tuple of floats.
-        turned: `turned(loss, state, turn, p_g, h)` yields the state after a turn (rad) in h seconds at gauge pressure
-            p_g (Pa). In a slow sweep h is infinite.
-        torques: `torques(loss, state)` yields the torques against the motion, N m, as a tuple that is summed in order.
-        stored: `stored(loss, state)` yields what the losses give back, J; all else that was put in is heat.
-        loaded: `loaded(loss, p_g, share)` yields a state in which the losses carry a share (-1 to 1) of what they can.
     """
 
     LAWS = ("at_rest", "turned", "torques", "stored", "loaded")
 
-    at_rest: Law = REQUIRED
+    at_rest: Law = REQUIRED  # `at_rest(loss)` yields the state of a hose that never moved: a named tuple of floats
     turned: Law = REQUIRED
+    """`turned(loss, state, turn, p_g, h)` yields the state after a turn (rad) in h seconds at gauge pressure p_g (Pa).
+    In a slow sweep h is infinite."""
     torques: Law = REQUIRED
+    """`torques(loss, state)` yields the torques against the motion, N m, as a tuple that is summed in order."""
     stored: Law = REQUIRED
+    """`stored(loss, state)` yields what the losses give back, J; all else that was put in is heat."""
     loaded: Law = REQUIRED
+    """`loaded(loss, p_g, share)` yields a state in which the losses carry a share (-1 to 1) of what they can."""

@@ -1,7 +1,5 @@
 """What a kind of valve has to offer: how what a driver asks for becomes the conductances of a joint's two paths."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, Self
@@ -82,29 +80,24 @@ class ValveKind(Kind):
     """A law of valves.
 
     `parameters(described)` yields a named tuple with at least the fields of `COMMON`, in SI units.
-
-    Args:
-        at_rest: `at_rest(valve)` yields the state of a valve that was never driven, a named tuple of floats.
-        move: `move(valve, state, command, wave, h)` yields the state after a step of h seconds at an opening asked for
-            (-1 to 1), and the mean conductances in it, m3/(s Pa), of the path that fills hose A and vents hose B and of
-            the reverse.
-        opening: `opening(valve, state)` yields the opening towards filling hose A, -1 to 1.
-        start_wave: `start_wave(valve, t, h)` yields what the driver makes by itself (dither, carrier) in the step that
-            begins at t, a named tuple of floats; a driver makes nothing unless it is given.
-        turn_wave: `turn_wave(valve, wave)` yields the same in the next step.
-        seized: `seized(valve)`, not a law, yields parameters of a valve that stays where it is.
-        held_at: `held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening.
     """
 
     LAWS = ("at_rest", "move", "opening", "start_wave", "turn_wave")
 
     at_rest: Law = REQUIRED
+    """`at_rest(valve)` yields the state of a valve that was never driven, a named tuple of floats."""
     move: Law = REQUIRED
-    opening: Law = REQUIRED
+    """`move(valve, state, command, wave, h)` yields the state after a step of h seconds at an opening asked for (-1 to
+    1), and the mean conductances in it, m3/(s Pa), of the path that fills hose A and vents hose B and of the
+    reverse."""
+    opening: Law = REQUIRED  # `opening(valve, state)` yields the opening towards filling hose A, -1 to 1
     start_wave: Law = no_wave
-    turn_wave: Law = same_wave
-    seized: Law = cannot_be_held
+    """`start_wave(valve, t, h)` yields what the driver makes by itself (dither, carrier) in the step that begins at t,
+    a named tuple of floats; a driver makes nothing unless it is given."""
+    turn_wave: Law = same_wave  # `turn_wave(valve, wave)` yields the same in the next step
+    seized: Law = cannot_be_held  # `seized(valve)`, not a law, yields parameters of a valve that stays where it is
     held_at: Law = cannot_be_held
+    """`held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening."""
 
     def __post_init__(self) -> None:
         """Refuse parameters that lack what all valves have."""

@@ -8,8 +8,6 @@
 | C_0 | leakage conductance of a closed path | m3/(s Pa) |
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import Annotated, Literal, NamedTuple
 
@@ -24,8 +22,7 @@ from layflat.physics.ramp import mean_above_zero
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
 from layflat.physics.valves.spool_motion import Spool, advance_spool
 
-STUCK = 1e9
-"""Friction that no solenoid overcomes, as a change of opening."""
+STUCK = 1e9  # friction that no solenoid overcomes, as a change of opening
 
 
 class SpoolValve(NamedTuple):
@@ -41,8 +38,7 @@ class SpoolValve(NamedTuple):
     volts_to_full: float
     dither_amplitude: float
     dither_frequency: float
-    delay: float
-    """From the command to the spool, s."""
+    delay: float  # from the command to the spool, s
 
 
 class SpoolState(NamedTuple):

@@ -15,8 +15,6 @@ coil is neither charged nor discharged. Within a step the pulse's edges are met 
 | tau | part of a step in which the coil is on or off throughout | s |
 """
 
-from __future__ import annotations
-
 from math import floor, inf
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -51,12 +49,9 @@ class SwitchingPair(NamedTuple):
     centre_voltage: float
     volts_to_full: float
     frequency: float
-    dead_band: float
-    """Command up to which no pulse is given, share of full opening."""
-    least_pulse: float
-    """Length of the pulse at the edge of the dead band, s."""
-    delay: float
-    """From the command to the driver's pulses, s."""
+    dead_band: float  # command up to which no pulse is given, share of full opening
+    least_pulse: float  # length of the pulse at the edge of the dead band, s
+    delay: float  # from the command to the driver's pulses, s
 
 
 class SwitchingValvesPart(ValvePart):
@@ -82,12 +77,7 @@ def parameters(described: SwitchingValvesPart) -> SwitchingPair:
     """Two on/off valves with their driver."""
     b = described.critical_ratio
     return SwitchingPair(
-        Switch(
-            described.opening_delay,
-            described.opening_time,
-            described.closing_delay,
-            described.closing_time,
-        ),
+        Switch(described.opening_delay, described.opening_time, described.closing_delay, described.closing_time),
         described.conductance,
         described.leakage,
         b,

@@ -1,7 +1,5 @@
 """The whole check of a rig."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from layflat.machine import Machine

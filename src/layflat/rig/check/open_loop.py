@@ -1,12 +1,10 @@
 """Control cycles without a controller: read, look whether it is safe to go on, write."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import drive_parts
@@ -18,16 +16,13 @@ from layflat.rig.safety.detectors.sample import MOTION
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_limits
 
-Array = NDArray[np.float64]
-
 
 class CheckResult(NamedTuple):
     """One thing that was looked at."""
 
     what: str
     found: str
-    action: str = ""
-    """What to do; empty where the check passed."""
+    action: str = ""  # what to do; empty where the check passed
 
     @property
     def passed(self) -> bool:

@@ -1,51 +1,33 @@
 """Which way valves and sensors go: with air on, each valve is opened slowly to either side until its joint stirs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.rig.check.open_loop import CheckResult, OpenLoopRig, UnsafeError
 from layflat.rig.safety.state_machine import RESET_HIGH, RESET_LOW
 
-Array = NDArray[np.float64]
-
-STIRS = np.radians(1.5)
-"""A joint that went so far is stopped; it swings on by some degrees, on the air that it has."""
+STIRS = np.radians(1.5)  # a joint that went so far is stopped; it swings on by some degrees, on the air that it has
 
 RATE = 0.05
 """By which the valve is opened, of its full opening in a second; faster pulses throw a light joint further, 1/s."""
 
-LONGEST = 5.0
-"""Until something has to have stirred, s."""
-
-ANSWERS = 0.1e5
-"""Change of a differential pressure that is an answer, Pa."""
-
-MOST = 0.8
-"""Share of the supply's pressure, at which a joint that does not stir is taken to be blocked."""
-
-MEAN = 4
-"""Cycles over which samples are averaged: a period of the dither."""
-
-RESTS = 1.0
-"""Between two pulses, and after the air has come: hoses get air through the valves' leaks, s."""
+LONGEST = 5.0  # until something has to have stirred, s
+ANSWERS = 0.1e5  # change of a differential pressure that is an answer, Pa
+MOST = 0.8  # share of the supply's pressure, at which a joint that does not stir is taken to be blocked
+MEAN = 4  # cycles over which samples are averaged: a period of the dither
+RESTS = 1.0  # between two pulses, and after the air has come: hoses get air through the valves' leaks, s
 
 
 class Pulse(NamedTuple):
     """What came of opening a valve."""
 
-    way: int
-    """1: towards filling hose A, -1: hose B."""
-    opening: float
-    """Reached, of full."""
-    angles: Array
-    """Changes, rad, (joints,)."""
-    pressures: Array
-    """Changes, Pa, (joints,)."""
+    way: int  # 1: towards filling hose A, -1: hose B
+    opening: float  # reached, of full
+    angles: Array  # changes, rad, (joints,)
+    pressures: Array  # changes, Pa, (joints,)
 
 
 def try_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list[CheckResult]:

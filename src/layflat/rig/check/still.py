@@ -1,31 +1,18 @@
 """What can be told of a rig without air: link, timing, device, e-stop, supply and every sensor."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.machine.parameters import sensor
 from layflat.physics.sensor import Sensor
 from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.driver import DeviceState
 
-Array = NDArray[np.float64]
-
-SECONDS = 2.0
-"""For which a rig is looked at, s."""
-
-FEW = 0.01
-"""Share of replies that may be lost, and of cycles that may be late by more than a cycle."""
-
-NO_PRESSURE = 0.1e5
-"""What an empty line or joint may show, Pa."""
-
-LIVELY = 0.2
-"""Noise in counts from which on a sound sensor changes within `SECONDS`."""
-
-NOISY = 5.0
-"""Times the noise of the description, from which on something is wrong."""
+SECONDS = 2.0  # for which a rig is looked at, s
+FEW = 0.01  # share of replies that may be lost, and of cycles that may be late by more than a cycle
+NO_PRESSURE = 0.1e5  # what an empty line or joint may show, Pa
+LIVELY = 0.2  # noise in counts from which on a sound sensor changes within `SECONDS`
+NOISY = 5.0  # times the noise of the description, from which on something is wrong
 
 DOES = {
     DeviceState.RUNNING: "obeys",

@@ -1,7 +1,5 @@
 """What a virtual rig is told in words: "fail stuck-spool small 0.3", "heal stuck-spool small", "state", "failures"."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from layflat.errors import InputError
@@ -12,11 +10,7 @@ HELP = "fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures or quit"
 
 
 def obey(device: VirtualDevice, words: Sequence[str]) -> str:
-    """Do what a line says; what is to be answered, in a line or several.
-
-    Raises:
-        InputError: it makes no sense.
-    """
+    """Do what a line says; what is to be answered, in a line or several. Raise InputError if it makes no sense."""
     match [str(word) for word in words]:
         case ["fail", name, *others] if len(others) <= 2:
             # A single number is a size if it is not that of a joint.

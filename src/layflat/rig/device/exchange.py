@@ -1,7 +1,5 @@
 """What the device makes of words, whatever they came over, and what can be wrong with the wires."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable, Sequence
 from enum import Enum
@@ -14,8 +12,7 @@ from layflat.rig.driver import Capabilities, Command, Reading
 from layflat.rig.wire.content import Wire, is_later
 from layflat.rig.wire.identity import Identity
 
-LATE = 1.5
-"""Delay of a late reply, in times of the host's patience."""
+LATE = 1.5  # delay of a late reply, in times of the host's patience
 
 
 class Spoil(Enum):
@@ -63,12 +60,9 @@ class Link:
 class Device(Protocol):
     """Valves, sensors and watchdog of a device."""
 
-    capabilities: Capabilities
-    """What it can do."""
-    link: Link
-    """How well its wires do."""
-    clock: Clock
-    """Its own."""
+    capabilities: Capabilities  # what it can do
+    link: Link  # how well its wires do
+    clock: Clock  # its own
 
     def obey(self, command: Command) -> None:
         """Take a command."""

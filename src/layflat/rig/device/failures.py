@@ -3,8 +3,6 @@
 A failure that goes on is there until it is healed. Several may be there at once, but for the link, which has one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
@@ -26,23 +24,15 @@ class Size(NamedTuple):
 
 @dataclass(frozen=True)
 class Failure:
-    """One thing that goes wrong.
+    """One thing that goes wrong."""
 
-    Args:
-        name: by which it is asked for.
-        what: what it does, in a line.
-        put: puts a device's joint (where it is a joint's) into a state, as the last argument says.
-        failed: state in which it is there; that of a failure with a size is the size.
-        sound: state in which it is mended.
-        size: None where it has none.
-    """
-
-    name: str
-    what: str
+    name: str  # by which it is asked for
+    what: str  # what it does, in a line
     put: Callable[[VirtualDevice, int, Any], None]
-    failed: Any = True
-    sound: Any = None
-    size: Size | None = None
+    """Puts a device's joint (where it is a joint's) into a state, as the last argument says."""
+    failed: Any = True  # state in which it is there; that of a failure with a size is the size
+    sound: Any = None  # state in which it is mended
+    size: Size | None = None  # None where it has none
 
     def begin(self, device: VirtualDevice, joint: int = 0, size: float | None = None) -> None:
         """Inject it at the present instant of the device's clock.
@@ -62,11 +52,7 @@ class Failure:
         self._put(device, joint, state)
 
     def end(self, device: VirtualDevice, joint: int = 0) -> None:
-        """Heal it at the present instant of the device's clock.
-
-        Raises:
-            InputError: there is no such joint.
-        """
+        """Heal it at the present instant of the device's clock; raise InputError if there is no such joint."""
         self._put(device, joint, self.sound)
 
     def __str__(self) -> str:
@@ -163,11 +149,7 @@ FAILURES = {failure.name: failure for failure in ALL}
 
 
 def failure(name: str) -> Failure:
-    """The failure of a name.
-
-    Raises:
-        InputError: there is none of that name.
-    """
+    """The failure of a name; raise InputError if there is none of that name."""
     if name not in FAILURES:
-        raise InputError(f"{name!r} is no failure", where="failure", right=f"failures are {', '.join(FAILURES)}")
+        raise InputError(f"{name!r} is not a failure", where="failure", right=f"failures are {', '.join(FAILURES)}")
     return FAILURES[name]

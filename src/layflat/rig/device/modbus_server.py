@@ -26,8 +26,7 @@ from layflat.rig.wire.identity import Registers
 # Noise on the line is nothing to tell of, and would be told for every byte where nobody has set up logging.
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
 
-READ, WRITE, BOTH = (3, 4), 16, 23
-"""Functions that there are."""
+READ, WRITE, BOTH = (3, 4), 16, 23  # functions that there are
 
 
 class ModbusStation(Station):

@@ -1,23 +1,16 @@
 """What the device needs of a machine that moves; whoever can simulate one hands it in."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from layflat.arrays import Array
 
 
 class Plant(Protocol):
     """A machine through time, a bit at a time. All arrays are (joints,)."""
 
-    supply: float
-    """Absolute pressure at the valves, Pa; settable."""
-    payload: float
-    """kg; settable."""
+    supply: float  # absolute pressure at the valves, Pa; settable
+    payload: float  # kg; settable
 
     @property
     def joints(self) -> Sequence[str]:
@@ -40,7 +33,7 @@ class Plant(Protocol):
         """How fast they turn, rad/s."""
 
     @property
-    def pressures(self) -> NDArray[np.float64]:
+    def pressures(self) -> Array:
         """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
 
     def drive(self, voltages: Array) -> None:

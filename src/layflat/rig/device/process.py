@@ -1,7 +1,5 @@
 """A device in a process of its own, and the handle by which a host starts, tells and ends it."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import multiprocessing
@@ -20,10 +18,8 @@ from layflat.rig.device.exchange import Device
 from layflat.rig.driver import DriverError
 from layflat.rig.system import first_in, start_process
 
-TICK = 5e-3
-"""Between two looks at the clock in real time, s; a device makes up for what happened between them."""
-START = 60.0
-"""Until a device has to be there, s: laws may have to be compiled first."""
+TICK = 5e-3  # between two looks at the clock in real time, s; a device makes up for what happened between them
+START = 60.0  # until a device has to be there, s: laws may have to be compiled first
 
 Factory = Callable[[Clock], Device]
 """Makes the device, inside the process, with the clock that it lives by; it can be pickled."""

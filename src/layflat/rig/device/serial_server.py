@@ -1,7 +1,5 @@
 """A microcontroller's serial line with a device behind it, on a pseudo-terminal."""
 
-from __future__ import annotations
-
 import asyncio
 import os
 from contextlib import suppress

@@ -10,18 +10,14 @@ p' = (p_0 - p)/T. While air is on p_0 = p_r, and T is long up to a share of the 
 start, as ISO 4414 asks for. While it is off the line is open to the atmosphere: p_0 = p_a.
 """
 
-from __future__ import annotations
-
 from math import exp, log
 
-NEAR = 1.0
-"""Within so many Pa of where it is going a line has arrived."""
+NEAR = 1.0  # within so many Pa of where it is going a line has arrived
 
 SOFT_TIME, FILL_TIME, DUMP_TIME = 0.3, 0.02, 0.03
 """Time constants of the soft start, through the open valve, and to the atmosphere, s."""
 
-OPENS_AT = 0.5
-"""Share of the regulator's gauge pressure at which the dump valve opens fully."""
+OPENS_AT = 0.5  # share of the regulator's gauge pressure at which the dump valve opens fully
 
 
 class SupplyLine:

@@ -9,29 +9,26 @@ has to see the reset low first. Dumped, the supply line is open to the atmospher
 opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.machine import Machine, parameters
 from layflat.physics.sensor import read_sensor
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.device.exchange import Link
-from layflat.rig.device.plant import Array, Plant
+from layflat.rig.device.plant import Plant
 from layflat.rig.device.supply import SupplyLine
 from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire
 
-ANGLE, PRESSURE = 0, 1
-"""The two sensors of a joint."""
+ANGLE, PRESSURE = 0, 1  # the two sensors of a joint
 
 EMPTIES = 3 * SECOND // 10
 """ns: until valves are opened to a line that is let out; what is shut in brings the joints to rest meanwhile."""
 
-CHUNK = SECOND // 1000
-"""ns: while the supply's pressure changes, the plant is moved on by so much at a time."""
+CHUNK = SECOND // 1000  # ns: while the supply's pressure changes, the plant is moved on by so much at a time
 
 
 class Converters:

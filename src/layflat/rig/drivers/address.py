@@ -1,18 +1,13 @@
 """From an address to the driver that speaks its protocol."""
 
-from __future__ import annotations
-
 from urllib.parse import urlsplit
 
 from layflat import extras
 from layflat.machine.model import Machine
 from layflat.rig.driver import Driver, DriverError
 
-PACKAGES = {"modbus": ("pymodbus",), "serial": ("serial", "cobs")}
-"""What each protocol takes."""
-
-MODBUS_PORT = 502
-"""Where stations listen unless told otherwise."""
+PACKAGES = {"modbus": ("pymodbus",), "serial": ("serial", "cobs")}  # what each protocol takes
+MODBUS_PORT = 502  # where stations listen unless told otherwise
 
 
 def driver_of(address: str, machine: Machine) -> Driver:
@@ -30,7 +25,7 @@ def driver_of(address: str, machine: Machine) -> Driver:
         raise DriverError("has no port", where=address, right="give one from 1 to 65535: modbus://HOST:PORT") from None
     if split.scheme not in PACKAGES:
         right = "give modbus://HOST:PORT or serial:///dev/NAME"
-        raise DriverError("is no driver's address", where=address, right=right)
+        raise DriverError("is not a driver's address", where=address, right=right)
     extras.require("rig", *PACKAGES[split.scheme], where=address)
     if split.scheme == "modbus":
         from layflat.rig.drivers.modbus import ModbusDriver  # noqa: PLC0415  (needs an extra)

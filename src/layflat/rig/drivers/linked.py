@@ -1,7 +1,5 @@
 """What drivers over wires have in common: they lock the rig, keep the command, and make one transaction a cycle."""
 
-from __future__ import annotations
-
 import getpass
 import os
 import re
@@ -21,10 +19,8 @@ from layflat.rig.system import lock
 from layflat.rig.wire.content import Wire, WireError, following
 from layflat.rig.wire.identity import Identity
 
-FAREWELLS = 3
-"""How often a driver that is deactivated tries to say so."""
-LARGEST = 4096
-"""Bytes taken at once."""
+FAREWELLS = 3  # how often a driver that is deactivated tries to say so
+LARGEST = 4096  # bytes taken at once
 
 
 def pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator[bytes]:
@@ -155,7 +151,7 @@ class LinkedDriver(Driver):
 
     @abstractmethod
     def _identify(self) -> Identity:
-        """Ask what is there; a DriverError if nothing answers, a WireError if it is no rig."""
+        """Ask what is there; a DriverError if nothing answers, a WireError if it is not a rig."""
 
     @abstractmethod
     def _exchange(self, sequence: int, words: list[int]) -> Sequence[int]:

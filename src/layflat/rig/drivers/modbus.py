@@ -4,8 +4,6 @@ pymodbus makes and reads the frames. Its own client waits anew for every piece o
 deadline. After it the connection stays, and what comes late is dropped.
 """
 
-from __future__ import annotations
-
 import logging
 import socket
 from collections.abc import Sequence
@@ -20,10 +18,8 @@ from layflat.rig.driver import LinkError
 from layflat.rig.drivers.linked import LinkedDriver, pieces
 from layflat.rig.wire.identity import Identity, Registers
 
-CONNECT = 1.0
-"""Patience while connecting, s."""
-BUSY = 6
-"""Exception code of a station that another master drives."""
+CONNECT = 1.0  # patience while connecting, s
+BUSY = 6  # exception code of a station that another master drives
 
 # A reply that is late is counted by the loop; pymodbus would write a line of its own about each.
 logging.getLogger("pymodbus").setLevel(logging.CRITICAL)

@@ -1,7 +1,5 @@
 """A rig behind a microcontroller on a serial port, mostly USB: frames of `wire.frames`."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from contextlib import suppress
@@ -18,10 +16,8 @@ from layflat.rig.wire import frames
 from layflat.rig.wire.content import WireError, following
 from layflat.rig.wire.identity import Identity
 
-ASKED = 10
-"""How often a device is asked who it is; some boot when the port is opened."""
-WAIT = 0.2
-"""For each answer, s."""
+ASKED = 10  # how often a device is asked who it is; some boot when the port is opened
+WAIT = 0.2  # for each answer, s
 
 
 class SerialDriver(LinkedDriver):
@@ -89,7 +85,7 @@ class SerialDriver(LinkedDriver):
             there = ", ".join(sorted(port.device for port in comports())) or "none"
             what, right = "is not there", f"serial ports that are: {there}"
         elif not path.is_char_device():
-            what, right = "is no serial port", "give one, such as serial:///dev/ttyACM0"
+            what, right = "is not a serial port", "give one, such as serial:///dev/ttyACM0"
         elif not os.access(path, os.R_OK | os.W_OK):
             what, right = "you may not open it", f"join the group {_group(path)!r} and log in anew"
         else:

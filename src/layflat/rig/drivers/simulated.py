@@ -1,7 +1,5 @@
 """A device in the same process: nothing on the way, so that a voltage acts from the instant it is written."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from layflat.rig.device.virtual import VirtualDevice
@@ -20,22 +18,14 @@ class SimulatedDriver(Driver):
         self.device = device
 
     def read(self) -> Reading:
-        """What its sensors say now.
-
-        Raises:
-            LinkError: the link was told to fail.
-        """
+        """What its sensors say now; raise LinkError if the link was told to fail."""
         spoilt = self.device.link.next()
         if spoilt is not None:
             raise LinkError(spoilt.told)
         return self.device.reading()
 
     def write(self, command: Command) -> None:
-        """Obeyed at once.
-
-        Raises:
-            DriverError: the driver is not active.
-        """
+        """Obeyed at once; raise DriverError if the driver is not active."""
         self._expect("write", Lifecycle.ACTIVE)
         self._send(command)
 

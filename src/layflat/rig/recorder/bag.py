@@ -8,9 +8,9 @@ from datetime import UTC, datetime
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import layflat
+from layflat.arrays import Array
 from layflat.rig.clock import SECOND
 from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, encoded_event, schemas_of
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 METADATA, MACHINE = "layflat", "machine.json"
 """Names of the metadata record, and of the attachment with the machine's description."""
 
-CHUNK = 2**17
-"""Bytes that are compressed at a time: more would keep the recorder from its log."""
+CHUNK = 2**17  # bytes that are compressed at a time: more would keep the recorder from its log
 
 
 @dataclass(frozen=True)
@@ -31,11 +30,9 @@ class Heading:
     """What a log says of itself."""
 
     layout: Layout
-    machine: str
-    """Description as JSON."""
+    machine: str  # description as JSON
     machine_name: str
-    notes: dict[str, str] = field(default_factory=dict)
-    """What else is to be kept, such as the driver's address."""
+    notes: dict[str, str] = field(default_factory=dict)  # what else is to be kept, such as the driver's address
 
     @classmethod
     def of(cls, machine: Machine, **notes: str) -> Heading:
@@ -79,7 +76,7 @@ class Bag:
         self._writer.add_metadata(METADATA, told)
         self._writer.add_attachment(begin, begin, MACHINE, "application/json", heading.machine.encode())
 
-    def add(self, rows: NDArray[np.float64]) -> None:
+    def add(self, rows: Array) -> None:
         """Add rows, (rows, width)."""
         if not len(rows):
             return
@@ -104,6 +101,6 @@ class Bag:
         self._writer.finish()
 
 
-def begin_of(row: NDArray[np.float64]) -> int:
+def begin_of(row: Array) -> int:
     """Time of day when the loop began, ns since 1970, by one of its rows."""
     return round(float(row[1] - row[0]) * SECOND)

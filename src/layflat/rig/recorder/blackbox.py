@@ -1,14 +1,12 @@
 """What happened around a fault, at full rate, as a file of its own beside the log."""
 
-from __future__ import annotations
-
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.errors import OutputError
 from layflat.files import whole_file
 from layflat.rig.recorder.bag import Bag, Heading
@@ -16,16 +14,12 @@ from layflat.rig.recorder.file import synced
 from layflat.rig.recorder.ring import Event, Level
 from layflat.rig.safety.faults import Fault, Reaction
 
-Array = NDArray[np.float64]
-
-BEFORE, AFTER = 10.0, 2.0
-"""s around a fault that are kept."""
+BEFORE, AFTER = 10.0, 2.0  # s around a fault that are kept
 
 MILD = max(fault for fault in Fault if fault.reaction is Reaction.TELL)
 """Up to this one faults are told and no more: they make no file."""
 
-MOST = 100
-"""Files that one log gets."""
+MOST = 100  # files that one log gets
 
 
 class BlackBox:

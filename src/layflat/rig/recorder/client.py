@@ -5,9 +5,7 @@ from __future__ import annotations
 import time
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.errors import OutputError
 from layflat.rig.loop import Recorder
 from layflat.rig.record import SHARED
@@ -17,11 +15,8 @@ from layflat.rig.safety.faults import Fault, Reaction
 LEVELS = [Level.INFO, *(Level.WARN if fault.reaction is Reaction.TELL else Level.ERROR for fault in list(Fault)[1:])]
 """How much a cycle's events matter, by its worst fault."""
 
-CHANGE = " -> "
-"""In the line of a change of state."""
-
-STARTS_WITHIN = 30.0
-"""A recorder has to be there by then, s."""
+CHANGE = " -> "  # in the line of a change of state
+STARTS_WITHIN = 30.0  # a recorder has to be there by then, s
 
 
 class RecorderClient(Recorder):
@@ -33,11 +28,7 @@ class RecorderClient(Recorder):
 
     @classmethod
     def join(cls, path: Path) -> RecorderClient:
-        """Take hold of the ring in a file, as soon as its recorder is there.
-
-        Raises:
-            OutputError: it is not.
-        """
+        """Take hold of the ring in a file, as soon as its recorder is there; raise OutputError if it is not."""
         ring, until = Ring.attach(path), time.monotonic() + STARTS_WITHIN
         while not ring.recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
             if ring.recorder is RecorderState.UNFINISHED or time.monotonic() > until:
@@ -45,7 +36,7 @@ class RecorderClient(Recorder):
             time.sleep(0.005)
         return cls(ring)
 
-    def push(self, row: NDArray[np.float64]) -> None:
+    def push(self, row: Array) -> None:
         """Hand over a row of `record.Layout`."""
         self._time, self._level = float(row[0]), LEVELS[int(row[self._fault])]
         self._ring.push(row)

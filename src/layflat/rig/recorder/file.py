@@ -1,6 +1,4 @@
-"""A file that grows: nothing is kept back in the process, and a full disk is no error but a state."""
-
-from __future__ import annotations
+"""A file that grows: nothing is kept back in the process, and a full disk is not an error but a state."""
 
 import contextlib
 import os
@@ -9,11 +7,8 @@ from pathlib import Path
 
 from layflat.rig.system import lock
 
-MOST_PENDING = 32 * 2**20
-"""Bytes that are kept in memory while nothing can be written."""
-
-SYNC = 0.3
-"""Between two orders to the disk to have what was written, s."""
+MOST_PENDING = 32 * 2**20  # bytes that are kept in memory while nothing can be written
+SYNC = 0.3  # between two orders to the disk to have what was written, s
 
 _sync = getattr(os, "fdatasync", os.fsync)
 

@@ -10,8 +10,6 @@ stands where, and thousands are written or read at once.
 | /events | rcl_interfaces/msg/Log | faults, changes of state, messages |
 """
 
-from __future__ import annotations
-
 import re
 import struct
 from collections.abc import Iterable, Sequence
@@ -20,11 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.rig.clock import SECOND
 from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.ring import Event
-
-Array = NDArray[np.float64]
 
 CYCLE, JOINT_STATE, LOG = "layflat_msgs/msg/Cycle", "sensor_msgs/msg/JointState", "rcl_interfaces/msg/Log"
 
@@ -108,11 +105,7 @@ class Fixed:
         return [row.tobytes() for row in block]
 
     def decoded(self, messages: Iterable[bytes]) -> dict[str, Array]:
-        """Columns by field, from messages as bytes.
-
-        Raises:
-            ValueError: they are not of this type and these joints.
-        """
+        """Columns by field, from messages as bytes; raise ValueError if they are not of this type and these joints."""
         block = np.frombuffer(b"".join(messages), np.uint8)
         rows = block.reshape(-1, self.dtype.itemsize)
         if (rows[:, self._start] != self._blank[self._start]).any():

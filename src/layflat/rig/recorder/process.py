@@ -1,7 +1,5 @@
 """The recorder: a process of its own that takes what the loop hands over, and writes it."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys
@@ -19,11 +17,8 @@ from layflat.rig.recorder.repair import PART, indexed
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.system import FROM_TERMINAL, start_process
 
-TICK = 0.01
-"""Between two looks into the ring, s."""
-
-PATIENCE = 10.0
-"""For which a disk that is full at the end is waited for, s."""
+TICK = 0.01  # between two looks into the ring, s
+PATIENCE = 10.0  # for which a disk that is full at the end is waited for, s
 
 
 def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
@@ -44,11 +39,7 @@ def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
 
 
 def check_place(place: Path) -> None:
-    """Make sure that a log can be written.
-
-    Raises:
-        OutputError: it can't, or would take the place of another.
-    """
+    """Make sure that a log can be written; raise OutputError if it can't, or would take the place of another."""
     part = part_of(place)
     if place.exists():
         raise OutputError("is there already", where=str(place), right="give another name, or move it")

@@ -3,8 +3,6 @@
 The official reader gives up at the first record that is not whole, and takes nothing of a chunk that is cut short.
 """
 
-from __future__ import annotations
-
 import mmap
 import struct
 import zlib
@@ -28,8 +26,7 @@ OTHERS = {1: "Header", 3: "Schema", 4: "Channel", 9: "Attachment", 12: "Metadata
 
 _RECORD, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 
-Progress = Callable[[int, int], None]
-"""Is told the bytes that are done, and all there are."""
+Progress = Callable[[int, int], None]  # is told the bytes that are done, and all there are
 
 
 @dataclass
@@ -37,16 +34,12 @@ class Kept:
     """What a file has given so far."""
 
     messages: int = 0
-    first: int = 0
-    """Log time of the earliest message, ns."""
+    first: int = 0  # log time of the earliest message, ns
     last: int = 0
-    place: int = len(MAGIC)
-    """Bytes that are done."""
+    place: int = len(MAGIC)  # bytes that are done
     size: int = 0
-    lost: int = 0
-    """Bytes that made no whole record."""
-    ended: bool = False
-    """Whether the end of the data was found where it belongs, so that nothing is missing behind it."""
+    lost: int = 0  # bytes that made no whole record
+    ended: bool = False  # whether the end of the data was found where it belongs, so that nothing is missing behind it
 
     def note(self, log_time: int) -> None:
         """A message was kept."""
@@ -73,7 +66,7 @@ def repair(path: Path, progress: Progress | None = None) -> tuple[Path, Kept] | 
         The whole file, and what it holds; None for a file that was whole, which is left alone.
 
     Raises:
-        InputError: it is no MCAP file, or still being written.
+        InputError: it is not an MCAP file, or still being written.
         OutputError: the whole file can't be written.
     """
     place, looked = path.with_name(path.name.removesuffix(PART)), Kept()
@@ -98,11 +91,7 @@ def repair(path: Path, progress: Progress | None = None) -> tuple[Path, Kept] | 
 
 
 def check_magic(path: Path) -> bool:
-    """Whether a file ends as an MCAP file does.
-
-    Raises:
-        InputError: it can't be read, or does not even begin as one.
-    """
+    """Whether a file ends as an MCAP file does; raise InputError if it can't be read, or does not even begin as one."""
     right = "give an MCAP file, as `layflat rig` records it"
     try:
         with path.open("rb") as file:
@@ -112,7 +101,7 @@ def check_magic(path: Path) -> bool:
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
     if head != MAGIC:
-        raise InputError("is no MCAP file" if head else "is empty", where=str(path), right=right)
+        raise InputError("is not an MCAP file" if head else "is empty", where=str(path), right=right)
     return size >= 2 * len(MAGIC) and tail == MAGIC
 
 

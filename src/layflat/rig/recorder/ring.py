@@ -19,23 +19,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.rig.clock import SECOND
 from layflat.rig.system import RING, lock, new_file
 
-Array = NDArray[np.float64]
-
-MAGIC = int.from_bytes(b"lfring04", "little")
-"""Changes with what stands where in the memory."""
-
-STALE = SECOND
-"""Who has not shown a sign of life for so long is dead, ns."""
-
-ROWS, EVENTS = 4096, 256
-"""That fit: 20 s at 200 Hz."""
-
-TEXT = 240
-"""Bytes of an event's text; the rest is cut off."""
+MAGIC = int.from_bytes(b"lfring04", "little")  # changes with what stands where in the memory
+STALE = SECOND  # who has not shown a sign of life for so long is dead, ns
+ROWS, EVENTS = 4096, 256  # that fit: 20 s at 200 Hz
+TEXT = 240  # bytes of an event's text; the rest is cut off
 
 _EVENT = np.dtype([("time", "<f8"), ("level", "<i8"), ("text", f"S{TEXT}")])
 
@@ -53,8 +45,7 @@ class RecorderState(IntEnum):
 
     ABSENT = 0
     RECORDING = 1
-    STUCK = 2
-    """It can't write (disk full): it keeps what it can in memory, and tries on."""
+    STUCK = 2  # it can't write (disk full): it keeps what it can in memory, and tries on
     FINISHING = 3
     DONE = 4
     UNFINISHED = 5
@@ -64,8 +55,7 @@ class RecorderState(IntEnum):
 class Event(NamedTuple):
     """Something worth telling."""
 
-    time: float
-    """s since the loop began"""
+    time: float  # s since the loop began
     level: int
     text: str
 
@@ -134,11 +124,7 @@ class Ring:
 
     @classmethod
     def attach(cls, path: Path) -> Ring:
-        """Join in.
-
-        Raises:
-            InputError: there is none.
-        """
+        """Join in; raise InputError if there is none."""
         right = "give the ring of a loop that runs"
         try:
             handle = os.open(path, os.O_RDWR)
@@ -147,7 +133,7 @@ class Ring:
         lock(handle, shared=True)
         if os.pread(handle, 8, 0) != MAGIC.to_bytes(8, "little"):
             os.close(handle)
-            raise InputError("is no ring of this version of layflat", where=str(path), right=right)
+            raise InputError("is not a ring of this version of layflat", where=str(path), right=right)
         return cls(path, handle)
 
     def close(self) -> None:

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from layflat import extras
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.rig.clock import SECOND
@@ -38,8 +38,7 @@ BEST_KNOWN = {
 FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
 """Columns that stand for something else than a quantity."""
 
-RENAMED = {"far": "device"}
-"""Columns that logs of earlier versions have, by their present names."""
+RENAMED = {"far": "device"}  # columns that logs of earlier versions have, by their present names
 
 UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
 """What readers raise on bytes that make no sense."""
@@ -49,27 +48,17 @@ UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedErro
 class Recording:
     """What an MCAP log of a rig holds."""
 
-    joints: tuple[str, ...]
-    """Names, from base to tip."""
-    columns: dict[str, NDArray[np.float64]]
-    """Of every cycle: (cycles,), or (cycles, joints)."""
-    meanings: dict[str, tuple[str, str]]
-    """Unit and meaning of each column."""
+    joints: tuple[str, ...]  # names, from base to tip
+    columns: dict[str, Array]  # of every cycle: (cycles,), or (cycles, joints)
+    meanings: dict[str, tuple[str, str]]  # unit and meaning of each column
     events: list[Event]
-    begin: int
-    """Log time of the loop's time 0, ns since 1970."""
-    about: dict[str, str]
-    """What the log says of itself."""
-    machine: str
-    """Description as JSON; empty where it is missing."""
+    begin: int  # log time of the loop's time 0, ns since 1970
+    about: dict[str, str]  # what the log says of itself
+    machine: str  # description as JSON; empty where it is missing
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a log that the recorder has written.
-
-    Raises:
-        InputError: it can't be read, is not whole, or none of ours.
-    """
+    """Read a log that the recorder has written; raise InputError if it can't be read, is not whole, or none of ours."""
     extras.require("rig", "mcap", where=str(path))
     from mcap.exceptions import McapError  # noqa: PLC0415
     from mcap.reader import make_reader  # noqa: PLC0415
@@ -159,13 +148,9 @@ def read_run(path: Path) -> xarray.Dataset:
 
 
 def check_format(path: Path) -> None:
-    """Make sure that a name says how to write.
-
-    Raises:
-        InputError: it does not, or the package for it is missing.
-    """
+    """Make sure that a name says how to write; raise InputError if it does not, or the package for it is missing."""
     if path.suffix not in _WRITERS:
-        raise InputError(f"{path.suffix or path.name!r} is no format", where=str(path), right="use .nc or .parquet")
+        raise InputError(f"{path.suffix or path.name!r} is not a format", where=str(path), right="use .nc or .parquet")
     if path.suffix == ".parquet":
         extras.require("rig", "pyarrow", where=str(path))
 
@@ -207,5 +192,4 @@ def _write_parquet(run: xarray.Dataset, path: Path) -> None:
     parquet.write_table(pyarrow.table(columns, schema=pyarrow.schema(fields, metadata=about)), path)
 
 
-_WRITERS = {".nc": _write_netcdf, ".parquet": _write_parquet}
-"""By suffix."""
+_WRITERS = {".nc": _write_netcdf, ".parquet": _write_parquet}  # by suffix

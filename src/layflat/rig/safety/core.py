@@ -1,14 +1,12 @@
 """The numbers of a rig's control cycle, and what performs it on them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf, isfinite
 from struct import Struct
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.machine import Machine, parameters
 from layflat.physics.air_balance import AirEstimate
 from layflat.physics.joint import FILLED
@@ -22,10 +20,7 @@ from layflat.rig.safety.detectors import joint, supply
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_settings, rig_settings
 
-Array = NDArray[np.float64]
-
-ENOUGH = 0.4
-"""Of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones."""
+ENOUGH = 0.4  # of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones
 
 RIPPLE, LEAST_RIPPLE = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
 

@@ -17,14 +17,12 @@ from layflat.rig.named import blank, places
 from layflat.rig.safety import demands, estimator
 from layflat.rig.safety.detectors import joint, sample, supply
 
-JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16
-"""Stages of a cycle."""
+JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16  # stages of a cycle
 
 FOUND, CHANGED, BAD = 1, 2, 4
 """What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad."""
 
-TURNS = 0.05
-"""Speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s."""
+TURNS = 0.05  # speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s
 
 UNEVEN, CALM = 0.3, 0.1
 """A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s."""
@@ -33,22 +31,15 @@ UNEVEN, CALM = 0.3, 0.1
 class Rig(NamedTuple):
     """What holds of the machine as a whole."""
 
-    cycle: float
-    """s."""
-    centre: float
-    """Voltage at which valves are closed, V."""
-    per_volt: float
-    """Opening of a valve, 1/V."""
-    ambient: float
-    """Pa."""
-    payload: float
-    """kg."""
+    cycle: float  # s
+    centre: float  # voltage at which valves are closed, V
+    per_volt: float  # opening of a valve, 1/V
+    ambient: float  # pa
+    payload: float  # kg
     voltage_low: float
     voltage_high: float
-    demand_lead: float
-    """By which demands may be ahead of their references, rad."""
-    demand_margin: float
-    """Of what is left to the stops, 1."""
+    demand_lead: float  # by which demands may be ahead of their references, rad
+    demand_margin: float  # of what is left to the stops, 1
     supply: supply.Limits
 
 
@@ -58,10 +49,8 @@ class Settings(NamedTuple):
     detectors: joint.Limits
     air: AirParts
     gate: demands.Gate
-    torque_constant: float
-    """Torque per pressure, m3/rad."""
-    averaged: float
-    """1 where signals are averaged over a dither period, else 0."""
+    torque_constant: float  # torque per pressure, m3/rad
+    averaged: float  # 1 where signals are averaged over a dither period, else 0
 
 
 class Memory(NamedTuple):
@@ -72,38 +61,25 @@ class Memory(NamedTuple):
     estimator: estimator.Memory
     estimate: estimator.Estimate
     demand: demands.Demand
-    neutral: float
-    """Estimated shift of the valve's neutral voltage, V."""
-    asked: float
-    """Voltage that the control law asked for, V."""
-    voltage: float
-    """Voltage that was let through, V."""
-    fault: float
-    """Number of the worst fault of this cycle; 0: none."""
-    outcome: float
-    """What became of the demand in this cycle."""
+    neutral: float  # estimated shift of the valve's neutral voltage, V
+    asked: float  # voltage that the control law asked for, V
+    voltage: float  # voltage that was let through, V
+    fault: float  # number of the worst fault of this cycle; 0: none
+    outcome: float  # what became of the demand in this cycle
 
 
 class Inputs(NamedTuple):
     """What comes in with a cycle, and what is remembered of the machine as a whole."""
 
-    supply: float
-    """Absolute, Pa."""
-    elapsed: float
-    """Since the last samples, s."""
-    since: float
-    """Since the last cycle, s."""
-    level: float
-    """What there is to watch."""
-    follow: float
-    """1 where demands are obeyed."""
-    wake: float
-    """1 where controllers begin anew."""
-    even: float
-    """For how long cycles have been even, s."""
+    supply: float  # absolute, Pa
+    elapsed: float  # since the last samples, s
+    since: float  # since the last cycle, s
+    level: float  # what there is to watch
+    follow: float  # 1 where demands are obeyed
+    wake: float  # 1 where controllers begin anew
+    even: float  # for how long cycles have been even, s
     lines: supply.Memory
-    fault: float
-    """Number of the machine's fault of this cycle; 0: none."""
+    fault: float  # number of the machine's fault of this cycle; 0: none
 
 
 class JointInputs(NamedTuple):

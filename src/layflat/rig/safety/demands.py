@@ -5,22 +5,16 @@ from typing import NamedTuple
 
 from layflat.jit import law
 
-LIMITED, REFUSED = 1, 2
-"""What became of a demand that was not let through as it is."""
-
-TOLERANCE = 1e-9
-"""Beyond the working stroke that is rounding, rad."""
+LIMITED, REFUSED = 1, 2  # what became of a demand that was not let through as it is
+TOLERANCE = 1e-9  # beyond the working stroke that is rounding, rad
 
 
 class Gate(NamedTuple):
     """What demands of a joint are let through by."""
 
-    working: float
-    """Half the working stroke, rad."""
-    mechanical: float
-    """Half the mechanical stroke, rad."""
-    speed: float
-    """Of the reference, rad/s."""
+    working: float  # half the working stroke, rad
+    mechanical: float  # half the mechanical stroke, rad
+    speed: float  # of the reference, rad/s
 
 
 class Demand(NamedTuple):

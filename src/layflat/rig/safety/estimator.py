@@ -26,14 +26,10 @@ class Memory(NamedTuple):
 class Estimate(NamedTuple):
     """A joint in a cycle; names are those of the recorded signals."""
 
-    averaged_angle: float
-    """rad."""
-    averaged_velocity: float
-    """rad/s."""
-    averaged_pressure: float
-    """Differential, Pa."""
-    ripple: float
-    """Amplitude of the pressure at the dither's frequency, Pa."""
+    averaged_angle: float  # rad
+    averaged_velocity: float  # rad/s
+    averaged_pressure: float  # differential, Pa
+    ripple: float  # amplitude of the pressure at the dither's frequency, Pa
 
 
 @law

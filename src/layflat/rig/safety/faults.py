@@ -8,18 +8,12 @@ from enum import IntEnum
 class Reaction(IntEnum):
     """What a fault leads to, mildest first."""
 
-    TELL = 0
-    """LoopMessage, and no more."""
-    HOLD = 1
-    """The joints are held where they are, with air."""
-    STOP = 2
-    """Held, then depressurised."""
-    VENT_JOINT = 3
-    """Air off; the faulty joint's valve is opened to one end, the others are centred."""
-    VENT = 4
-    """Air off; all valves are opened to one end."""
-    DUMP = 5
-    """The same; the device does it by itself, too, and obeys again only after a reset."""
+    TELL = 0  # LoopMessage, and no more
+    HOLD = 1  # the joints are held where they are, with air
+    STOP = 2  # held, then depressurised
+    VENT_JOINT = 3  # air off; the faulty joint's valve is opened to one end, the others are centred
+    VENT = 4  # air off; all valves are opened to one end
+    DUMP = 5  # the same; the device does it by itself, too, and obeys again only after a reset
 
 
 class Fault(IntEnum):
@@ -31,12 +25,9 @@ class Fault(IntEnum):
 
     title: str
     reaction: Reaction
-    latched: bool
-    """Whether it stays until a reset."""
-    seconds: float
-    """Found within so long of its beginning, s; 0 where cycles count."""
-    cycles: int
-    """Found in so many control cycles, where seconds do not count."""
+    latched: bool  # whether it stays until a reset
+    seconds: float  # found within so long of its beginning, s; 0 where cycles count
+    cycles: int  # found in so many control cycles, where seconds do not count
 
     def __new__(
         cls, number: int, title: str = "", reaction: Reaction = Reaction.TELL, latched: bool = False,

@@ -1,7 +1,5 @@
 """Which faults there are: found in this cycle, and latched; and what has to be told of them."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from layflat.rig.safety.faults import Fault, Reaction

@@ -3,8 +3,6 @@
 Raises MachineError where it has none.
 """
 
-from __future__ import annotations
-
 from math import inf
 
 from layflat.machine import Machine, parameters
@@ -24,14 +22,9 @@ from layflat.rig.safety.detectors import (
 )  # fmt: skip
 from layflat.rig.safety.faults import Fault
 
-LIVELY = 0.3
-"""Noise of a sensor, in counts, from which on it never reports the same count for 20 samples."""
-
-RAIL = 2.0
-"""Counts from the end of a converter's range, at which a sensor is taken to be open or shorted."""
-
-NOISE = 2.0
-"""Counts by which a sample may be wrong: a joint at a limit is found in spite of them."""
+LIVELY = 0.3  # noise of a sensor, in counts, from which on it never reports the same count for 20 samples
+RAIL = 2.0  # counts from the end of a converter's range, at which a sensor is taken to be open or shorted
+NOISE = 2.0  # counts by which a sample may be wrong: a joint at a limit is found in spite of them
 
 SPARE, RIPPLE_AFTER = 2.0, 4.0
 """Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none."""

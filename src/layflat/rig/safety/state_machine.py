@@ -1,12 +1,8 @@
 """States of a rig, and what leads from one to another: the host's requests, faults, and time."""
 
-from __future__ import annotations
-
 from math import isfinite
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.core import Core
@@ -17,18 +13,13 @@ from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.ledger import Ledger
 from layflat.rig.safety.states import AIR, State, ValveMode
 
-Array = NDArray[np.float64]
-
 ANGLE = Estimate._fields.index("averaged_angle")
 
 RESET_LOW, RESET_HIGH = 4, 4
 """Cycles for which a reset is not sent, and then is: the device takes its edge, also if one reply is lost."""
 
-THERE = 0.2
-"""Supply and ripple have to be there for so long until a soft start is over, s."""
-
-FILLS = 0.7
-"""Of the time of a soft start: so long it waits for hoses to fill; valves that leak little never fill them."""
+THERE = 0.2  # supply and ripple have to be there for so long until a soft start is over, s
+FILLS = 0.7  # of the time of a soft start: so long it waits for hoses to fill; valves that leak little never fill them
 
 CENTRED = 0.3
 """Before valves are opened to let out the air they are centred: until the supply line is empty, and joints have come to

@@ -4,14 +4,10 @@ A cycle of a rig in motion is one call of compiled code (cycle.py). Python decid
 request, a fault, a lost reply, or a state that time leads on from; the stages are then performed one by one.
 """
 
-from __future__ import annotations
-
 from math import isnan
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.law import ArmLaw
@@ -22,25 +18,17 @@ from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import StateMachine
 from layflat.rig.safety.states import State, ValveMode
 
-Array = NDArray[np.float64]
-
-MOVE = DEMAND | ESTIMATE | CONTROL
-"""Stages of a cycle in which something was read, after it was judged."""
+MOVE = DEMAND | ESTIMATE | CONTROL  # stages of a cycle in which something was read, after it was judged
 
 
 class HostRequest(NamedTuple):
     """What the host wants in a cycle."""
 
-    demands: list[float]
-    """rad; not a number where there is none yet."""
-    start: bool = False
-    """Edge: bring the air and obey demands."""
-    stop: bool = False
-    """Edge: hold, then let out the air."""
-    reset: bool = False
-    """Edge: latched faults may go."""
-    age: float = 0.0
-    """Since the host was last heard, s."""
+    demands: list[float]  # rad; not a number where there is none yet
+    start: bool = False  # edge: bring the air and obey demands
+    stop: bool = False  # edge: hold, then let out the air
+    reset: bool = False  # edge: latched faults may go
+    age: float = 0.0  # since the host was last heard, s
 
     @property
     def edge(self) -> bool:

@@ -1,7 +1,5 @@
 """Every row of the table at random instants of random moves, and what came of each."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from math import inf
 from typing import NamedTuple
@@ -14,35 +12,16 @@ from layflat.rig.driver import DeviceState
 from layflat.rig.trials.cases import HOST_GONE, ROWS, FaultCase
 from layflat.rig.trials.rig import TrialRig
 
-SPAN = 0.5
-"""Of the working stroke in which moves end: an arm that stops at once flings its elbow by half a stroke."""
-
-PAUSE = (0.7, 2.0)
-"""Between two demands, s."""
-
-WHEN = (0.3, 2.0)
-"""After the first demand, in which the failure comes, s."""
-
-ON_ITS_WAY = (0.06, 0.2)
-"""After the demand that sets a joint going, in which the failure comes, s."""
-
-GOING = 0.6
-"""Speed that it has then at least, rad/s."""
-
-GONE = (0.5, 2.0)
-"""For which a loop is stopped, s."""
-
-PATIENCE = 1.0
-"""Beyond the time in which a fault has to be found, until it counts as missed, s."""
-
-SETTLES = 3.0
-"""In which what is safe has to be reached, s."""
-
-HOME = 0.5
-"""rad: joints that are further from mid-stroke are led back after a trial."""
-
-HAND = 2.0
-"""Torque of that hand, as a multiple of what the brake holds."""
+SPAN = 0.5  # of the working stroke in which moves end: an arm that stops at once flings its elbow by half a stroke
+PAUSE = (0.7, 2.0)  # between two demands, s
+WHEN = (0.3, 2.0)  # after the first demand, in which the failure comes, s
+ON_ITS_WAY = (0.06, 0.2)  # after the demand that sets a joint going, in which the failure comes, s
+GOING = 0.6  # speed that it has then at least, rad/s
+GONE = (0.5, 2.0)  # for which a loop is stopped, s
+PATIENCE = 1.0  # beyond the time in which a fault has to be found, until it counts as missed, s
+SETTLES = 3.0  # in which what is safe has to be reached, s
+HOME = 0.5  # rad: joints that are further from mid-stroke are led back after a trial
+HAND = 2.0  # torque of that hand, as a multiple of what the brake holds
 
 
 class Outcome(NamedTuple):
@@ -51,24 +30,15 @@ class Outcome(NamedTuple):
     row: str
     case: str
     joint: str
-    at: float
-    """s after the first demand."""
-    found_after: float
-    """s; infinite where it was missed."""
-    limit: float
-    """s"""
-    found: str
-    """Which fault it was told as."""
-    safe_after: float
-    """s after the failure; infinite where it was not reached."""
-    safe: str
-    """What had to be reached."""
-    turned: float
-    """The furthest that a joint was from mid-stroke, as a share of half its mechanical stroke."""
-    above_supply: float
-    """Highest pressure in a hose less the highest that the supply line had, Pa."""
-    pushed: bool
-    """Whether somebody pushed the joint, or its valve did: into its stop, which alone could hold it."""
+    at: float  # s after the first demand
+    found_after: float  # s; infinite where it was missed
+    limit: float  # s
+    found: str  # which fault it was told as
+    safe_after: float  # s after the failure; infinite where it was not reached
+    safe: str  # what had to be reached
+    turned: float  # the furthest that a joint was from mid-stroke, as a share of half its mechanical stroke
+    above_supply: float  # highest pressure in a hose less the highest that the supply line had, Pa
+    pushed: bool  # whether somebody pushed the joint, or its valve did: into its stop, which alone could hold it
 
     @property
     def good(self) -> bool:

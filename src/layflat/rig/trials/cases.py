@@ -4,8 +4,6 @@ Times count from the instant of the failure; where a failure takes its time to b
 joint that is pushed away), from the instant at which a limit is passed in truth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -17,17 +15,13 @@ from layflat.rig.safety.detectors.following import allowed
 from layflat.rig.safety.faults import Fault
 from layflat.rig.trials.rig import TrialRig
 
-EMPTY = 0.3e5
-"""Gauge pressure below which a hose is empty, Pa."""
-
-STILL = 0.02
-"""Speed below which a joint stands still, rad/s."""
+EMPTY = 0.3e5  # gauge pressure below which a hose is empty, Pa
+STILL = 0.02  # speed below which a joint stands still, rad/s
 
 GRIP = 1.0
 """Of a joint's greatest torque: what holds it back. It slides; one that can't looks as if its sensor were frozen."""
 
-PUSH = 1.2
-"""Of a joint's greatest torque: what pushes it out against its controller."""
+PUSH = 1.2  # of a joint's greatest torque: what pushes it out against its controller
 
 
 class Safe(NamedTuple):
@@ -60,25 +54,17 @@ OTHERS_VENTED = Safe("others vented", lambda rig, joint: _still(rig, joint) and 
 class FaultCase(NamedTuple):
     """One way to bring a fault about."""
 
-    name: str
-    """For people."""
-    switch: Callable[[TrialRig, int, bool], object]
-    """Makes it happen to a joint, or mends it, now."""
-    found: tuple[Fault, ...]
-    """Faults by which it may be found."""
+    name: str  # for people
+    switch: Callable[[TrialRig, int, bool], object]  # makes it happen to a joint, or mends it, now
+    found: tuple[Fault, ...]  # faults by which it may be found
     safe: Safe
-    cycles: int = 0
-    """Within so many control cycles it has to be found, or"""
-    seconds: float = 0.0
-    """within so long."""
-    moving: bool = False
-    """Whether the joint has to be on its way: at rest there is nothing to be seen of it."""
+    cycles: int = 0  # within so many control cycles it has to be found, or
+    seconds: float = 0.0  # within so long
+    moving: bool = False  # whether the joint has to be on its way: at rest there is nothing to be seen of it
     since: Callable[[TrialRig, int], bool] | None = None
     """Whether a limit is passed in truth, where the time counts from then on, as long as it is."""
-    brief: bool = False
-    """Whether it ends by itself when it is found: who pushes a joint lets go of it."""
-    way_to_go: float = 0.35
-    """A joint that has to be on its way is asked to go at least so far, rad."""
+    brief: bool = False  # whether it ends by itself when it is found: who pushes a joint lets go of it
+    way_to_go: float = 0.35  # a joint that has to be on its way is asked to go at least so far, rad
     pushed: bool = False
     """Whether somebody pushes the joint, or a valve that stays open: into its stop, which alone can hold it."""
 
@@ -144,8 +130,7 @@ FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
 ANSWER = (Fault.VALVE_UNRESPONSIVE, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
 BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.VALVE_UNRESPONSIVE)
 
-HOST_GONE = "host dead, frozen or late"
-"""Of this row the loop itself is stopped, and the device alone has to find it."""
+HOST_GONE = "host dead, frozen or late"  # of this row the loop itself is stopped, and the device alone has to find it
 
 ROWS: dict[str, tuple[FaultCase, ...]] = {
     HOST_GONE: (FaultCase("late host", lambda *_: None, LINK[1:], ALL_VENTED, cycles=4),),

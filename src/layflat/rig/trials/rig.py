@@ -4,15 +4,11 @@ Time passes on both sides only while the loop waits for its next deadline: trial
 real protocol, and the same seed gives the same instants.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import inf, nan
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.device.process import DeviceProcess
@@ -24,20 +20,14 @@ from layflat.rig.safety.limits import joint_limits
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
 
-Array = NDArray[np.float64]
-
 
 class Truth(NamedTuple):
     """What is so on the device, whatever its sensors say."""
 
-    angles: list[float]
-    """rad"""
-    velocities: list[float]
-    """rad/s"""
-    pressures: list[float]
-    """The higher of each joint's hoses, absolute, Pa."""
-    supply: float
-    """Of the line, absolute, Pa."""
+    angles: list[float]  # rad
+    velocities: list[float]  # rad/s
+    pressures: list[float]  # the higher of each joint's hoses, absolute, Pa
+    supply: float  # of the line, absolute, Pa
     device: DeviceState
 
 

@@ -1,7 +1,5 @@
 """A sound rig in random motion for hours: no fault may be found where there is none."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -17,14 +15,9 @@ from layflat.rig.safety.faults import Reaction
 from layflat.rig.safety.states import State
 from layflat.rig.trials.rig import Script
 
-SPAN = 0.9
-"""Of the working stroke in which moves end."""
-
-PAUSE = (0.1, 4.0)
-"""Between two demands, s."""
-
-PAYLOAD_EVERY = 5.0
-"""Mean time between two changes of the payload, s."""
+SPAN = 0.9  # of the working stroke in which moves end
+PAUSE = (0.1, 4.0)  # between two demands, s
+PAYLOAD_EVERY = 5.0  # mean time between two changes of the payload, s
 
 
 @dataclass
@@ -34,10 +27,8 @@ class SoakResult:
     hours: float
     moves: int = 0
     payloads: int = 0
-    told: list[str] = field(default_factory=list)
-    """What was said that should not have been."""
-    trips: int = 0
-    """How often the rig was held or vented for nothing."""
+    told: list[str] = field(default_factory=list)  # what was said that should not have been
+    trips: int = 0  # how often the rig was held or vented for nothing
 
 
 def quiet(
@@ -53,7 +44,7 @@ def quiet(
         hours: simulated.
         seed: of moves and payloads.
         progress: is told the share that is done.
-        clock: that the loop waits by; one that is never late where not given.
+        clock: that the loop waits by; default: one that is never late.
         driver_of: makes the driver.
     """
     clock, host = clock or VirtualClock(), Script(len(machine.joints))

@@ -17,14 +17,10 @@ from layflat.machine.parameters import drive_parts, joints
 from layflat.physics.sensor import Sensor
 from layflat.rig.driver import Command, DeviceState, Reading
 
-WORD = 16
-"""Bits."""
-ROUND = 1 << WORD
-"""Numbers of transactions go round, so that "later" means less than half a round ahead."""
-AIR, RESET = 1, 2
-"""Bits of a command's flags."""
-STATE, STOPPED = 3, 4
-"""Bits of a reading's flags: two of the device's state, one of the e-stop."""
+WORD = 16  # bits
+ROUND = 1 << WORD  # numbers of transactions go round, so that "later" means less than half a round ahead
+AIR, RESET = 1, 2  # bits of a command's flags
+STATE, STOPPED = 3, 4  # bits of a reading's flags: two of the device's state, one of the e-stop
 
 
 class WireError(LayflatError):
@@ -72,11 +68,7 @@ class Converter(NamedTuple):
         words += divmod(self.count(value), ROUND)[-self.words :]
 
     def take(self, words: Sequence[int], at: int) -> float:
-        """The value whose count begins at a place among words.
-
-        Raises:
-            WireError: the converter has no such count.
-        """
+        """The value whose count begins at a place among words; raise WireError if the converter has no such count."""
         count = words[at] if self.words == 1 else words[at] << WORD | words[at + 1]
         if count > self.top:
             raise WireError(f"count {count} of a converter that ends at {self.top}")
@@ -86,25 +78,16 @@ class Converter(NamedTuple):
 class Wire(NamedTuple):
     """Converters of a rig, and the words that they make of commands and readings."""
 
-    joints: int
-    """How many there are."""
-    centre: int
-    """Count of the voltage that closes the valves."""
-    voltage: Converter
-    """Of the valves' drivers; its top count is one short of the range, as in any such converter."""
+    joints: int  # how many there are
+    centre: int  # count of the voltage that closes the valves
+    voltage: Converter  # of the valves' drivers; its top count is one short of the range, as in any such converter
     angle: Converter
-    pressure: Converter
-    """Differential."""
-    supply: Converter
-    """Absolute."""
+    pressure: Converter  # differential
+    supply: Converter  # absolute
 
     @classmethod
     def of(cls, machine: Machine) -> Wire:
-        """Converters of a machine.
-
-        Raises:
-            MachineError: it has no valve or sensors.
-        """
+        """Converters of a machine; raise MachineError if it has no valve or sensors."""
         valve, _, _ = drive_parts(machine)
         first, own, ambient = joints(machine)[0], machine.interface, machine.supply.ambient_pressure
         counts, low = 2**own.voltage_bits, valve.centre_voltage - valve.volts_to_full
@@ -129,17 +112,13 @@ class Wire(NamedTuple):
         return 1 + self.supply.words + self.joints * (self.angle.words + self.pressure.words)
 
     def command_words(self, command: Command) -> list[int]:
-        """A command on the wire; voltages end at the ends of the range, and what is no number is the centre."""
+        """A command on the wire; voltages end at the ends of the range, and what is not a number is the centre."""
         voltage = self.voltage
         counts = [voltage.count(v) if isfinite(v) else self.centre for v in command.voltages.tolist()]
         return [AIR * command.air + RESET * command.reset, *counts]
 
     def command(self, words: Sequence[int]) -> Command:
-        """The command that words say.
-
-        Raises:
-            WireError: they are no command.
-        """
+        """The command that words say; raise WireError if they are no command."""
         _check(words, self.command_size, AIR | RESET)
         voltages = np.array([self.voltage.take(words, i) for i in range(1, len(words))])
         return Command(voltages, air=bool(words[0] & AIR), reset=bool(words[0] & RESET))
@@ -154,11 +133,7 @@ class Wire(NamedTuple):
         return words
 
     def reading(self, words: Sequence[int]) -> Reading:
-        """The reading that words say.
-
-        Raises:
-            WireError: they are no reading.
-        """
+        """The reading that words say; raise WireError if they are no reading."""
         _check(words, self.reading_size, STATE | STOPPED)
         flags, each, pair = words[0], self.angle.words, self.angle.words + self.pressure.words
         if flags & STATE > DeviceState.DUMPED:

@@ -5,8 +5,6 @@ damaged frame thus never takes a neighbour along. `firmware/frames.py` is the sa
 same tests.
 """
 
-from __future__ import annotations
-
 import struct
 from typing import NamedTuple
 from zlib import crc32
@@ -18,12 +16,10 @@ from layflat.rig.wire.content import WireError
 VERSION = 1
 HEAD = struct.Struct(">BBH")
 CHECK = struct.Struct(">I")
-LONGEST = 254
-"""Bytes of a frame between its zeros; what grows longer is none."""
+LONGEST = 254  # bytes of a frame between its zeros; what grows longer is none
 
 ASK, COMMAND = 0x01, 0x02
-TELL, READING = 0x81, 0x82
-"""Kinds; the device's have the high bit, so that nobody takes an echo for an answer."""
+TELL, READING = 0x81, 0x82  # kinds; the device's have the high bit, so that nobody takes an echo for an answer
 
 
 class Frame(NamedTuple):
@@ -88,11 +84,7 @@ def as_bytes(words: list[int]) -> bytes:
 
 
 def as_words(payload: bytes) -> tuple[int, ...]:
-    """Words of a payload.
-
-    Raises:
-        WireError: it is half a word too long.
-    """
+    """Words of a payload; raise WireError if it is half a word too long."""
     if len(payload) % 2:
         raise WireError(f"a payload of {len(payload)} bytes")
     return struct.unpack(f">{len(payload) // 2}H", payload)

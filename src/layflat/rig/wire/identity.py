@@ -12,11 +12,9 @@ from layflat.machine.parameters import drive_parts
 from layflat.rig.driver import Capabilities, DriverError
 from layflat.rig.wire.content import Wire, WireError
 
-MAGIC = 0x4C46
-"""Nothing else that answers is taken for a rig."""
+MAGIC = 0x4C46  # nothing else that answers is taken for a rig
 VERSION = 1
-DITHERS = 1
-"""The only flag."""
+DITHERS = 1  # the only flag
 
 
 class Identity(NamedTuple):
@@ -62,13 +60,9 @@ class Identity(NamedTuple):
 
     @classmethod
     def from_words(cls, words: Sequence[int]) -> Identity:
-        """What was told.
-
-        Raises:
-            WireError: it is no rig that tells, or one of another version.
-        """
+        """What was told; raise WireError if it is not a rig that tells, or one of another version."""
         if len(words) != IDENTITY_SIZE or words[0] != MAGIC:
-            raise WireError("what answers is no rig of layflat's")
+            raise WireError("what answers is not a rig of layflat's")
         if words[1] != VERSION:
             raise WireError(f"what answers speaks version {words[1]} of the protocol; this is version {VERSION}")
         return cls(*struct.unpack("=7H3h4H", struct.pack("=14H", *words)))

@@ -1,7 +1,5 @@
 """A block of runs: the arguments of the compiled loop, and where its results go."""
 
-from __future__ import annotations
-
 from math import ceil
 from typing import NamedTuple
 

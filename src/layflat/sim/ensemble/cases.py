@@ -1,7 +1,5 @@
 """What differs from run to run of an ensemble, turned into the arrays that the compiled loop wants, block by block."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
@@ -24,33 +23,22 @@ from layflat.sim.metrics import move_windows
 from layflat.sim.run import start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
 
-Array = NDArray[np.float64]
-
 ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
 
-STARTS = ("angle", "pressure_a", "pressure_b")
-"""What every joint of a run may begin with in place of the scenario's."""
+STARTS = ("angle", "pressure_a", "pressure_b")  # what every joint of a run may begin with in place of the scenario's
 
 
 @dataclass(frozen=True)
 class Cases:
-    """An ensemble before it runs.
+    """An ensemble before it runs."""
 
-    Args:
-        base: the machine as described.
-        machine: the same; numbers that differ from run to run are arrays.
-        scenarios: what may happen.
-        vary: arrays of `count` items by what they change.
-        count: of runs.
-    """
-
-    base: Machine
-    machine: Machine
-    scenarios: list[Scenario]
-    vary: Mapping[str, Array]
-    count: int
+    base: Machine  # the machine as described
+    machine: Machine  # the same; numbers that differ from run to run are arrays
+    scenarios: list[Scenario]  # what may happen
+    vary: Mapping[str, Array]  # arrays of `count` items by what they change
+    count: int  # of runs
     _plans: dict[tuple[int, ...], tuple[Plan, Array, Array]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
@@ -235,12 +223,14 @@ def cases(
             raise InputError("is the same in all runs", where=f"vary: {key}", right="run an ensemble for each cycle")
         if key not in known:
             value_at(machine, key)
-            raise InputError("is no single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
+            raise InputError("is not a single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
         own[key] = values
     varied = changed_all(machine, own, together=together)
     which = arrays.get("scenario", np.zeros(1))
     if not np.isin(which, np.arange(len(scenarios))).all():
-        raise InputError(f"{which.max():g} is no scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}")
+        raise InputError(
+            f"{which.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
+        )
     return Cases(machine, varied, scenarios, arrays, counts.pop() if counts else 1)
 
 

@@ -3,8 +3,6 @@
 Runs go to the device in chunks: while it works on one, the next is prepared here.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator
 from functools import cache
@@ -28,11 +26,8 @@ from layflat.sim.kernel import Timing
 
 cuda: Any = _cuda
 
-THREADS = 64
-"""Threads of a block on the device: few, since a run takes as many registers as a thread can have."""
-
-CHUNK = 512 * 2**20
-"""Bytes that a chunk of runs may bring along and leave behind."""
+THREADS = 64  # threads of a block on the device: few, since a run takes as many registers as a thread can have
+CHUNK = 512 * 2**20  # bytes that a chunk of runs may bring along and leave behind
 
 run_one = on_device(run_lanes)
 

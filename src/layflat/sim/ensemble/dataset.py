@@ -1,7 +1,5 @@
 """The metrics of many runs as an `xarray.Dataset`: dims `run`, `move` and `joint`."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray
 

@@ -27,29 +27,20 @@ from layflat.sim.ensemble.watch import (
 class Plan(NamedTuple):
     """Scenarios over control cycles; not a number: as usual in the run."""
 
-    shapes: np.ndarray
-    """Demand, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 6)"""
-    shared: np.ndarray
-    """Gauge supply pressure and payload: (scenarios, cycles, 2)"""
+    shapes: np.ndarray  # demand, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 6)
+    shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
 
 
 class Runs(NamedTuple):
     """What differs from run to run; runs lie side by side in memory where they are the last axis."""
 
-    parameters: np.ndarray
-    """Every number of the machine in order, a column a run: (numbers, runs)"""
-    scenario: np.ndarray
-    """Which scenario, (runs,)"""
-    angles: np.ndarray
-    """At the start, rad, (joints, runs)"""
-    pressures: np.ndarray
-    """At the start, Pa, (joints, 2, runs)"""
-    usual: np.ndarray
-    """The numbers of `Defaults`: (joints, 4, runs)"""
-    usual_shared: np.ndarray
-    """Gauge supply pressure and payload where the scenario gives none: (2, runs)"""
-    noise: np.ndarray
-    """Standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none"""
+    parameters: np.ndarray  # every number of the machine in order, a column a run: (numbers, runs)
+    scenario: np.ndarray  # which scenario, (runs,)
+    angles: np.ndarray  # at the start, rad, (joints, runs)
+    pressures: np.ndarray  # at the start, Pa, (joints, 2, runs)
+    usual: np.ndarray  # the numbers of `Defaults`: (joints, 4, runs)
+    usual_shared: np.ndarray  # gauge supply pressure and payload where the scenario gives none: (2, runs)
+    noise: np.ndarray  # standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none
 
 
 class Given(NamedTuple):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.lanes import width
 from layflat.sim.ensemble.cases import columns, first_of
 from layflat.sim.slow import sweep_many
@@ -14,11 +14,10 @@ from layflat.sim.slow import sweep_many
 if TYPE_CHECKING:
     from layflat.sim.ensemble.cases import Cases
 
-POINTS = 201
-"""Of a way; more change the height by less than a thousandth."""
+POINTS = 201  # of a way; more change the height by less than a thousandth
 
 
-def hysteresis(prepared: Cases) -> NDArray[np.float64]:
+def hysteresis(prepared: Cases) -> Array:
     """Loop height over greatest torque at supply pressure, of every joint with its brake on: (runs, joints)."""
     machine, count = prepared.machine, prepared.count
     found = np.empty((count, len(prepared.base.joints)))

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.lanes import width
@@ -38,8 +39,7 @@ if TYPE_CHECKING:
 BLOCK, SHARES = 32, 4
 """Groups of `width()` runs that a thread takes at a time: at most, and so that each thread takes this many times."""
 
-TIP_BAND = 2e-3
-"""Within this of its goal the tip has settled, m: section 5 of the paper."""
+TIP_BAND = 2e-3  # within this of its goal the tip has settled, m: section 5 of the paper
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,7 +119,7 @@ def traced(
     *,
     step: Value = STEP,
     threads: int | None = None,
-) -> NDArray[np.float64]:
+) -> Array:
     """As `ensemble`, but nothing is measured: signals of all runs at the beginning of every control cycle.
 
     Returns:
@@ -150,7 +150,7 @@ def _runner(device: str, threads: int | None) -> Callable[[Cases, Timing, tuple[
 
         return run_on_device
     if device != "cpu":
-        raise InputError(f"{device!r} is no device", where="device", right='use "cpu" or "cuda"')
+        raise InputError(f"{device!r} is not a device", where="device", right='use "cpu" or "cuda"')
     return partial(_run_on_threads, threads or os.cpu_count() or 1)
 
 
@@ -176,7 +176,7 @@ def _blocks(count: int, workers: int) -> Iterator[NDArray[np.int64]]:
 def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
     unknown = sorted(set(traces) - set(Traced._fields))
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no signal", where="traces", right=f"use {', '.join(Traced._fields)}")
+        raise InputError(f"{unknown[0]!r} is not a signal", where="traces", right=f"use {', '.join(Traced._fields)}")
     return np.array([Traced._fields.index(name) for name in traces], dtype=np.int64)
 
 

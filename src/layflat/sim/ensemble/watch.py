@@ -17,12 +17,9 @@ from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
 class Watch(NamedTuple):
     """Which move goes on in each lane, and room to turn lanes into numbers."""
 
-    move: np.ndarray
-    """Number of the move, (lanes,)"""
-    end: np.ndarray
-    """Its last record, (lanes,)"""
-    scratch: np.ndarray
-    """(rows enough for anything, lanes)"""
+    move: np.ndarray  # number of the move, (lanes,)
+    end: np.ndarray  # its last record, (lanes,)
+    scratch: np.ndarray  # (rows enough for anything, lanes)
 
 
 class Track(NamedTuple):
@@ -63,8 +60,7 @@ class Course(NamedTuple):
 
 NO_MOVE = Move(0.0, 0.0, 0.0, 0.0)
 NO_TRACK = Track(0.0, 0.0, EMPTY)
-NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0), np.nan)
-"""Before the first record."""
+NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0), np.nan)  # before the first record
 
 
 def new_watch(lanes: int) -> Watch:

@@ -169,7 +169,7 @@ def test_a_gas_that_condenses_is_one_line() -> None:
     liquid = rig.model_copy(
         update={"gas": Gas(name="carbon dioxide"), "start": Place.model_construct(pressure=80e5, temperature=280.0)}
     )
-    with pytest.raises(InputError, match=r"start: carbon dioxide is no gas at 80 bar and 280 K"):
+    with pytest.raises(InputError, match=r"start: carbon dioxide is not a gas at 80 bar and 280 K"):
         VesselModel(liquid, {"log": log})
 
 

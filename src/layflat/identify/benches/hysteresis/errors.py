@@ -1,39 +1,26 @@
 """How well hysteresis curves are predicted, beside how high they are: one definition for joints and rods."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.identify.benches.hysteresis.model import CurveModel
-from layflat.identify.model import Array
 
-PLAY = 0.05
-"""The way has turned once the motion has come back by this share of its range."""
-
-MIDDLE, BINS = 0.8, 20
-"""Share of the range in which a height is taken, and into how many parts it is divided."""
+PLAY = 0.05  # the way has turned once the motion has come back by this share of its range
+MIDDLE, BINS = 0.8, 20  # share of the range in which a height is taken, and into how many parts it is divided
 
 
 @dataclass(frozen=True)
 class LoopError:
-    """Error of a predicted curve, over its height.
+    """Error of a predicted curve, over its height."""
 
-    Args:
-        log: which log.
-        validation: whether none of it was fitted.
-        height: of the measured curve (see `loop_height`), N or N m.
-        raw: rms of the error, as a share of the height.
-        friction: the same with the log's mean error taken away: what friction alone is missed by.
-    """
-
-    log: str
-    validation: bool
-    height: float
-    raw: float
-    friction: float
+    log: str  # which log
+    validation: bool  # whether none of it was fitted
+    height: float  # of the measured curve (see `loop_height`), N or N m
+    raw: float  # rms of the error, as a share of the height
+    friction: float  # the same with the log's mean error taken away: what friction alone is missed by
 
 
 def loop_errors(model: CurveModel[Any], simulated: Array) -> list[LoopError]:

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Logs
-from layflat.identify.model import FITTED, Array, Flags, Output
+from layflat.identify.model import FITTED, Flags, Output
 
 if TYPE_CHECKING:
     import xarray
@@ -21,8 +22,7 @@ It is the same for all logs, and well above the noise: what these laws leave ove
 model, as large in newtons at any pressure, and no log is to count more because its curve is lower.
 """
 
-NOISES = 6.0
-"""A brake gives by so many standard deviations of the motion's noise."""
+NOISES = 6.0  # a brake gives by so many standard deviations of the motion's noise
 
 
 def signal(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array:
@@ -42,11 +42,7 @@ def signal(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array
 
 
 def moving(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array:
-    """A motion, without spikes.
-
-    Raises:
-        InputError: it is not there, or never changes.
-    """
+    """A motion, without spikes; raise InputError if it is not there, or never changes."""
     found = without_spikes(signal(log, name, where, joint))
     if not np.ptp(found) > 0.0:
         raise InputError(f"the {name} never changes", where=where, right="leave the log out")

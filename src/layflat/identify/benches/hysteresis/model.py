@@ -1,16 +1,15 @@
 """What models of hysteresis curves have in common, of a joint or of a rod: elements that slip one after the other."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description import Part
 from layflat.description.change import changed_all, value_at
 from layflat.identify.benches.contract import with_columns
-from layflat.identify.model import Array, Model, Unknown
+from layflat.identify.model import Model, Unknown
 
 Described = TypeVar("Described", bound=Part)
 
@@ -20,8 +19,7 @@ LEAST, MOST = 1e-6, 2.0
 The least is far below what any log shows, so that friction which slips at once does not hit a bound.
 """
 
-DECIMALS = 6
-"""Of weights in a description."""
+DECIMALS = 6  # of weights in a description
 
 
 class CurveModel(Model, Generic[Described]):

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, has_samples, require_samples, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, element_unknowns, within
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
-from layflat.identify.model import Array, Output, Unknown
+from layflat.identify.model import Output, Unknown
 from layflat.machine import Joint, Machine, parameters
 
 if TYPE_CHECKING:
@@ -29,8 +30,7 @@ BLOCKS = ("torque", "losses", "brake", "offset")
 SCALES = 10.0
 """Measured torque is at most so many times that of Eq. (1), and at least this part of it."""
 
-LEAST_SHARE = 1e-3
-"""Least loss that is searched, height of the curve over torque."""
+LEAST_SHARE = 1e-3  # least loss that is searched, height of the curve over torque
 
 OFFSET = "log.torque_offset"
 

@@ -2,9 +2,7 @@
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.jit import kernel
 from layflat.lanes import total
@@ -12,8 +10,6 @@ from layflat.physics.hysteresis import loaded, torques
 from layflat.physics.hysteresis.elasto_slip import slip
 from layflat.physics.joint import Hose
 from layflat.sim.slow import Slow, turned, unturned
-
-Array = NDArray[np.float64]
 
 
 class TurnedJoint(NamedTuple):

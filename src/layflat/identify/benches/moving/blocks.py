@@ -1,7 +1,5 @@
 """What can be fitted of a machine from motion and pressures, block by block, and how far around the description."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from layflat.errors import InputError
@@ -65,16 +63,11 @@ SENSORS = ParameterSpec(
 )
 
 BY_JOINT = {"hose": HOSE, "losses": LOSSES, "friction": FRICTION, "inertia": INERTIA}
-BLOCKS = ("valve", *BY_JOINT, "payload", "sensors")
-"""What `--fit` takes for a machine that moves."""
+BLOCKS = ("valve", *BY_JOINT, "payload", "sensors")  # what `--fit` takes for a machine that moves
 
 
 def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
-    """What is to be fitted of a machine.
-
-    Raises:
-        InputError: there is no such block, or none is given.
-    """
+    """What is to be fitted of a machine; raise InputError if there is no such block, or none is given."""
     if not blocks:
         raise InputError("names no block", where="fit", right=f"choose from {', '.join(BLOCKS)}")
     chosen = check_known(blocks, BLOCKS, "fit", "block")

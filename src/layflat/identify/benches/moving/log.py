@@ -1,14 +1,13 @@
 """A log of a machine that moves: what acted, what it began with, and what was measured."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
 import xarray
 
-from layflat.identify.model import FITTED, Array, Flags, Output, Unknown
+from layflat.arrays import Array
+from layflat.identify.model import FITTED, Flags, Output, Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
 from layflat.physics.joint import FILLED
@@ -17,14 +16,9 @@ from layflat.sim.scenario import Scenario
 
 TRACES = ("angle", "pressure_a", "pressure_b")
 
-SMOOTHED = 9
-"""Samples over which an angle that is fed back is smoothed."""
-
-FIRST = 4
-"""Samples of which the mean is what a log begins with: one period of the dither."""
-
-COUNTS = 2.0
-"""A log begins within so many counts of the angle that was first measured."""
+SMOOTHED = 9  # samples over which an angle that is fed back is smoothed
+FIRST = 4  # samples of which the mean is what a log begins with: one period of the dither
+COUNTS = 2.0  # a log begins within so many counts of the angle that was first measured
 
 
 def sensor_offset(machine: Machine) -> float:

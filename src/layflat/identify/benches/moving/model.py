@@ -10,17 +10,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.log import Record, sensor_offset
-from layflat.identify.model import Array, Model, Unknown
+from layflat.identify.model import Model, Unknown
 from layflat.machine import Machine, parameters
 from layflat.physics.joint import FILLED
 from layflat.physics.step import STEP
 
-REFERENCE_PRESSURE = 1e5
-"""Of the air that a sonic conductance is given for, Pa (ISO 6358)."""
+REFERENCE_PRESSURE = 1e5  # of the air that a sonic conductance is given for, Pa (ISO 6358)
 
 
 class Stage(NamedTuple):
@@ -46,8 +46,7 @@ STAGES = (Stage(2.0, STEP), Stage(0.5, STEP))
 Feedback brings the angle's noise along, which widens errors more than a free run's roughness does: the less the better.
 """
 
-FREE = Stage(0.0, STEP)
-"""Without feedback: how a fitted machine is validated."""
+FREE = Stage(0.0, STEP)  # without feedback: how a fitted machine is validated
 
 
 class ArmModel(Model):

@@ -17,30 +17,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.regulated import run
 from layflat.identify.benches.regulated.description import RegulatedJointBench, friction_law
 from layflat.identify.benches.regulated.laws import Air, LaggingFriction, RegulatedJoint, Regulator
 from layflat.identify.benches.regulated.unknowns import BLOCKS
-from layflat.identify.model import Array, Model, Output
+from layflat.identify.model import Model, Output
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
 
 if TYPE_CHECKING:
     import xarray
 
-ROTATION_TIME = 1.0
-"""The rotation compared is that in so much time, s."""
-
-SCALES = {"angle": 0.1, "rotation": 0.02}
-"""An error of this share of the reading matters."""
-
-PRESSURE_SCALE = 4e3
-"""Pa."""
-
-AT_END = 1e-3
-"""A reading within this share of its range from an end is at that end."""
+ROTATION_TIME = 1.0  # the rotation compared is that in so much time, s
+SCALES = {"angle": 0.1, "rotation": 0.02}  # an error of this share of the reading matters
+PRESSURE_SCALE = 4e3  # pa
+AT_END = 1e-3  # a reading within this share of its range from an end is at that end
 
 SIGNALS = ("setpoint_a", "setpoint_b", "angle", "pressure_a", "pressure_b")
 

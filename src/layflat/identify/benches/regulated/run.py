@@ -1,13 +1,9 @@
 """Regulated joints through the commands of a log, many candidates at once."""
 
-from __future__ import annotations
-
 from math import ceil, isfinite
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.identify.benches.regulated.laws import (
     Air,
     JointState,
@@ -21,13 +17,8 @@ from layflat.identify.benches.regulated.laws import (
 )
 from layflat.jit import kernel, law
 
-Array = NDArray[np.float64]
-
-STEP = 1e-3
-"""Longest step, s."""
-
-NOTHING, MOTION, PRESSURES = 0, 1, 2
-"""What of the log is given besides the commands."""
+STEP = 1e-3  # longest step, s
+NOTHING, MOTION, PRESSURES = 0, 1, 2  # what of the log is given besides the commands
 
 
 class Setup(NamedTuple):
@@ -42,15 +33,11 @@ class Setup(NamedTuple):
 class Course(NamedTuple):
     """Signals of a log by sample, (samples,) each."""
 
-    time: Array
-    """s, growing."""
-    setpoint_a: Array
-    """Command, absolute, Pa; holds until the next sample."""
+    time: Array  # s, growing
+    setpoint_a: Array  # command, absolute, Pa; holds until the next sample
     setpoint_b: Array
-    angle: Array
-    """rad; used where the motion is given."""
-    pressure_a: Array
-    """Absolute, Pa; the first one is the start, the others are used where the pressures are given."""
+    angle: Array  # rad; used where the motion is given
+    pressure_a: Array  # absolute, Pa; the first one is the start, the others are used where the pressures are given
     pressure_b: Array
 
 

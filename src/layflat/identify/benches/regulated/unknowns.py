@@ -4,22 +4,13 @@ The torque per pressure is held: pressures and angles identify all torques and v
 supply is known from its gauge.
 """
 
-from __future__ import annotations
-
 from layflat.identify.benches.regulated.description import RegulatedJointBench, least_volume
 from layflat.identify.model import ParameterSpec, around, factor_range, from_zero
 
-GAIN, OFFSET, DELAY = 1.5, 100e3, 0.15
-"""Farthest gain (either way), offset (Pa) and delay (s) of a valve."""
-
-FAR, FARTHER = factor_range(20.0), factor_range(50.0)
-"""What a person knows within about a factor of four, and all else."""
-
-LOADS = 400e3
-"""Load torques are searched up to this pressure, Pa, on the torque per pressure."""
-
-BEYOND = 0.3
-"""Stops are searched this far beyond the reading, as a share of it."""
+GAIN, OFFSET, DELAY = 1.5, 100e3, 0.15  # farthest gain (either way), offset (Pa) and delay (s) of a valve
+FAR, FARTHER = factor_range(20.0), factor_range(50.0)  # what a person knows within about a factor of four, and all else
+LOADS = 400e3  # load torques are searched up to this pressure, Pa, on the torque per pressure
+BEYOND = 0.3  # stops are searched this far beyond the reading, as a share of it
 
 STEPS = "changes of the set-point, up and down"
 LARGE = "large steps of the set-point"

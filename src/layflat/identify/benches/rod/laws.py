@@ -15,8 +15,8 @@ carries its share of Y. How they begin a log stands in hysteresis/start.py.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.jit import kernel, law
 from layflat.physics.hysteresis.elasto_slip import slip
@@ -39,9 +39,9 @@ class Rod(NamedTuple):
 class RodLog(NamedTuple):
     """What is given of a rod's log: position (m), speed (m/s), gauge pressure (Pa), and the first force (N)."""
 
-    position: NDArray[np.float64]
-    speed: NDArray[np.float64]
-    pressure: NDArray[np.float64]
+    position: Array
+    speed: Array
+    pressure: Array
     first: float
 
 

@@ -4,19 +4,18 @@ A log is a data set over `time` (s) with `position` (m), `pressure` (absolute, P
 the rod, positive the way the position is. Logs at two pressures or more show how friction grows with pressure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.identify.benches.contract import Bench, Logs, check_known, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import CurveModel, element_unknowns, within
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.laws import Rod, RodLog, rod_force
-from layflat.identify.model import Array, Unknown
+from layflat.identify.model import Unknown
 
 BLOCKS = ("piston", "friction", "viscous")
 """What can be fitted; `viscous` only where it is asked for, with logs of speeds that differ at each pressure."""

@@ -27,10 +27,8 @@ from layflat.physics.flow import root_temperature
 class IdealAir(NamedTuple):
     """Air by the laws of `chamber` and `flow`, in a wall that may stretch."""
 
-    viscosity: float
-    """At T0, Pa s."""
-    conductivity: float
-    """Of heat, at T0, W/(m K)."""
+    viscosity: float  # at T0, Pa s
+    conductivity: float  # of heat, at T0, W/(m K)
 
 
 class RealGas(NamedTuple):

@@ -3,8 +3,6 @@
 Its fields are those of its manual.
 """
 
-from __future__ import annotations
-
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -29,8 +27,7 @@ HEADS = {
 }
 """Volume and area of an end of the vessel, over the third and second power of the diameter."""
 
-CONDUCTANCE_PER_CV = 3.9e-8
-"""C of a control valve with Cv = 1, m3/(s Pa): IEC 60534-2-1, choked air with x_T = 0.7."""
+CONDUCTANCE_PER_CV = 3.9e-8  # C of a control valve with Cv = 1, m3/(s Pa): IEC 60534-2-1, choked air with x_T = 0.7
 
 NOZZLE, VALVE = 0.45, 0.3
 """Critical pressure ratio that a search begins with: of a hole, nozzle or sharp edge, and of a control valve."""

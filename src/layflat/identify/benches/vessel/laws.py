@@ -25,25 +25,18 @@ from layflat.physics.air import GAMMA, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import effective_area, effective_pressure, laminar_slope
 
-GRAVITY = 9.81
-"""m/s2"""
+GRAVITY = 9.81  # m/s2
 
 
 class Wall(NamedTuple):
     """Wall of a vessel, of one temperature."""
 
-    area: float
-    """Inside, m2."""
-    diameter: float
-    """Inside, m."""
-    natural: float
-    """c of natural convection."""
-    forced: float
-    """c_f of the jet that fills."""
-    heat_capacity: float
-    """J/K; infinite for a wall that keeps its temperature."""
-    outer_conductance: float
-    """From the wall to the surroundings, W/K."""
+    area: float  # inside, m2
+    diameter: float  # inside, m
+    natural: float  # c of natural convection
+    forced: float  # c_f of the jet that fills
+    heat_capacity: float  # J/K; infinite for a wall that keeps its temperature
+    outer_conductance: float  # from the wall to the surroundings, W/K
 
 
 class Path(NamedTuple):
@@ -81,18 +74,12 @@ class Filling(NamedTuple):
 class Exchange(NamedTuple):
     """What passes between a vessel, the place beyond and the wall."""
 
-    flow: float
-    """Mass flow in, kg/s."""
-    enthalpy: float
-    """That it carries, J/kg."""
-    temperature: float
-    """Of the gas, K."""
-    heat: float
-    """Heat flow from the wall per kelvin, W/K."""
-    steepest: float
-    """Greatest change of the mass flow by the pressure inside, kg/(s Pa)."""
-    specific_heat: float
-    """Of the thin gas at constant pressure, J/(kg K)."""
+    flow: float  # mass flow in, kg/s
+    enthalpy: float  # that it carries, J/kg
+    temperature: float  # of the gas, K
+    heat: float  # heat flow from the wall per kelvin, W/K
+    steepest: float  # greatest change of the mass flow by the pressure inside, kg/(s Pa)
+    specific_heat: float  # of the thin gas at constant pressure, J/(kg K)
 
 
 @law

@@ -18,13 +18,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.vessel.description import Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
 from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
 from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
-from layflat.identify.model import Array, Model, Output, ParameterSpec, Unknown, factor_range, fixed_range
+from layflat.identify.model import Model, Output, ParameterSpec, Unknown, factor_range, fixed_range
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import sonic_conductance
 
@@ -58,8 +59,7 @@ BLOCKS = {
 SIGNALS = {"pressure": ("Pa", 1e-3), "temperature": ("K", 1e-2), "wall_temperature": ("K", 1e-2)}
 """What may be measured: unit, and how large an error matters as a share of the signal's range."""
 
-NEAR = 0.05
-"""A log identifies the pressure outside if it ends within this share of it."""
+NEAR = 0.05  # a log identifies the pressure outside if it ends within this share of it
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def parameters(bench: VesselBench, added_volume: float = 0.0) -> Setup:
 
 def _check_gas(bench: VesselBench, place: Place, where: str) -> None:
     if not is_gas(GASES[bench.gas.name], place.pressure, place.temperature):
-        what = f"{bench.gas.name} is no gas at {place.pressure / 1e5:g} bar and {place.temperature:g} K"
+        what = f"{bench.gas.name} is not a gas at {place.pressure / 1e5:g} bar and {place.temperature:g} K"
         right = "give a lower pressure or a higher temperature"
         raise InputError(what, where=f"{bench.name}: {where}", right=right)
 

@@ -1,24 +1,17 @@
 """Vessels that fill or empty through one path, many candidates at once: classical Runge-Kutta steps between samples."""
 
-from __future__ import annotations
-
 from math import isfinite
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from layflat.arrays import Array
 from layflat.identify.benches.vessel.gas import contents, state_of
 from layflat.identify.benches.vessel.laws import Filling, Outside, Vessel, exchange, fastest_rates, rates
 from layflat.jit import composition, kernel, law
 
-Array = NDArray[np.float64]
-
 FLOW_STEP, STEP = 1.0, 0.3
 """Longest steps over the shortest times in which flow next to equal pressures, and all else, would end a difference."""
 
-MOST_STEPS = 100_000
-"""Between two samples; a candidate that needs more counts as diverged."""
+MOST_STEPS = 100_000  # between two samples; a candidate that needs more counts as diverged
 
 
 class Start(NamedTuple):
@@ -39,12 +32,9 @@ class Setup(NamedTuple):
 class Course(NamedTuple):
     """What acts on a vessel, by sample: (samples,) each."""
 
-    time: Array
-    """s, growing."""
-    supply: Array
-    """Absolute pressure beyond the path, Pa, linear in between; not a number: the pressure of `Outside`."""
-    opening: Array
-    """Of the path, 0..1; holds until the next sample."""
+    time: Array  # s, growing
+    supply: Array  # absolute pressure beyond the path, Pa, linear in between; not a number: the pressure of `Outside`
+    opening: Array  # of the path, 0..1; holds until the next sample
 
 
 @law

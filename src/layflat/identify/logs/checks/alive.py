@@ -1,31 +1,25 @@
 """Sensors that don't follow: dead channels, those that stand at a rail, and those that hardly move."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.identify.logs.checks.channels import Channel, CheckedLog, noise, quantum, runs
 from layflat.identify.logs.issue import Issue
-from layflat.identify.model import Array
 
 RAIL_SHARE = 0.005
-RAIL_SAMPLES = 8
-"""Share and number of the samples at exactly one extreme from which it may be a rail."""
-RAIL_RUN = 3
-"""Samples on end at it."""
+RAIL_SAMPLES = 8  # share and number of the samples at exactly one extreme from which it may be a rail
+RAIL_RUN = 3  # samples on end at it
 ABRUPT = 0.25
 """Speed of arriving at it, as a share of a fast speed of the signal: what comes to rest by itself slows down before."""
 
-STILL = 6.0
-"""Range in standard deviations of the noise below which a signal does not move."""
+STILL = 6.0  # range in standard deviations of the noise below which a signal does not move
 
 NOTHING_MOVES = Issue("error", "log", "nothing in it moves more than its noise", "record a motion")
 
-STEADY = ("supply", "payload", "brake")
-"""What is usually constant."""
+STEADY = ("supply", "payload", "brake")  # what is usually constant
 
 
 def issues(log: CheckedLog) -> Iterator[Issue]:

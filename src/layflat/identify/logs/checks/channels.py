@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name
-from layflat.identify.model import Array
 from layflat.machine import Machine
 
 if TYPE_CHECKING:
     import xarray
 
-TAIL = 0.5
-"""Per cent of the samples at both ends that don't count for a range: single wild samples."""
+TAIL = 0.5  # per cent of the samples at both ends that don't count for a range: single wild samples
 
 SHOWN: dict[u.Quantity | None, tuple[float, str]] = {
     u.ANGLE: (np.pi / 180.0, "deg"), u.PRESSURE: (1e5, "bar"), u.LENGTH: (1e-3, "mm"), None: (0.01, "%"),

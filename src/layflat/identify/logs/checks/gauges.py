@@ -1,7 +1,5 @@
 """Gauge pressures that are taken for absolute ones, and the reverse: told by what vented air and the supply have."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,14 +7,10 @@ import numpy as np
 from layflat.identify.logs.checks.channels import Channel, CheckedLog, runs
 from layflat.identify.logs.issue import Issue
 
-VENTED = 0.15
-"""Share of ambient pressure about which vented air is found, with all errors of sensors."""
-CLOSE = 0.04
-"""The same for a level that lasts."""
-LEVEL = 1e3
-"""Pressures so close together are one level, Pa."""
-LASTING = 0.1
-"""Time that a level has to last, s."""
+VENTED = 0.15  # share of ambient pressure about which vented air is found, with all errors of sensors
+CLOSE = 0.04  # the same for a level that lasts
+LEVEL = 1e3  # pressures so close together are one level, Pa
+LASTING = 0.1  # time that a level has to last, s
 
 
 def issues(log: CheckedLog) -> Iterator[Issue]:

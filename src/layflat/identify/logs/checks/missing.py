@@ -1,7 +1,5 @@
 """What isn't there: joints, channels, samples, time; and what was left out by the clock, and how even it is."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -11,16 +9,11 @@ from layflat.identify.logs.checks.channels import Channel, CheckedLog, runs
 from layflat.identify.logs.issue import Issue, Severity, several
 
 LEAST_SAMPLES = 10
-LEAST_TIME = 2.0
-"""Of a joint's log, s: about a move."""
-MOSTLY = 0.5
-"""Share of missing samples from which a channel is of no use."""
-MANY = 0.05
-"""Share of doubled stamps from which something is wrong with the clock."""
-UNEVEN = 0.2
-"""Jitter in periods that is worth knowing."""
-SLIP = 300.0
-"""Factor between the log's period and the controller's cycle that is no choice but a wrong unit."""
+LEAST_TIME = 2.0  # of a joint's log, s: about a move
+MOSTLY = 0.5  # share of missing samples from which a channel is of no use
+MANY = 0.05  # share of doubled stamps from which something is wrong with the clock
+UNEVEN = 0.2  # jitter in periods that is worth knowing
+SLIP = 300.0  # factor between the log's period and the controller's cycle that is no choice but a wrong unit
 
 COMMANDS = ("voltage", "setpoint_a", "setpoint_b", "demand")
 PRESSURES = ("measured_pressure", "pressure_a", "pressure_b")
@@ -47,7 +40,7 @@ def _joints(log: CheckedLog) -> Iterator[Issue]:
     known = tuple(log.machine.joints) if log.machine is not None else log.joints
     for name in log.joints:
         if name not in known:
-            yield Issue("error", name, "is no joint of the machine", f"its joints are {', '.join(known)}")
+            yield Issue("error", name, "is not a joint of the machine", f"its joints are {', '.join(known)}")
     for name in known:
         if not any(channel.joint == name for channel in log.channels.values()):
             yield Issue("warning", name, "has no channel in this log", "nothing of this joint is identifiable")

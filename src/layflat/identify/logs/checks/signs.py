@@ -5,25 +5,18 @@ where the signs are right, whatever the gains, loads and frictions: of the rise 
 speed held, and of the turn in the next moment with the pressure difference.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Array
 from layflat.identify.logs.checks.channels import CheckedLog, noise, smoothed
 from layflat.identify.logs.issue import Issue
-from layflat.identify.model import Array
 
-SMOOTH = 0.04
-"""Time of averaging, s: two periods of a dither."""
-SOON = 0.2
-"""How far ahead a turn is looked at, s: what a joint takes to follow its pressures."""
-CLEAR = -0.25
-"""Correlation below which a sign is wrong."""
-LEAST = 30
-"""Samples that a correlation needs."""
+SMOOTH = 0.04  # time of averaging, s: two periods of a dither
+SOON = 0.2  # how far ahead a turn is looked at, s: what a joint takes to follow its pressures
+CLEAR = -0.25  # correlation below which a sign is wrong
+LEAST = 30  # samples that a correlation needs
 
 
 def issues(log: CheckedLog) -> Iterator[Issue]:
@@ -102,7 +95,7 @@ def _without(values: Array, others: list[Array]) -> Array:
     columns = [(other - other.mean()) / (np.std(other) or 1.0) for other in others]
     basis = np.stack([*columns, np.ones(values.size)], axis=1)
     weights, *_ = np.linalg.lstsq(basis, values, rcond=None)
-    left: NDArray[np.float64] = values - basis @ weights
+    left: Array = values - basis @ weights
     return left
 
 

@@ -1,7 +1,5 @@
 """Units that can't be: angles beyond the stroke, pressures beyond the supply, and the slip that would explain them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from math import pi
 
@@ -13,15 +11,10 @@ from layflat.identify.logs.checks.gauges import counts_wrong, pressure_span
 from layflat.identify.logs.issue import Issue, Severity
 from layflat.identify.logs.signals import conversion
 
-BEYOND = 1.15
-"""Share of a stroke or of full voltage that is no play any more."""
-BEYOND_SUPPLY = 1.1
-"""Share of the supply's gauge pressure that no load and no noise explains."""
-LITTLE = 0.2
-"""Share of the supply's gauge pressure below which pressures would be strangely low."""
-
-USUAL = (1.5e5, 1.2e6)
-"""Highest gauge pressures that are usual in hoses, Pa, where the supply is not known."""
+BEYOND = 1.15  # share of a stroke or of full voltage that is no play any more
+BEYOND_SUPPLY = 1.1  # share of the supply's gauge pressure that no load and no noise explains
+LITTLE = 0.2  # share of the supply's gauge pressure below which pressures would be strangely low
+USUAL = (1.5e5, 1.2e6)  # highest gauge pressures that are usual in hoses, Pa, where the supply is not known
 
 KNOWN: dict[u.Quantity | None, dict[str, float]] = {
     u.PRESSURE: {"Pa": 1.0, "mbar": 100.0, "kPa": 1e3, "psi": 6894.757, "bar": 1e5, "MPa": 1e6},

@@ -17,41 +17,29 @@ BEYOND = 1.9
 """Of the differential pressure that friction can hide: so much, what others hold off left out, a joint never bears
 without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour."""
 
-DRIVEN = 0.09
-"""Error of a joint that is driven, rad; by less friction may hold it."""
-
-ASLEEP = 0.29
-"""A driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s."""
-
-HELD = 0.6
-"""The same by more than noise, which may go to and fro by a count, s."""
+DRIVEN = 0.09  # error of a joint that is driven, rad; by less friction may hold it
+ASLEEP = 0.29  # a driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s
+HELD = 0.6  # the same by more than noise, which may go to and fro by a count, s
 
 
 class Limits(NamedTuple):
     """What an angle that stays is judged by."""
 
-    lsb: float
-    """One count of the angle's converter, rad."""
-    friction_band: float
-    """Change of the differential pressure that friction of brake, hose and strap can hide, Pa."""
-    sure: float
-    """Time of the same sample after which a sensor that does not fit the valve is frozen, s."""
-    patience: float
-    """The same of one that bears too much, s."""
+    lsb: float  # one count of the angle's converter, rad
+    friction_band: float  # change of the differential pressure that friction of brake, hose and strap can hide, Pa
+    sure: float  # time of the same sample after which a sensor that does not fit the valve is frozen, s
+    patience: float  # the same of one that bears too much, s
 
 
 class Memory(NamedTuple):
     """What the joint has borne since its angle last changed, and for how long it has not followed."""
 
-    least: float = 0.0
-    """Differential pressure since the angle last changed, Pa."""
+    least: float = 0.0  # differential pressure since the angle last changed, Pa
     most: float = 0.0
-    net_least: float = 0.0
-    """The same less what joints that turn would hold off, Pa."""
+    net_least: float = 0.0  # the same less what joints that turn would hold off, Pa
     net_most: float = 0.0
     asleep: float = 0.0
-    anchor: float = nan
-    """Where it was when it last moved by more than noise, rad."""
+    anchor: float = nan  # where it was when it last moved by more than noise, rad
     held: float = 0.0
 
 

@@ -5,21 +5,17 @@ from typing import NamedTuple
 from layflat.jit import law
 from layflat.rig.safety.detectors.sample import AIR, lasted
 
-MOVING = 2.5
-"""Counts from one sample to the next that are motion, not noise."""
+MOVING = 2.5  # counts from one sample to the next that are motion, not noise
 
 
 class Limits(NamedTuple):
     """What doubts arise from."""
 
-    lsb: float
-    """One count of the angle's converter, rad."""
-    lively: float
-    """1 if a sound pressure sensor changes all the time, else 0."""
+    lsb: float  # one count of the angle's converter, rad
+    lively: float  # 1 if a sound pressure sensor changes all the time, else 0
     residual: float
     """Of air, as an opening of the valve; infinite where the air can't be watched: a joint of a single hose."""
-    doubtful: float
-    """Of the same sample, after which a sensor may be frozen, s."""
+    doubtful: float  # of the same sample, after which a sensor may be frozen, s
 
 
 class Memory(NamedTuple):
@@ -32,14 +28,10 @@ class Memory(NamedTuple):
 class Doubt(NamedTuple):
     """What is not certain in a cycle."""
 
-    angle: bool
-    """The angle stands still although the joint moved."""
-    any: bool
-    """The angle or the pressure may be frozen."""
-    wrong: bool
-    """The air does what the valve was not asked for, or a sensor is wrong."""
-    suspect: bool
-    """A sensor may be frozen, and the air has been wrong since."""
+    angle: bool  # the angle stands still although the joint moved
+    any: bool  # the angle or the pressure may be frozen
+    wrong: bool  # the air does what the valve was not asked for, or a sensor is wrong
+    suspect: bool  # a sensor may be frozen, and the air has been wrong since
 
 
 @law

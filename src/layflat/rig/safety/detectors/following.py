@@ -13,14 +13,10 @@ FAULT = int(Fault.FOLLOWING_ERROR)
 class Limits(NamedTuple):
     """How far a joint may be from where it should be."""
 
-    error: float
-    """Of a joint that does not move, rad."""
-    time: float
-    """What the error may grow by with speed, s."""
-    demand_speed: float
-    """At which demands may go on for long, rad/s."""
-    patience: float
-    """s."""
+    error: float  # of a joint that does not move, rad
+    time: float  # what the error may grow by with speed, s
+    demand_speed: float  # at which demands may go on for long, rad/s
+    patience: float  # s
 
 
 class Memory(NamedTuple):
@@ -34,7 +30,7 @@ class Memory(NamedTuple):
 def reached(limits, reach, angle, demand, elapsed):
     """Where a joint should be: that goes to the demand as fast as demands may for long, or as the joint, if faster.
 
-    So a step is no error, and a joint that is ahead of its time is none either.
+    So a step is not an error, and a joint that is ahead of its time is none either.
     """
     way = limits.demand_speed * elapsed
     start = reach if reach == reach else angle  # noqa: PLR0124  # not a number: none yet

@@ -21,12 +21,9 @@ class Limits(NamedTuple):
     """Limits of each detector."""
 
     rail: rail.Limits
-    over_pressure: float
-    """Of the differential pressure, Pa."""
-    over_speed: float
-    """rad/s."""
-    outside: float
-    """rad from mid-stroke."""
+    over_pressure: float  # of the differential pressure, Pa
+    over_speed: float  # rad/s
+    outside: float  # rad from mid-stroke
     doubt: doubt.Limits
     angle_frozen: angle_frozen.Limits
     valve_unresponsive: valve_unresponsive.Limits
@@ -38,15 +35,13 @@ class Memory(NamedTuple):
     """Memory of each detector."""
 
     trace: sample.Trace
-    rail: float
-    """Samples at fault, as the next three."""
+    rail: float  # samples at fault, as the next three
     over_pressure: float
     over_speed: float
     outside: float
     doubt: doubt.Memory
     angle_frozen: angle_frozen.Memory
-    valve_unresponsive: float
-    """s without a ripple."""
+    valve_unresponsive: float  # s without a ripple
     following: following.Memory
 
 

@@ -11,10 +11,8 @@ FAULT = int(Fault.PRESSURE_FROZEN)
 class Limits(NamedTuple):
     """How long a sensor may report the same, s."""
 
-    patience: float
-    """At most."""
-    sure: float
-    """Where it does not fit what the valve was told."""
+    patience: float  # at most
+    sure: float  # where it does not fit what the valve was told
 
 
 @law

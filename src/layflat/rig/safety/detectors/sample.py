@@ -12,46 +12,31 @@ SENSORS, MOTION, AIR = 0.0, 1.0, 2.0
 class Sample(NamedTuple):
     """A joint in one cycle."""
 
-    angle: float
-    """As sampled, rad."""
-    pressure: float
-    """Differential pressure as sampled, Pa."""
-    averaged_pressure: float
-    """The same over a dither period, Pa."""
-    others: float
-    """What joints that turn would hold off of it, Pa."""
-    velocity: float
-    """rad/s."""
-    residual: float
-    """Air that the valve was not asked for, as an opening of it (see `physics/air_balance.py`)."""
-    demand: float
-    """rad."""
-    lead: float
-    """The greatest lead of any demand, rad."""
-    elapsed: float
-    """Since the last sample, s."""
-    level: float
-    """What there is to watch."""
-    alone: float
-    """1 where the supply is beyond doubt, so that what is wrong is the joint's own."""
+    angle: float  # as sampled, rad
+    pressure: float  # differential pressure as sampled, Pa
+    averaged_pressure: float  # the same over a dither period, Pa
+    others: float  # what joints that turn would hold off of it, Pa
+    velocity: float  # rad/s
+    residual: float  # air that the valve was not asked for, as an opening of it (see `physics/air_balance.py`)
+    demand: float  # rad
+    lead: float  # the greatest lead of any demand, rad
+    elapsed: float  # since the last sample, s
+    level: float  # what there is to watch
+    alone: float  # 1 where the supply is beyond doubt, so that what is wrong is the joint's own
 
 
 class Trace(NamedTuple):
     """What the last samples left."""
 
-    angle: float = nan
-    """The last sample, rad."""
-    pressure_1: float = nan
-    """The last samples, newest first, Pa."""
+    angle: float = nan  # the last sample, rad
+    pressure_1: float = nan  # the last samples, newest first, Pa
     pressure_2: float = nan
     pressure_3: float = nan
     swing: float = nan
     ripple: float = inf
     """Amplitude of the pressure at a quarter of the loop's rate, whatever its slope; infinite at first, Pa."""
-    step: float = 0.0
-    """By which the angle last changed, rad."""
-    same_angle: float = 0.0
-    """For which the angle has not changed, s."""
+    step: float = 0.0  # by which the angle last changed, rad
+    same_angle: float = 0.0  # for which the angle has not changed, s
 
 
 @law

@@ -8,18 +8,15 @@ from layflat.rig.safety.faults import Fault
 
 TOO_HIGH, LOST, SAMPLES = int(Fault.OVER_PRESSURE), int(Fault.SUPPLY_LOST), Fault.OVER_PRESSURE.cycles
 
-DIPS = 3
-"""Samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line."""
+DIPS = 3  # samples of low pressure after which a supply is lost: as long as valves are open, hoses empty into its line
 
 
 class Limits(NamedTuple):
     """What the supply is judged by."""
 
-    low: float
-    """Absolute, Pa, as the next."""
+    low: float  # absolute, Pa, as the next
     high: float
-    patience: float
-    """How long the ripple of several joints may be gone at once, s."""
+    patience: float  # how long the ripple of several joints may be gone at once, s
 
 
 class Memory(NamedTuple):
@@ -32,7 +29,7 @@ class Memory(NamedTuple):
 
 @law
 def find(limits, memory, supply, all_still, elapsed, level):
-    """Judge the supply (absolute, Pa); that all of several joints lack their ripple is no fault of theirs."""
+    """Judge the supply (absolute, Pa); that all of several joints lack their ripple is not a fault of theirs."""
     above = counted(memory.above, not supply < limits.high)
     if above >= SAMPLES:
         return Memory(above, memory.below, memory.still), TOO_HIGH

@@ -14,8 +14,7 @@ class Limits(NamedTuple):
 
     ripple: float
     """Amplitude below which there is no air (rule 1 of the controller), Pa; zero where the dither can't be seen."""
-    patience: float
-    """How long the ripple may be gone, s."""
+    patience: float  # how long the ripple may be gone, s
 
 
 @law

@@ -1,0 +1,6 @@
+"""Arrays as annotations name them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]  # of floats, of any shape
