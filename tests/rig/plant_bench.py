@@ -73,6 +73,12 @@ class PlantBench:
         self.escaping = np.zeros((self.n, 2))
         """Share of the air above atmosphere that escapes from hoses A and B in a cycle."""
         self.k = 0
+        # Compiled now, not while a clock runs.
+        nothing = np.zeros(self.n)
+        through_a_cycle(
+            self._arm, tuple(self._joints), tuple(self.states), tuple(self._lines), self.around,
+            nothing, self.held, self.brakes, self.load, 0, self.cycle, STEPS,
+        )  # fmt: skip
 
     def sense(self) -> tuple[Array, Array]:
         """Angles and differential pressures as the converters report them now."""

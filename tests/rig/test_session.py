@@ -99,3 +99,20 @@ def test_a_host_that_is_killed_leaves_a_loop_that_vents_and_ends(
     lines = (tmp_path / "lines").read_text()
     assert "setpoint stale" in lines
     assert "moving -> stopped" in lines
+
+
+def broken_host(lines: Path) -> None:
+    rig = Session(ARM, drivers.simulated, partial(drivers.LineRecorder, lines))
+    rig.start()
+    wait(lambda: state(rig) is State.READY)
+    raise SystemExit(3)
+
+
+def test_a_host_that_ends_without_closing_lets_the_loop_vent_and_ends_itself(tmp_path: Path) -> None:
+    process = multiprocessing.get_context("spawn").Process(target=broken_host, args=(tmp_path / "lines",))
+    process.start()
+    process.join(60.0)
+    ended = process.exitcode
+    process.kill()
+    assert ended == 3
+    assert "setpoint stale" in (tmp_path / "lines").read_text()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from math import nan
+from multiprocessing.util import Finalize
 from typing import Any
 
 from layflat.arrays import Array
@@ -93,6 +94,8 @@ class Session(AbstractContextManager["Session"]):
         self._pipe, its = multiprocessing.Pipe()
         self.process = start_process(run_loop, (machine, driver, self.mailbox, recorder, its), "layflat-loop")
         its.close()
+        # A program that ends without `close` waits for the loop, which must not take it for one that lives.
+        Finalize(self, self._over.set, exitpriority=10)
         self._thread = threading.Thread(target=self._keep_fresh, daemon=True)
         self._thread.start()
         self.messages: list[str] = []
