@@ -39,3 +39,11 @@ def test_an_angle_that_jumps_is_not_taken_for_motion() -> None:
     before = AirEstimate(3e5, 3e5, 0.0, 0.0)
     after = follow_air(PARTS, before, 0.0, 1.3, 0.0, SUPPLY, EXHAUST, CYCLE)
     assert abs(after.residual) < 0.1
+
+
+@given(st.floats(0.005, 3600.0), st.floats(-1.0, 1.0), st.floats(-2e5, 2e5))
+def test_a_pause_leaves_pressures_that_can_be(elapsed: float, opening: float, measured: float) -> None:
+    before = AirEstimate(3e5, 3e5, 0.0, 0.0)
+    after = follow_air(PARTS, before, opening, 0.0, measured, SUPPLY, EXHAUST, elapsed)
+    assert 0.5 * EXHAUST <= after.pressure_a <= 1.5 * SUPPLY
+    assert 0.5 * EXHAUST <= after.pressure_b <= 1.5 * SUPPLY

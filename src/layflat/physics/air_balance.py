@@ -28,6 +28,7 @@ REFERENCE_PRESSURE = REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE
 """p_0: pressure at which ISO 6358 counts volumes, Pa."""
 
 SUBSTEPS = 5  # in a control cycle: pressures may change by a bar in 10 ms
+LONGEST = 0.02  # s: after a longer pause the estimate is followed for so long only, since larger steps would diverge
 
 
 class AirParts(NamedTuple):
@@ -81,7 +82,7 @@ def follow_air(parts, estimate, opening, angle, difference, supply, exhaust, ela
     Args: `AirParts`, `AirEstimate`, opening, angle now (rad), differential pressure now (Pa), absolute pressures of the
     supply and of the exhaust (Pa), s.
     """
-    K, h = parts.torque_constant, elapsed / SUBSTEPS
+    K, h = parts.torque_constant, min(elapsed, LONGEST) / SUBSTEPS
     velocity = min(max((angle - estimate.angle) / elapsed, -parts.fastest), parts.fastest)
     volume_a = max(parts.dead_volume + K * (parts.neutral + angle), 0.5 * parts.dead_volume)
     volume_b = max(parts.dead_volume + K * (parts.neutral - angle), 0.5 * parts.dead_volume)
