@@ -114,7 +114,7 @@ def test_only_a_ring_can_be_joined(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="No such file"):
         Ring.attach(tmp_path / "none")
     (tmp_path / "other").write_bytes(bytes(4096))
-    with pytest.raises(InputError, match="no ring of this version"):
+    with pytest.raises(InputError, match="not a ring of this version"):
         Ring.attach(tmp_path / "other")
 
 

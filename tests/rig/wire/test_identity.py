@@ -70,7 +70,7 @@ def test_valves_that_switch_need_no_dither() -> None:
 
 @given(st.lists(st.integers(0, 0xFFFF), max_size=20))
 def test_whatever_else_answers_is_no_rig(words: list[int]) -> None:
-    with pytest.raises(WireError, match="no rig"):
+    with pytest.raises(WireError, match="not a rig"):
         Identity.from_words(words)
 
 

@@ -14,7 +14,7 @@ CASE = Scenario(duration="0.01 s")
     ("vary", "message"),
     [
         ({"joint.small.brake.torqe": [1.0]}, r"nearest is 'joint\.small\.brake\.torque'"),
-        ({"joint.small.brake": [1.0]}, "no single number"),
+        ({"joint.small.brake": [1.0]}, "not a single number"),
         ({"scenario.paylod": [1.0]}, "scenario.paylod"),
         ({"seed": [1.0, 2.0], "arm.payload": [1.0]}, "different numbers of runs"),
         ({"arm.payload": [np.nan]}, "not finite"),

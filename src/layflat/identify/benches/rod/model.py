@@ -4,6 +4,8 @@ A log is a data set over `time` (s) with `position` (m), `pressure` (absolute, P
 the rod, positive the way the position is. Logs at two pressures or more show how friction grows with pressure.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np
