@@ -14,7 +14,7 @@ from layflat.errors import DivergedError, InputError
 from layflat.lanes import leaves, read_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.delay import NOTHING_ASKED
-from layflat.physics.driven import DrivenJoints
+from layflat.physics.driven import DrivenJoints, Outputs
 from layflat.physics.joint import FILLED, Ledger, Surroundings, joint_at_rest
 from layflat.physics.step import STEP
 from layflat.physics.valves import held_at
@@ -167,7 +167,7 @@ class PneumaticJoints(DrivenJoints):
     def _rest(self, angles: Array) -> None:
         kept = [self._at_rest(j, float(angle)) for j, angle in enumerate(angles)]
         self._kept = np.array([list(leaves(one)) for one in kept])
-        self._seen[:, 0], self._seen[:, 1], self._seen[:, 2:] = angles, 0.0, self._pressures
+        self._seen[:] = [Outputs(float(angle), 0.0, *self._pressures) for angle in angles]
         self._new = True
 
     def _compile(self) -> None:

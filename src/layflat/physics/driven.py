@@ -9,7 +9,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.lanes import read_numbers, write_numbers
 from layflat.physics.failing import BURST_TIME, kinked
-from layflat.physics.joint import Joint
+from layflat.physics.joint import Joint, Surroundings
 from layflat.physics.valves import held_at, seized
 
 
@@ -31,6 +31,14 @@ class Outputs(NamedTuple):
     pressure_b: float
 
 
+def columns(kind: Any) -> Any:
+    """Return where each number of a named tuple stands in a row of them."""
+    return kind(*range(len(kind._fields)))
+
+
+GIVEN, SEEN, AIR = columns(Inputs), columns(Outputs), columns(Surroundings)
+
+
 class DrivenJoints(ABC):
     """What all such joints have in common; who moves them on keeps rows of numbers in `_kept`, as tuples like `_like`.
 
@@ -50,7 +58,8 @@ class DrivenJoints(ABC):
         n = len(joints)
         self._healthy, self._around, self._lost = joints, around, 1.0 - exp(-h / BURST_TIME)
         self._given, self._seen = np.zeros((n, len(Inputs._fields))), np.zeros((n, len(Outputs._fields)))
-        self._voltages, self.load, self._holes = self._given[:, 0], self._given[:, 1], self._given[:, 2:]
+        self._voltages, self.load = self._given[:, GIVEN.voltage], self._given[:, GIVEN.load]
+        self._holes = self._given[:, GIVEN.hole_a :]
         self._voltages[:] = [joint.valve.centre_voltage for joint in joints]
         self._seized: dict[int, float] = {}
         self._shares = np.ones(n)
@@ -58,26 +67,26 @@ class DrivenJoints(ABC):
     @property
     def supply(self) -> float:
         """Absolute pressure at the valves, Pa; settable."""
-        return float(self._around[0])
+        return float(self._around[AIR.supply_pressure])
 
     @supply.setter
     def supply(self, pressure: float) -> None:
-        self._around[0] = pressure
+        self._around[AIR.supply_pressure] = pressure
 
     @property
     def angles(self) -> Array:
         """Where the joints are, rad, (joints,)."""
-        return self._seen[:, 0].copy()
+        return self._seen[:, SEEN.angle].copy()
 
     @property
     def velocities(self) -> Array:
         """How fast they turn, rad/s, (joints,)."""
-        return self._seen[:, 1].copy()
+        return self._seen[:, SEEN.velocity].copy()
 
     @property
     def pressures(self) -> Array:
         """Absolute pressures in hoses A and B, Pa, (joints, 2)."""
-        return self._seen[:, 2:].copy()
+        return self._seen[:, SEEN.pressure_a :].copy()
 
     def seize(self, joint: int, opening: float | None) -> None:
         """Hold a joint's valve at an opening (-1 to 1) whatever is asked; None lets it go."""

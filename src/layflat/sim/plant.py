@@ -9,7 +9,7 @@ from layflat.description import units as u
 from layflat.errors import DivergedError
 from layflat.lanes import leaves, write_numbers
 from layflat.machine import Machine, parameters
-from layflat.physics.driven import DrivenJoints
+from layflat.physics.driven import AIR, DrivenJoints
 from layflat.physics.joint import FILLED, Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
@@ -80,11 +80,11 @@ class SteppedPlant(DrivenJoints):
     @property
     def payload(self) -> float:
         """Mass at the tip, kg; settable."""
-        return float(self._around[4])
+        return float(self._around[AIR.payload])
 
     @payload.setter
     def payload(self, mass: float) -> None:
-        self._around[4] = mass
+        self._around[AIR.payload] = mass
 
     def drive(self, voltages: Array) -> None:
         """Give the valves' drivers voltages (V, (joints,)), which hold until the next.

@@ -64,7 +64,7 @@ class Core:
             own, memory, report = law.settings, law.memory, law.report
             self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
             self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
-        self.angles, self.pressures, self.asked = self._given[:, 0], self._given[:, 1], self._given[:, 2]
+        self.angles, self.pressures, self.asked = (self._given[:, column] for column in compiled.IN_GIVEN)
         """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
         self.between: Callable[[], object] | None = None
         """Is called, where there is one, between the control law and the gate of its voltages."""
