@@ -9,7 +9,7 @@ import pytest
 import xarray
 
 from layflat.errors import OutputError
-from layflat.files import check_folder, whole_file
+from layflat.files import check_file, check_folder, whole_file
 from layflat.sim.dataset import save
 
 
@@ -100,3 +100,10 @@ def test_another_error_stays_what_it_is(tmp_path: Path) -> None:
         (tmp_path / "not there").read_bytes()
     with pytest.raises(ValueError, match="something else"), whole_file(tmp_path / "a"):
         raise ValueError("something else")
+
+
+def test_a_folder_in_place_of_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match=r"is a folder; give the name of a file in it"):
+        check_file(tmp_path)
+    assert check_file(tmp_path / "new" / "result.json") == tmp_path / "new" / "result.json"
+    assert list(tmp_path.iterdir()) == []

@@ -88,6 +88,14 @@ def _umask() -> int:
     return mask
 
 
+def check_file(path: Path) -> Path:
+    """Make sure, before any work is done, that a result can be written there; raise OutputError if it can't."""
+    if path.is_dir():
+        raise OutputError("is a folder", where=str(path), right="give the name of a file in it")
+    check_folder(path.parent)
+    return path
+
+
 def check_folder(folder: Path) -> Path:
     """Make sure, before any work is done, that results can be written to a folder; leave no trace of the trial.
 

@@ -43,7 +43,7 @@ def faults(
     """
     from layflat import extras  # noqa: PLC0415
     from layflat.description import units as u  # noqa: PLC0415
-    from layflat.files import check_folder, write_text  # noqa: PLC0415
+    from layflat.files import check_file, write_text  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.drivers.address import PACKAGES  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
@@ -56,7 +56,7 @@ def faults(
     extras.require("rig", *(package for one in chosen for package in PACKAGES[one]), where="rig faults")
     hours = u.quantity(quiet, u.TIME, "--quiet") / 3600.0
     described = load(machine)
-    check_folder(out.parent)
+    check_file(out)
     outcomes, found = _tried(described, chosen, instants, seed, hours)
     rows = {name: judged(own) for name, own in outcomes.items()}
     written = {
@@ -66,8 +66,8 @@ def faults(
         "quiet": asdict(found) if found is not None else None,
         "trials": {name: [one._asdict() | {"good": one.good} for one in own] for name, own in outcomes.items()},
     }
-    write_text(out, json.dumps(written, indent=1))
     _print(rows, found)
+    write_text(out, json.dumps(written, indent=1))
     typer.echo(f"wrote {out}")
     trips = found.trips if found is not None else 0
     if trips or not all(one.good for own in outcomes.values() for one in own):
