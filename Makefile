@@ -3,8 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-BENCH_LAWS := $(addprefix tests/identify/benches/,vessel/test_wall.py vessel/test_real_gas.py rod/test_rod.py \
-	regulated/test_lagging_friction.py regulated/test_regulator.py regulated/test_regulated_joint.py)
+BENCH_LAWS := tests/identify/benches/*/test_*_laws.py tests/identify/benches/vessel/test_real_gas.py
 
 .DEFAULT_GOAL := help
 .PHONY: help install wheel reproduce questions test test-nojit lint bench calibrate clean
