@@ -56,7 +56,7 @@ def check(machine: MachineName) -> None:
     from layflat.machine.stale import stale_values  # noqa: PLC0415
 
     described = load(machine)
-    stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(machine)]
+    stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(described)]
     findings = [f for name in described.joints for f in design_joint(described, name, through=stencils).findings]
     print_findings([*stale, *findings])
     count = len(described.joints)

@@ -40,5 +40,5 @@ class Interface(Part):
         default=4, description="control cycles without a command, after which the device centres the valves"
     )
     dump_after: u.Time = Field(default=0.2, description="without a command, after which it lets out the air")
-    modbus: ModbusLink = ModbusLink()
-    serial: SerialLink = SerialLink()
+    modbus: ModbusLink = Field(default_factory=ModbusLink)
+    serial: SerialLink = Field(default_factory=SerialLink)

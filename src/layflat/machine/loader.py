@@ -89,5 +89,6 @@ def restored(text: str, where: str = "") -> Machine:
 @lru_cache(maxsize=1)
 def _know_all_kinds(registered: int) -> None:  # noqa: ARG001  # again whenever their number changes
     for part in (Joint, Machine):
-        part.model_rebuild(force=True)
+        if part.__pydantic_complete__:
+            part.model_rebuild(force=True)
     forget_annotations()

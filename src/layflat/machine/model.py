@@ -66,8 +66,8 @@ class Machine(Described):
     angle_sensor: AngleSensor | None = None
     pressure_sensor: PressureSensor | None = None
     controller: Annotated[ControllerPart, AnyOf(CONTROL_LAWS)] | None = None
-    interface: Interface = Interface()
-    safety: Safety = Safety()
+    interface: Interface = Field(default_factory=Interface)
+    safety: Safety = Field(default_factory=Safety)
 
     @model_validator(mode="wrap")
     @classmethod

@@ -1,13 +1,12 @@
 """Values that follow from others, were given once, and do not fit any more since those others changed."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 from layflat.description.library import Layer
 from layflat.description.tables import laid_over, leaves
 from layflat.machine.libraries import MACHINES
-from layflat.machine.loader import load
 from layflat.machine.mass import body_mass
+from layflat.machine.model import Machine
 from layflat.machine.parts import Joint
 
 FOLLOWS = {
@@ -31,23 +30,23 @@ class Stale:
     right: str  # what to do
 
 
-def stale_values(machine: str | Path) -> list[Stale]:
+def stale_values(machine: Machine) -> list[Stale]:
     """Return the values of a description that were given for other sizes than it has now.
 
     A value is stale if a file changes what it follows from but not the value, which the file has from one that it
     extends; or if its source says that it is derived or assumed, and it is not what follows.
 
     Raises:
-        MachineError: the description is missing or broken.
+        MachineError: its files are missing or broken by now.
     """
-    layers, described = MACHINES.layers(machine), load(machine)
+    layers = MACHINES.layers(machine.origin)
     found = []
-    for name, joint in described.joints.items():
+    for name, joint in machine.joints.items():
         for key, sizes in FOLLOWS.items():
             path = f"joint.{name}.{key}"
             given, now = _value(joint, key), _derived(joint)[key]
             changed = _changed_above(layers, path, [f"joint.{name}.{size}" for size in sizes])
-            source = described.provenance.get(path)
+            source = machine.provenance.get(path)
             off = abs(given - now) > DEVIATION * abs(now)
             unsure = source is not None and source.source in {"derived", "assumed"} and key != "body.mass"
             if off and (changed or unsure):
