@@ -26,9 +26,9 @@ from layflat.machine import Machine, changed, load
 from layflat.rig.device.process import DeviceProcess, ModbusPort
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.drivers.address import driver_of
-from layflat.rig.law import layout_of
 from layflat.rig.mailbox import Mailbox
 from layflat.rig.plan import EarlyEndError, Plan, PlanRunner
+from layflat.rig.record import Layout
 from layflat.rig.recorded import Recorded
 from layflat.rig.recorder.process import part_of
 from layflat.rig.recorder.repair import repair
@@ -114,7 +114,7 @@ def trial(device: DeviceProcess, machine: Machine, victim: str, instant: float, 
     if not mine.poll(2.0 * PATIENCE):
         raise TimeoutError("the rig did not start")
     loop, recorder, mailbox = mine.recv()
-    shown = Mailbox(Path(mailbox), layout_of(machine))
+    shown = Mailbox(Path(mailbox), Layout.of(machine))
     time.sleep(0.1 + instant)
     assert process.pid is not None
     row = shown.shown()

@@ -13,9 +13,9 @@ import numpy as np
 
 from layflat.machine import load
 from layflat.rig.clock import PunctualClock
-from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
+from layflat.rig.record import Layout
 from layflat.rig.system import go_realtime
 from layflat.rig.warmup import Resting, WarmupLoop
 
@@ -28,7 +28,7 @@ PANEL_RATE = 30.0
 
 def panel(mailbox: str, over: Event) -> None:
     """What a panel does: it asks, looks on, and computes pictures."""
-    box, n = Mailbox(Path(mailbox), layout_of(load("paper-arm"))), 400
+    box, n = Mailbox(Path(mailbox), Layout.of(load("paper-arm"))), 400
     while not over.is_set():
         begin = time.perf_counter()
         box.ask(Setpoints([0.0, 0.0]))
@@ -45,7 +45,7 @@ def work(mailbox: str, sender: Connection) -> None:
     clock, driver = PunctualClock(WarmupLoop(machine)), Resting(machine)
     driver.configure()
     driver.activate()
-    shared = Mailbox(Path(mailbox), layout_of(machine))
+    shared = Mailbox(Path(mailbox), Layout.of(machine))
     loop = Loop(machine, driver, clock, RemoteHost(shared, clock, 2))
     refused = go_realtime()
     loop.begin(driver.read())
@@ -71,7 +71,7 @@ def work(mailbox: str, sender: Connection) -> None:
 def measure() -> dict[str, float]:
     """All figures by name."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    context, path = multiprocessing.get_context("spawn"), Mailbox.create(layout_of(load("paper-arm")))
+    context, path = multiprocessing.get_context("spawn"), Mailbox.create(Layout.of(load("paper-arm")))
     over, (mine, its) = context.Event(), context.Pipe()
     busy = context.Process(target=panel, args=(str(path), over), daemon=True)
     loop = context.Process(target=work, args=(str(path), its), daemon=True)

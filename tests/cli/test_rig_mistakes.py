@@ -11,7 +11,7 @@ from layflat import cli
 from layflat.cli.rig_run import line_of
 from layflat.errors import LayflatError
 from layflat.machine import load
-from layflat.rig.law import layout_of
+from layflat.rig.record import Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import Snapshot
@@ -61,10 +61,10 @@ def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_the_status_is_a_line() -> None:
-    layout = layout_of(load("paper-arm"))
+    layout = Layout.of(load("paper-arm"))
     row = np.zeros(layout.width)
     row[layout.shared["mode"]], row[layout.shared["fault"]] = State.FAULT, Fault.VALVE_UNRESPONSIVE
-    row[layout.of_joint(1).stop - 1] = Fault.VALVE_UNRESPONSIVE
+    layout.named(row, "joint_fault")[1] = Fault.VALVE_UNRESPONSIVE
     line = line_of(Snapshot(layout, row), ["large", "small"])
     assert "FAULT joint 'small': air does not answer" in line
     assert "\n" not in line

@@ -73,6 +73,13 @@ def truth(device: FakeDevice) -> dict[str, Any]:
     return {"obeyed": device.obeyed, "ticks": device.ticks, "now": device.clock.now()}
 
 
+def advance(device: FakeDevice, until: int) -> int:
+    """Let time pass up to an instant (ns); the instant reached."""
+    device.clock.wait(until)
+    device.tick()
+    return device.clock.now()
+
+
 def burst(device: FakeDevice) -> None:
     raise ZeroDivisionError("no such hose")
 

@@ -15,7 +15,7 @@ from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import Layout
 from layflat.rig.system import MAILBOX, YOUNG, sweep
 
-LAYOUT = Layout.of(["a", "b"], {"phase": ("1", "phase")})
+LAYOUT = Layout(("a", "b"), (("phase", ("1", "phase")),))
 WIDTH = LAYOUT.width
 
 

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 
 from layflat.machine import load
-from layflat.rig.law import layout_of
 from layflat.rig.plan import EarlyEndError, PlanRunner
+from layflat.rig.record import Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import Snapshot
 
 ARM = load("paper-arm")
-LAYOUT = layout_of(ARM)
+LAYOUT = Layout.of(ARM)
 
 
 def shot(state: State, fault: Fault = Fault.NONE) -> Snapshot:
@@ -30,7 +30,7 @@ def performance(*shots: Snapshot) -> PlanRunner:
 
 def test_air_that_comes_is_told_with_the_held_angles() -> None:
     off, starting, ready = shot(State.OFF), shot(State.STARTING), shot(State.READY)
-    ready.row[LAYOUT.of_joint(1).start] = 0.25
+    LAYOUT.named(ready.row, "demand")[1] = 0.25
     assert performance(off, off, starting, ready).bring_air() == [0.0, 0.25]
 
 

@@ -165,7 +165,7 @@ def line_of(shot: Snapshot, joints: list[str]) -> str:
     parts = [f"{shot.state.name.lower():8s}", f"{shot['time']:6.1f} s"]
     if shot.fault:
         parts.insert(1, f"FAULT {shot.fault_text}")
-    signals = [list(shot[name]) for name in ("averaged_angle", "demand", "averaged_pressure")]  # type: ignore[arg-type]
+    signals = [list(shot[name]) for name in ("averaged_angle", "demand", "averaged_pressure")]
     for name, angle, demand, pressure in zip(joints, *signals, strict=True):
         parts.append(f"{name} {57.29578 * angle:.1f}/{57.29578 * demand:.1f} deg {pressure / 1e5:+.1f} bar")
     return "  ".join([*parts, f"supply {shot['supply'] / 1e5:.1f} bar", f"late {1e6 * shot['lateness']:.0f} us"])

@@ -12,8 +12,8 @@ import numpy as np
 SECOND = 1_000_000_000  # ns
 BINS = 5000  # of the histograms of lateness and compute time, a microsecond each; the last one takes all that is later
 
+# A punctual clock wakes so early before an instant (ns), begins no warmup later than so, makes so many of them.
 LEAD, LATEST, TIMES = 1_000_000, 250_000, 3
-"""A punctual clock wakes so early before an instant (ns), begins no warmup later than so, makes so many of them."""
 
 
 class Clock(Protocol):
@@ -41,11 +41,7 @@ class MonotonicClock:
 
 
 class PunctualClock(MonotonicClock):
-    """One that wakes early and gets everything ready: it warms up what comes, and watches the time until it comes.
-
-    Args:
-        warm_up: the first time it takes long, each time after that less.
-    """
+    """One that wakes early and gets everything ready: it warms up what comes, and watches the time until it comes."""
 
     def __init__(self, warm_up: Callable[[], object]) -> None:
         self._warm_up = warm_up
@@ -77,27 +73,17 @@ class VirtualClock:
 
 
 class Deadlines:
-    """A deadline every cycle. Those that were missed by more than a cycle are left out, not made up for.
-
-    Args:
-        clock: that is waited by.
-        cycle: s.
-    """
+    """A deadline every cycle (s). Those that were missed by more than a cycle are left out, not made up for."""
 
     def __init__(self, clock: Clock, cycle: float) -> None:
         self._clock, self._period = clock, round(cycle * SECOND)
         self.cycle = cycle
-        self.begun: int | None = None
-        """When the first cycle began, ns."""
+        self.begun: int | None = None  # when the first cycle began, ns
         self._next = self._now = 0
-        self.elapsed = cycle
-        """Between the starts of the last two cycles, s."""
-        self.lateness = 0.0
-        """Of this cycle, s."""
-        self.missed = 0
-        """Deadlines left out so far."""
-        self.missed_now = 0
-        """Deadlines left out just before this cycle."""
+        self.elapsed = cycle  # between the starts of the last two cycles, s
+        self.lateness = 0.0  # of this cycle, s
+        self.missed = 0  # deadlines left out so far
+        self.missed_now = 0  # deadlines left out just before this cycle
         self.forget()
 
     def wait(self) -> int:

@@ -7,11 +7,9 @@ out the air. In every cycle the loop calls `read` once, then `write` once. Where
 serial), `write` only keeps the command and `read` makes one transaction of both: voltages are then a cycle late.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from enum import Enum, IntEnum
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
@@ -33,8 +31,7 @@ class DeviceState(IntEnum):
 
     RUNNING = 0  # it obeys
     CENTRED = 1  # it heard nothing for some cycles: the valves are centred
-    DUMPED = 2
-    """It heard nothing for longer, or the e-stop is pressed: the air is let out. It obeys again after `reset`."""
+    DUMPED = 2  # it heard nothing for longer, or the e-stop is pressed: the air is let out; it obeys after a `reset`
 
 
 class Command(NamedTuple):
@@ -61,52 +58,39 @@ class Capabilities(NamedTuple):
     joints: int
     voltage_low: float
     voltage_high: float
-    centre_voltage: float
-    """Where valves are closed; the fallback of the device. V"""
+    centre_voltage: float  # where valves are closed; the fallback of the device. V
     dithers: bool  # whether the device adds the dither; nobody else does
     shortest_cycle: float  # s
 
     @classmethod
-    def needed(cls, machine: Machine) -> Capabilities:
-        """What a machine needs: its valves' range, dither if they have some, cycles no longer than its own.
-
-        Raises:
-            MachineError: it has no valve or sensors.
-        """
+    def needed(cls, machine: Machine) -> Self:
+        """Valves' range, dither and cycle that a machine needs; raise MachineError if it has no valve or sensors."""
         valve, _, _ = drive_parts(machine)
         centre, span = valve.centre_voltage, valve.volts_to_full
         return cls(len(machine.joints), centre - span, centre + span, centre, valve.dithered is not None, machine.cycle)
 
     def check(self, machine: Machine) -> None:
-        """Make sure that this fits a machine.
-
-        Raises:
-            InputError: it does not.
-            MachineError: the machine has no valve or sensors.
-        """
+        """Make sure that this fits a machine; raise InputError if it does not."""
         joints, low, high, centre, dithers, cycle = Capabilities.needed(machine)
-        wrong = []
-        if self.joints != joints:
-            wrong.append(f"it has {self.joints} joints, the machine {joints}")
-        if self.voltage_low > low or self.voltage_high < high:
-            there = f"{self.voltage_low:g} to {self.voltage_high:g} V"
-            wrong.append(f"its voltages are {there}, the valves need {low:g} to {high:g} V")
-        if abs(self.centre_voltage - centre) > 1e-3 * (high - centre):
-            wrong.append(f"it falls back to {self.centre_voltage:g} V, the valves are closed at {centre:g} V")
-        if dithers and not self.dithers:
-            wrong.append("it does not add the dither")
-        if self.shortest_cycle > cycle:
-            wrong.append(f"its shortest cycle is {1e3 * self.shortest_cycle:g} ms, the controller's {1e3 * cycle:g} ms")
-        if wrong:
-            raise InputError(f"the device does not fit {machine.name!r}: {wrong[0]}", where="driver")
+        mine, shortest = f"{self.voltage_low:g} to {self.voltage_high:g} V", f"{1e3 * self.shortest_cycle:g} ms"
+        wrong = {
+            f"it has {self.joints} joints, the machine {joints}": self.joints != joints,
+            f"its voltages are {mine}, the valves need {low:g} to {high:g} V": (
+                self.voltage_low > low or self.voltage_high < high
+            ),
+            f"it falls back to {self.centre_voltage:g} V, the valves are closed at {centre:g} V": (
+                abs(self.centre_voltage - centre) > 1e-3 * (high - centre)
+            ),
+            "it does not add the dither": dithers and not self.dithers,
+            f"its shortest cycle is {shortest}, the controller's {1e3 * cycle:g} ms": self.shortest_cycle > cycle,
+        }
+        for what, differs in wrong.items():
+            if differs:
+                raise InputError(f"the device does not fit {machine.name!r}: {what}", where="driver")
 
 
 class LinkError(LayflatError):
-    """A transaction failed; the loop counts these and goes on.
-
-    Args:
-        kind: "lost", "crc" or "sequence".
-    """
+    """A transaction failed ("lost", "crc" or "sequence"); the loop counts these and goes on."""
 
     def __init__(self, kind: str) -> None:
         self.kind = kind

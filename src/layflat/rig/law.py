@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from layflat.control import CONTROL_LAWS, Demand, Sensed, step, wake
-from layflat.control.average import SIGNALS as AVERAGED
 from layflat.errors import KindError
 from layflat.jit.outside import blame_outside
 from layflat.machine import Machine, parameters
@@ -18,11 +17,8 @@ TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)  # demands, rad, by which a law at rest
 class ArmLaw:
     """The law of the whole arm.
 
-    Args:
-        machine: with a controller.
-
     Raises:
-        MachineError: it has none, or a joint lacks gains.
+        MachineError: the machine has no controller, or a joint lacks gains.
         KindError: the law commands brakes, which no driver of a rig sets.
     """
 
@@ -40,19 +36,11 @@ class ArmLaw:
         self.settings_as_given = settings
         self.settings, self.memory = NamedRows([settings]), NamedRows([memory])
         self.report = NamedRows([blank(self.kind.report)] * len(nothing))
-        self.layout = layout_of(machine)
-        """Of the rows that a loop with it records."""
-        self.told = np.array([i for i, name in enumerate(self.kind.signals) if name not in AVERAGED])
-        """Columns of its report that stand in these rows."""
+        self.layout = Layout.of(machine)  # of the rows that a loop with it records
+        # Columns of its report that stand in these rows.
+        self.told = np.array([i for i, name in enumerate(self.kind.signals) if name in dict(self.layout.law)])
 
     def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:
         """Let it begin at these measurements, rad and Pa, (joints,)."""
         with blame_outside():
             self.memory.put(0, wake(self.settings_as_given, Sensed(tuple(angles), tuple(pressures))))
-
-
-def layout_of(machine: Machine) -> Layout:
-    """Where everything stands in the rows that a loop of a machine records."""
-    signals = machine.control_law.signals
-    # What the rig estimates by itself is not told twice.
-    return Layout.of(list(machine.joints), {name: about for name, about in signals.items() if name not in AVERAGED})

@@ -56,15 +56,7 @@ class Recorder:
 class Loop:
     """One rig in motion; `cycle` performs one control cycle, `run` all of them.
 
-    Args:
-        machine: with valve, sensors, controller and gains.
-        driver: inactive or active.
-        clock: what cycles are timed by.
-        host: who wants something.
-        recorder: what keeps the rows.
-
-    Raises:
-        MachineError: the machine has no controller.
+    The machine has valve, sensors, controller and gains (MachineError if not); the driver is inactive or active.
     """
 
     def __init__(
@@ -77,8 +69,7 @@ class Loop:
         self.deadlines = Deadlines(clock, machine.cycle)
         self.layout = law.layout
         self.row = np.zeros(self.layout.width)
-        self._joints = self.layout.joint_rows(self.row)
-        self._faults = self._joints[:, self.layout.columns["joint_fault"]]
+        self._joints, self._faults = self.layout.joint_rows(self.row), self.layout.named(self.row, "joint_fault")
         n = len(machine.joints)
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None

@@ -25,18 +25,13 @@ from layflat.rig.system import MAILBOX, lock, new_file
 NUMBER = struct.Struct("<Q")
 HEAD = struct.Struct("<QI4x")  # number of the message, checksum; the values follow
 
+# Of a reader that meets a message in the making, until it keeps what it had; and where there is time.
 TRIES, PEOPLE_TRIES = 4, 1000
-"""Of a reader that meets a message in the making, until it keeps what it had; and where there is time."""
+PATIENCE = 2.0  # without a word of the host for so long the loop ends once the air is out, s
 
 
 class Slot:
-    """One message at a place in shared memory, written by one process and read by any.
-
-    Args:
-        memory: shared.
-        start: of the slot, bytes.
-        size: of the values, bytes.
-    """
+    """One message of `size` bytes at a place in shared memory, written by one process and read by any."""
 
     def __init__(self, memory: mmap.mmap, start: int, size: int) -> None:
         self._memory, self._start = memory, start
@@ -81,12 +76,7 @@ class Setpoints:
 
 
 class Mailbox:
-    """The memory that host and loop share; each opens it for itself.
-
-    Args:
-        path: from `create`.
-        layout: of the rows that are shown.
-    """
+    """The memory that host and loop share, at a path from `create`; each opens it for itself."""
 
     def __init__(self, path: Path, layout: Layout) -> None:
         self._format, second, size = _plan(layout)
@@ -146,16 +136,10 @@ class RemoteHost:
 
     How old setpoints are is told by the loop's own clock, from the cycle in which it first saw them: what the host
     believes of the time can't keep stale ones alive.
-
-    Args:
-        mailbox: shared with it.
-        clock: of the loop.
-        joints: how many.
-        patience: without a word for so long, and the loop ends once the air is out, s.
     """
 
-    def __init__(self, mailbox: Mailbox, clock: Clock, joints: int, patience: float = 2.0) -> None:
-        self._mailbox, self._clock, self._patience = mailbox, clock, patience
+    def __init__(self, mailbox: Mailbox, clock: Clock, joints: int) -> None:
+        self._mailbox, self._clock = mailbox, clock
         self._number = -1
         self._last = Setpoints([nan] * joints)
         self._heard = clock.now()
@@ -176,4 +160,4 @@ class RemoteHost:
     @property
     def ended(self) -> bool:
         """Whether it wants the loop to end, or has not been heard for long."""
-        return self._last.ended or (self._clock.now() - self._heard) / SECOND > self._patience
+        return self._last.ended or (self._clock.now() - self._heard) / SECOND > PATIENCE

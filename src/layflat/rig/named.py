@@ -30,11 +30,7 @@ def places(like: Any) -> Any:
 
 
 class NamedRows:
-    """Rows of numbers, each those of a named tuple.
-
-    Args:
-        rows: nested tuples of one kind.
-    """
+    """Rows of numbers, each those of a named tuple; made from nested tuples of one kind."""
 
     def __init__(self, rows: list[Any]) -> None:
         self.like = rows[0]

@@ -16,12 +16,7 @@ SPARE = 5.0  # beyond the machine's start time, in which a start that is refused
 
 
 class EarlyEndError(LayflatError):
-    """A run ended before its plan did.
-
-    Args:
-        what: ended it.
-        fault: whether it was no wish of the user's.
-    """
+    """A run ended before its plan did; `fault`: it was no wish of the user's."""
 
     def __init__(self, what: str, *, fault: bool) -> None:
         self.fault = fault
@@ -46,20 +41,13 @@ def free_place(folder: Path, name: str) -> Path:
 
 
 class PlanRunner:
-    """A rig that is led through a plan.
-
-    Args:
-        rig: in use.
-        stopped: whether the user wants it to end.
-    """
+    """A rig in use that is led through a plan; `stopped` tells whether the user wants it to end."""
 
     def __init__(self, rig: Recorded, stopped: Callable[[], bool] = bool) -> None:
         self._rig, self._stopped = rig, stopped
         self._running = False
-        self.asked: list[float] = []
-        """When each of the plan's demands was asked for, by the loop's time, s."""
-        self.ended = 0.0
-        """When the plan ended, or what ended it was seen, by the same, s."""
+        self.asked: list[float] = []  # when each of the plan's demands was asked for, by the loop's time, s
+        self.ended = 0.0  # when the plan ended, or what ended it was seen, by the same, s
 
     def bring_air(self) -> list[float]:
         """Start softly; angles at which the joints are held then, rad. Raise EarlyEndError if there is no air."""
@@ -75,7 +63,8 @@ class PlanRunner:
                 raise EarlyEndError("the rig did not start", fault=True)
             time.sleep(TICK)
         self._running = True
-        return [float(angle) for angle in shot["demand"]]  # type: ignore[union-attr]
+        demands: list[float] = shot["demand"].tolist()
+        return demands
 
     def follow(self, plan: Plan) -> None:
         """Ask for the plan's demands in time, until it ends; raise EarlyEndError if something ended it."""

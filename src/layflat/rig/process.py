@@ -10,9 +10,9 @@ from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock
 from layflat.rig.driver import Driver
-from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop, Recorder
 from layflat.rig.mailbox import Mailbox, RemoteHost
+from layflat.rig.record import Layout
 from layflat.rig.system import go_realtime, processors
 from layflat.rig.warmup import WarmupLoop
 
@@ -24,12 +24,8 @@ def run_loop(
 ) -> None:
     """Main function of the process: loop until the host has ended or died, and the air is out.
 
-    Args:
-        machine: with controller.
-        driver: makes the driver, here.
-        mailbox: file shared with the host.
-        recorder: makes the end of the recorder that takes rows, here.
-        pipe: is told once the loop runs and once it has ended: whether all is well, and lines for people.
+    Driver and recorder's end are made here. The pipe is told once the loop runs and once it has ended: whether all is
+    well, and lines for people.
     """
     # Ctrl-C goes to all processes of a terminal; the host turns it into a controlled stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -54,7 +50,7 @@ def _loop(
     # What the first cycle calls is loaded in any case, and before every cycle where a processor can be had for that.
     warmup, roomy = WarmupLoop(machine), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
     clock = PunctualClock(warmup) if roomy else MonotonicClock()
-    mailbox, driver = Mailbox(path, layout_of(machine)), make_driver()
+    mailbox, driver = Mailbox(path, Layout.of(machine)), make_driver()
     recorder = make_recorder()
     try:
         driver.configure().check(machine)

@@ -3,15 +3,17 @@
 Names are those of a simulated run, so that plots, metrics and identification take either.
 """
 
-from __future__ import annotations
-
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Self
 
 from layflat.arrays import Array
 from layflat.control.average import SIGNALS as AVERAGED
 from layflat.machine.signals import SIGNALS
+from layflat.rig.clock import SECOND
+
+if TYPE_CHECKING:
+    from layflat.machine import Machine
 
 SHARED: dict[str, tuple[str, str]] = {
     "time": ("s", "since the loop began"),
@@ -27,16 +29,13 @@ SHARED: dict[str, tuple[str, str]] = {
     "mode": ("1", "state of the supervisor"),
     "fault": ("1", "number of the worst fault, 0 for none"),
     "lost": ("1", "transactions that failed one after the other"),
-}
-"""Unit and meaning of what there is once."""
+}  # unit and meaning of what there is once
 
+# What there is of every joint, whatever law controls it; behind it stands what the law tells, then its fault.
 RIG_SIGNALS: dict[str, tuple[str, str]] = {
     **{name: SIGNALS[name] for name in ("demand", "voltage", "measured_angle", "measured_pressure")},
     **AVERAGED,
 }
-"""Unit and meaning of what there is of every joint, whatever law controls it; behind it stands what the law tells."""
-
-JOINT_FAULT = {"joint_fault": ("1", "number of the joint's worst fault, 0 for none")}  # what stands at the end
 
 
 @dataclass(frozen=True)
@@ -44,18 +43,18 @@ class Layout:
     """Where everything stands in a row: what is shared, then one joint after the other."""
 
     joints: tuple[str, ...]  # names, from base to tip
-    law: tuple[tuple[str, tuple[str, str]], ...] = ()
-    """Unit and meaning of each signal that the control law tells of a joint."""
+    law: tuple[tuple[str, tuple[str, str]], ...] = ()  # name, unit and meaning of what the control law tells of a joint
 
     @classmethod
-    def of(cls, joints: Sequence[str], law: Mapping[str, tuple[str, str]]) -> Layout:
-        """Layout for joints of these names and a law with these signals."""
-        return cls(tuple(joints), tuple((name, (unit, meaning)) for name, (unit, meaning) in law.items()))
+    def of(cls, machine: "Machine") -> Self:
+        """Layout of the rows that a loop of a machine records; what the rig estimates by itself is not told twice."""
+        told = machine.control_law.signals.items()
+        return cls(tuple(machine.joints), tuple((name, about) for name, about in told if name not in AVERAGED))
 
     @cached_property
     def by_joint(self) -> dict[str, tuple[str, str]]:
         """Unit and meaning of what there is of every joint."""
-        return {**RIG_SIGNALS, **dict(self.law), **JOINT_FAULT}
+        return {**RIG_SIGNALS, **dict(self.law), "joint_fault": ("1", "number of the joint's worst fault, 0 for none")}
 
     @property
     def width(self) -> int:
@@ -76,7 +75,12 @@ class Layout:
         """The joints' part of rows, (..., joints, numbers); a view of (..., width)."""
         return rows[..., len(SHARED) :].reshape(*rows.shape[:-1], len(self.joints), len(self.by_joint))
 
-    def of_joint(self, joint: int) -> slice:
-        """Columns of a joint, in the order of `by_joint`."""
-        first = len(SHARED) + joint * len(self.by_joint)
-        return slice(first, first + len(self.by_joint))
+    def named(self, rows: Array, name: str) -> Array:
+        """The numbers of a name in rows, (...,) or (..., joints); a view of (..., width)."""
+        if name in SHARED:
+            return rows[..., self.shared[name]]
+        return self.joint_rows(rows)[..., self.columns[name]]
+
+    def began(self, row: Array) -> int:
+        """Time of day when the loop began, ns since 1970, by one of its rows."""
+        return round(float(self.named(row, "wall") - self.named(row, "time")) * SECOND)

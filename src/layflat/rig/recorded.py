@@ -9,7 +9,7 @@ from pathlib import Path
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
-from layflat.rig.law import layout_of
+from layflat.rig.record import Layout
 from layflat.rig.recorder.bag import Heading
 from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.process import part_of, start_recorder
@@ -20,23 +20,15 @@ PATIENCE = 20.0  # a recorder that has shown no sign of life for so long will no
 
 
 class Recorded(AbstractContextManager["Recorded"]):
-    """A session and its recorder: `with Recorded(...) as rig: rig.session.start()`.
+    """A session and its recorder: `with Recorded(...) as rig: rig.session.start()`; see `Session`.
 
-    Args:
-        machine: with controller.
-        driver: makes the driver; called in the loop's process, so it must be picklable.
-        address: of the rig, for the log.
-        place: of the log, NAME.mcap.
-
-    Raises:
-        OutputError: the log can't be written there.
-        LoopError: the loop did not begin; its message says why.
+    The log, NAME.mcap, tells the address; OutputError is raised if it can't be written.
     """
 
     def __init__(self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path) -> None:
         self.machine, self.place = machine, place
         with ExitStack() as begun:
-            self._ring = Ring.create(layout_of(machine).width)
+            self._ring = Ring.create(Layout.of(machine).width)
             begun.callback(self._ring.close)
             begun.callback(self._ring.remove)
             self.recorder = start_recorder(self._ring, place, Heading.of(machine, driver=address))

@@ -2,11 +2,11 @@
 
 import multiprocessing
 import threading
-import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
 from math import nan
+from multiprocessing import connection
 from multiprocessing.util import Finalize
 from typing import Any
 
@@ -14,11 +14,10 @@ from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
-from layflat.rig.law import layout_of
 from layflat.rig.loop import Recorder
 from layflat.rig.mailbox import Mailbox, Setpoints
 from layflat.rig.process import run_loop
-from layflat.rig.record import SHARED, Layout
+from layflat.rig.record import Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.system import start_process
@@ -33,38 +32,31 @@ class LoopError(LayflatError):
 
 
 class Snapshot:
-    """A row by name.
-
-    Args:
-        layout: of the row.
-        row: numbers.
-    """
+    """A row by name."""
 
     def __init__(self, layout: Layout, row: Array) -> None:
         self._layout, self.row = layout, row
 
-    def __getitem__(self, name: str) -> float | Array:
-        """A shared number, or those of all joints."""
-        if name in SHARED:
-            return float(self.row[self._layout.shared[name]])
-        return self._layout.joint_rows(self.row)[:, self._layout.columns[name]]
+    def __getitem__(self, name: str) -> Array:
+        """A shared number, or those of all joints, (joints,)."""
+        return self._layout.named(self.row, name)
 
     @property
     def state(self) -> State:
         """Of the supervisor."""
-        return State(int(self.row[self._layout.shared["mode"]]))
+        return State(int(self["mode"]))
 
     @property
     def fault(self) -> Fault:
         """The worst there is."""
-        return Fault(int(self.row[self._layout.shared["fault"]]))
+        return Fault(int(self["fault"]))
 
     @property
     def fault_text(self) -> str:
         """The same for people, with its joint."""
         if self.fault is Fault.NONE:
             return "stopped by the loop"
-        each = list(self["joint_fault"])  # type: ignore[arg-type]
+        each = list(self["joint_fault"])
         where = f"joint {self._layout.joints[each.index(self.fault)]!r}: " if self.fault in each else ""
         return where + self.fault.title
 
@@ -72,21 +64,15 @@ class Snapshot:
 class Session(AbstractContextManager["Session"]):
     """A rig in use: `with Session(...) as rig: rig.start(); rig.ask([0.3, 0.2])`.
 
-    Args:
-        machine: with controller.
-        driver: makes the driver; called in the loop's process, so it must be picklable.
-        recorder: makes the recorder's end that takes rows, in the loop's process; picklable.
-
-    Raises:
-        LoopError: the loop did not begin; its message says why.
+    The machine has a controller. What makes the driver, and the end of the recorder that takes rows, is called in the
+    loop's process, so it must be picklable. LoopError is raised if the loop does not begin; its message says why.
     """
 
     def __init__(
         self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Recorder] = Recorder
     ) -> None:
-        self._layout = layout_of(machine)
-        self.mailbox = Mailbox.create(self._layout)
-        """File of shared memory, in which anyone may look on."""
+        self._layout = Layout.of(machine)
+        self.mailbox = Mailbox.create(self._layout)  # file of shared memory, in which anyone may look on
         self._memory = Mailbox(self.mailbox, self._layout)
         self._wanted = Setpoints([nan] * len(machine.joints))
         self._guard, self._over = threading.Lock(), threading.Event()
@@ -98,8 +84,7 @@ class Session(AbstractContextManager["Session"]):
         Finalize(self, self._over.set, exitpriority=10)
         self._thread = threading.Thread(target=self._keep_fresh, daemon=True)
         self._thread.start()
-        self.messages: list[str] = []
-        """Lines that the loop's process had to say."""
+        self.messages: list[str] = []  # lines that the loop's process had to say
         try:
             self._wait_for_loop()
         except BaseException:
@@ -122,12 +107,7 @@ class Session(AbstractContextManager["Session"]):
         self._want(resets=self._wanted.resets + 1)
 
     def ask(self, demands: Sequence[float]) -> None:
-        """Angles for all joints, rad, from base to tip.
-
-        Raises:
-            InputError: not one for each joint.
-            LoopError: the loop is gone.
-        """
+        """Give angles for all joints, rad, from base to tip; raise InputError if it is not one for each joint."""
         joints = len(self._layout.joints)
         if len(demands) != joints:
             raise InputError(f"{len(demands)} angles for {joints} joints", where="demand", right="give one a joint")
@@ -193,10 +173,7 @@ class Session(AbstractContextManager["Session"]):
         return True
 
     def _wait_for_loop(self) -> None:
-        until, gone = time.monotonic() + STARTS_WITHIN, False
-        while time.monotonic() < until and not gone:
-            gone = not self.process.is_alive()
-            if self._listen():
-                return
-            time.sleep(0.01)
-        raise LoopError(f"the loop's process did not start (status {self.process.exitcode})")
+        connection.wait([self._pipe, self.process.sentinel], STARTS_WITHIN)
+        if not self._listen():
+            self.process.join(0.1)  # so that its status is known
+            raise LoopError(f"the loop's process did not start (status {self.process.exitcode})")

@@ -15,29 +15,18 @@ from typing import Any
 
 from layflat.errors import InputError
 
+# Signals that a terminal sends to all of its processes.
 FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
-"""Signals that a terminal sends to all of its processes."""
-
 MAILBOX, RING = "layflat-rig-", "layflat-ring-"  # how the names of files of shared memory begin
 YOUNG = 60.0  # for so long after it was made a file may be on its way to those who are going to lock it, s
 
-
-PRIORITY = 50
-"""Of SCHED_FIFO: above everything that is not real-time itself, below the kernel's own threads for interrupts."""
-
+PRIORITY = 50  # of SCHED_FIFO: above all that is not real-time itself, below the kernel's own threads for interrupts
 LOCK_ALL = 3  # MCL_CURRENT | MCL_FUTURE of mlockall
 TIMER_SLACK = 29  # PR_SET_TIMERSLACK of prctl
 
 
 def require_posix(where: str) -> None:
-    """Refuse what takes pipes, terminals and shared files as Linux and macOS have them.
-
-    Args:
-        where: what needs them: a command.
-
-    Raises:
-        InputError: this is another system.
-    """
+    """Raise InputError on systems without pipes, terminals and shared files as Linux and macOS have them."""
     if os.name != "posix":
         right = "run it there; logs can be read, repaired and drawn here"
         raise InputError(f"needs Linux or macOS, this is {sys.platform}", where=where, right=right)
@@ -65,11 +54,7 @@ def start_process(
 
 
 def lock(handle: int, *, shared: bool = False) -> None:
-    """Lock an open file until it is closed; on Windows nobody shares a lock.
-
-    Raises:
-        OSError: another process has it locked.
-    """
+    """Lock an open file until it is closed; raise OSError if another process has it. Windows knows no shared locks."""
     try:
         import fcntl  # noqa: PLC0415  # not on every system
     except ImportError:
@@ -81,12 +66,7 @@ def lock(handle: int, *, shared: bool = False) -> None:
 
 
 def new_file(prefix: str, size: int) -> tuple[Path, int]:
-    """Make a file of shared memory, locked and open, in memory where it can be; those of dead processes go first.
-
-    Args:
-        prefix: of its name.
-        size: bytes.
-    """
+    """Make a file of shared memory, locked and open, in memory where it can be; those of dead processes go first."""
     sweep(prefix)
     handle, name = tempfile.mkstemp(prefix=prefix, dir=_folder())
     lock(handle, shared=True)

@@ -9,9 +9,9 @@ import numpy as np
 from layflat.machine import Machine
 from layflat.rig.clock import VirtualClock
 from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, Reading
-from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
+from layflat.rig.record import Layout
 from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.ring import RecorderState, Ring
 
@@ -47,15 +47,11 @@ class Resting(Driver):
 
 
 class WarmupLoop:
-    """Cycles of a loop in motion, with everything around it, on a machine that is not there.
-
-    Args:
-        machine: of the loop that is to be punctual.
-    """
+    """Cycles of a loop in motion, with everything around it, on a machine that is not there."""
 
     def __init__(self, machine: Machine) -> None:
         n, clock = len(machine.joints), VirtualClock()
-        layout = layout_of(machine)
+        layout = Layout.of(machine)
         path = Mailbox.create(layout)
         self._mailbox, ours = Mailbox(path, layout), Mailbox(path, layout)
         path.unlink()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from devices import ARM, FakeDevice, angle_after, burst, device_process, frozen, patient, truth
+from devices import ARM, FakeDevice, advance, angle_after, burst, device_process, frozen, patient, truth
 
 from layflat.errors import LayflatError
 from layflat.rig.clock import Clock
@@ -38,7 +38,7 @@ def test_in_lockstep_time_passes_when_told(tmp_path: Path) -> None:
         driver.configure()
         driver.activate()
         for cycle in range(1, 4):
-            assert device.advance(cycle * 5_000_000) == cycle * 5_000_000
+            assert device.call(advance, cycle * 5_000_000) == cycle * 5_000_000
             driver.write(Command(np.array([5.0, 5.0]), air=True))
             assert driver.read().angles[0] == angle_after(cycle)
         found = device.call(truth)

@@ -15,8 +15,8 @@ from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.ring import Event, Ring
 
 JOINTS = ("large", "small")
-LAW = {"phase": ("1", "phase of the controller"), "short_term": ("V", "short-term integral F")}
-LAYOUT = Layout.of(JOINTS, LAW)
+LAW = (("phase", ("1", "phase of the controller")), ("short_term", ("V", "short-term integral F")))
+LAYOUT = Layout(JOINTS, LAW)
 HEADING = Heading(LAYOUT, '{"name": "arm"}', "arm", {"driver": "simulated"})
 CYCLE = 0.005
 BEGIN = 1_700_000_000_000_000_000
@@ -50,8 +50,8 @@ def rows(count: int, seed: int = 0) -> NDArray[np.float64]:
 def column(made: NDArray[np.float64], name: str) -> NDArray[np.float64]:
     if name in SHARED:
         return made[:, LAYOUT.shared[name]]
-    at = [LAYOUT.of_joint(joint).start + LAYOUT.columns[name] for joint in range(len(JOINTS))]
-    return made[:, at]
+    first, width = len(SHARED) + list(LAYOUT.by_joint).index(name), len(LAYOUT.by_joint)
+    return made[:, [first + width * joint for joint in range(len(JOINTS))]]
 
 
 def log_of(path: Path, made: NDArray[np.float64], events: list[Event] | None = None, *, chunked: bool = True) -> Path:

@@ -12,7 +12,7 @@ from rigrows import BEGIN, CYCLE, HEADING, column, log_of, rows
 import layflat
 from layflat.machine import load
 from layflat.rig.recorder import file as growing
-from layflat.rig.recorder.bag import Bag, Heading, begin_of
+from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.file import GrowingFile
 from layflat.rig.recorder.repair import Kept, records
 from layflat.rig.recorder.ring import Event, Level
@@ -47,7 +47,7 @@ def test_the_official_reader_finds_topics_times_and_what_the_log_says_of_itself(
 
 
 def test_the_loop_began_at_the_time_of_day_of_its_time_zero() -> None:
-    assert abs(begin_of(rows(5)[4]) - BEGIN) < 1000
+    assert abs(HEADING.layout.began(rows(5)[4]) - BEGIN) < 1000
 
 
 def test_a_machine_heads_its_log() -> None:

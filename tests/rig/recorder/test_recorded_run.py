@@ -14,8 +14,7 @@ from layflat.identify.logs import check, read_log
 from layflat.machine import Machine, load
 from layflat.plot.runs import angles, arm_steps, run_figure
 from layflat.plot.style import to_svg
-from layflat.rig.law import layout_of
-from layflat.rig.record import SHARED
+from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.ring import Event, Level
 from layflat.rig.recorder.run import export, read_run
@@ -34,7 +33,7 @@ def simulated() -> xarray.Dataset:
 def recorded(simulated: xarray.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The simulated run, as a rig would have recorded it, with an uneven clock and some cycles missing."""
     machine = load("paper-small-joint")
-    heading, layout = Heading.of(machine, driver="simulated"), layout_of(machine)
+    heading, layout = Heading.of(machine, driver="simulated"), Layout.of(machine)
     made = np.zeros((simulated.sizes["time"], layout.width))
     late = np.random.default_rng(0).exponential(1e-4, len(made))
     for i, name in enumerate(SHARED):
@@ -66,7 +65,7 @@ def test_names_units_and_attributes_are_those_of_a_simulated_run(recorded: Path,
     assert Machine.model_validate_json(run.attrs["machine"]) == load("paper-small-joint")
     assert json.loads(run.attrs["notes"]) == {"driver": "simulated"}
     kept = np.delete(np.arange(simulated.sizes["time"]), [200, 201])
-    for name in layout_of(load("paper-small-joint")).by_joint:
+    for name in Layout.of(load("paper-small-joint")).by_joint:
         if name in simulated:
             assert np.array_equal(run[name], simulated[name][kept]), name
     assert np.array_equal(run["angle"], run["measured_angle"])

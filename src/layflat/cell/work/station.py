@@ -17,14 +17,12 @@ from layflat.rig.clock import SECOND, Clock, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Driver
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.law import layout_of
 from layflat.rig.loop import Loop
-from layflat.rig.record import RIG_SIGNALS
+from layflat.rig.record import Layout
 from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
 
 LITRES = 1000.0  # in a m3
-ANGLE, VELOCITY = (list(RIG_SIGNALS).index(name) for name in ("averaged_angle", "averaged_velocity"))
 
 
 class Arm:
@@ -38,7 +36,7 @@ class Arm:
 
     def __init__(self, machine: Machine, driver: Driver, clock: Clock, *, load: float, tip_speed: float) -> None:
         self._machine, self._load, self._tip_speed = machine, load, tip_speed
-        self._layout = layout_of(machine)
+        self._layout = Layout.of(machine)
         driver.configure()
         driver.activate()
         self.loop = Loop(machine, driver, clock, self, None)
@@ -76,9 +74,8 @@ class Arm:
 
     def publish(self, row: Array) -> None:
         """Read what the controllers know."""
-        joints = [row[self._layout.of_joint(j)] for j in range(len(self.angles))]
-        self.angles = tuple(float(joint[ANGLE]) for joint in joints)
-        self.velocities = tuple(float(joint[VELOCITY]) for joint in joints)
+        self.angles = tuple(self._layout.named(row, "averaged_angle").tolist())
+        self.velocities = tuple(self._layout.named(row, "averaged_velocity").tolist())
 
 
 class Station:

@@ -13,14 +13,9 @@ from layflat.rig.driver import Driver
 def check_rig(
     machine: Machine, driver: Driver, clock: Clock, *, air: bool = False, tell: Callable[[str], object] = str
 ) -> list[CheckResult]:
-    """Look at a rig without air, and if that finds nothing wrong and it is asked for, with air.
+    """Look at a rig without air, and if that finds nothing wrong and it is asked for, with air: every joint moves.
 
-    Args:
-        machine: what the rig is said to be.
-        driver: unconfigured; it is finalized afterwards.
-        clock: what cycles are timed by.
-        air: whether to bring the air and move every joint by some degrees.
-        tell: called with what is being done.
+    The driver comes unconfigured and is finalized afterwards; `tell` is called with what is being done.
 
     Raises:
         DriverError: nothing that fits is there.

@@ -46,10 +46,8 @@ class OpenLoopRig:
         self.span = valve.volts_to_full
         self.centred = np.full(len(self.names), valve.centre_voltage)
         self.deadlines = Deadlines(clock, self.cycle)
-        self.transactions: list[float] = []
-        """Time that each took, s."""
-        self.lost = 0
-        """Transactions without a good reply."""
+        self.transactions: list[float] = []  # time that each took, s
+        self.lost = 0  # transactions without a good reply
         self._core = Core(machine)
         self._obeyed = False
 
@@ -72,8 +70,7 @@ class OpenLoopRig:
     def act(self, voltages: Array, *, reset: bool = False) -> Reading:
         """With air on: look, and ask for voltages; where a reply is lost, look again in the next cycle.
 
-        Raises:
-            UnsafeError: it is not safe to go on.
+        Raise UnsafeError if it is not safe to go on.
         """
         lost = 0
         while True:
@@ -84,6 +81,11 @@ class OpenLoopRig:
             self.driver.write(Command(voltages.copy(), air=True, reset=reset))
             if reading is not None:
                 return reading
+
+    def rest(self, seconds: float) -> None:
+        """Keep valves centred with air on; as `act`."""
+        for _ in range(self.cycles(seconds)):
+            self.act(self.centred)
 
     def vent(self) -> None:
         """Air off; centred at first, then open to one end until the hoses are empty; the driver is left inactive."""

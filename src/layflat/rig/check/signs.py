@@ -10,10 +10,7 @@ from layflat.rig.check.open_loop import CheckResult, OpenLoopRig, UnsafeError
 from layflat.rig.safety.state_machine import RESET_HIGH, RESET_LOW
 
 STIRS = np.radians(1.5)  # a joint that went so far is stopped; it swings on by some degrees, on the air that it has
-
-RATE = 0.05
-"""By which the valve is opened, of its full opening in a second; faster pulses throw a light joint further, 1/s."""
-
+RATE = 0.05  # share of its full opening by which the valve opens; faster pulses throw a light joint further, 1/s
 LONGEST = 5.0  # until something has to have stirred, s
 ANSWERS = 0.1e5  # change of a differential pressure that is an answer, Pa
 MOST = 0.8  # share of the supply's pressure, at which a joint that does not stir is taken to be blocked
@@ -31,12 +28,7 @@ class Pulse(NamedTuple):
 
 
 def try_signs(bench: OpenLoopRig, tell: Callable[[str], object] = str) -> list[CheckResult]:
-    """Bring the air, try every joint, let the air out again, whatever happens.
-
-    Args:
-        bench: sound without air.
-        tell: called with what is being done.
-    """
+    """Bring the air to a rig that is sound without, try every joint, let the air out again, whatever happens."""
     findings: list[CheckResult] = []
     bench.driver.activate()
     try:
@@ -62,16 +54,11 @@ def _bring_air(bench: OpenLoopRig) -> CheckResult:
     for took in range(edge + 1, bench.cycles(safety.start_time) + 2):
         reading = bench.act(bench.centred)
         if reading.supply >= ready:
-            _rest(bench)
+            bench.rest(RESTS)
             return CheckResult("air", f"there {took * bench.cycle:.2f} s after it was asked for")
     gauge = (reading.supply - supply.ambient_pressure) / 1e5
     right = "look at compressor, regulator, dump valve and the sensor behind it"
     return CheckResult("air", f"{gauge:.2f} bar after {safety.start_time:g} s", right)
-
-
-def _rest(bench: OpenLoopRig) -> None:
-    for _ in range(bench.cycles(RESTS)):
-        bench.act(bench.centred)
 
 
 def _pulse(bench: OpenLoopRig, joint: int, way: int) -> Pulse:
@@ -88,10 +75,11 @@ def _pulse(bench: OpenLoopRig, joint: int, way: int) -> Pulse:
         if blocked or np.abs(recent[-1].angles - angles).max() > STIRS:
             break
     pulse = Pulse(way, opening, recent[-1].angles - angles, by)
-    _rest(bench)
+    bench.rest(RESTS)
     return pulse
 
 
+# What is wrong, by the ways that angle and pressure went when hose A was to be filled, then hose B.
 WRONG: dict[tuple[int, ...], str] = {
     (1, 1, 1, 1): "",
     (-1, -1, -1, -1): "its valve goes the wrong way: swap its two hoses",
@@ -99,7 +87,6 @@ WRONG: dict[tuple[int, ...], str] = {
     (-1, -1, 1, 1): "its angle sensor goes the wrong way: turn its sign",
     (0, 0, 0, 0): "nothing stirs: look at the plug of its valve, and at its lines",
 }
-"""What is wrong, by the ways that angle and pressure went when hose A was to be filled, then hose B."""
 
 
 def judged(pulses: list[Pulse], joint: int, names: list[str]) -> CheckResult:

@@ -11,7 +11,7 @@ HELP = "fail NAME [JOINT] [SIZE], heal NAME [JOINT], state, failures or quit"
 
 def obey(device: VirtualDevice, words: Sequence[str]) -> str:
     """Do what a line says; what is to be answered, in a line or several. Raise InputError if it makes no sense."""
-    match [str(word) for word in words]:
+    match words:
         case ["fail", name, *others] if len(others) <= 2:
             # A single number is a size if it is not that of a joint.
             named = len(others) == 2 or (bool(others) and _number_of(device, others[0]) is not None)

@@ -75,15 +75,10 @@ class Device(Protocol):
 
 
 class Station:
-    """A device behind words.
+    """A device behind words; who waits for its replies has a patience, s.
 
     A command is obeyed if its number comes after that of the one before, so that none is obeyed twice, nor an old one
     that was under way for long; who asks for the identity begins anew.
-
-    Args:
-        device: what is behind it.
-        machine: its description.
-        patience: of who waits for a reply, s.
     """
 
     def __init__(self, device: Device, machine: Machine, patience: float) -> None:
@@ -98,11 +93,7 @@ class Station:
         return self._identity
 
     def _obey(self, sequence: int, words: Sequence[int]) -> bool:
-        """Take a command's number and words; whether it was a new one, which alone is obeyed.
-
-        Raises:
-            WireError: they are no command.
-        """
+        """Whether a command is new, which alone is obeyed; raise WireError if its words are none."""
         command = self._wire.command(words)
         if not is_later(sequence, self._last):
             return False

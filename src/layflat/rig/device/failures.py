@@ -28,18 +28,13 @@ class Failure:
 
     name: str  # by which it is asked for
     what: str  # what it does, in a line
-    put: Callable[[VirtualDevice, int, Any], None]
-    """Puts a device's joint (where it is a joint's) into a state, as the last argument says."""
+    put: Callable[[VirtualDevice, int, Any], None]  # puts a device's joint (where it is a joint's) into a state
     failed: Any = True  # state in which it is there; that of a failure with a size is the size
     sound: Any = None  # state in which it is mended
     size: Size | None = None  # None where it has none
 
     def begin(self, device: VirtualDevice, joint: int = 0, size: float | None = None) -> None:
-        """Inject it at the present instant of the device's clock.
-
-        Raises:
-            InputError: there is no such joint, or a size that makes no sense.
-        """
+        """Inject it at the present instant; raise InputError if there is no such joint, or the size makes no sense."""
         if self.size is None and size is not None:
             raise InputError(f"{size:g} was given", where=self.name, right="it has no size")
         state = self.failed
@@ -52,7 +47,7 @@ class Failure:
         self._put(device, joint, state)
 
     def end(self, device: VirtualDevice, joint: int = 0) -> None:
-        """Heal it at the present instant of the device's clock; raise InputError if there is no such joint."""
+        """Heal it at the present instant; raise InputError if there is no such joint."""
         self._put(device, joint, self.sound)
 
     def __str__(self) -> str:

@@ -4,8 +4,6 @@ pymodbus takes frames and requests apart and puts replies together. Its own serv
 which costs a third of a transaction's time, and does not tell one master from another; a station has but one.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 from collections.abc import Sequence
@@ -30,19 +28,13 @@ READ, WRITE, BOTH = (3, 4), 16, 23  # functions that there are
 
 
 class ModbusStation(Station):
-    """Answers functions 3, 4, 16 and 23 of one unit.
-
-    Args:
-        device: what is behind it; by its clock a master that has fallen silent is told from one that is there.
-        machine: its description.
-    """
+    """Answers functions 3, 4, 16 and 23 of one unit; a master that has fallen silent is told by the device's clock."""
 
     def __init__(self, device: Device, machine: Machine) -> None:
         super().__init__(device, machine, machine.interface.modbus.timeout)
         self._registers = Registers.of(machine)
         self._unit, self._silence = machine.interface.modbus.unit, machine.interface.dump_after * SECOND
-        self.master: object = None
-        """The connection that commands; another may once it has ended, or has been silent for long."""
+        self.master: object = None  # the connection that commands; another may once it has ended, or has been silent
         self._heard = -inf
         self._server: asyncio.Server | None = None
         self.transports: set[asyncio.BaseTransport] = set()
@@ -59,7 +51,7 @@ class ModbusStation(Station):
         for transport in self.transports:
             transport.close()
 
-    def answer(self, connection: _Connection, request: ModbusPDU) -> None:
+    def answer(self, connection: "_Connection", request: ModbusPDU) -> None:
         """Reply to a request, unless nothing is heard."""
         link = self.device.link
         if link.silent:

@@ -21,8 +21,7 @@ from layflat.rig.system import first_in, start_process
 TICK = 5e-3  # between two looks at the clock in real time, s; a device makes up for what happened between them
 START = 60.0  # until a device has to be there, s: laws may have to be compiled first
 
-Factory = Callable[[Clock], Device]
-"""Makes the device, inside the process, with the clock that it lives by; it can be pickled."""
+Factory = Callable[[Clock], Device]  # makes the device, inside the process, with the clock that it lives by; pickled
 
 
 @dataclass(frozen=True)
@@ -43,11 +42,7 @@ class SerialPort:
 class DeviceProcess:
     """A device in another process: `with DeviceProcess(...) as device: driver_of(device.address, machine)`.
 
-    Args:
-        factory: makes the device, in the other process.
-        machine: its description.
-        at: the transport.
-        lockstep: whether time passes there only with `advance`.
+    In lockstep time passes there only when a function that is called waits for the device's clock.
     """
 
     def __init__(
@@ -58,11 +53,7 @@ class DeviceProcess:
         self.address = ""
 
     def __enter__(self) -> Self:
-        """Start it, and wait until it can be reached.
-
-        Raises:
-            LayflatError: it can't; the message is that of the other process.
-        """
+        """Start it, and wait until it can be reached; raise LayflatError with the other process's message if not."""
         self.process = start_process(_serve, self._arguments, "layflat device", daemon=True)
         self._theirs.close()
         if not self._control.poll(START):
@@ -88,18 +79,12 @@ class DeviceProcess:
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.
 
-        Raises:
-            LayflatError: the device is gone, or the function raised what the message says.
+        Raise LayflatError if the device is gone, or the function raised what the message says.
         """
         with suppress(OSError):
             self._control.send((function, *arguments))
         # Where that failed there may still be a last word.
         return self._answer()
-
-    def advance(self, until: int) -> int:
-        """In lockstep: let time pass up to an instant (ns); returns the instant reached."""
-        reached: int = self.call(_advance, until)
-        return reached
 
     def _answer(self) -> Any:
         try:
@@ -109,12 +94,6 @@ class DeviceProcess:
         if not well:
             raise LayflatError(what)
         return what
-
-
-def _advance(device: Device, until: int) -> int:
-    device.clock.wait(until)
-    device.tick()
-    return device.clock.now()
 
 
 def _serve(

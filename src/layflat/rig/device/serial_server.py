@@ -13,12 +13,7 @@ from layflat.rig.wire.content import WireError
 
 
 class SerialStation(Station):
-    """Answers frames.
-
-    Args:
-        device: what is behind it.
-        machine: its description.
-    """
+    """Answers frames."""
 
     def __init__(self, device: Device, machine: Machine) -> None:
         super().__init__(device, machine, machine.interface.serial.timeout)
@@ -26,16 +21,9 @@ class SerialStation(Station):
         self._link: Path | None = None
 
     def listen(self, link: Path | None = None) -> str:
-        """Open a terminal and serve from now on.
+        """Open a terminal and serve from now on; return its path, or that of a link to it.
 
-        Args:
-            link: a name under which it can be found too.
-
-        Returns:
-            The terminal's path, or that of the link.
-
-        Raises:
-            OutputError: the link can't be made.
+        Raise OutputError if the link can't be made.
         """
         self._near, self._terminal = os.openpty()
         import tty  # noqa: PLC0415  # not on every system

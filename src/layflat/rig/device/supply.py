@@ -13,21 +13,12 @@ start, as ISO 4414 asks for. While it is off the line is open to the atmosphere:
 from math import exp, log
 
 NEAR = 1.0  # within so many Pa of where it is going a line has arrived
-
-SOFT_TIME, FILL_TIME, DUMP_TIME = 0.3, 0.02, 0.03
-"""Time constants of the soft start, through the open valve, and to the atmosphere, s."""
-
+SOFT_TIME, FILL_TIME, DUMP_TIME = 0.3, 0.02, 0.03  # of soft start, through the open valve, to the atmosphere: T, s
 OPENS_AT = 0.5  # share of the regulator's gauge pressure at which the dump valve opens fully
 
 
 class SupplyLine:
-    """The line through time.
-
-    Args:
-        regulator: absolute pressure that the regulator gives, Pa.
-        ambient: absolute pressure outside, Pa.
-        air: whether it begins full, with air on; else empty.
-    """
+    """The line through time; pressures are absolute, Pa. With air on it begins full, else empty."""
 
     def __init__(self, regulator: float, ambient: float, *, air: bool = False) -> None:
         self.regulator, self.ambient, self.air = regulator, ambient, air

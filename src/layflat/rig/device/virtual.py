@@ -24,10 +24,7 @@ from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire
 
 ANGLE, PRESSURE = 0, 1  # the two sensors of a joint
-
-EMPTIES = 3 * SECOND // 10
-"""ns: until valves are opened to a line that is let out; what is shut in brings the joints to rest meanwhile."""
-
+EMPTIES = 3 * SECOND // 10  # ns until valves open to a line that is let out; what is shut in stops the joints meanwhile
 CHUNK = SECOND // 1000  # ns: while the supply's pressure changes, the plant is moved on by so much at a time
 
 
@@ -63,35 +60,21 @@ class Converters:
 
 
 class VirtualDevice:
-    """A remote I/O station or microcontroller with a machine behind it.
+    """A remote I/O station or microcontroller with a machine behind it; it needs valve and sensors (MachineError).
 
-    As a real one it starts dumped, its line empty; the plant's hoses are whatever they are.
-
-    Args:
-        machine: whose valves and sensors it has, and whose `interface` it keeps to.
-        plant: the machine in motion.
-        clock: its own clock; the plant's time passes with it.
-        running: start as a rollout does: full line, obeying.
-
-    Attributes:
-        link: what is wrong with the wires.
-        converters: what is wrong with the sensors.
-        set_gauge: to which the regulator is set, Pa.
-        strengths: greatest torque of each joint, N m.
-        brakes: what each joint's brake holds, N m.
-
-    Raises:
-        MachineError: the machine has no valve or sensors.
+    As a real one it starts dumped, its line empty (the plant's hoses are whatever they are), unless it is `running`, as
+    a rollout starts. The plant's time passes with the clock; `link` and `converters` hold what is wrong with wires and
+    sensors.
     """
 
     def __init__(self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False) -> None:
         self.plant, self.clock, self.link, self.converters = plant, clock, Link(), Converters(machine)
         self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running)
         self.capabilities = Capabilities.needed(machine)._replace(dithers=True, shortest_cycle=1e-3)
-        self.set_gauge = machine.supply.pressure_gauge
-        strongest = (parameters.torque_constant(joint) for joint in machine.joints.values())
-        self.strengths = self.set_gauge * np.array(list(strongest))
-        self.brakes = np.array([joint.brake.torque for joint in machine.joints.values()])
+        self.set_gauge = machine.supply.pressure_gauge  # of the regulator, Pa
+        constants = np.array([parameters.torque_constant(joint) for joint in machine.joints.values()])
+        self.strengths = self.set_gauge * constants  # greatest torque of each joint, N m
+        self.brakes = np.array([joint.brake.torque for joint in machine.joints.values()])  # what they hold, N m
         self._centred = np.full(len(machine.joints), self.capabilities.centre_voltage)
         self._open = np.full(len(machine.joints), self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)

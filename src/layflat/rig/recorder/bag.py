@@ -1,11 +1,9 @@
 """Rows and events as an MCAP file."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import IO, TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -19,9 +17,7 @@ from layflat.rig.recorder.ring import Event
 if TYPE_CHECKING:
     from layflat.machine import Machine
 
-METADATA, MACHINE = "layflat", "machine.json"
-"""Names of the metadata record, and of the attachment with the machine's description."""
-
+METADATA, MACHINE = "layflat", "machine.json"  # names of the metadata, and of the attachment that describes the machine
 CHUNK = 2**17  # bytes that are compressed at a time: more would keep the recorder from its log
 
 
@@ -35,23 +31,16 @@ class Heading:
     notes: dict[str, str] = field(default_factory=dict)  # what else is to be kept, such as the driver's address
 
     @classmethod
-    def of(cls, machine: Machine, **notes: str) -> Heading:
+    def of(cls, machine: "Machine", **notes: str) -> Self:
         """Heading for a machine."""
-        from layflat.rig.law import layout_of  # noqa: PLC0415  # it loads the laws
-
-        return cls(layout_of(machine), machine.model_dump_json(), machine.name, notes)
+        return cls(Layout.of(machine), machine.model_dump_json(), machine.name, notes)
 
 
 class Bag:
     """An MCAP file that is being written.
 
-    Log times are the time of day at which the loop began, plus the loop's own time: they never jump.
-
-    Args:
-        stream: written to.
-        heading: what the log says of itself.
-        begin: time of day when the loop began, ns since 1970.
-        chunked: in compressed chunks with an index; else record by record, so that nothing is kept back.
+    Log times are the time of day at which the loop began (`begin`, ns since 1970), plus the loop's own time: they never
+    jump. It is written in compressed chunks with an index if `chunked`; else record by record: nothing is kept back.
     """
 
     def __init__(self, stream: IO[bytes] | Any, heading: Heading, begin: int, *, chunked: bool) -> None:
@@ -80,10 +69,8 @@ class Bag:
         """Add rows, (rows, width)."""
         if not len(rows):
             return
-        stamps = self.begin + np.rint(rows[:, 0] * SECOND).astype(np.int64)
-        by_joint = self._layout.joint_rows(rows)
-        columns = dict(zip(SHARED, rows.T, strict=False))
-        columns |= {name: by_joint[:, :, i] for name, i in self._layout.columns.items()}
+        columns = {name: self._layout.named(rows, name) for name in (*SHARED, *self._layout.by_joint)}
+        stamps = self.begin + np.rint(columns["time"] * SECOND).astype(np.int64)
         cycles = self._cycles.encoded(stamps, columns)
         seen = {"position": columns["measured_angle"], "velocity": columns["averaged_velocity"]}
         states = self._states.encoded(stamps, seen)
@@ -99,8 +86,3 @@ class Bag:
     def finish(self) -> None:
         """Write the summary and the end; the stream stays open."""
         self._writer.finish()
-
-
-def begin_of(row: Array) -> int:
-    """Time of day when the loop began, ns since 1970, by one of its rows."""
-    return round(float(row[1] - row[0]) * SECOND)

@@ -15,27 +15,19 @@ from layflat.rig.recorder.ring import Event, Level
 from layflat.rig.safety.faults import Fault, Reaction
 
 BEFORE, AFTER = 10.0, 2.0  # s around a fault that are kept
-
-MILD = max(fault for fault in Fault if fault.reaction is Reaction.TELL)
-"""Up to this one faults are told and no more: they make no file."""
-
+MILD = max(fault for fault in Fault if fault.reaction is Reaction.TELL)  # up to this one faults make no file
 MOST = 100  # files that one log gets
 
 
 class BlackBox:
     """The last seconds in memory; a fault that is new makes a file of them, which a thread writes beside the log.
 
-    A further fault within the seconds after one is in the same file.
-
-    Args:
-        place: of the log, NAME.mcap; the files are NAME-fault-001.mcap and so on.
-        heading: what the files say of themselves.
+    A further fault within the seconds after one is in the same file. That of a log NAME.mcap are NAME-fault-001.mcap
+    and so on.
     """
 
     def __init__(self, place: Path, heading: Heading) -> None:
-        self._place, self._heading = place, heading
-        shared = heading.layout.shared
-        self._time, self._fault = shared["time"], shared["fault"]
+        self._place, self._heading, self._named = place, heading, heading.layout.named
         self._rows: deque[Array] = deque()
         self._events: deque[Event] = deque()
         self._last = 0.0
@@ -49,13 +41,14 @@ class BlackBox:
         self._events.extend(events)
         if len(rows):
             self._rows.append(rows)
-            faults = np.where(rows[:, self._fault] > MILD, rows[:, self._fault], 0.0)
+            found, times = self._named(rows, "fault"), self._named(rows, "time")
+            faults = np.where(found > MILD, found, 0.0)
             new = np.flatnonzero((faults != np.append(self._last, faults[:-1])) & (faults > 0.0))
             self._last = float(faults[-1])
             if len(new) and self._due is None and self._made < MOST:
-                self._due = float(rows[new[0], self._time]) + AFTER
-            since = rows[-1, self._time] - BEFORE - AFTER
-            while self._rows[0][-1, self._time] < since:
+                self._due = float(times[new[0]]) + AFTER
+            since = times[-1] - BEFORE - AFTER
+            while self._named(self._rows[0], "time")[-1] < since:
                 self._rows.popleft()
             while self._events and self._events[0].time < since:
                 self._events.popleft()
@@ -63,11 +56,9 @@ class BlackBox:
     def work(self, begin: int, *, wait: bool = False) -> Event | None:
         """Have what is due written; returns what is to be told once a file is done or can't be written.
 
-        Args:
-            begin: time of day when the loop began, ns since 1970.
-            wait: until it is done.
+        `begin` is the time of day when the loop began, ns since 1970; `wait` until the file is done.
         """
-        now = float(self._rows[-1][-1, self._time]) if self._rows else 0.0
+        now = float(self._named(self._rows[-1], "time")[-1]) if self._rows else 0.0
         if self._writing is None and self._due is not None and now >= self._due:
             self._made, self._due = self._made + 1, None
             rows, events = np.concatenate(self._rows), list(self._events)

@@ -1,9 +1,8 @@
 """The loop's end of the recorder: rows and lines into its ring."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
+from typing import Self
 
 from layflat.arrays import Array
 from layflat.errors import OutputError
@@ -12,9 +11,9 @@ from layflat.rig.record import SHARED
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault, Reaction
 
+# How much a cycle's events matter, by its worst fault.
 LEVELS = [Level.INFO, *(Level.WARN if fault.reaction is Reaction.TELL else Level.ERROR for fault in list(Fault)[1:])]
-"""How much a cycle's events matter, by its worst fault."""
-
+TIME, FAULT = (list(SHARED).index(name) for name in ("time", "fault"))
 CHANGE = " -> "  # in the line of a change of state
 STARTS_WITHIN = 30.0  # a recorder has to be there by then, s
 
@@ -24,10 +23,9 @@ class RecorderClient(Recorder):
 
     def __init__(self, ring: Ring) -> None:
         self._ring, self._time, self._level = ring, 0.0, Level.INFO
-        self._fault = list(SHARED).index("fault")
 
     @classmethod
-    def join(cls, path: Path) -> RecorderClient:
+    def join(cls, path: Path) -> Self:
         """Take hold of the ring in a file, as soon as its recorder is there; raise OutputError if it is not."""
         ring, until = Ring.attach(path), time.monotonic() + STARTS_WITHIN
         while not ring.recorder_alive() or ring.recorder is RecorderState.UNFINISHED:
@@ -38,7 +36,7 @@ class RecorderClient(Recorder):
 
     def push(self, row: Array) -> None:
         """Hand over a row of `record.Layout`."""
-        self._time, self._level = float(row[0]), LEVELS[int(row[self._fault])]
+        self._time, self._level = float(row[TIME]), LEVELS[int(row[FAULT])]
         self._ring.push(row)
 
     def event(self, text: str) -> None:

@@ -28,8 +28,7 @@ class GrowingFile:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self.trouble = ""
-        """Why nothing can be written now; empty where all is well."""
+        self.trouble = ""  # why nothing can be written now; empty where all is well
         path.parent.mkdir(parents=True, exist_ok=True)
         self._handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
         lock(self._handle)

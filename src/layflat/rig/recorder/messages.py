@@ -71,8 +71,7 @@ class Fixed:
         start = _aligned(start, 4) + struct.pack("<I", len(joints))
         for joint in joints:
             start = _aligned(start, 4) + _string(joint)
-        self._start = slice(12, len(start))
-        """What tells the joints, and is the same in all messages."""
+        self._start = slice(12, len(start))  # what tells the joints, and is the same in all messages
         names, formats, offsets = ["sec", "nanosec"], ["<i4", "<u4"], [4, 8]
         for kind, name in re.findall(r"^(float64(?:\[\])?) (\w+)", schema.partition(_RULE)[0], re.MULTILINE):
             if kind.endswith("[]"):

@@ -10,7 +10,7 @@ from pathlib import Path
 from layflat.errors import LayflatError, OutputError
 from layflat.files import check_folder, whole_file
 from layflat.rig.clock import SECOND
-from layflat.rig.recorder.bag import Bag, Heading, begin_of
+from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.blackbox import BlackBox
 from layflat.rig.recorder.file import GrowingFile, synced
 from layflat.rig.recorder.repair import PART, indexed
@@ -24,15 +24,8 @@ PATIENCE = 10.0  # for which a disk that is full at the end is waited for, s
 def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
     """Start a recorder; `ring.recorder_alive()` tells when it is there.
 
-    It ends by itself when the loop ends, or has not handed over anything for a second.
-
-    Args:
-        ring: that the loop fills.
-        place: of the log, NAME.mcap; it is called NAME.mcap.part until it is finished.
-        heading: what the log says of itself.
-
-    Raises:
-        OutputError: the log can't be written there.
+    It ends by itself when the loop, which fills the ring, ends or has not handed over anything for a second. The log is
+    called NAME.mcap.part until it is finished; OutputError is raised if it can't be written.
     """
     check_place(place)
     return start_process(_record, (ring.path, place, heading), "layflat recorder")
@@ -70,11 +63,7 @@ def _record(ring_path: Path, place: Path, heading: Heading) -> None:
 
 
 class Recorder:
-    """A log that is being recorded.
-
-    Raises:
-        OSError: it can't be.
-    """
+    """A log that is being recorded; raise OSError if it can't be."""
 
     def __init__(self, ring: Ring, place: Path, heading: Heading) -> None:
         import mcap.writer  # noqa: F401, PLC0415  # before the first row: it takes long
@@ -86,8 +75,7 @@ class Recorder:
         self._time = 0.0
         self._dropped = self._left_out = 0
         self._stuck = False
-        self.stopped = False
-        """Whether to finish with what is there."""
+        self.stopped = False  # whether to finish with what is there
         self._parent = os.getppid()
 
     def run(self) -> None:
@@ -108,13 +96,14 @@ class Recorder:
     def drain(self) -> None:
         """Write what the loop has handed over."""
         rows, events = self._ring.take(), self._ring.take_events()
+        layout = self._heading.layout
         if len(rows):
-            self._time = float(rows[-1, 0])
+            self._time = float(layout.named(rows[-1], "time"))
         if self._bag is None:
             if not (len(rows) or events):
                 self._ring.beat(RecorderState.RECORDING)
                 return
-            begin = begin_of(rows[0]) if len(rows) else time.time_ns() - round(events[0].time * SECOND)
+            begin = layout.began(rows[0]) if len(rows) else time.time_ns() - round(events[0].time * SECOND)
             self._bag = Bag(self._file, self._heading, begin, chunked=False)
         events += self._noticed(len(rows))
         if self._file.room:

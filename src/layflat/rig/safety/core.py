@@ -68,14 +68,12 @@ class Core:
         """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
         self.between: Callable[[], object] | None = None
         """Is called, where there is one, between the control law and the gate of its voltages."""
-        self.voltages_asked = self.memory["asked"]
-        """What the control law asked for, V, (joints,)."""
+        self.voltages_asked = self.memory["asked"]  # what the control law asked for, V, (joints,)
         self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]
         """What was let through: rad and V, (joints,)."""
         self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]
         """Of the joints in this cycle, as numbers."""
-        self.estimates: Array = self.memory.block("estimate")
-        """Numbers of `estimator.Estimate`, (joints, 4)."""
+        self.estimates: Array = self.memory.block("estimate")  # numbers of `estimator.Estimate`, (joints, 4)
         self.voltages[:] = self.voltages_asked[:] = self.rig["centre"][0]
         self.reset()
 

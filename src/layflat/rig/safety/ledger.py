@@ -11,23 +11,17 @@ class Ledger:
     def __init__(self, names: Sequence[str]) -> None:
         self._names = names
         self.clear()
-        self.now = Fault.NONE
-        """The worst found in this cycle."""
-        self.joints_now = [Fault.NONE] * len(names)
-        """The worst of each joint found in this cycle."""
-        self.events: list[str] = []
-        """What has to be told; who tells it clears it."""
+        self.now = Fault.NONE  # the worst found in this cycle
+        self.joints_now = [Fault.NONE] * len(names)  # the worst of each joint found in this cycle
+        self.events: list[str] = []  # what has to be told; who tells it clears it
         self._before: set[tuple[Fault, int | None]] = set()
         self._noted: set[tuple[Fault, int | None]] = set()
 
     def clear(self) -> None:
         """A reset: nothing is latched any more."""
-        self.latched = Fault.NONE
-        """The worst that stays until a reset."""
-        self.joints = [Fault.NONE] * len(self._names)
-        """The worst of each joint that stays until a reset."""
-        self.reaction = Reaction.TELL
-        """The worst that the latched faults ask for."""
+        self.latched = Fault.NONE  # the worst that stays until a reset
+        self.joints = [Fault.NONE] * len(self._names)  # the worst of each joint that stays until a reset
+        self.reaction = Reaction.TELL  # the worst that the latched faults ask for
 
     @property
     def worst(self) -> Fault:

@@ -34,12 +34,9 @@ class StateMachine:
         self.ledger = Ledger(list(machine.joints))
         self._ready = machine.supply.ambient_pressure + machine.safety.supply_ready * machine.supply.pressure_gauge
         self.state, self.valve_mode = State.OFF, ValveMode.CENTRE
-        self.wake = True
-        """Whether the controllers have to begin anew in this cycle."""
-        self.barred = False
-        """Whether no start is allowed, since nothing is recorded."""
-        self.pressed = False
-        """Whether the e-stop is pressed."""
+        self.wake = True  # whether the controllers have to begin anew in this cycle
+        self.barred = False  # whether no start is allowed, since nothing is recorded
+        self.pressed = False  # whether the e-stop is pressed
         self._in_state = self._in_mode = self._there_for = 0.0
         self._reset_for = 0
         self._obeyed = False

@@ -45,8 +45,7 @@ class SharedClock:
 
     def __init__(self, device: DeviceProcess) -> None:
         self._device, self._now = device, 0
-        self.truth: Truth = device.call(elapse, 0)
-        """Of the device, now."""
+        self.truth: Truth = device.call(elapse, 0)  # of the device, now
         self._due: tuple[int, Callable[[], object]] | None = None
 
     def now(self) -> int:
@@ -74,8 +73,7 @@ class Script:
 
     def __init__(self, joints: int) -> None:
         self.demands = [nan] * joints
-        self.silent_since: int | None = None
-        """From this instant on (ns) nothing new is heard of it."""
+        self.silent_since: int | None = None  # from this instant on (ns) nothing new is heard of it
         self.edges: set[str] = set()
 
     def request(self, now: int) -> HostRequest:
@@ -127,10 +125,8 @@ class TrialRig:
 
     def clear_peaks(self) -> None:
         """Begin anew with the peaks."""
-        self.furthest = [0.0] * len(self.machine.joints)
-        """Greatest turn from mid-stroke of each joint since then, rad."""
-        self.above_supply = -inf
-        """Highest pressure in any hose since then, less the highest that the line ever had, Pa."""
+        self.furthest = [0.0] * len(self.machine.joints)  # greatest turn from mid-stroke of each joint since then, rad
+        self.above_supply = -inf  # highest pressure in any hose since then, less the highest that the line ever had, Pa
 
     def cycle(self) -> None:
         """One control cycle, and a look at what came of it."""
