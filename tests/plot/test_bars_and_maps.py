@@ -11,8 +11,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 
-from layflat.plot.bars import HATCHES, draw_bars
-from layflat.plot.maps import NOTHING, draw_map, edges
+from layflat.plot.bars_and_maps import HATCHES, NOTHING, draw_bars, draw_map, edges
 from layflat.plot.style import figure
 
 NAMES = ["dither", "supply", "payload", "brake"]

@@ -49,10 +49,11 @@ def test_lines_differ_in_dash_and_in_lightness() -> None:
     assert light[:4] == sorted(light[:4])
 
 
-def test_pyplot_is_not_imported() -> None:
+def test_matplotlib_is_imported_where_figures_are_drawn_and_pyplot_never() -> None:
     code = (
-        "import sys; from layflat.plot import curves, runs, style\n"
+        "import sys; from layflat import cli, design, identify, rig, sim, study, tune\n"
         "print('matplotlib' in sys.modules)\n"
+        "from layflat.plot import style\n"
         "with style.figure() as (made, _): style.to_svg(made)\n"
         "print('matplotlib.pyplot' in sys.modules)"
     )

@@ -1,1 +1,1 @@
-"""Figures. Import it lazily: matplotlib takes long to import."""
+"""Figures. Import its modules where a figure is drawn: matplotlib takes long to import."""

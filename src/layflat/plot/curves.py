@@ -1,22 +1,16 @@
 """Curves of the experiments: hysteresis, a cam, valve sweeps, settling over inertia, response of the average."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 Curve = tuple[Array, Array]
-
-
 SHOWN = 25  # strap lines of a cam that are drawn
 
 
@@ -38,11 +32,7 @@ def hysteresis_curves(drawn: Mapping[str, Any]) -> Figure:
 
 
 def cam_procedure(cam: Any) -> Figure:
-    """Draw strap lines in the cam's frame at evenly spaced cam angles, and the profile that they envelop: Fig. 6.
-
-    Args:
-        cam: with `angle` (rad, (n,)), `profile` (m, (n, 2)), `strap_point` and `axis` of the joint (m).
-    """
+    """Draw strap lines in the frame of a `Cam`, at even angles, and the profile that they envelop: Fig. 6."""
     profile, away = 1e3 * cam.profile, 1e3 * (cam.strap_point - np.array(cam.axis))
     c, s = np.cos(cam.angle), np.sin(cam.angle)
     seen = np.stack([away[:, 0] * c + away[:, 1] * s, away[:, 1] * c - away[:, 0] * s], axis=-1)

@@ -1,19 +1,18 @@
 """What was measured and what is simulated, over a log: fitted on a white ground, validated on a grey one."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+MEASURED = {**QUIET, "linewidth": 2.2, "color": "#b5b5b5"}
+FEW = 200  # up to so many samples are marked one by one
 
 
 class Compared(NamedTuple):
@@ -27,15 +26,8 @@ class Compared(NamedTuple):
     fitted: NDArray[np.bool_]
 
 
-MEASURED = {**QUIET, "linewidth": 2.2, "color": "#b5b5b5"}
-
-FEW = 200  # up to so many samples are marked one by one
-
-
 def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
     """Draw a row per signal: on the left both, on the right the error, simulated less measured."""
-    from matplotlib.patches import Patch  # noqa: PLC0415  # matplotlib takes long to import
-
     rows = len(signals)
     with figure(rows, 2, width=11.0, height=1.9 * rows + 0.9, above=HEAD, beside=0.2, between=0.95) as (made, axes):
         for row, signal in enumerate(signals):
@@ -52,7 +44,9 @@ def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
             unit = f" ({signal.unit})" if signal.unit else ""
             both.set_ylabel(f"{signal.name.replace('_', ' ')}\n{unit.strip()}".rstrip())
             error.set_ylabel(f"error{unit}")
-            _shade((both, error), signal)
+            if len(left := np.flatnonzero(~signal.fitted)):
+                for one in (both, error):
+                    one.axvspan(signal.time[left[0]], signal.time[left[-1]], color=SHADE, lw=0, zorder=0)
         handles, labels = axes[0].get_legend_handles_labels()
         if any(not signal.fitted.all() for signal in signals):
             handles.append(Patch(color=SHADE))
@@ -65,11 +59,3 @@ def measured_and_simulated(signals: Sequence[Compared]) -> Figure:
         for one in axes[-2:]:
             one.set_xlabel("Time (s)")
     return made
-
-
-def _shade(axes: Sequence[Axes], signal: Compared) -> None:
-    """Lay a grey ground where nothing was fitted."""
-    left = np.flatnonzero(~signal.fitted)
-    if len(left):
-        for one in axes:
-            one.axvspan(signal.time[left[0]], signal.time[left[-1]], color=SHADE, lw=0, zorder=0)

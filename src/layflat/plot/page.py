@@ -30,7 +30,6 @@ def page(package: str, template: str, **values: Any) -> str:
         home = "layflat.plot" if name == "page.html.j2" else package
         return (files(home) / name).read_text(encoding="utf-8")
 
-    environment = jinja2.Environment(
-        loader=jinja2.FunctionLoader(source), autoescape=True, undefined=jinja2.StrictUndefined
-    )
+    loader = jinja2.FunctionLoader(source)
+    environment = jinja2.Environment(loader=loader, autoescape=True, undefined=jinja2.StrictUndefined)
     return environment.get_template(template).render(**values)

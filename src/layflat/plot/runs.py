@@ -1,19 +1,18 @@
 """Runs through time: angles, pressures, voltages."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
+MOST_MARKS = 12  # events that are marked; more can't be told apart
+NOTE = 0.17  # height of a line about an event, inches
+CLOSE = 0.09  # share of a run's duration: labels of events that are closer than this would overlap
 WARN = 30  # level of an event from which on it is marked, as in rcl_interfaces/msg/Log
 
 
@@ -101,11 +100,6 @@ def _pressures(axes: Axes, part: xarray.Dataset) -> None:
     else:
         axes.plot(time, part["measured_pressure"] / 1e5, label="hose A less hose B", **LINES[0], lw=0.9)
         axes.set_ylabel("Differential pressure (bar)")
-
-
-MOST_MARKS = 12  # events that are marked; more can't be told apart
-NOTE = 0.17  # height of a line about an event, inches
-CLOSE = 0.09  # share of a run's duration: labels of events that are closer than this would overlap
 
 
 def _marked(run: xarray.Dataset) -> list[tuple[int, str, float]]:

@@ -1,19 +1,15 @@
 """A study of one's own: what each result does over each thing that varies."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, figure
-
-if TYPE_CHECKING:
-    import matplotlib.axes
-    from matplotlib.figure import Figure
 
 BINS, IN_BIN = 12, 8  # bins of values that differ from run to run, at most, and runs in each at least
 
@@ -46,7 +42,7 @@ def study_figure(
     return made
 
 
-def _draw(axes: matplotlib.axes.Axes, x: Array, y: Array, case: str, order: int) -> None:
+def _draw(axes: Axes, x: Array, y: Array, case: str, order: int) -> None:
     style = LINES[order % len(LINES)]
     dots: dict[str, Any] = {"linestyle": "", "color": style["color"], "alpha": 0.4}
     lost = ~np.isfinite(y)

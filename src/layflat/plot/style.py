@@ -1,18 +1,16 @@
 """One look for all figures: colours that can be told apart in black and white, units on every axis, no pyplot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from layflat.files import whole_file
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 LINES: tuple[dict[str, Any], ...] = (
     {"color": "#0b3c5d", "linestyle": "-"},
@@ -23,11 +21,9 @@ LINES: tuple[dict[str, Any], ...] = (
 )
 """Line styles in order of use: dark to light, and of different dashes."""
 
+# For demands, limits and other things that only help to read.
 QUIET: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
-"""For demands, limits and other things that only help to read."""
-
-SHADE = "#eeeeee"
-"""For bands, and the ground behind what counts otherwise."""
+SHADE = "#eeeeee"  # for bands, and the ground behind what counts otherwise
 
 RC: Any = {
     "font.size": 9.5,
@@ -43,7 +39,6 @@ RC: Any = {
     "svg.hashsalt": "layflat",
 }
 
-
 LEFT, RIGHT, BOTTOM, TOP = 0.72, 0.14, 0.52, 0.12  # margins of a figure, inches
 HEAD = 0.30  # room above the axes for a title or a legend, inches
 BETWEEN = (0.78, 0.16)  # space between axes, beside and above each other, inches
@@ -51,38 +46,24 @@ BETWEEN = (0.78, 0.16)  # space between axes, beside and above each other, inche
 
 @contextmanager
 def figure(
-    rows: int = 1,
-    columns: int = 1,
-    *,
-    width: float = 6.4,
-    height: float = 3.6,
-    above: float = 0.0,
-    below: float = 0.0,
-    beside: float = 0.0,
-    between: float = BETWEEN[0],
-) -> Iterator[tuple[Figure, list[Axes]]]:
+    rows: int = 1, columns: int = 1, *, width: float = 6.4, height: float = 3.6,
+    above: float = 0.0, below: float = 0.0, beside: float = 0.0, between: float = BETWEEN[0],
+) -> Iterator[tuple[Figure, list[Axes]]]:  # fmt: skip
     """Give a figure in the house style, with its axes in reading order; sizes in inches.
 
     Where asked there is more room `above` the axes, for a scale of colours, `below` them, for notes, and on the left
     `beside` them and `between` them, for names. Axes above each other share what is across.
     The margins are fixed: a layout that is solved for would draw everything twice.
     """
-    import matplotlib as mpl  # noqa: PLC0415  # matplotlib takes long to import
-    from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415
-
     top, left = TOP + above, LEFT + beside
     wide = (width - left - RIGHT - (columns - 1) * between) / columns
     high = (height - BOTTOM - below - top - (rows - 1) * BETWEEN[1]) / rows
     with mpl.rc_context(RC):
-        made = NewFigure(figsize=(width, height))
+        made = Figure(figsize=(width, height))
         made.subplots_adjust(
-            left=left / width,
-            right=1.0 - RIGHT / width,
-            bottom=(BOTTOM + below) / height,
-            top=1.0 - top / height,
-            wspace=between / wide,
-            hspace=BETWEEN[1] / high,
-        )
+            left=left / width, right=1.0 - RIGHT / width, wspace=between / wide,
+            bottom=(BOTTOM + below) / height, top=1.0 - top / height, hspace=BETWEEN[1] / high,
+        )  # fmt: skip
         axes = made.subplots(rows, columns, sharex="col", squeeze=False)
         yield made, list(axes.ravel())
 
@@ -100,8 +81,6 @@ def mark(axes: Axes, at: float, text: str, *, upright: bool = False) -> None:
 
 def to_svg(made: Figure) -> str:
     """Return a figure as SVG text, the same for the same data."""
-    import matplotlib as mpl  # noqa: PLC0415
-
     out = StringIO()
     with mpl.rc_context(RC):
         made.savefig(out, format="svg", metadata={"Date": None})

@@ -1,19 +1,14 @@
 """Before and after a tuning: responses, shares of moves that have settled, cost over the search."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.plot.runs import draw_demand, draw_response, frame_error
 from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 LETTER = 0.06  # width of a letter in the names of a search's parts, inches
 
@@ -44,13 +39,8 @@ def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -
             ordered = np.sort(times.ravel())
             ordered = ordered[np.isfinite(ordered)]
             share = 100.0 * np.arange(1, len(ordered) + 1) / times.size
-            axes.step(
-                np.append(ordered, window),
-                np.append(share, share[-1:] if len(share) else 0.0),
-                where="post",
-                label=label,
-                **LINES[order],
-            )
+            time, last = np.append(ordered, window), share[-1:] if len(share) else 0.0
+            axes.step(time, np.append(share, last), where="post", label=label, **LINES[order])
         mark(axes, limit, f"{limit:g} s", upright=True)
         axes.set_xlim(0.0, window)
         axes.set_ylim(0.0, 102.0)

@@ -9,7 +9,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME
 from layflat.experiments.questions.tables import listed, moves_of
-from layflat.plot.bars import draw_bars
+from layflat.plot.bars_and_maps import draw_bars
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
 from layflat.study.sampling import Indices, sobol_indices

@@ -10,7 +10,7 @@ from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME, SCAN
 from layflat.experiments.bench import INERTIA_PER_TORQUE
 from layflat.experiments.questions.tables import grid, hysteresis, inertia_per_torque, limits
-from layflat.plot.maps import draw_map, edges
+from layflat.plot.bars_and_maps import draw_map, edges
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
 

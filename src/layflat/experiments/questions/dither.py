@@ -9,7 +9,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.experiments.questions.tables import listed, moves_of
 from layflat.physics.valves.spool import SpoolValvePart
-from layflat.plot.maps import draw_map, edges
+from layflat.plot.bars_and_maps import draw_map, edges
 from layflat.plot.style import LINES, mark
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study

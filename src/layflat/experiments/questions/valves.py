@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.experiments.questions.tables import at_rest, moves_of
-from layflat.plot.bars import draw_bars
+from layflat.plot.bars_and_maps import draw_bars
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
 
