@@ -141,7 +141,7 @@ def test_any_cam_that_is_made_touches_its_lines_and_conserves_work(
             "output": base.output.model_copy(update={"shaft_offset": offset * R}),
         }
     )
-    curve = of_cylinder(joint, points=201)
+    curve = of_cylinder(joint)
     try:
         cam = synthesise(curve, straplines.of_joint(joint), stroke)
     except DesignError:

@@ -1,8 +1,9 @@
-"""Force over travel: Eq. (1), energy, and what is refused."""
+"""Force over travel: Eq. (1), energy, and what is refused; curves through points, by spline and by stencils."""
 
 from __future__ import annotations
 
 from math import cos, pi, radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +12,13 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from layflat.design import Characteristic, design_joint, of_cylinder, wrapped_hose
+from layflat.design.characteristic import POINTS, Through, spline, stencils
 from layflat.errors import DesignError
-from layflat.machine import load
+from layflat.machine import changed, load
 from layflat.machine.parameters import full_travel, travel_volume
 
 ARM = load("paper-arm")
+UNEVEN = np.linspace(0.0, 1.0, 101) ** 1.5  # points spaced as the angles of a cam are
 
 
 def eq1_force(width: float, R: float, gamma: float, alpha: float) -> float:
@@ -31,8 +34,8 @@ def eq1_force(width: float, R: float, gamma: float, alpha: float) -> float:
 )
 def test_force_is_eq1_and_volume_its_integral(width: float, share: float, gamma: float, c: float) -> None:
     R, end = share * width / 2, 0.7 * gamma
-    curve = wrapped_hose(width, R, gamma, end, c, points=201)
-    for alpha, s, force in zip(np.linspace(gamma, end, 201), curve.travel, curve.force, strict=True):
+    curve = wrapped_hose(width, R, gamma, end, c)
+    for alpha, s, force in zip(np.linspace(gamma, end, POINTS), curve.travel, curve.force, strict=True):
         assert s == pytest.approx(c * R * (gamma - alpha), rel=1e-9, abs=1e-12)
         assert force == pytest.approx(eq1_force(width, R, gamma, alpha), rel=1e-9)
     swept, _ = quad(lambda a: eq1_force(width, R, gamma, a) * c * R, end, gamma)
@@ -95,3 +98,43 @@ def test_a_hose_too_narrow_for_its_wrap_is_refused() -> None:
 def test_a_broken_curve_is_refused(travel: list[float], force: list[float], says: str) -> None:
     with pytest.raises(DesignError, match=says):
         Characteristic(np.array(travel, dtype=float), np.array(force, dtype=float), "test")
+
+
+@pytest.mark.parametrize("through", [spline, stencils])
+def test_integral_and_derivatives_of_a_sine(through: Through) -> None:
+    integral, slope, bend = through(UNEVEN, np.sin(3.0 * UNEVEN))
+    np.testing.assert_allclose(integral, (1.0 - np.cos(3.0 * UNEVEN)) / 3.0, atol=1e-9)
+    np.testing.assert_allclose(slope, 3.0 * np.cos(3.0 * UNEVEN), atol=1e-6)
+    np.testing.assert_allclose(bend, -9.0 * np.sin(3.0 * UNEVEN), atol=1e-4)
+
+
+@pytest.mark.parametrize("through", [spline, stencils])
+def test_six_points_are_enough_for_a_polynomial_of_degree_five(through: Through) -> None:
+    x = np.array([0.0, 0.1, 0.3, 0.45, 0.8, 1.0])
+    integral, slope, bend = through(x, x**5)
+    np.testing.assert_allclose(integral, x**6 / 6, atol=1e-12)
+    np.testing.assert_allclose(slope, 5 * x**4, atol=1e-10)
+    np.testing.assert_allclose(bend, 20 * x**3, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("path", "values"),
+    [
+        ("output.shaft_offset", (0.0, 0.002, 0.01, 0.025, 0.035, 0.05, 0.07)),
+        ("output.radius", (0.005, 0.012, 0.018, 0.03, 0.04, 0.05)),
+        ("hose.wrap", (1.6, 2.0, 2.3, 2.8)),
+        ("hose.contact_end", (0.4, 1.0, 1.8)),
+        ("strap.thickness", (5e-5, 2e-4, 4e-4)),
+    ],
+)
+def test_findings_are_the_same_either_way(path: str, values: tuple[float, ...]) -> None:
+    def found(value: float, name: str, **how: Any) -> object:
+        try:
+            machine = changed(load("paper-arm"), f"joint.{name}.{path}", value)
+            return design_joint(machine, name, strict=False, **how).findings
+        except DesignError as error:
+            return str(error)
+
+    for name in ("large", "small"):
+        for value in values:
+            assert found(value, name, through=stencils) == found(value, name)

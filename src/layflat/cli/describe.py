@@ -49,7 +49,7 @@ def check(machine: MachineName) -> None:
         load_bench(machine)
         typer.echo(f"{machine}: a valid description of a test bench")
         return
-    from layflat.design.curves import stencils  # noqa: PLC0415
+    from layflat.design.characteristic import stencils  # noqa: PLC0415
     from layflat.design.rules import Finding  # noqa: PLC0415
     from layflat.design.summary import design_joint  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415

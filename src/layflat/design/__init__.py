@@ -9,58 +9,28 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from layflat.design.cam import Cam, synthesise
-    from layflat.design.candidates import HOSE_WIDTHS
     from layflat.design.characteristic import Characteristic, of_cylinder, wrapped_hose
     from layflat.design.crude_table import Table1, Table1Constants, table1
     from layflat.design.drawing import cam_sheet, layout_sheet, write_drawings
-    from layflat.design.mass import Air, Mass
     from layflat.design.measured import read_characteristic
     from layflat.design.outline import Outline, cam_outline
     from layflat.design.plates import Plate, of_plate
-    from layflat.design.request import SizingRequest
+    from layflat.design.request import HOSE_WIDTHS, SizingRequest
     from layflat.design.rules import Finding, refuse_errors
     from layflat.design.sizing import Sized, size_joint
     from layflat.design.strap import StrapStress, strap_stress
     from layflat.design.straplines import Lines, RollerLine, ShellLine
-    from layflat.design.summary import JointDesign, design_joint
+    from layflat.design.summary import Air, JointDesign, Mass, design_joint
 
 __all__ = [
-    "HOSE_WIDTHS",
-    "Air",
-    "Cam",
-    "Characteristic",
-    "Finding",
-    "JointDesign",
-    "Lines",
-    "Mass",
-    "Outline",
-    "Plate",
-    "RollerLine",
-    "ShellLine",
-    "Sized",
-    "SizingRequest",
-    "StrapStress",
-    "Table1",
-    "Table1Constants",
-    "cam_outline",
-    "cam_sheet",
-    "design_joint",
-    "layout_sheet",
-    "of_cylinder",
-    "of_plate",
-    "read_characteristic",
-    "refuse_errors",
-    "size_joint",
-    "strap_stress",
-    "synthesise",
-    "table1",
-    "wrapped_hose",
-    "write_drawings",
-]
-
+    "HOSE_WIDTHS", "Air", "Cam", "Characteristic", "Finding", "JointDesign", "Lines", "Mass", "Outline", "Plate",
+    "RollerLine", "ShellLine", "Sized", "SizingRequest", "StrapStress", "Table1", "Table1Constants", "cam_outline",
+    "cam_sheet", "design_joint", "layout_sheet", "of_cylinder", "of_plate", "read_characteristic", "refuse_errors",
+    "size_joint", "strap_stress", "synthesise", "table1", "wrapped_hose", "write_drawings",
+]  # fmt: skip
 _MODULES = (
-    "cam", "candidates", "characteristic", "crude_table", "drawing", "mass", "measured", "outline", "plates", "request",
-    "rules", "sizing", "strap", "straplines", "summary",
+    "cam", "characteristic", "crude_table", "drawing", "measured", "outline", "plates", "request", "rules", "sizing",
+    "strap", "straplines", "summary",
 )  # fmt: skip
 
 

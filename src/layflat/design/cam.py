@@ -38,9 +38,7 @@ class Cam:
     line_normal: Array  # psi, rad
     normal: Array  # eta, rad, falling
     curvature_radius: Array  # rho, m; not positive where the cam can't be made
-    profile: Array
-    """Points of the envelope in the cam's frame, which is the joint's at phi = 0 with its origin on the output axis, m,
-    shape (n, 2)."""
+    profile: Array  # points (n, 2) of the envelope, m, in the cam's frame: the joint's at phi = 0, with its origin at O
     strap_point: Array  # A, m, in the joint's frame, shape (n, 2)
     axis: tuple[float, float]  # O, m, in the joint's frame
 
@@ -76,17 +74,10 @@ class Cam:
 
 
 def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -> Cam:
-    """Return the cam that turns by `stroke` while the hose goes through its travel, at constant torque per pressure.
+    """Return the cam that turns by `stroke` (rad) while the hose goes through its travel, at constant torque.
 
-    Energy settles the torque: K = swept volume / stroke.
-
-    Args:
-        characteristic: force over travel of one hose.
-        line: how the strap gets from hose to cam.
-        stroke: of the cam over the full travel, rad.
-
-    Raises:
-        DesignError: the stroke is not positive, no lever arm gives the torque, or the strap's lines turn back.
+    Energy settles the torque per pressure: K = swept volume / stroke. Raise DesignError if the stroke is not positive,
+    no lever arm gives the torque, or the strap's lines turn back.
     """
     if not (isfinite(stroke) and stroke > 0):
         raise DesignError(f"stroke of {degrees(stroke):.6g} deg", where="cam", right="give a positive stroke")

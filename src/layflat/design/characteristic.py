@@ -10,6 +10,7 @@
 By virtual work F ds = P dV, so one curve is force and volume alike, and nothing built from it can make energy.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -17,21 +18,39 @@ from math import pi
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.design.curves import ORDER, Through, spline
 from layflat.errors import DesignError
 from layflat.machine import Joint
 from layflat.physics.hose import roller_torque
 
 POINTS = 601  # nodes of a curve that a law gives; its quintic spline is then as exact as the law
+ORDER = 5  # of the spline, which goes through more points than that
+
+Through = Callable[[Array, Array], tuple[Array, Array, Array]]
+"""Yields the integral of y over rising x from the first point on, and y' and y'', at each point: shape (n,) each."""
+
+
+def spline(x: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Lay a quintic spline through all points."""
+    from scipy.interpolate import make_interp_spline  # noqa: PLC0415  # SciPy takes a second to import
+
+    curve = make_interp_spline(x, y, k=ORDER)
+    return curve.antiderivative()(x), curve.derivative(1)(x), curve.derivative(2)(x)
+
+
+def stencils(x: Array, y: Array) -> tuple[Array, Array, Array]:
+    """Lay a polynomial through each point and its neighbours: the spline's values to 1e-6, without SciPy."""
+    powers = np.arange(min(ORDER + 2, len(x)))
+    near = np.clip(np.arange(len(x)) - ORDER // 2, 0, len(x) - len(powers))[:, None] + powers
+    away = x[near] - x[:, None]
+    scale = np.ptp(away, axis=1, keepdims=True)
+    terms = np.linalg.solve((away / scale)[..., None] ** powers, y[near][..., None])[..., 0] / scale**powers
+    steps = (terms[:-1] * np.diff(x)[:, None] ** (powers + 1) / (powers + 1)).sum(axis=1)
+    return np.concatenate(([0.0], np.cumsum(steps))), terms[:, 1], 2 * terms[:, 2]
 
 
 @dataclass(frozen=True)
 class Characteristic:
-    """Force per pressure over travel.
-
-    Raises:
-        DesignError: the curve has too few points, does not rise in travel, or is not positive.
-    """
+    """Force per pressure over travel; DesignError if it has too few points, does not rise, or is not positive."""
 
     travel: Array  # s, m, shape (n,), rising from 0
     force: Array  # f, N/Pa = m2, shape (n,), positive
@@ -73,35 +92,19 @@ class Characteristic:
         return self.travel / radius, self.force * radius
 
 
-def of_cylinder(joint: Joint, points: int = POINTS, *, through: Through = spline) -> Characteristic:
+def of_cylinder(joint: Joint, *, through: Through = spline) -> Characteristic:
     """Return the hose of a described joint by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""
     hose, R = joint.hose, joint.cylinder.diameter / 2
-    return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, points=points, through=through)
+    return wrapped_hose(hose.width, R, hose.wrap, hose.contact_end, hose.peel_ratio, through=through)
 
 
 def wrapped_hose(
-    width: float,
-    R: float,
-    gamma: float,
-    contact_end: float,
-    c: float,
-    *,
-    points: int = POINTS,
-    through: Through = spline,
+    width: float, R: float, gamma: float, contact_end: float, c: float, *, through: Through = spline
 ) -> Characteristic:
-    """Return a hose wrapped around a cylinder by Eq. (1).
+    """Return a hose of flat width (m) and peel ratio c wrapped around a cylinder of outer radius R (m) by Eq. (1).
 
-    Args:
-        width: of the flat hose, m.
-        R: outer radius of the cylinder, m.
-        gamma: wrap angle of the collapsed hose, rad.
-        contact_end: contact angle at full travel, rad.
-        c: peel ratio.
-        points: nodes of the curve.
-        through: lays the curve through them.
-
-    Raises:
-        DesignError: a size is not positive, the wrap is over 180 deg, or the hose gives no force.
+    The wrap of the collapsed hose is gamma, the contact angle at full travel `contact_end`, rad. Raise DesignError if a
+    size is not positive, the wrap is over 180 deg, or the hose gives no force.
     """
     sizes = {"width": width, "radius": R, "wrap": gamma, "contact_end": contact_end, "peel_ratio": c}
     for name, value in sizes.items():
@@ -111,6 +114,6 @@ def wrapped_hose(
         what = f"wrap of {np.degrees(gamma):.6g} deg and contact_end of {np.degrees(contact_end):.6g} deg"
         right = "contact_end must be smaller than wrap, and wrap at most 180 deg"
         raise DesignError(what, where="hose on a cylinder", right=right)
-    alpha = np.linspace(gamma, contact_end, points)
+    alpha = np.linspace(gamma, contact_end, POINTS)
     force = np.array([roller_torque(1.0, R, 1.0, width / pi, gamma, float(a)) for a in alpha])
     return Characteristic(c * R * (gamma - alpha), force, "Eq. (1)", through=through)

@@ -29,20 +29,10 @@ CYLINDER_DIRECTION = -35.0  # where the cylinder's is, deg: the side without she
 
 
 def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
-    """Write a joint's cam as DXF, SVG and CSV, and its layout as SVG; all of them, or none.
+    """Write a joint's cam as DXF, SVG and CSV, and its layout as SVG, all of them or none, and return the files.
 
-    Without ezdxf, which the extra `drawing` brings, there is no DXF.
-
-    Args:
-        design: a joint with a cam.
-        folder: where they go; it is made if it is not there.
-
-    Returns:
-        The files, named by machine and joint.
-
-    Raises:
-        DesignError: the joint has no cam that can be made.
-        OutputError: the folder can't be written.
+    Without ezdxf, which the extra `drawing` brings, there is no DXF. Raise DesignError if the joint has no cam that can
+    be made, OutputError if the folder, which need not be there, can't be written.
     """
     cam, stem = cam_sheet(design), re.sub(r"[^\w.]+", "-", f"{design.machine.name}-{design.name}")
     columns, table = design.columns(), StringIO()
@@ -61,12 +51,8 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
 
 
 def cam_sheet(design: JointDesign) -> Sheet:
-    """Draw the cam in its own frame: outline, bore, strap at both ends of the stroke, dimensions and notes.
-
-    Raises:
-        DesignError: the joint has no cam that can be made.
-    """
-    cam, outline = design.with_cam(), _outline(design)
+    """Draw the cam in its own frame: outline, bore, strap at both ends of the stroke, dimensions and notes."""
+    outline = _outline(design)
     points = outline.points * MM
     low, high = points.min(axis=0), points.max(axis=0)
     t = min(LARGEST_TEXT, float((high - low).max()) / TEXTS_ACROSS)
@@ -74,24 +60,21 @@ def cam_sheet(design: JointDesign) -> Sheet:
     sheet.paths.append(Line(points, "OUTLINE", closed=True))
     sheet.circles.append(Circle((0.0, 0.0), outline.bore / 2 * MM, "OUTLINE"))
     sheet.cross((0.0, 0.0), outline.hub / 2 * MM + t)
-    _levers(sheet, cam)
+    _levers(sheet, outline.cam)
     ends = np.vstack([distance.ends for distance in sheet.distances])
     _overall(sheet, low, high, np.vstack((points, ends)))
     bore, lead = outline.bore * MM, float((points @ unit(radians(BORE_DIRECTION))).max()) + 2 * t
     sheet.diameters.append(Diameter((0.0, 0.0), bore / 2, BORE_DIRECTION, f"⌀{bore:.4g}", lead))
     top = min(low[1], ends[:, 1].min()) - 11 * t
-    for row, text in enumerate(_notes(design, cam, outline)):
+    for row, text in enumerate(_notes(design, outline)):
         sheet.notes.append(Note((float(low[0]) - 6 * t, float(top) - 1.6 * t * row), text, 1.25 if row == 0 else 1.0))
     return sheet
 
 
 def layout_sheet(design: JointDesign) -> Sheet:
-    """Draw cylinder, shell, strap and cam of the left hose in the joint's frame, at three angles of the output.
-
-    Raises:
-        DesignError: the joint has no cam that can be made.
-    """
-    cam, outline, joint = design.with_cam(), _outline(design), design.joint
+    """Draw cylinder, shell, strap and cam of the left hose in the joint's frame, at three angles of the output."""
+    outline, joint = _outline(design), design.joint
+    cam = outline.cam
     R = joint.cylinder.diameter / 2 * MM
     t = min(LARGEST_TEXT, 2 * R / TEXTS_ACROSS)
     sheet = Sheet(f"Layout of joint {design.name}, {design.machine.name}", t)
@@ -130,7 +113,8 @@ def layout_sheet(design: JointDesign) -> Sheet:
 def _legend(sheet: Sheet, design: JointDesign, at: tuple[float, float]) -> None:
     """Write title, what each kind of line stands for, and the sizes that no dimension shows."""
     t, (x, y), hose, line = sheet.text_height, at, design.joint.hose, of_joint(design.joint)
-    _, middle, end = (f"{degrees(design.with_cam().angle[k]):.0f}°" for k in (0, len(design.with_cam().angle) // 2, -1))
+    angle = design.with_cam().angle
+    middle, end = (f"{degrees(angle[k]):.0f}°" for k in (len(angle) // 2, -1))
     lines: dict[Layer, str] = {
         "OUTLINE": "cam with the hose collapsed (0°)",
         "CENTRE": f"cam turned by {middle} and {end}",
@@ -147,9 +131,10 @@ def _legend(sheet: Sheet, design: JointDesign, at: tuple[float, float]) -> None:
 
 
 def _outline(design: JointDesign) -> Outline:
+    """Return the cam as a part; raise DesignError if the joint has none that can be made."""
+    design.with_cam()
     if design.outline is None:
-        right = "see its findings"
-        raise DesignError("the cam can't be made", where=design.where, right=right)
+        raise DesignError("the cam can't be made", where=design.where, right="see its findings")
     return design.outline
 
 
@@ -175,8 +160,9 @@ def _overall(sheet: Sheet, low: Array, high: Array, taken: Array) -> None:
     sheet.distances.append(Distance((x1, y0), (x1, y1), (beside, y0), 90.0, f"{y1 - y0:.2f}"))
 
 
-def _notes(design: JointDesign, cam: Cam, outline: Outline) -> list[str]:
-    strap, torque = design.joint.strap, cam.torque_constant * design.pressure
+def _notes(design: JointDesign, outline: Outline) -> list[str]:
+    strap, cam = design.joint.strap, outline.cam
+    torque = cam.torque_constant * design.pressure
     return [
         f"Cam of joint {design.name}, {design.machine.name}",
         f"{torque:.4g} N m at {design.pressure / 1e5:.4g} bar over {degrees(cam.stroke):.4g}°; "

@@ -1,7 +1,5 @@
 """A sheet as DXF (R2010, mm), with dimensions that CAD programs can edit. ezdxf is an extra: `layflat[drawing]`."""
 
-from __future__ import annotations
-
 import io
 from math import radians
 from typing import TYPE_CHECKING, Any
@@ -25,11 +23,7 @@ LAYERS: dict[Layer, tuple[int, str]] = {
 
 
 def dxf_text(sheet: Sheet) -> str:
-    """Return the DXF document of a sheet.
-
-    Raises:
-        MissingExtraError: ezdxf is not installed.
-    """
+    """Return the DXF document of a sheet; raise MissingExtraError if ezdxf is not installed."""
     ezdxf = extras.module("drawing", "ezdxf", where="DXF drawing")
     document = ezdxf.new("R2010", setup=True)
     document.units = ezdxf.units.MM
@@ -49,30 +43,16 @@ def dxf_text(sheet: Sheet) -> str:
     return stream.getvalue()
 
 
-def _dimensions(space: Modelspace, sheet: Sheet) -> None:
+def _dimensions(space: "Modelspace", sheet: Sheet) -> None:
     t = sheet.text_height
     style: dict[str, Any] = {
         "dimtxt": t, "dimasz": 0.8 * t, "dimexo": 0.3 * t, "dimexe": 0.5 * t, "dimgap": 0.3 * t, "dimlfac": 1.0,
         "dimscale": 1.0, "dimdec": 3, "dimzin": 0, "dimtad": 1, "dimtsz": 0.0, "dimblk": "", "dimtmove": 1,
     }  # fmt: skip
-    attributes = {"layer": "DIMENSIONS"}
-    for distance in sheet.distances:
-        space.add_linear_dim(
-            base=distance.base,
-            p1=distance.first,
-            p2=distance.second,
-            angle=distance.direction,
-            text=distance.label,
-            override=style,
-            dxfattribs=attributes,
-        ).render()
-    for diameter in sheet.diameters:
-        space.add_diameter_dim(
-            center=diameter.centre,
-            radius=diameter.radius,
-            angle=diameter.direction,
-            text=diameter.label,
-            location=diameter.centre + diameter.lead * unit(radians(diameter.direction)),
-            override=style,
-            dxfattribs=attributes,
-        ).render()
+    look: dict[str, Any] = {"override": style, "dxfattribs": {"layer": "DIMENSIONS"}}
+    for one in sheet.distances:
+        space.add_linear_dim(one.base, one.first, one.second, angle=one.direction, text=one.label, **look).render()
+    for circle in sheet.diameters:
+        at = circle.centre + circle.lead * unit(radians(circle.direction))
+        where: dict[str, Any] = {"radius": circle.radius, "angle": circle.direction, "location": at}
+        space.add_diameter_dim(circle.centre, **where, text=circle.label, **look).render()

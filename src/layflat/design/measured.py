@@ -28,10 +28,8 @@ TRAVELS = {"angle_deg": radians(1.0), "angle_rad": 1.0, "travel_mm": 1e-3, "trav
 FORCES = {"torque_Nm": 1.0, "force_N": 1.0}
 PRESSURES = {"pressure_bar": 1e5, "pressure_Pa": 1.0}  # known columns, and what turns each into its SI unit
 PRESSURE_RANGE = 1e3, 1e7  # gauge pressures that a test may have had, Pa
-
 LEAST_ROWS = 5
-DEGREE = 4
-"""Of the polynomial through the points. A cam's curvature hangs on second derivatives, so noise must not pass."""
+DEGREE = 4  # of the polynomial through the points: a cam's curvature hangs on second derivatives, noise must not pass
 
 
 class _Table(NamedTuple):
@@ -64,13 +62,10 @@ def read_characteristic(
     """Return force over travel from a measured table.
 
     Args:
-        path: CSV file, as this module's docstring shows.
+        path: CSV file, as this module's docstring shows; InputError says which file, line and column is wrong.
         pressure: gauge pressure at which it was measured, Pa; needed where no column gives it.
         roller_radius: radius of the round roller that turned, m; needed for a table of angle and torque.
         degree: of the polynomial that is laid through the points (least squares).
-
-    Raises:
-        InputError: in one line, which file, line and column is wrong and what would be right.
     """
     if degree < 1:
         where = "degree of the polynomial"
@@ -106,7 +101,7 @@ def _read(path: Path) -> _Table:
         rows = [
             (line, row)
             for line, row in enumerate(csv.reader(StringIO(text, newline=""), strict=True), 1)
-            if _holds_data(row)
+            if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
         ]
     except csv.Error as error:
         raise InputError(f"is not CSV ({error})", where=where, right="separate columns by commas") from None
@@ -119,10 +114,6 @@ def _read(path: Path) -> _Table:
         raise InputError(f"column {doubled[0]!r} appears twice", where=f"{where}, line {rows[0][0]}", right="keep one")
     values = [_numbers(row, names, f"{where}, line {line}") for line, row in rows[1:]]
     return _Table(where, dict(zip(names, np.array(values).T, strict=True)), [line for line, _ in rows[1:]])
-
-
-def _holds_data(row: list[str]) -> bool:
-    return any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
 
 
 def _numbers(row: list[str], names: list[str], where: str) -> list[float]:

@@ -17,12 +17,10 @@ from layflat.errors import DesignError
 
 BORES = tuple(size * 1e-3 for size in (4, 5, 6, 8, 10, 12, 15, 17, 20, 25, 30, 35, 40, 45, 50, 60))
 """Bores of common bearings and bushes, m."""
-
 BORE_SHARE = 0.6  # greatest bore over the smallest lever arm
 HUB_SHARE = 1.5  # hub diameter over bore: the least wall around the bore
 CLAMP_SHARE = 0.5  # length of the flat for the strap's clamp over the smallest lever arm
 RUN_OUT = np.radians(np.arange(1.0, 13.0))  # angles of the run-out's points beyond the profile, rad
-
 HUB_POINTS = 180
 ON_LINE = 1e-8  # how far the outline may reach over a line of the strap, m
 
@@ -31,8 +29,7 @@ ON_LINE = 1e-8  # how far the outline may reach over a line of the strap, m
 class Outline:
     """Closed outline of a convex cam in its own frame, origin on the output axis.
 
-    Raises:
-        DesignError: the cam is not convex, turns too far for one plane, or the bore leaves no wall.
+    Raise DesignError if the cam is not convex, turns too far for one plane, or the bore leaves no wall.
     """
 
     cam: Cam  # the cam
@@ -97,11 +94,7 @@ class Outline:
 
 
 def cam_outline(cam: Cam, bore: float | None = None) -> Outline:
-    """Return the outline of a convex cam; without a bore (m) with the greatest common one that leaves a wall.
-
-    Raises:
-        DesignError: see `Outline`.
-    """
+    """Return the `Outline` of a cam; without a bore (m) with the greatest common one that leaves a wall."""
     if bore is None:
         greatest = BORE_SHARE * float(cam.lever.min())
         bore = max((size for size in BORES if size <= greatest), default=greatest)

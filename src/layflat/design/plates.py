@@ -34,11 +34,7 @@ USED_FALL = 0.5  # share of its first force at which a hose's travel ends by def
 
 @dataclass(frozen=True)
 class Plate:
-    """A plate with a hinged shell, both flat or both curved.
-
-    Raises:
-        DesignError: a size is not positive, or the plate wraps over 180 deg.
-    """
+    """A plate with a hinged shell, both flat or both curved; DesignError if it wraps over 180 deg or has no size."""
 
     width: float  # of the flat hose, m
     length: float  # along the hose, from the clamp to the strap point, m
@@ -81,9 +77,8 @@ class Plate:
         """Return V between plate and shell when opened by psi, m3."""
         first, second = self._moments()
         half = np.asarray(opening, dtype=float) / 2
-        return np.asarray(
-            2 * self.width * first * np.sin(half) * np.cos(half) - pi * second * np.sin(half) ** 2 * np.cos(half)
-        )
+        flat = 2 * self.width * first * np.sin(half) * np.cos(half)
+        return np.asarray(flat - pi * second * np.sin(half) ** 2 * np.cos(half))
 
     def moment(self, opening: ArrayLike) -> Array:
         """Return the moment about the hinge per pressure, dV/dpsi, m3/rad."""
@@ -93,23 +88,18 @@ class Plate:
         return np.asarray(self.width * first * np.cos(psi) - pi / 2 * second * sine * (2 * cosine**2 - sine**2))
 
 
-def of_plate(plate: Plate, opening: float | None = None, *, points: int = POINTS) -> Characteristic:
+def of_plate(plate: Plate, opening: float | None = None) -> Characteristic:
     """Return force over travel of a hose between plate and shell.
 
-    Args:
-        plate: plate and hose.
-        opening: angle to which the shell opens, rad; without it, where the force has fallen to half.
-        points: nodes of the curve.
-
-    Raises:
-        DesignError: the opening is not positive, or more than the hose fills.
+    The shell opens by an angle (rad), by default to where the force has fallen to half; raise DesignError if that is
+    not positive, or more than the hose fills.
     """
     if opening is None:
         opening = _used_opening(plate)
     if not 0 < opening <= plate.full_opening:
         right = f"above 0 and at most {degrees(plate.full_opening):.4g} deg, where the hose is fully inflated"
         raise DesignError(f"{degrees(opening):.6g} deg", where="plate: opening", right=right)
-    psi = np.linspace(0.0, opening, points)
+    psi = np.linspace(0.0, opening, POINTS)
     kind = "flat" if isinf(plate.radius) else "curved"
     return Characteristic(plate.chord * psi, plate.moment(psi) / plate.chord, f"a {kind} plate by virtual work")
 

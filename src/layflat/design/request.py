@@ -1,12 +1,23 @@
-"""What a joint is asked to do: the request that a joint is sized for, with the range of each value."""
+"""What a joint is asked to do, and the hoses and cylinders that sweep what its work takes: V = T S/P.
 
+| symbol | meaning | unit |
+|---|---|---|
+| T, P | torque that is wanted, gauge supply pressure | N m, Pa |
+| S | full travel of the output: the working stroke and a reserve | rad |
+| V | volume that one hose sweeps | m3 |
+| w, D | width of the flat hose, diameter of the cylinder | m |
+"""
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import isfinite, pi, radians
+from functools import partial
+from math import ceil, degrees, isfinite, pi, radians
 from typing import Any, Self
 
 from layflat.description import units as u
 from layflat.description.names import file_name
 from layflat.errors import DesignError
+from layflat.physics.hose import peeled_volume
 
 RANGES: dict[str, tuple[u.Quantity | None, float, float]] = {
     "torque": (u.TORQUE, 0.5, 1500.0),
@@ -22,17 +33,21 @@ RANGES: dict[str, tuple[u.Quantity | None, float, float]] = {
     "stress_margin": (None, 1.0, 10.0),
 }
 """Kind, least and greatest value (SI) of each request."""
-
 ROUNDING = 1e-9  # share by which a bound may be missed: what is written in another unit is rounded
+
+# Flat widths, m, in which layflat hose is commonly sold (inch sizes 1 to 8; makers differ by a millimetre or two).
+HOSE_WIDTHS = tuple(w * 1e-3 for w in (40, 53, 67, 83, 102, 105, 110, 129, 160, 205, 260, 310))
+CHOSEN_RATIO = 0.8, 1.0  # diameter over width when both are chosen here; the paper's joints: 0.95 and 0.93
+GIVEN_RATIO = 0.5, 1.8  # the same when one is given: beyond these the hose kinks, or is nearly all dead volume
+RESERVE = radians(40.0 / 3.0)  # travel beyond the working stroke: two thirds to the stop, as in the paper's large joint
+CONTACT_SHARE = 0.7  # contact angle at full travel over wrap: 84 deg of 120 deg in Table 1
 
 
 @dataclass(frozen=True)
 class SizingRequest:
     """What a joint must do, in SI; what is None is chosen.
 
-    Raises:
-        InputError: the name can't be that of a file.
-        DesignError: a value lies outside any sensible range.
+    Raise InputError if the name can't be that of a file, DesignError if a value is outside any sensible range.
     """
 
     torque: float  # over the whole working stroke at supply pressure, N m
@@ -55,19 +70,14 @@ class SizingRequest:
             if value is not None and not (
                 isfinite(value) and least * (1 - ROUNDING) <= value <= greatest * (1 + ROUNDING)
             ):
-                raise DesignError(
-                    _text(kind, value),
-                    where=f"size: {key}",
-                    right=f"give {_text(kind, least)} to {_text(kind, greatest)}",
-                )
+                right = f"give {_text(kind, least)} to {_text(kind, greatest)}"
+                raise DesignError(_text(kind, value), where=f"size: {key}", right=right)
 
     @classmethod
     def from_text(cls, **given: str | float | None) -> Self:
         """Return the request of texts with units, such as torque="25 N m"; what is None keeps its default.
 
-        Raises:
-            InputError: a text is not a quantity of its kind.
-            DesignError: a value lies outside any sensible range.
+        Raise InputError if a text is not a quantity of its kind, DesignError if a value is outside any sensible range.
         """
         values: dict[str, Any] = {}
         for key, value in given.items():
@@ -83,3 +93,46 @@ class SizingRequest:
 
 def _text(kind: u.Quantity | None, value: float) -> str:
     return f"{value:.6g}" if kind is None else str(u.alike(kind.example, value, kind.unit))
+
+
+def hoses_and_cylinders(request: SizingRequest, c: float) -> Iterator[tuple[float, float]]:
+    """Yield widths of hose, of peel ratio c, and diameters of cylinder that sweep enough, m, the smallest first."""
+    needed = request.torque * (request.stroke + RESERVE) / request.supply
+    contact_end = CONTACT_SHARE * request.wrap
+
+    def spare(w: float, D: float) -> float:
+        return float(peeled_volume(D / 2, w / pi, request.wrap, contact_end, c)) - needed
+
+    chosen = request.hose_width is None and request.cylinder_diameter is None
+    least, greatest = CHOSEN_RATIO if chosen else GIVEN_RATIO
+    for w in HOSE_WIDTHS if request.hose_width is None else (request.hose_width,):
+        D = request.cylinder_diameter
+        if D is None:
+            D = _smallest(partial(spare, w), least * w, greatest * w)
+        elif not least * w <= D <= greatest * w:
+            continue
+        if D is not None and spare(w, D) >= 0:
+            yield w, D
+
+
+def _smallest(spare: Callable[[float], float], least: float, greatest: float) -> float | None:
+    """Return the smallest diameter with volume to spare, in whole millimetres; None where even the largest has none."""
+    from scipy.optimize import brentq  # noqa: PLC0415  # SciPy takes long to import
+
+    if spare(greatest) < 0:
+        return None
+    exact = least if spare(least) >= 0 else float(brentq(spare, least, greatest))
+    return ceil(exact * 1e3 - 1e-9) / 1e3
+
+
+def too_much(request: SizingRequest) -> DesignError:
+    """Return the error of a request that no hose and cylinder can do."""
+    if request.cylinder_diameter is not None:
+        what, better = f"a cylinder of {request.cylinder_diameter * 1e3:.4g} mm", "a larger cylinder"
+    elif request.hose_width is not None:
+        what, better = f"a hose of {request.hose_width * 1e3:.4g} mm", "a wider hose"
+    else:
+        what, better = f"the widest hose sold, {HOSE_WIDTHS[-1] * 1e3:.4g} mm,", "more supply pressure"
+    wanted = f"{request.torque:.4g} N m over {degrees(request.stroke):.4g} deg at {request.supply / 1e5:.4g} bar"
+    right = f"give {better}, or ask for less torque or stroke"
+    return DesignError(f"{what} can't give {wanted}", where="size", right=right)

@@ -3,8 +3,6 @@
 An "error" is what can't be made or breaks, a "warning" what works badly, a "note" what the maker should know.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import degrees, pi, radians
@@ -22,16 +20,11 @@ ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 Found = Iterator[tuple[Severity, str, str, str, str]]
 """Severity, rule, key within the joint, what is so, and what would be right or what it leads to."""
 
-WRAP_LIMIT = radians(120.0)
-"""Over this wrap the hose kinks and slides. Source: section 2.1.1."""
-
-WRAP_GREATEST = pi
-"""Over half a turn Eq. (1) means nothing."""
-
+WRAP_LIMIT = radians(120.0)  # over this wrap the hose kinks and slides; source: section 2.1.1
+WRAP_GREATEST = pi  # over half a turn Eq. (1) means nothing
 SAFETY_WANTED = 1.3  # yield over stress below which a strap is worth a warning
 ALIGNMENT_WANTED = 0.7  # share of the strap's tension along the shell's motion below which a shaft is badly placed
 FIT_WANTED = 0.03  # distance of measured points from their curve, share of the greatest force, that is worth a warning
-
 SLACK = radians(1e-6)
 LEAST_SLOT = 0.5e-3
 
@@ -51,7 +44,7 @@ class Finding:
         return f"{text}; {self.right}" if self.right else text
 
 
-def check(design: JointDesign) -> tuple[Finding, ...]:
+def check(design: "JointDesign") -> tuple[Finding, ...]:
     """Return the findings of all rules, worst first."""
     found = [
         Finding(severity, rule, f"{design.where}.{key}" if key else design.characteristic.source, what, right)
@@ -62,17 +55,13 @@ def check(design: JointDesign) -> tuple[Finding, ...]:
 
 
 def refuse_errors(findings: Sequence[Finding]) -> None:
-    """Raise the first error among findings, if there is one.
-
-    Raises:
-        DesignError: with the finding's text.
-    """
+    """Raise the first error among findings, if there is one, as DesignError with its text."""
     for finding in findings:
         if finding.severity == "error":
             raise DesignError(finding.what, where=finding.where, right=finding.right)
 
 
-def _sizes(design: JointDesign) -> Found:
+def _sizes(design: "JointDesign") -> Found:
     wrap, cam = design.joint.hose.wrap, design.cam
     if wrap > WRAP_GREATEST + SLACK:
         right = "at most 180 deg; up to 120 deg works well"
@@ -91,7 +80,7 @@ def _sizes(design: JointDesign) -> Found:
         yield "error", "strap width", "strap.width", what, f"at most {hose:.4g} mm"
 
 
-def _strap(design: JointDesign) -> Found:
+def _strap(design: "JointDesign") -> Found:
     for stress in design.stresses:
         what = (
             f"{stress.total / 1e6:.4g} MPa over the {stress.place} (tension {stress.tensile / 1e6:.4g}, bending over "
@@ -126,7 +115,7 @@ def _strap(design: JointDesign) -> Found:
             yield "note", "slot", offset, what, right
 
 
-def _torque(design: JointDesign) -> Found:
+def _torque(design: "JointDesign") -> Found:
     characteristic, working = design.characteristic, design.joint.stops.working_stroke
     if design.stroke < working - SLACK:
         what = f"{degrees(working):.4g} deg, but the hose turns the output by {degrees(design.stroke):.4g} deg only"

@@ -21,19 +21,11 @@ from layflat.machine.parameters import torque_constant, travel_volume
 
 Rows = Iterator[tuple[str, str | int, str]]  # dotted path, value as it is written, and note
 
-BRAKE_SHARE = 0.08
-"""Brake over maximum torque. Source: section 4.2."""
-
-OVERSHOOT_ROOM = 20.0
-"""Mechanical beyond working stroke, deg. Source: section 2.3."""
-
+BRAKE_SHARE = 0.08  # brake over maximum torque; source: section 4.2
+OVERSHOOT_ROOM = 20.0  # mechanical beyond working stroke, deg; source: section 2.3
 HEIGHT_PER_WIDTH = 1.6  # height of a joint over the width of its hose: 1.64 and 1.56 in the paper
-
-INERTIA_PER_TORQUE = 1e-2
-"""Payload inertia that a joint carries, kg m2 per N m. Source: section 5."""
-
+INERTIA_PER_TORQUE = 1e-2  # payload inertia that a joint carries, kg m2 per N m; source: section 5
 ASKED = "asked for"  # note of values that are given; all others are derived
-
 BY_TORQUE = "the paper's small joint, scaled by torque"
 
 

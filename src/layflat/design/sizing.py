@@ -11,10 +11,9 @@ from tempfile import TemporaryDirectory
 
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
-from layflat.design.candidates import CONTACT_SHARE, RESERVE, hoses_and_cylinders, too_much
 from layflat.design.characteristic import Characteristic, of_cylinder
 from layflat.design.outline import cam_outline
-from layflat.design.request import SizingRequest
+from layflat.design.request import CONTACT_SHARE, RESERVE, SizingRequest, hoses_and_cylinders, too_much
 from layflat.design.rules import LEAST_SLOT, Finding
 from layflat.design.sized import SizedJoint, description
 from layflat.design.strap import choose_strap
@@ -27,9 +26,8 @@ from layflat.machine.mass import part_masses
 MODEL = "paper-small-joint"  # the machine that a sized joint is laid over
 WIDER = 4  # how many hoses beyond the narrowest are tried before the strap is called too weak
 LARGEST_ROLLER = 0.8  # roller radius over the cylinder's beyond which a cam doesn't fit
-
+# Shaft offset over cylinder radius: the first at which the strap clears the cylinder's free edge is taken.
 OFFSET_SHARES = (0.5, 0.55, 0.6, 0.65, 0.7, 0.75, 0.8, 0.85)
-"""Shaft offset over cylinder radius: the first at which the strap clears the cylinder's free edge is taken."""
 
 
 @dataclass(frozen=True)
@@ -54,10 +52,8 @@ class Sized:
 def size_joint(request: SizingRequest) -> Sized:
     """Size a joint: find the narrowest hose on a cylinder of the paper's proportions that gives torque and stroke.
 
-    Where its strap would not bear the tension, the next wider hose is tried, up to `WIDER` times.
-
-    Raises:
-        DesignError: no joint can do what is asked, in one line that says why.
+    Where its strap would not bear the tension, the next wider hose is tried, up to `WIDER` times. Raise DesignError if
+    no joint can do what is asked.
     """
     model = load(MODEL)
     base = next(iter(model.joints.values()))
@@ -80,16 +76,14 @@ def _sized(request: SizingRequest, base: Joint, width: float, diameter: float) -
         right = "ask for a longer stroke, or a smaller wrap"
         raise DesignError(what, where="size: stroke", right=right)
     scale = diameter / base.cylinder.diameter
-    return base.model_copy(
-        update={
-            "hose": base.hose.model_copy(update={"width": width, "wrap": request.wrap, "contact_end": contact_end}),
-            "cylinder": base.cylinder.model_copy(
-                update={"diameter": diameter, "wall": _half_mm(base.cylinder.wall * scale)}
-            ),
-            "output": base.output.model_copy(update={"radius": radius, "kind": "cam"}),
-            "cover": base.cover.model_copy(update={"thickness": _half_mm(base.cover.thickness * scale)}),
-        }
-    )
+    updates = {
+        "hose": {"width": width, "wrap": request.wrap, "contact_end": contact_end},
+        "cylinder": {"diameter": diameter, "wall": _half_mm(base.cylinder.wall * scale)},
+        "output": {"radius": radius, "kind": "cam"},
+        "cover": {"thickness": _half_mm(base.cover.thickness * scale)},
+    }
+    parts = {name: getattr(base, name).model_copy(update=update) for name, update in updates.items()}
+    return base.model_copy(update=parts)
 
 
 def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint) -> Sized:
@@ -102,13 +96,8 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     joint = joint.model_copy(update={"strap": strap})
     models = design_joint(model).mass
     parts = part_masses(joint, characteristic.full_travel, area)
-    sized = SizedJoint(
-        request=request,
-        joint=joint,
-        torque_constant=cam.torque_constant,
-        swept_volume=characteristic.swept_volume,
-        mass=sum(parts.values()) / (models.counted / models.body),
-    )
+    mass = sum(parts.values()) / (models.counted / models.body)
+    sized = SizedJoint(request, joint, cam.torque_constant, characteristic.swept_volume, mass)
     text = description(sized, model, MODEL)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "sized.toml"
@@ -138,12 +127,9 @@ def _with_shaft(request: SizingRequest, joint: Joint, characteristic: Characteri
         if best is not None and best[1].dip <= LEAST_SLOT:
             break
     if best is None:
-        raise DesignError(
-            f"with a wrap of {degrees(request.wrap):.4g} deg and a stroke of {degrees(request.stroke):.4g} deg "
-            "no place of the shaft gives a cam",
-            where="size: wrap",
-            right="ask for a longer stroke, or a wrap nearer to 120 deg",
-        )
+        asked = f"a wrap of {degrees(request.wrap):.4g} deg and a stroke of {degrees(request.stroke):.4g} deg"
+        right = "ask for a longer stroke, or a wrap nearer to 120 deg"
+        raise DesignError(f"with {asked} no place of the shaft gives a cam", where="size: wrap", right=right)
     return best
 
 

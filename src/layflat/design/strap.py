@@ -20,7 +20,6 @@ from layflat.machine.parts import Strap
 
 THICKNESSES = tuple(t * 1e-3 for t in (0.05, 0.1, 0.15, 0.2, 0.25, 0.3))  # of steel strip, m
 WIDTH_SHARE = 0.45  # greatest width of a strap over the hose's: two opposing straps pass each other
-
 LEAST_WIDTH = 0.012
 LAYERS = (2, 4)
 
@@ -60,17 +59,9 @@ def strap_stress(strap: Strap, place: str, bend_radius: float, tension: float) -
 
 
 def choose_strap(request: SizingRequest, base: Strap, hose_width: float, tension: float, bend_radius: float) -> Strap:
-    """Choose the narrowest strip of the base's steel that bears tension and bending with the margin asked for.
+    """Choose the narrowest strip of the base's steel that bears a tension (N) and bending over a radius (m).
 
-    Args:
-        request: margin, and perhaps width and thickness.
-        base: the strap whose material is taken.
-        hose_width: of the flat hose, m.
-        tension: greatest tension, N.
-        bend_radius: smallest radius that it bends over, m.
-
-    Raises:
-        DesignError: none bears it.
+    It bears them with the margin asked for; raise DesignError if none does.
     """
     allowed = base.yield_stress / request.stress_margin
     widest = request.strap_width or WIDTH_SHARE * hose_width
@@ -82,11 +73,7 @@ def choose_strap(request: SizingRequest, base: Strap, hose_width: float, tension
         ]
         width, t = min(fits, default=(inf, 0.0))
         if width <= widest:
-            update = {"width": request.strap_width or width, "thickness": t, "layers": layers}
-            return base.model_copy(update=update)
-    raise DesignError(
-        f"no strap up to {widest * 1e3:.4g} mm wide bears {tension:.4g} N around {bend_radius * 1e3:.4g} mm "
-        f"with a margin of {request.stress_margin:.3g}",
-        where="size: strap",
-        right="a shorter stroke bends it less, a lower supply pressure pulls less; or ask for a smaller stress_margin",
-    )
+            return base.model_copy(update={"width": request.strap_width or width, "thickness": t, "layers": layers})
+    load = f"{tension:.4g} N around {bend_radius * 1e3:.4g} mm with a margin of {request.stress_margin:.3g}"
+    right = "a shorter stroke bends it less, a lower supply pressure pulls less; or ask for a smaller stress_margin"
+    raise DesignError(f"no strap up to {widest * 1e3:.4g} mm wide bears {load}", where="size: strap", right=right)

@@ -60,17 +60,9 @@ class ShellLine:
         return hypot(self.start[0] - self.hinge[0], self.start[1] - self.hinge[1])
 
     def lines(self, travel: Array, force: Array, torque_constant: float) -> Lines:
-        """Return lines that give the torque K at each travel.
+        """Return lines that give the torque K at each travel s, where the force is f; raise DesignError if none does.
 
         Virtual work: tension A'.u = F, so p = K (A'.u)/f, solved for the direction of u.
-
-        Args:
-            travel: s, m, shape (n,).
-            force: f, m2, shape (n,).
-            torque_constant: K, m3/rad.
-
-        Raises:
-            DesignError: no lever arm gives this torque.
         """
         first = np.arctan2(self.start[1] - self.hinge[1], self.start[0] - self.hinge[0])
         A = np.array(self.hinge) + self.chord * unit(first + travel / self.chord)
@@ -84,13 +76,10 @@ class ShellLine:
         bad = ~((along > 0) & (left_over > 0))
         if bad.any():
             at = int(np.argmax(bad))
-            raise DesignError(
-                f"the shell does not move away from the output axis at {travel[at] * 1e3:.4g} mm of travel"
-                if along[at] <= 0
-                else f"no lever arm is long enough at {travel[at] * 1e3:.4g} mm of travel",
-                where="cam",
-                right="a longer stroke lowers the lever arms; an output axis further from the clamps aligns the strap",
-            )
+            away = along[at] > 0
+            what = "no lever arm is long enough" if away else "the shell does not move away from the output axis"
+            right = "a longer stroke lowers the lever arms; an output axis further from the clamps aligns the strap"
+            raise DesignError(f"{what} at {travel[at] * 1e3:.4g} mm of travel", where="cam", right=right)
         beta = np.arctan2(along, left_over)
         u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * across
         return Lines(D * np.sin(beta), _normal_angle(u), np.sum(a * u, axis=-1), A)
@@ -116,12 +105,10 @@ class RollerLine:
         bad = np.abs(far) >= 1
         if bad.any():
             at = int(np.argmax(bad))
-            raise DesignError(
-                f"a lever arm of {p[at] * 1e3:.4g} mm is needed at {travel[at] * 1e3:.4g} mm of travel, "
-                f"but the deflecting roller is only {D * 1e3:.4g} mm from the output axis",
-                where="cam",
-                right="a longer stroke lowers the lever arms; so does a smaller roller radius",
-            )
+            needed = f"a lever arm of {p[at] * 1e3:.4g} mm is needed at {travel[at] * 1e3:.4g} mm of travel"
+            what = f"{needed}, but the deflecting roller is only {D * 1e3:.4g} mm from the output axis"
+            right = "a longer stroke lowers the lever arms; so does a smaller roller radius"
+            raise DesignError(what, where="cam", right=right)
         beta = np.arcsin(far)
         e = out / D
         u = np.cos(beta)[:, None] * e + np.sin(beta)[:, None] * turned(e)
@@ -151,10 +138,8 @@ def of_joint(joint: Joint) -> StrapLine:
 def of_plate(plate: Plate, distance: float, height: float) -> ShellLine:
     """Return the strap's way with plates on either side of the output shaft, straight from shell to cam.
 
-    Args:
-        plate: the plate on the left; its chord stands upright, hinged at its foot.
-        distance: of the chord from the output axis, m.
-        height: of the output axis above the hinge, m.
+    The left plate's chord stands upright, hinged at its foot, at a distance (m) from the output axis, which has a
+    height (m) above the hinge.
     """
     return ShellLine((0.0, height), (-distance, 0.0), (-distance, plate.chord))
 

@@ -10,15 +10,41 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.design import straplines
 from layflat.design.cam import Cam, synthesise
-from layflat.design.characteristic import Characteristic, of_cylinder
-from layflat.design.curves import Through, spline
-from layflat.design.mass import Air, Mass, air_per_stroke
+from layflat.design.characteristic import Characteristic, Through, of_cylinder, spline
 from layflat.design.outline import Outline, cam_outline
 from layflat.design.rules import Finding, check, refuse_errors
 from layflat.design.strap import StrapStress, strap_stress
 from layflat.errors import DesignError, MachineError
 from layflat.machine import Joint, Machine, load
 from layflat.machine.mass import part_masses
+from layflat.physics.air import GAS_CONSTANT, NORMAL_DENSITY
+
+
+@dataclass(frozen=True)
+class Mass:
+    """Masses of the parts whose sizes the description gives, kg, and of the whole joint as described."""
+
+    parts: dict[str, float]
+    body: float
+
+    @property
+    def counted(self) -> float:
+        """Sum of the parts, kg."""
+        return sum(self.parts.values())
+
+    @property
+    def rest(self) -> float:
+        """End plates, shaft, bearings, brake and fittings: what the parts leave of the whole, kg."""
+        return self.body - self.counted
+
+
+@dataclass(frozen=True)
+class Air:
+    """Air of one full stroke of one hose from its collapsed state, at supply pressure."""
+
+    swept_volume: float  # m3
+    dead_volume: float  # m3
+    normal_litres: float  # taken from the supply, at 0 degC and 1.01325 bar; isothermal at the supply's temperature
 
 
 @dataclass(frozen=True)
@@ -66,8 +92,11 @@ class JointDesign:
 
     @property
     def air(self) -> Air:
-        """Air of one full stroke of one hose."""
-        return air_per_stroke(self.joint, self.characteristic.swept_volume, self.machine.supply)
+        """Air of one full stroke of one hose, which it fills from ambient to supply pressure."""
+        supply, swept, dead = self.machine.supply, self.characteristic.swept_volume, self.joint.hose.dead_volume
+        full, before = supply.pressure * (swept + dead), supply.ambient_pressure * dead
+        mass = (full - before) / (GAS_CONSTANT * supply.temperature)
+        return Air(swept, dead, mass / NORMAL_DENSITY * 1e3)
 
     @property
     def roller_torque(self) -> tuple[Array, Array]:
@@ -99,11 +128,7 @@ class JointDesign:
         return per_pressure * self.pressure
 
     def columns(self) -> dict[str, Array]:
-        """Return what Table 1 gives for the cam, exact: columns of shape (n,), units in the names.
-
-        Raises:
-            DesignError: the joint has no cam.
-        """
+        """Return what Table 1 gives for the cam, exact: columns (n,), units in names; raise DesignError without one."""
         cam = self.with_cam()
         return {
             "travel_mm": cam.travel * 1e3,
@@ -121,23 +146,14 @@ class JointDesign:
     def with_cam(self) -> Cam:
         """Return the cam; raise DesignError if the joint has none."""
         if self.cam is None:
-            raise DesignError(
-                '"roller"',
-                where=f"{self.machine.origin}: joint.{self.name}.output.kind",
-                right='give "cam" to have one',
-            )
+            raise DesignError('"roller"', where=f"{self.where}.output.kind", right='give "cam" to have one')
         return self.cam
 
 
 def design_joint(
-    machine: str | Path | Machine,
-    joint: str | None = None,
-    *,
-    measured: Characteristic | None = None,
-    bore: float | None = None,
-    strict: bool = True,
-    through: Through = spline,
-) -> JointDesign:
+    machine: str | Path | Machine, joint: str | None = None, *, measured: Characteristic | None = None,
+    bore: float | None = None, strict: bool = True, through: Through = spline,
+) -> JointDesign:  # fmt: skip
     """Design one joint of a machine.
 
     The cam keeps stroke and mean torque of the round roller of output.radius, as the machine's parameters do.

@@ -17,9 +17,7 @@ STYLES: dict[Layer, str] = {  # of lines; text has none
     "DIMENSIONS": "stroke:#444;stroke-width:{thin}",
 }
 
-ARROW, GAP, PAST = 0.8, 0.3, 0.5
-"""Length of an arrow, gap at a point and reach past the dimension line, in text heights."""
-
+ARROW, GAP, PAST = 0.8, 0.3, 0.5  # length of an arrow, gap at a point, reach past the dimension line, in text heights
 LETTER = 0.58  # width of a letter in text heights
 
 
