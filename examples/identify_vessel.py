@@ -61,7 +61,7 @@ def draw(whole: Fit, early: Fit, path: Path) -> None:
         for place, one in zip(early.model.slices, early.model.outputs, strict=True):
             axes, unit = (pressures, 1e5) if one.name == "pressure" else (temperatures, 1.0)
             wall = one.name == "wall_temperature"
-            look = {"marker": "s", "mfc": "none"} if wall else {"marker": "o"}
+            look: dict[str, Any] = {"marker": "s", "mfc": "none"} if wall else {"marker": "o"}
             axes.plot(one.time, one.measured / unit, "k", ls="", ms=3, label="wall" if wall else "measured", **look)
             for order, (found, label) in enumerate(((whole, "fitted to all"), (early, "fitted to two thirds"))):
                 axes.plot(one.time, found.simulated[place] / unit, label=None if wall else label, **LINES[order])

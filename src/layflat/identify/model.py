@@ -1,7 +1,5 @@
 """What is fitted: measured signals, the unknowns, and a simulation of the one from the other."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -32,8 +30,7 @@ class Unknown:
     high: float  # greatest value
     log: bool = True  # whether it is searched on a logarithmic scale; then `low` is above zero
     excitation: str = ""  # what a log has to contain to identify it, in one clause
-    nuisance: bool = False
-    """Whether it is fitted only because the rest depends on it, as the state that a log begins in."""
+    nuisance: bool = False  # fitted only because the rest depends on it, as the state that a log begins in
     floor: bool = False  # whether the lower bound is physical, such as zero delay, where a value may well lie
 
 
@@ -48,17 +45,13 @@ class Output:
     measured: Array  # (samples,), not a number where nothing was measured
     fitted: Flags  # (samples,), whether a sample is fitted; otherwise it is for validation
     scale: float  # what an error is divided by: the noise, or how large an error matters
-    driven_by: Array | None = None
-    """The input that moves it most, (samples,); errors of a good model have nothing to do with it."""
+    driven_by: Array | None = None  # input that moves it most, (samples,): errors of a good model don't follow it
 
 
 class Model(ABC):
-    """A bench that can be simulated for any values of what is unknown.
+    """A bench that can be simulated for any values of what is unknown."""
 
-    `unknowns` and `outputs` are fixed once it is made.
-    """
-
-    unknowns: tuple[Unknown, ...]
+    unknowns: tuple[Unknown, ...]  # as the outputs fixed once it is made
     outputs: tuple[Output, ...]
 
     @abstractmethod
@@ -72,20 +65,17 @@ class Model(ABC):
             All outputs, one after the other, (candidates, samples); not numbers where a candidate diverged.
         """
 
-    def starts(self, seed: int) -> Array:  # noqa: ARG002  (for those that draw)
+    def starts(self) -> Array:
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))
 
-    def continuation(self) -> Sequence[Model]:
+    def continuations(self) -> Sequence[Sequence["Model"]]:
         """Models of the same unknowns and outputs through which the search goes, from the easiest on.
 
-        The last gives values and intervals. What the values predict is simulated by this model itself.
+        Several such continuations, of the same last model, are tried one after the other until one explains the logs.
+        The last model gives values and intervals; what the values predict is simulated by this model itself.
         """
-        return (self,)
-
-    def continuations(self) -> Sequence[Sequence[Model]]:
-        """Continuations with the same last model, tried one after the other until one explains the logs."""
-        return (self.continuation(),)
+        return ((self,),)
 
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""

@@ -58,5 +58,5 @@ class TwoTones(Model):
         found[values[:, 0] > 15.0] = np.nan
         return np.asarray(found)
 
-    def starts(self, seed: int) -> Array:
-        return np.linspace(1.5, 19.0, 60)[:, None] if self.given else super().starts(seed)
+    def starts(self) -> Array:
+        return np.linspace(1.5, 19.0, 60)[:, None] if self.given else super().starts()

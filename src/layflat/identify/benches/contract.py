@@ -1,14 +1,12 @@
 """What every kind of test bench provides: a description that a file holds, and a model of its logs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping, Sequence
 from itertools import product
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.description import Part
 from layflat.description.change import replaced
 from layflat.description.names import Name
@@ -17,10 +15,8 @@ from layflat.identify.model import FITTED, Model
 from layflat.lanes import mapped
 from layflat.parallel import on_all_cores
 
-if TYPE_CHECKING:
-    import xarray
-
-Logs: TypeAlias = "Mapping[str, xarray.Dataset]"
+Logs = Mapping[str, Dataset]  # by name
+T = TypeVar("T")
 Described = TypeVar("Described", bound=Part)
 
 
@@ -35,17 +31,18 @@ class BenchDescription(Part):
 class Bench(NamedTuple):
     """How the logs of a kind of bench are fitted.
 
-    `model` takes the description, the logs to fit, the logs for validation, and the `blocks`. Logs are `even` where a
-    simulation steps through them; otherwise every sample stays at its own stamp.
+    A model is made of a description (where the search begins, and what is held), the logs to fit, the logs for
+    validation, which are only predicted (without any, the last third of each log is), and the `blocks` to fit. It
+    raises InputError if a log lacks a signal that it needs, or a block is unknown.
     """
 
     blocks: Sequence[str]
     default_blocks: Sequence[str]
     model: Callable[..., Model]
-    even: bool
+    even: bool  # logs are those that a simulation steps through; otherwise every sample stays at its own stamp
 
 
-def has_samples(log: xarray.Dataset, signal: str, joint: str) -> bool:
+def has_samples(log: Dataset, signal: str, joint: str) -> bool:
     """Whether a log has any sample of a joint's signal."""
     if signal not in log or ("joint" in log[signal].dims and joint not in log["joint"].values):
         return False
@@ -54,11 +51,7 @@ def has_samples(log: xarray.Dataset, signal: str, joint: str) -> bool:
 
 
 def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -> None:
-    """Refuse logs that lack a signal of a joint.
-
-    Raises:
-        InputError: naming the first log, signal and joint.
-    """
+    """Raise InputError if a log lacks a signal of a joint, naming the first of each."""
     for name, signal, joint in product(logs, signals, joints):
         if not has_samples(logs[name], signal, joint):
             of = f" of every joint: {', '.join(joints)}" if len(joints) > 1 else ""
@@ -67,22 +60,23 @@ def require_samples(logs: Logs, signals: Sequence[str], joints: Sequence[str]) -
 
 
 def check_known(given: Collection[str], known: Collection[str], where: str, what: str) -> list[str]:
-    """Each name once, if all of them are known.
-
-    Raises:
-        InputError: naming the first that is not.
-    """
+    """Each name once; raise InputError if one is not known."""
     unknown = [name for name in given if name not in known]
     if unknown:
         raise InputError(f"unknown {what} {unknown[0]!r}", where=where, right=f"choose from {', '.join(known)}")
     return list(dict.fromkeys(given))
 
 
+def chosen(table: Mapping[str, Sequence[T]], blocks: Collection[str]) -> list[T]:
+    """What a table has for the chosen blocks, in its own order; raise InputError if it lacks one."""
+    check_known(blocks, table, "blocks", "block")
+    return [one for block, of in table.items() if block in blocks for one in of]
+
+
 def fitted_share_of(logs: Logs, validation: Logs | None, share: float | None) -> float:
     """Share of each log's time, from its start, that is fitted: all of it where others are there for validation.
 
-    Raises:
-        InputError: there is no log, or the share is out of range.
+    Raise InputError if there is no log, or the share is out of range.
     """
     if not logs:
         raise InputError("there is none", where="logs", right="give one or more")
@@ -106,8 +100,7 @@ def simulated(
     Args:
         run: a kernel; it takes the parameters of one candidate, what is given of a case, and room for its results.
         count: of candidates.
-        cases: of each its parameters (named tuples of numbers, or of arrays with an item a candidate), then what is
-            given of it.
+        cases: of each its parameters (numbers, or arrays with an item a candidate), then what is given of it.
         shapes: of the room of each case.
 
     Returns:

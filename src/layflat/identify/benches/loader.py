@@ -22,11 +22,7 @@ from layflat.machine import Machine, load
 from layflat.machine.libraries import BENCHES, HYDDOWN, is_bench
 from layflat.machine.loader import tables
 
-KINDS = {"friction rig": "rod", "regulated joint": "regulated", "vessel": "vessel"}
-"""Folders by the `kind` at the top of a description."""
-
-MOVING, TURNED = "moving", "joint_loops"
-"""Folders for machines: those that move by their valves, and a joint that is turned slowly while torque is measured."""
+KINDS = {"friction rig": "rod", "regulated joint": "regulated", "vessel": "vessel"}  # folders by a description's `kind`
 
 
 def bench_names() -> tuple[str, ...]:
@@ -35,25 +31,17 @@ def bench_names() -> tuple[str, ...]:
 
 
 def load_described(where: str | Path) -> Machine | BenchDescription:
-    """Return a machine or a test bench, from its built-in name or from a file; of a vessel also HydDown's input file.
-
-    Raises:
-        MachineError: in one line, which file, key and value is wrong and what would be right.
-    """
+    """Return a machine or a test bench, as `load` and `load_bench` do."""
     return load_bench(where) if is_bench(where) else load(str(where))
 
 
 def described_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a machine or a test bench as they are written, and their sources.
-
-    Raises:
-        MachineError: the file is missing or broken.
-    """
+    """Return the plain values of a machine or a test bench as they are written, and their sources."""
     return bench_tables(where) if is_bench(where) else tables(where)
 
 
 def load_bench(where: str | Path) -> Any:
-    """Return a test bench from its built-in name or from a file, of the class for its kind.
+    """Return a test bench from its built-in name or a file (also HydDown's of a vessel), of the class for its kind.
 
     Raises:
         MachineError: in one line, which file, key and value is wrong and what would be right.
@@ -62,11 +50,7 @@ def load_bench(where: str | Path) -> Any:
 
 
 def bench_tables(where: str | Path) -> tuple[Plain, Sources]:
-    """Return the plain values of a test bench as they are written, and their sources.
-
-    Raises:
-        MachineError: the file is missing or broken.
-    """
+    """Return the plain values of a test bench as they are written, and their sources; raise MachineError if broken."""
     if Path(where).suffix in HYDDOWN:
         from layflat.identify.benches.vessel.hyddown import hyddown_tables  # noqa: PLC0415  # of few benches
 
@@ -75,11 +59,7 @@ def bench_tables(where: str | Path) -> tuple[Plain, Sources]:
 
 
 def build_bench(plain: Plain, where: str) -> Any:
-    """Validate plain tables, quantities as text with units, into a test bench of the class for its kind.
-
-    Raises:
-        MachineError: naming `where`, the key and the value.
-    """
+    """Validate plain tables into a test bench of the class for its kind; raise MachineError naming `where` and key."""
     kind = plain.get("kind")
     if str(kind) not in KINDS:
         near = nearest(kind, KINDS)
@@ -95,21 +75,15 @@ def build_bench(plain: Plain, where: str) -> Any:
 
 
 def bench_of(described: Machine | BenchDescription, logs: Logs) -> Bench:
-    """The bench of a description with these logs: a joint is turned slowly where only torque was measured."""
-    if isinstance(described, BenchDescription):
-        folder = KINDS[described.kind]
-    else:
-        turned = all("torque" in log and "voltage" not in log for log in logs.values())
-        folder = TURNED if turned else MOVING
+    """The bench of a description with these logs: of a machine, a joint is turned slowly where only torque is there."""
+    turned = all("torque" in log and "voltage" not in log for log in logs.values())
+    of_machine = "joint_loops" if turned else "moving"
+    folder = KINDS[described.kind] if isinstance(described, BenchDescription) else of_machine
     return _part(folder, "model").BENCH  # type: ignore[no-any-return]
 
 
 def chosen_blocks(bench: Bench, fitted: str | None) -> list[str]:
-    """Blocks from text such as "valve, hose".
-
-    Raises:
-        InputError: naming one that the bench does not have.
-    """
+    """Blocks from text such as "valve, hose"; raise InputError if the bench does not have one."""
     blocks = list(bench.default_blocks) if fitted is None else [part.strip() for part in fitted.split(",")]
     return check_known(blocks, bench.blocks, "--fit", "block")
 

@@ -11,8 +11,6 @@ a model leaves out stay the same for many samples. Blocks longer than this memor
 draw moves the optimum by one Gauss-Newton step, -(H + P)^-1 g, which needs no further simulation (kunsch1989).
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,15 +50,18 @@ def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed
 
 def blocks_of(model: Model, residuals: Array) -> NDArray[np.int64]:
     """Number of the block of time of every fitted sample; outputs of a log share their blocks."""
-    used = model.used
-    memory = max(_memory(part, dt) for part, dt in _parts(model, residuals))
+    used, every = model.used, np.zeros(len(model.used))
+    every[used] = residuals
+    outputs = list(zip(model.slices, model.outputs, strict=True))
+    parts = [(every[place][used[place]], output.time) for place, output in outputs]
+    memory = max(_memory(part, float(np.median(np.diff(time)))) for part, time in parts if len(part) > 1)
     logs = list(dict.fromkeys(output.log for output in model.outputs))
     spans = {log: max(float(o.time[-1] - o.time[0]) for o in model.outputs if o.log == log) for log in logs}
     total = sum(spans.values())
     length = min(max(MEMORIES * memory, total / MOST_BLOCKS), total / LEAST_BLOCKS)
     numbers, first = np.empty(len(used), dtype=np.int64), 0
     for log in logs:
-        for place, output in zip(model.slices, model.outputs, strict=True):
+        for place, output in outputs:
             if output.log == log:
                 numbers[place] = first + ((output.time - output.time[0]) / length).astype(np.int64)
         first += int(spans[log] / length) + 1
@@ -75,17 +76,6 @@ def interval(shares: Array, spread: Array, moves: Array) -> tuple[Array, Array]:
     half = np.maximum(NORMAL * np.sqrt(np.diag(spread)), STEP)
     low, high = np.percentile(moves, [2.5, 97.5], axis=0)
     return shares - np.maximum(half, -low), shares + np.maximum(half, high)
-
-
-def _parts(model: Model, residuals: Array) -> Sequence[tuple[Array, float]]:
-    """Residuals of every output by themselves, with their period."""
-    used, parts, first = model.used, [], 0
-    for place, output in zip(model.slices, model.outputs, strict=True):
-        count = int(used[place].sum())
-        if count > 1:
-            parts.append((residuals[first : first + count], float(np.median(np.diff(output.time)))))
-        first += count
-    return parts
 
 
 def _memory(residuals: Array, period: float) -> float:

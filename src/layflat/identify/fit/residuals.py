@@ -8,9 +8,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.model import Model, Unknown
 
-STEP, WIDEST = 1e-3, 0.2
-"""Half the width of a difference, as a share of the way between the bounds: at least and at most."""
-
+STEP, WIDEST = 1e-3, 0.2  # half the width of a difference, least and greatest, in shares of the way between the bounds
 NOTICED = 2.0  # a difference is as wide as it takes to change the residuals by so much in all, within these limits
 
 PRIOR_WIDTH = 0.5
@@ -63,19 +61,11 @@ class Residuals:
         self.scales = [output.scale for output in model.outputs]
         self.axes, self.strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
-    @property
-    def scale(self) -> Array:
-        """Of every fitted sample."""
-        each = np.concatenate(
-            [np.full(len(o.measured), s) for o, s in zip(self.model.outputs, self.scales, strict=True)]
-        )
-        return each[self.model.used]
-
     def data(self, shares: Array) -> Array:
         """Residuals of candidates without the rows of the prior, (candidates, fitted samples)."""
-        used = self.model.used
+        used, lengths = self.model.used, [len(output.measured) for output in self.model.outputs]
         found = self.model.simulate(self.scaled.values(shares))[:, used]
-        error = (found - self.model.measured[used]) / self.scale
+        error = (found - self.model.measured[used]) / np.repeat(self.scales, lengths)[used]
         return np.asarray(np.where(np.isfinite(error), error, DIVERGED), dtype=np.float64)
 
     def __call__(self, shares: Array) -> Array:

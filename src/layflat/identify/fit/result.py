@@ -8,14 +8,9 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.identify.model import Flags, Model, Output, Unknown
 
-SURE = 0.2
-"""A parameter is identified if its interval reaches less than this beyond it: of itself, or of half its range."""
-
+SURE = 0.2  # a parameter is identified if its interval reaches less than this beyond it: of it, or of half its range
 ALIKE = 0.95  # correlation from which on two parameters are identified only together
-
-MISPREDICTED = 0.25
-"""A prediction that misses by more (rms, as a share of the range) is none: the search ended in a wrong minimum."""
-
+MISPREDICTED = 0.25  # a prediction that misses by more (rms over range) is none: the search ended in a wrong minimum
 LAGS = 25  # lags at which errors are compared with themselves, and with the input
 BAND = 1.959964  # what stays within so many over the root of the number of samples is chance, in 95 of 100 lags
 

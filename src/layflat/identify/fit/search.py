@@ -14,26 +14,20 @@ from layflat.identify.model import Model
 Progress = Callable[[float, str], None]  # called with the share of the work that is done at most, and the present task
 STARTS, REFINED = 32, 3  # starts that are drawn, and how many of them are refined
 
-SPREAD = 0.25
-"""Every other start lies at most so far from the guess, as a share of the way between the bounds; the rest anywhere."""
-
+SPREAD = 0.25  # every other start is this near to the guess, as a share of the way between the bounds; others anywhere
 SHORT, LONG = 6, 60  # steps of a start's refinement, and of the last one
 ROUNDS = 2  # refinements of every model; the outputs are weighed after each
 
-EXPLAINED = 3.0
-"""A continuation is good enough where the mean square of the residuals, in units of their scale, is below this."""
-
+EXPLAINED = 3.0  # a continuation is good enough where the mean square of the residuals, in their scale, is below this
 OUTLYING = 2.0  # residuals beyond this, in units of their scale, count less at first in every model of a continuation
 
-BASIN_HOPS, HOP_SIZES = 4, (1.0, 3.0, 10.0, 30.0)
-"""How often to try to leave a small local minimum, and how far, in standard deviations."""
-
+BASIN_HOPS = 4  # how often to try to leave a small local minimum
+HOP_SIZES = (1.0, 3.0, 10.0, 30.0)  # how far to hop, in standard deviations
 WORTH = 1e-4  # basin hopping goes on as long as the cost falls by more than this share
 PASSES = 6  # jacobians one after the other at the end: each finds the axes better
 EDGE = 2e-3  # a share within this of 0 or 1 is at its bound
-
-TOLERANCE, ROUGH = 1e-6, 1e-4
-"""The search ends where the cost falls by less than this in a step, relative: the last model, and those before it."""
+TOLERANCE = 1e-6  # the search ends where the cost falls by less than this in a step, relative
+ROUGH = 1e-4  # the same of the models before the last
 
 
 def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
@@ -116,12 +110,11 @@ class _Search:
 
     def begin(self, starts: int, seed: int) -> Array:
         """The best of several starts after a few steps."""
-        guess, given = self.residuals.prior, self.residuals.scaled.shares(self.model.starts(seed))
+        guess, given = self.residuals.prior, self.residuals.scaled.shares(self.model.starts())
         tried = np.vstack([guess, np.clip(given, 0.0, 1.0), self._drawn(starts, seed)])
         self.simulations += len(tried)
         self.tell(0.02, f"{len(tried)} starts")
-        costs = self.residuals.costs(tried)
-        best = np.argsort(costs, kind="stable")[:REFINED]
+        best = np.argsort(self.residuals.costs(tried), kind="stable")[:REFINED]
         if 0 not in best:
             best = np.concatenate([[0], best[: REFINED - 1]])
         if len(tried) == 1:

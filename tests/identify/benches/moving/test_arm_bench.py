@@ -109,7 +109,7 @@ def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
 def test_a_joint_that_is_led_forgets_where_it_began() -> None:
     log = log_of(SMALL, 3.0)
     model = ArmModel(SMALL, {"log": log}, blocks=["valve"])
-    _, far, near = model.continuation()
+    _, far, near = model.continuations()[0]
     off = model.guess.copy()
     off[[u.path for u in model.unknowns].index("valve.centre_voltage")] += 0.1
     last = np.flatnonzero(model.outputs[0].fitted)[-1]
@@ -122,7 +122,7 @@ def test_a_joint_that_is_led_forgets_where_it_began() -> None:
 
 def test_the_first_rung_sees_the_beginning_alone() -> None:
     model = ArmModel(SMALL, {"log": log_of(SMALL, 3.0)}, blocks=["valve"])
-    first, second, _ = model.continuation()
+    first, second, _ = model.continuations()[0]
     assert 0 < first.used.sum() < 0.5 * second.used.sum()
     assert np.isfinite(first.simulate(model.guess[None])[0][first.used]).all()
     assert second.used.sum() == model.used.sum()

@@ -79,7 +79,7 @@ def test_without_noise_the_truth_predicts_all_outputs_and_so_do_the_easier_model
     described = rig()
     model = RegulatedModel(described, {"one": log(described, noise=0.0)})
     values = np.array([[TRUTH.get(one.path, one.guess) for one in model.unknowns]])
-    for rung, most in zip(model.continuation(), (0.04, 0.04, 1e-9), strict=True):
+    for rung, most in zip(model.continuations()[0], (0.04, 0.04, 1e-9), strict=True):
         error = rung.simulate(values)[0] - model.measured
         for place, output in zip(model.slices, model.outputs, strict=True):
             rms = np.sqrt(np.nanmean(error[place][2:] ** 2))
@@ -103,7 +103,7 @@ def test_a_block_that_is_not_asked_for_stays_as_described() -> None:
     described = rig()
     model = RegulatedModel(described, {"one": log(described)}, blocks=["motion"])
     assert {one.path.split(".")[0] for one in model.unknowns} == {"load", "friction", "stroke"}
-    assert len(model.continuation()) == 2
+    assert len(model.continuations()[0]) == 2
 
 
 def test_without_another_log_the_rest_of_a_log_judges() -> None:

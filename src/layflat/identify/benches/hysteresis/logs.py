@@ -1,19 +1,13 @@
 """What logs of hysteresis curves have in common, of a joint or of a rod: motion is given, effort is measured."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Logs
 from layflat.identify.model import FITTED, Flags, Output
-
-if TYPE_CHECKING:
-    import xarray
 
 SIZE = 0.03
 """How large an error of an effort matters, as a share of its range in the log where that is greatest.
@@ -25,12 +19,8 @@ model, as large in newtons at any pressure, and no log is to count more because 
 NOISES = 6.0  # a brake gives by so many standard deviations of the motion's noise
 
 
-def signal(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array:
-    """A signal of a log, of a joint where it has several, gaps interpolated; (samples,).
-
-    Raises:
-        InputError: it is not there.
-    """
+def signal(log: Dataset, name: str, where: str, joint: str = "") -> Array:
+    """Signal of a log, of a joint where it has several, gaps interpolated, (samples,); raise InputError without it."""
     if name not in log:
         raise InputError(f"has no {name}", where=where, right=f"map a column to the signal {name}")
     found = _values(log, name, joint)
@@ -41,7 +31,7 @@ def signal(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array
     return np.asarray(np.interp(time, time[known], found[known]))
 
 
-def moving(log: xarray.Dataset, name: str, where: str, joint: str = "") -> Array:
+def moving(log: Dataset, name: str, where: str, joint: str = "") -> Array:
     """A motion, without spikes; raise InputError if it is not there, or never changes."""
     found = without_spikes(signal(log, name, where, joint))
     if not np.ptp(found) > 0.0:
@@ -81,8 +71,7 @@ def first_of(output: Output) -> float:
 def outputs(logs: Logs, validation: Logs | None, name: str, unit: str, joint: str = "") -> tuple[Output, ...]:
     """The measured effort of all logs, those for validation last, with errors that count alike.
 
-    Raises:
-        InputError: there is no log, or an effort is missing or never changes.
+    Raise InputError if there is no log, or an effort is missing or never changes.
     """
     found = [_output(log, name, unit, where, bool(validation), joint) for where, log in logs.items()]
     found += [_output(log, name, unit, where, None, joint) for where, log in (validation or {}).items()]
@@ -92,7 +81,7 @@ def outputs(logs: Logs, validation: Logs | None, name: str, unit: str, joint: st
     return tuple(replace(one, scale=scale) for one in found)
 
 
-def _output(log: xarray.Dataset, name: str, unit: str, where: str, whole: bool | None, joint: str) -> Output:
+def _output(log: Dataset, name: str, unit: str, where: str, whole: bool | None, joint: str) -> Output:
     """The measured effort of a log: all of it is fitted, or its first two thirds; None if it is only predicted."""
     reach = float(np.ptp(signal(log, name, where, joint)))
     if reach == 0.0:
@@ -103,6 +92,6 @@ def _output(log: xarray.Dataset, name: str, unit: str, where: str, whole: bool |
     return Output(name, unit, where, time, _values(log, name, joint), fitted, SIZE * reach)
 
 
-def _values(log: xarray.Dataset, name: str, joint: str) -> Array:
+def _values(log: Dataset, name: str, joint: str) -> Array:
     values = log[name].sel(joint=joint) if "joint" in log[name].dims else log[name]
     return np.array(values.to_numpy(), dtype=np.float64)

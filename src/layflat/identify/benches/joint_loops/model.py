@@ -5,48 +5,32 @@ A log is a data set over `time` (s) with `angle` (rad), `pressure_a` and, where 
 at two pressures or more separate what of the losses does not grow with pressure, and the brake, from the rest.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, Logs, check_known, has_samples, require_samples, simulated
+from layflat.identify.benches.contract import Bench, Logs, chosen, has_samples, require_samples, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, element_unknowns, within
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
 from layflat.identify.model import Output, Unknown
 from layflat.machine import Joint, Machine, parameters
 
-if TYPE_CHECKING:
-    import xarray
-
 BLOCKS = ("torque", "losses", "brake", "offset")
 """What can be fitted: scale of Eq. (1), losses, the brake's torque, zero of the torque sensor."""
 
-SCALES = 10.0
-"""Measured torque is at most so many times that of Eq. (1), and at least this part of it."""
-
+SCALES = 10.0  # measured torque is at most so many times that of Eq. (1), and at least this part of it
 LEAST_SHARE = 1e-3  # least loss that is searched, height of the curve over torque
-
 OFFSET = "log.torque_offset"
 
 
 class LoopModel(CurveModel[Machine]):
-    """Torques in the logs of one joint.
+    """Torques in the logs of one joint, by default the first of the arm; made as `Bench` says.
 
-    Args:
-        machine: where the search begins, and what is held.
-        logs: to fit, by name.
-        validation: logs that are only predicted; without any, the last third of each log is.
-        joint: its name; default: the first of the arm.
-        blocks: what to fit, of `BLOCKS`; default: torque and losses, and the brake where the machine has one.
-
-    Raises:
-        InputError: a log lacks a signal, or there is no such joint or block.
+    Default blocks are torque and losses, and the brake where the machine has one.
     """
 
     def __init__(
@@ -64,13 +48,11 @@ class LoopModel(CurveModel[Machine]):
         self.losses = f"joint.{self.joint}.losses"
         braked = machine.joint[self.joint].brake.torque > 0.0
         blocks = blocks or ("torque", "losses", *(("brake",) if braked else ()))
-        chosen = check_known(blocks, BLOCKS, "blocks", "block")
         self.outputs = curves.outputs(logs, validation, "torque", "N*m", self.joint)
         every = [*logs.values(), *(validation or {}).values()]
         self.logs = tuple(self._given(log, out) for log, out in zip(every, self.outputs, strict=True))
         self.motions = tuple(log.angle for log in self.logs)
-        found = self._unknowns()
-        self.unknowns = tuple(unknown for block in BLOCKS if block in chosen for unknown in found[block])
+        self.unknowns = tuple(chosen(self._unknowns(), blocks))
 
     def simulate(self, values: Array) -> Array:
         """Torques by candidate: see `Model.simulate`."""
@@ -104,7 +86,7 @@ class LoopModel(CurveModel[Machine]):
             "offset": [Unknown(OFFSET, "N*m", 0.0, -most, most, log=False, excitation=apart, nuisance=True)],
         }
 
-    def _given(self, log: xarray.Dataset, out: Output) -> TurnedLog:
+    def _given(self, log: Dataset, out: Output) -> TurnedLog:
         """What is given of a log."""
         ambient = self.origin.supply.ambient_pressure
         angle = curves.moving(log, "angle", out.log, self.joint)

@@ -14,7 +14,6 @@ SLOW = "slow ramps over the stroke, both ways"
 CENTRE = "small motions about the valve's centre"
 PAUSES = "pauses of seconds"
 
-
 VALVE = (
     ParameterSpec("valve.conductance", "m^3/(s Pa)", factor_range(3.0), FILLING),
     ParameterSpec("valve.critical_ratio", "1", fixed_range(0.05, 0.9), "filling from low pressure and venting to it"),
@@ -70,13 +69,8 @@ def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
     """What is to be fitted of a machine; raise InputError if there is no such block, or none is given."""
     if not blocks:
         raise InputError("names no block", where="fit", right=f"choose from {', '.join(BLOCKS)}")
-    chosen = check_known(blocks, BLOCKS, "fit", "block")
-    return [spec.unknown(machine) for block in chosen for spec in _specs(machine, block)]
-
-
-def _specs(machine: Machine, block: str) -> list[ParameterSpec]:
-    if block == "valve":
-        return [*VALVE, *(SWITCHING if isinstance(machine.valve, SwitchingValvesPart) else SPOOL)]
-    if block in BY_JOINT:
-        return [spec._replace(path=f"joint.{name}.{spec.path}") for name in machine.joints for spec in BY_JOINT[block]]
-    return [PAYLOAD if block == "payload" else SENSORS]
+    of_kind = SWITCHING if isinstance(machine.valve, SwitchingValvesPart) else SPOOL
+    specs = {"valve": [*VALVE, *of_kind], "payload": [PAYLOAD], "sensors": [SENSORS]}
+    for block, of in BY_JOINT.items():
+        specs[block] = [spec._replace(path=f"joint.{name}.{spec.path}") for name in machine.joints for spec in of]
+    return [spec.unknown(machine) for block in check_known(blocks, BLOCKS, "fit", "block") for spec in specs[block]]

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-import xarray
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.identify.model import FITTED, Flags, Output, Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
@@ -32,20 +31,16 @@ def _noise(sensor: AngleSensor | PressureSensor) -> float:
 
 
 class Record:
-    """One log of a machine.
+    """One log of a machine: an angle and a voltage of every joint at least.
 
-    Args:
-        machine: what it is a log of.
-        name: of the log.
-        log: its signals; an angle and a voltage of every joint at least.
-        whole: whether all of it is fitted, or all but its last third; None if it is only predicted.
-        known: paths that are fitted; what the log says of these is not used.
+    All of it is fitted if it is `whole`, else all but its last third; it is only predicted if that is None. What the
+    log says of what is fitted, by the paths that are `known`, is not used.
     """
 
-    def __init__(self, machine: Machine, name: str, log: xarray.Dataset, whole: bool | None, known: set[str]) -> None:
+    def __init__(self, machine: Machine, name: str, log: Dataset, whole: bool | None, known: set[str]) -> None:
         self.machine, self.name, self.log, self.known = machine, name, log, known
         self.joints, self.time = list(machine.joints), log["time"].to_numpy()
-        names = ("angle", "pressure_a", "pressure_b", "measured_pressure")
+        names = (*TRACES, "measured_pressure")
         self.measured = {name: values for name in names if (values := self._signal(name)) is not None}
         first = {name: np.nanmean(values[:FIRST], axis=0) for name, values in self.measured.items()}
         limits = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
@@ -132,12 +127,8 @@ class Record:
     ) -> Array:
         """Outputs of every candidate, (candidates, samples): all, or only a share of what is fitted.
 
-        Args:
-            shared: what is varied in all logs.
-            given: values of all unknowns, those that this log begins with among them.
-            offset: of the differential pressure, Pa, one or an item a candidate.
-            step: of the simulation, s.
-            share: None for the whole log.
+        Of all values `given`, this log takes those that it begins with, and those `shared` by all logs; the `offset` of
+        the differential pressure (Pa) is one, or an item a candidate.
         """
         count = len(shared["scenario.load"])
         found = np.full((count, len(self.measured), len(self.joints), len(self.time)), np.nan)
@@ -147,9 +138,9 @@ class Record:
         own = f"start.{self.name}."
         begun = {f"start.{path.removeprefix(own)}": c for path, c in given.items() if path.startswith(own)}
         run = traced(self.machine, self.scenario_of(samples), {**shared, **begun}, TRACES, step=step)
-        angle, a, b = np.moveaxis(run, (3, 2), (0, 2))
-        signals = {"angle": angle, "pressure_a": a, "pressure_b": b}
-        signals["measured_pressure"] = a - b + np.broadcast_to(offset, count)[:, None, None]
+        signals = dict(zip(TRACES, np.moveaxis(run, (3, 2), (0, 2)), strict=True))
+        difference = signals["pressure_a"] - signals["pressure_b"]
+        signals["measured_pressure"] = difference + np.broadcast_to(offset, count)[:, None, None]
         for i, name in enumerate(self.measured):
             found[:, i, :, :samples] = signals[name]
         return found.reshape(count, -1)

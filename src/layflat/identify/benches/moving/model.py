@@ -1,12 +1,9 @@
 """A machine that moves: from the voltages of its valves to pressures and angles."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -24,17 +21,11 @@ REFERENCE_PRESSURE = 1e5  # of the air that a sonic conductance is given for, Pa
 
 
 class Stage(NamedTuple):
-    """A stage of the continuation.
+    """A stage of the continuation."""
 
-    Args:
-        feedback: rate at which the simulated angle is drawn to the measured one, 1/s (output injection).
-        step: of the simulation, s.
-        share: of what is fitted, from the start of each log on.
-    """
-
-    feedback: float
-    step: float
-    share: float = 1.0
+    feedback: float  # rate at which the simulated angle is drawn to the measured one, 1/s (output injection)
+    step: float  # of the simulation, s
+    share: float = 1.0  # of what is fitted, from the start of each log on
 
 
 FEEDBACKS, BEGINNING, COARSE = (4.0, 8.0, 12.0), 0.35, 2.0 * STEP
@@ -50,16 +41,9 @@ FREE = Stage(0.0, STEP)  # without feedback: how a fitted machine is validated
 
 
 class ArmModel(Model):
-    """Angles and pressures of every joint, from the voltages in the logs.
+    """Angles and pressures of every joint, from the voltages in the logs; made as `Bench` says.
 
-    Args:
-        machine: where the search begins, and what is held.
-        logs: to fit, by name: uniform in time at the machine's control cycle, from rest.
-        blocks: what to fit, of `BLOCKS`.
-        validation: logs that are only predicted; without any, the last third of each log is.
-
-    Raises:
-        InputError: a log lacks what is needed, or a block is unknown.
+    Logs are uniform in time at the machine's control cycle, from rest.
     """
 
     def __init__(self, machine: Machine, logs: Logs, validation: Logs | None = None, *, blocks: Sequence[str]) -> None:
@@ -70,28 +54,33 @@ class ArmModel(Model):
             raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
         require_samples({**logs, **(validation or {})}, ("angle", "voltage"), list(machine.joints))
         self.machine, self.stage = machine, FREE
+        flow = machine.valve.conductance * REFERENCE_PRESSURE / FILLED
+        # Voltage per error of the angle that makes each joint follow at 1/s, V/rad.
+        self.feedback_gains = {
+            name: machine.valve.volts_to_full * parameters.torque_constant(joint) / flow
+            for name, joint in machine.joints.items()
+        }
         found = unknowns(machine, blocks)
         known = {unknown.path for unknown in found}
         self.records = [Record(machine, name, log, bool(validation), known) for name, log in logs.items()]
         self.records += [Record(machine, name, log, None, known) for name, log in (validation or {}).items()]
+        # A valve's null differs from joint to joint: what those after the first have on top.
+        reach, later = 0.1 * machine.valve.volts_to_full, list(machine.joints)[1:]
+        nulls = [Unknown(f"log.drift.{name}", "V", 0.0, -reach, reach, log=False, nuisance=True) for name in later]
         nuisances = [unknown for record in self.records for unknown in record.nuisances]
-        self.unknowns = (*found, *_nulls(machine, known), *nuisances)
+        self.unknowns = (*found, *(nulls if "valve.centre_voltage" in known else ()), *nuisances)
         self.outputs = tuple(output for record in self.records for output in record.outputs)
 
-    def continuation(self) -> Sequence[Model]:
-        """The same with feedback of the measured angles, less and less.
+    def continuations(self) -> Sequence[Sequence[Model]]:
+        """The same with feedback of the measured angles, less and less; each way begins with more of it.
 
         A joint integrates what its valve lets through: over a whole log, a small error of a parameter becomes a large
         one of the angle, and one more of stick and slip with it. With feedback at 0.5/s it forgets in two seconds,
         which is hundreds of samples: errors stay small, and the right values still leave none.
         """
-        return self.continuations()[0]
-
-    def continuations(self) -> Sequence[Sequence[Model]]:
-        """Continuations that begin with more or less feedback."""
         return [[self._at(stage) for stage in (Stage(rate, COARSE, BEGINNING), *STAGES)] for rate in FEEDBACKS]
 
-    def _at(self, stage: Stage) -> ArmModel:
+    def _at(self, stage: Stage) -> Self:
         easier = copy(self)
         easier.stage = stage
         ends = {record.name: stage.share * record.fitted.sum() for record in self.records}
@@ -100,36 +89,17 @@ class ArmModel(Model):
         vars(easier).pop("used", None)
         return easier
 
-    @cached_property
-    def _feedback_gains(self) -> dict[str, float]:
-        """Voltage per error of the angle that makes each joint follow at 1/s, V/rad."""
-        valve = self.machine.valve
-        assert valve is not None
-        flow = valve.conductance * REFERENCE_PRESSURE / FILLED
-        joints = self.machine.joints.items()
-        return {name: valve.volts_to_full * parameters.torque_constant(joint) / flow for name, joint in joints}
-
     def simulate(self, values: Array) -> Array:
         """All logs from their starts, whatever the candidates' values say."""
         given, rate = self.columns(values), self.stage.feedback
         shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
         offset = np.asarray(shared.pop("pressure_sensor.offset", sensor_offset(self.machine)))
-        shared |= {f"scenario.lead.{name}": np.full(len(values), rate * v) for name, v in self._feedback_gains.items()}
+        shared |= {f"scenario.lead.{name}": np.full(len(values), rate * v) for name, v in self.feedback_gains.items()}
         shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
         shared["scenario.load"] = np.zeros(len(values))
         share = None if self.stage is FREE else self.stage.share
         found = [record.simulate(shared, given, offset, self.stage.step, share) for record in self.records]
         return np.concatenate(found, axis=1)
-
-
-def _nulls(machine: Machine, known: set[str]) -> list[Unknown]:
-    """A valve's null differs from joint to joint: what those after the first have on top."""
-    if "valve.centre_voltage" not in known:
-        return []
-    assert machine.valve is not None
-    reach = 0.1 * machine.valve.volts_to_full
-    later = list(machine.joints)[1:]
-    return [Unknown(f"log.drift.{name}", "V", 0.0, -reach, reach, log=False, nuisance=True) for name in later]
 
 
 BENCH = Bench(BLOCKS, ("valve", "hose", "losses", "friction", "inertia"), ArmModel, even=True)

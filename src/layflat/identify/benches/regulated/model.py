@@ -9,27 +9,21 @@ differences of a random walk); and it goes by continuation, from easy to hard:
 3. nothing is given but the set-points.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from copy import copy
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of, simulated, with_columns
+from layflat.identify.benches.contract import Bench, Logs, chosen, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.regulated import run
-from layflat.identify.benches.regulated.description import RegulatedJointBench, friction_law
+from layflat.identify.benches.regulated.description import BLOCKS, RegulatedJointBench, friction_law
 from layflat.identify.benches.regulated.laws import Air, LaggingFriction, RegulatedJoint, Regulator
-from layflat.identify.benches.regulated.unknowns import BLOCKS
 from layflat.identify.model import Model, Output
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
-
-if TYPE_CHECKING:
-    import xarray
 
 ROTATION_TIME = 1.0  # the rotation compared is that in so much time, s
 SCALES = {"angle": 0.1, "rotation": 0.02}  # an error of this share of the reading matters
@@ -48,18 +42,10 @@ class Log(NamedTuple):
 
 
 class RegulatedModel(Model):
-    """Angle, rotation and both pressures of every log.
+    """Angle, rotation and both pressures of every log; made as `Bench` says.
 
-    Args:
-        bench: where the search begins, and what is held.
-        logs: to fit, by name: time from 0, and `SIGNALS` in SI; from rest.
-        validation: logs that are only predicted.
-        blocks: what to fit, of `BLOCKS`.
-        fitted_share: of the time of each log to fit, from its start; the rest is for validation. Default: all, or two
-            thirds where there is no other log for validation.
-
-    Raises:
-        InputError: a log lacks a signal or begins with none, or a block is unknown.
+    Logs have `SIGNALS` in SI, from rest. `fitted_share` of the time of each is fitted, from its start; the rest is for
+    validation. Default: all, or two thirds where there is no other log for validation.
     """
 
     def __init__(
@@ -71,7 +57,7 @@ class RegulatedModel(Model):
         blocks: Collection[str] = tuple(BLOCKS),
         fitted_share: float | None = None,
     ) -> None:
-        check_known(blocks, BLOCKS, "blocks", "block")
+        specs = chosen(BLOCKS, blocks)
         share = fitted_share_of(logs, validation, fitted_share)
         every = {name: _of_one_joint(name, log) for name, log in (*logs.items(), *(validation or {}).items())}
         self.bench, self.given, self.blocks = bench, run.NOTHING, set(blocks)
@@ -79,7 +65,6 @@ class RegulatedModel(Model):
         angles = np.concatenate([log.course.angle for log in self.logs[: len(logs)]])
         near = (0.5 - AT_END) * bench.stroke.reading
         there = {"stroke.lower_stop": angles.min() <= -near, "stroke.upper_stop": angles.max() >= near}
-        specs = [spec for block, of in BLOCKS.items() if block in blocks for spec in of]
         self.unknowns = tuple(spec.unknown(bench) for spec in specs if there.get(spec.path, True))
         self.outputs = tuple(
             output
@@ -87,10 +72,10 @@ class RegulatedModel(Model):
             for output in _outputs(bench, log, every[log.name], share if log.name in logs else 0.0)
         )
 
-    def continuation(self) -> Sequence[Model]:
+    def continuations(self) -> Sequence[Sequence[Model]]:
         """The joint as measured, the pressures as measured, then neither."""
         easier = ((run.MOTION, {"valve", "gas"}), (run.PRESSURES, {"motion"}))
-        return [*(self._as_measured(given) for given, fitted in easier if fitted & self.blocks), self]
+        return [[*(self._as_measured(given) for given, fitted in easier if fitted & self.blocks), self]]
 
     def simulate(self, values: Array) -> Array:
         """All outputs of candidates, one after the other, (candidates, samples)."""
@@ -103,7 +88,7 @@ class RegulatedModel(Model):
             columns += [angle, _rotation(log.course.time, angle), found[:, :, 1], found[:, :, 2]]
         return np.concatenate(columns, axis=1)
 
-    def _as_measured(self, given: int) -> Model:
+    def _as_measured(self, given: int) -> Self:
         """The same unknowns and outputs, with motion or pressures given."""
         other = copy(self)
         other.given = given
@@ -133,7 +118,7 @@ def _rotation(time: Array, angle: Array) -> Array:
     return np.asarray(np.where(earlier >= 0, angle - angle[..., np.maximum(earlier, 0)], np.nan))
 
 
-def _of_one_joint(name: str, log: xarray.Dataset) -> xarray.Dataset:
+def _of_one_joint(name: str, log: Dataset) -> Dataset:
     """A log without the dimension `joint`."""
     if "joint" not in log.dims:
         return log
@@ -142,7 +127,7 @@ def _of_one_joint(name: str, log: xarray.Dataset) -> xarray.Dataset:
     return log.isel(joint=0)
 
 
-def _read(bench: RegulatedJointBench, name: str, data: xarray.Dataset) -> Log:
+def _read(bench: RegulatedJointBench, name: str, data: Dataset) -> Log:
     """The signals of a log; gaps in what was measured are bridged, as only the easier ways use them."""
     for signal in SIGNALS:
         if signal not in data:
@@ -168,7 +153,7 @@ def _read(bench: RegulatedJointBench, name: str, data: xarray.Dataset) -> Log:
     return Log(name, run.Course(time=time, **columns), stop)
 
 
-def _outputs(bench: RegulatedJointBench, log: Log, data: xarray.Dataset, share: float) -> list[Output]:
+def _outputs(bench: RegulatedJointBench, log: Log, data: Dataset, share: float) -> list[Output]:
     time, reading = log.course.time, bench.stroke.reading
     flags = time < time[0] + share * (time[-1] - time[0]) if share < 1.0 else np.ones(len(time), dtype=bool)
     angle = np.asarray(data["angle"].values, dtype=np.float64)

@@ -1,8 +1,6 @@
 """A linear friction rig: the rod of a small cylinder is pushed and pulled while its chamber is held at a pressure."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -37,7 +35,7 @@ class Friction(Part):
     viscous: u.LinearDamping = Field(default=0.0, description="force per speed")
 
     @model_validator(mode="after")
-    def _adds_up(self) -> Friction:
+    def _adds_up(self) -> Self:
         if len(self.weights) != len(self.deflections):
             raise ValueError("weights must be as many as deflections")
         if abs(sum(self.weights) - 1.0) > 1e-9:

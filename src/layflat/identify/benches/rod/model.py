@@ -4,24 +4,20 @@ A log is a data set over `time` (s) with `position` (m), `pressure` (absolute, P
 the rod, positive the way the position is. Logs at two pressures or more show how friction grows with pressure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.description.change import value_at
-from layflat.identify.benches.contract import Bench, Logs, check_known, simulated
+from layflat.identify.benches.contract import Bench, Logs, chosen, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import CurveModel, element_unknowns, within
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.laws import Rod, RodLog, rod_force
 from layflat.identify.model import Unknown
 
-BLOCKS = ("piston", "friction", "viscous")
-"""What can be fitted; `viscous` only where it is asked for, with logs of speeds that differ at each pressure."""
-
+BLOCKS = ("piston", "friction", "viscous")  # `viscous` is for logs of speeds that differ at each pressure
 DEFAULT_BLOCKS = ("piston", "friction")
 
 LINEAR = (
@@ -34,24 +30,13 @@ SLOPES = "loops at two pressures or more, the higher the further apart"
 
 
 class RodModel(CurveModel[RodBench]):
-    """Forces in the logs of a friction test bench.
-
-    Args:
-        bench: where the search begins, and what is held.
-        logs: to fit, by name.
-        validation: logs that are only predicted; without any, the last third of each log is.
-        blocks: what to fit, of `BLOCKS`.
-
-    Raises:
-        InputError: a log lacks a signal, or a block is unknown.
-    """
+    """Forces in the logs of a friction test bench; made as `Bench` says."""
 
     losses = "friction"
 
     def __init__(
         self, bench: RodBench, logs: Logs, validation: Logs | None = None, *, blocks: Sequence[str] = DEFAULT_BLOCKS
     ) -> None:
-        check_known(blocks, BLOCKS, "blocks", "block")
         self.origin = bench
         self.outputs = curves.outputs(logs, validation, "force", "N")
         self.logs = []
@@ -60,20 +45,18 @@ class RodModel(CurveModel[RodBench]):
             pressure = curves.without_spikes(curves.signal(log, "pressure", out.log)) - bench.ambient_pressure
             self.logs.append(RodLog(position, curves.rate(out.time, position), pressure, curves.first_of(out)))
         self.motions = tuple(log.position for log in self.logs)
-        found = self._unknowns()
-        self.unknowns = tuple(unknown for block in BLOCKS if block in blocks for unknown in found[block])
+        self.unknowns = tuple(chosen(self._unknowns(), blocks))
 
     def simulate(self, values: Array) -> Array:
         """Forces by candidate: see `Model.simulate`."""
         rod = parameters(self.candidates(values))
         return self._forces(len(values), [(rod, log) for log in self.logs])
 
-    def starts(self, seed: int) -> Array:  # noqa: ARG002
+    def starts(self) -> Array:
         """A start from linear least squares, with deflections as described: all but these enters nearly linearly."""
-        places = {unknown.path: i for i, unknown in enumerate(self.unknowns)}
-        sought = [(i, places[path]) for i, path in enumerate(LINEAR) if path in places]
+        sought = [(LINEAR.index(one.path), i) for i, one in enumerate(self.unknowns) if one.path in LINEAR]
         if not sought:
-            return np.empty((0, len(self.unknowns)))
+            return super().starts()
         rod, friction = parameters(self.candidates(self.guess[None])), self.origin.friction
         level = friction.base + friction.slope * friction.reference_pressure_gauge
         bare = Rod(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, rod.weights, tuple(one / level for one in rod.stiffness))

@@ -1,14 +1,15 @@
-"""A closed vessel, or a hose chamber with its joint locked, that fills or empties through one path."""
+"""A closed vessel, or a hose chamber with its joint locked, that fills or empties through one path; what is fitted."""
 
-from __future__ import annotations
-
-from typing import Annotated, Literal
+from math import pi
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
+from layflat.identify.model import ParameterSpec, factor_range, fixed_range
+from layflat.physics.flow import sonic_conductance
 
 GasName = Literal["air", "nitrogen", "oxygen", "hydrogen", "helium", "argon", "methane", "carbon dioxide"]
 
@@ -22,7 +23,7 @@ class Gas(Part):
     )
 
     @model_validator(mode="after")
-    def _known(self) -> Gas:
+    def _known(self) -> Self:
         if self.law == "ideal" and self.name != "air":
             raise ValueError(f'the ideal law is that of air; give law = "real" for {self.name}')
         return self
@@ -79,10 +80,34 @@ class VesselBench(BenchDescription):
     start: Place
 
     @model_validator(mode="after")
-    def _rigid(self) -> VesselBench:
+    def _rigid(self) -> Self:
         if self.gas.law == "real" and self.space.compliance > 0.0:
             raise ValueError('a stretching wall needs the ideal law of air; give gas.law = "ideal" or compliance 0')
         return self
 
+
+FAST = "a fill or blow-down that is fast for the size of the vessel"
+
+
+def _conductances(bench: VesselBench, C: float) -> tuple[float, float, bool]:
+    if bench.path.hole is None:
+        return C / 30.0, C * 30.0, True
+    whole = float(sonic_conductance(0.25 * pi * bench.path.hole**2, 1.0))
+    return min(0.2 * whole, 0.9 * C), max(1.1 * whole, 1.1 * C), True
+
+
+BLOCKS = {
+    "flow": (
+        ParameterSpec("path.conductance", "m^3/(s Pa)", _conductances, "a fill or blow-down over a wide range"),
+        ParameterSpec("path.critical_ratio", "1", fixed_range(0.05, 0.7), "flow down to nearly equal pressures"),
+    ),
+    "gas": (
+        ParameterSpec("space.volume", "m^3", factor_range(10.0), "a second log with a known volume joined to it"),
+        ParameterSpec("wall.natural", "1", fixed_range(0.01, 1.0, log=True), FAST),
+        ParameterSpec("wall.forced", "1", fixed_range(0.02, 10.0, log=True), f"{FAST}: a fill"),
+        ParameterSpec("wall.conductance", "W/K", factor_range(30.0), FAST),
+    ),
+}
+"""What is fitted, by block: of the heat paths those that the description has and the logs excite."""
 
 DESCRIPTION = VesselBench

@@ -9,52 +9,21 @@ A log of one vessel identifies C/V, not C and V: pressures do not change where c
 capacity all grow alike. A second log, with a known volume joined to the vessel, separates them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
-from layflat.identify.benches.contract import Bench, Logs, check_known, fitted_share_of, simulated, with_columns
-from layflat.identify.benches.vessel.description import Place, VesselBench
+from layflat.identify.benches.contract import Bench, Logs, check_known, chosen, fitted_share_of, simulated, with_columns
+from layflat.identify.benches.vessel.description import BLOCKS, Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
 from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
 from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
-from layflat.identify.model import Model, Output, ParameterSpec, Unknown, factor_range, fixed_range
+from layflat.identify.model import Model, Output, Unknown
 from layflat.physics.chamber import Chamber
-from layflat.physics.flow import sonic_conductance
-
-if TYPE_CHECKING:
-    import xarray
-
-FAST = "a fill or blow-down that is fast for the size of the vessel"
-
-
-def _conductances(bench: VesselBench, C: float) -> tuple[float, float, bool]:
-    if bench.path.hole is None:
-        return C / 30.0, C * 30.0, True
-    whole = float(sonic_conductance(0.25 * np.pi * bench.path.hole**2, 1.0))
-    return min(0.2 * whole, 0.9 * C), max(1.1 * whole, 1.1 * C), True
-
-
-BLOCKS = {
-    "flow": (
-        ParameterSpec("path.conductance", "m^3/(s Pa)", _conductances, "a fill or blow-down over a wide range"),
-        ParameterSpec("path.critical_ratio", "1", fixed_range(0.05, 0.7), "flow down to nearly equal pressures"),
-    ),
-    "gas": (
-        ParameterSpec("space.volume", "m^3", factor_range(10.0), "a second log with a known volume joined to it"),
-        ParameterSpec("wall.natural", "1", fixed_range(0.01, 1.0, log=True), FAST),
-        ParameterSpec("wall.forced", "1", fixed_range(0.02, 10.0, log=True), f"{FAST}: a fill"),
-        ParameterSpec("wall.conductance", "W/K", factor_range(30.0), FAST),
-    ),
-}
-"""What is fitted, by block: of the heat paths those that the description has and the logs excite."""
 
 SIGNALS = {"pressure": ("Pa", 1e-3), "temperature": ("K", 1e-2), "wall_temperature": ("K", 1e-2)}
 """What may be measured: unit, and how large an error matters as a share of the signal's range."""
@@ -73,13 +42,10 @@ class VesselLog:
 
 
 class VesselModel(Model):
-    """Pressures and temperatures of a vessel, by the laws of laws.py.
+    """Pressures and temperatures of a vessel, by the laws of laws.py; made as `Bench` says.
 
     Args:
-        bench: its description; the search begins at the values there.
-        logs: to fit, by name.
-        validation: logs that are only predicted.
-        blocks: what to fit, of `BLOCKS`.
+        bench, logs, validation, blocks: see `Bench`.
         volume: whether the vessel's volume is fitted too, in the block "gas".
         added_volumes: known volumes that were joined to the vessel, m3, by the log's name.
         fitted_share: of the time of each log to fit, from its start; the rest is for validation. Default: all, or two
@@ -107,7 +73,6 @@ class VesselModel(Model):
         _check_gas(bench, bench.outside, "outside")
         added, every = added_volumes or {}, {**logs, **(validation or {})}
         check_known(added, every, "added_volumes", "log")
-        check_known(blocks, BLOCKS, "blocks", "block")
         check_known(fitted_signals, SIGNALS, "fitted_signals", "signal")
         share = fitted_share_of(logs, validation, fitted_share)
         self.bench = bench
@@ -121,8 +86,7 @@ class VesselModel(Model):
         left = set() if volume else {"space.volume"}
         if not any(map(_fills, pressures.values())):
             left.add("wall.forced")
-        specs = [spec for block, of in BLOCKS.items() if block in blocks for spec in of if spec.path not in left]
-        found = [spec.unknown(bench) for spec in specs]
+        found = [spec.unknown(bench) for spec in chosen(BLOCKS, blocks) if spec.path not in left]
         self.unknowns = (
             *(unknown for unknown in found if unknown.guess != 0.0),
             *_of_outside(bench, [pressures[log.name] for log in self.logs if np.isnan(log.course.supply).any()]),
@@ -167,7 +131,7 @@ def _check_gas(bench: VesselBench, place: Place, where: str) -> None:
         raise InputError(what, where=f"{bench.name}: {where}", right=right)
 
 
-def _read(name: str, log: xarray.Dataset, added_volume: float) -> VesselLog:
+def _read(name: str, log: Dataset, added_volume: float) -> VesselLog:
     time = np.asarray(log["time"].values, dtype=np.float64)
 
     def acting(key: str, usual: float) -> Array:
@@ -185,7 +149,7 @@ def _read(name: str, log: xarray.Dataset, added_volume: float) -> VesselLog:
     return VesselLog(name, Course(time, acting("supply", np.nan), acting("opening", 1.0)), added_volume, picked)
 
 
-def _output(log: VesselLog, data: xarray.Dataset, signal: str, fitted_share: float, fitted: bool) -> Output:
+def _output(log: VesselLog, data: Dataset, signal: str, fitted_share: float, fitted: bool) -> Output:
     rows, (unit, share) = log.picked[signal], SIGNALS[signal]
     time, measured = log.course.time, np.asarray(data[signal].values, dtype=np.float64)[rows]
     early = time[rows] <= time[0] + fitted_share * (time[-1] - time[0])
