@@ -26,8 +26,7 @@ LARGEST = 4096  # bytes taken at once
 def pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator[bytes]:
     """Bytes as they come, until one deadline for all of them: a reply that trickles is as late as one that is lost.
 
-    Raises:
-        OSError: the other end has hung up.
+    Raise OSError if the other end has hung up.
     """
     deadline, left = time.monotonic() + patience, patience
     while left >= 0.0 and select([file], [], [], left)[0]:
@@ -41,10 +40,8 @@ def pieces(file: int, read: Callable[[int], bytes], patience: float) -> Iterator
 def lock_rig(endpoint: str) -> int:
     """Lock a rig, by its one true name, for this process alone; returns the file to be closed when it is let go.
 
-    The kernel lets go of it when its holder ends, however it ends.
-
-    Raises:
-        DriverError: somebody else has it, or the file can't be made.
+    The kernel lets go of it when its holder ends, however it ends. Raise DriverError if somebody else has it, or the
+    file can't be made.
     """
     runtime, chosen = os.environ.get("XDG_RUNTIME_DIR"), os.environ.get("LAYFLAT_RUNTIME_DIR")
     usual = Path(runtime) / "layflat" if runtime else Path(tempfile.gettempdir()) / f"layflat-{getpass.getuser()}"
@@ -69,12 +66,7 @@ def lock_rig(endpoint: str) -> int:
 
 
 class LinkedDriver(Driver):
-    """A driver whose device answers commands.
-
-    Args:
-        machine: what is driven.
-        endpoint: where, for people and for the lock.
-    """
+    """A driver whose device answers commands; the endpoint names it for people and for the lock."""
 
     def __init__(self, machine: Machine, endpoint: str) -> None:
         super().__init__()
@@ -88,11 +80,7 @@ class LinkedDriver(Driver):
         self._lock = -1
 
     def read(self) -> Reading:
-        """Send the kept command, and return what the device answers; while inactive that command is the safe one.
-
-        Raises:
-            LinkError: it did not answer well in time.
-        """
+        """Send the kept command (the safe one while inactive); raise LinkError if it is not answered well in time."""
         if self.state is not Lifecycle.INACTIVE:
             self._expect("read", Lifecycle.ACTIVE)
         return self._transact()

@@ -26,13 +26,7 @@ logging.getLogger("pymodbus").setLevel(logging.CRITICAL)
 
 
 class ModbusDriver(LinkedDriver):
-    """A rig at a station.
-
-    Args:
-        machine: what is driven.
-        host: name or number.
-        port: of TCP.
-    """
+    """A rig at a station."""
 
     def __init__(self, machine: Machine, host: str, port: int) -> None:
         super().__init__(machine, f"modbus://{host}:{port}")

@@ -21,12 +21,7 @@ WAIT = 0.2  # for each answer, s
 
 
 class SerialDriver(LinkedDriver):
-    """A rig at a serial port.
-
-    Args:
-        machine: what is driven.
-        path: of the port.
-    """
+    """A rig at a serial port."""
 
     def __init__(self, machine: Machine, path: str) -> None:
         # By its one true name, so that two names of one port are one lock.

@@ -7,11 +7,7 @@ from layflat.rig.driver import Capabilities, Command, Driver, Lifecycle, LinkErr
 
 
 class SimulatedDriver(Driver):
-    """Driver of a virtual rig at hand.
-
-    Args:
-        device: the virtual rig; its clock should be the loop's.
-    """
+    """Driver of a virtual rig at hand, whose clock should be the loop's."""
 
     def __init__(self, device: VirtualDevice) -> None:
         super().__init__()

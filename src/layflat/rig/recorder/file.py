@@ -17,13 +17,8 @@ class GrowingFile:
     """A new file to write at the end of, locked while it is open: `log repair` leaves it alone.
 
     A killed process loses nothing that was flushed; a machine that loses power what came after the last order to the
-    disk. These orders are given by a thread, since a slow disk takes its time.
-
-    Args:
-        path: of the file, which must not be there yet.
-
-    Raises:
-        OSError: it can't be made.
+    disk. These orders are given by a thread, since a slow disk takes its time. Raise OSError if it can't be made, or is
+    there already.
     """
 
     def __init__(self, path: Path) -> None:

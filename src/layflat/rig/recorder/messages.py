@@ -43,12 +43,12 @@ def schemas_of(layout: Layout) -> dict[str, str]:
     return {CYCLE: cycle, **SCHEMAS}
 
 
+# Definitions of the types that are the same in all logs.
 SCHEMAS = {
     JOINT_STATE: f"{_BY_NAME}float64[] position\nfloat64[] velocity\nfloat64[] effort\n{_HEADER}",
     LOG: "builtin_interfaces/Time stamp\nuint8 level\nstring name\nstring msg\n"
     f"string file\nstring function\nuint32 line\n{_TIME}",
 }
-"""Definitions of the types that are the same in all logs."""
 
 
 def meanings_in(definition: str) -> dict[str, tuple[str, str]]:
@@ -60,10 +60,7 @@ def meanings_in(definition: str) -> dict[str, tuple[str, str]]:
 class Fixed:
     """Messages of one type for these joints: a header, the joints' names, numbers, and arrays by joint.
 
-    Args:
-        schema: definition of the type.
-        joints: names, from base to tip.
-        empty: arrays that are left empty, at the end.
+    The schema defines the type; arrays at its end may be left empty.
     """
 
     def __init__(self, schema: str, joints: Sequence[str], empty: Sequence[str] = ()) -> None:
@@ -90,12 +87,7 @@ class Fixed:
         self._blank = np.frombuffer(start, np.uint8)
 
     def encoded(self, stamps: NDArray[np.int64], columns: dict[str, Array]) -> list[bytes]:
-        """Messages as bytes.
-
-        Args:
-            stamps: ns since 1970, (messages,).
-            columns: by field, (messages,) or (messages, joints).
-        """
+        """Messages as bytes, from stamps (ns since 1970, (messages,)) and columns by field, (messages[, joints])."""
         block = np.tile(self._blank, (len(stamps), 1))
         fields = block.view(self.dtype)[:, 0]
         fields["sec"], fields["nanosec"] = np.divmod(stamps, SECOND)

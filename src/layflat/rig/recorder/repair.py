@@ -21,8 +21,8 @@ PART, BROKEN = ".part", ".broken"
 
 MAGIC = b"\x89MCAP0\r\n"
 MESSAGE, CHUNK, DATA_END = 5, 6, 15
+# Other kinds of records that hold data; all that are not named here can be made from these.
 OTHERS = {1: "Header", 3: "Schema", 4: "Channel", 9: "Attachment", 12: "Metadata"}
-"""Kinds of records that hold data; all that are not named here can be made from these."""
 
 _RECORD, _MESSAGE = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 
@@ -54,16 +54,9 @@ class Kept:
 
 
 def repair(path: Path, progress: Progress | None = None) -> tuple[Path, Kept] | None:
-    """Make an MCAP file whole.
+    """Make an MCAP file whole; return it and what it holds, or None for a file that was whole, which is left alone.
 
     NAME.mcap.part becomes NAME.mcap; any other keeps its name. The original is kept as NAME.mcap.broken.
-
-    Args:
-        path: of the file.
-        progress: told how far it is.
-
-    Returns:
-        The whole file, and what it holds; None for a file that was whole, which is left alone.
 
     Raises:
         InputError: it is not an MCAP file, or still being written.
@@ -108,8 +101,7 @@ def check_magic(path: Path) -> bool:
 def indexed(source: Path, target: Path, progress: Progress | None = None) -> Kept:
     """Write all that is whole in an MCAP file to another one, in compressed chunks with an index, and have it on disk.
 
-    Raises:
-        OSError: it can't be written.
+    Raise OSError if it can't be written.
     """
     from mcap.exceptions import McapError  # noqa: PLC0415
 
@@ -185,11 +177,7 @@ def records(path: Path, kept: Kept) -> Iterator[tuple[int, bytes]]:
     """Kind and content of the records outside and inside of chunks, in the file's order, up to the end of its data.
 
     A machine that loses power may leave zeros in place of what was written last: a record that runs into zeros, which
-    go on behind it to the end of the file, is not whole.
-
-    Args:
-        path: of a file that begins as MCAP does.
-        kept: told how far it is, and what is lost.
+    go on behind it to the end of the file, is not whole. How far it is, and what is lost, is told to `kept`.
     """
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
         kept.size = len(data)

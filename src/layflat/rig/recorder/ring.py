@@ -5,8 +5,6 @@ a mapped file that its users hold locked, so that what nobody uses any more can 
 Python's resource tracker knows of, which would remove it when any one of its users dies.
 """
 
-from __future__ import annotations
-
 import mmap
 import os
 import threading
@@ -14,7 +12,7 @@ import time
 from ctypes import Structure, c_int64, sizeof
 from enum import IntEnum
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,8 +46,7 @@ class RecorderState(IntEnum):
     STUCK = 2  # it can't write (disk full): it keeps what it can in memory, and tries on
     FINISHING = 3
     DONE = 4
-    UNFINISHED = 5
-    """It has ended and could not make the file whole; what was written is there, `layflat log repair` takes it."""
+    UNFINISHED = 5  # it has ended and could not make the file whole; `layflat log repair` takes what was written
 
 
 class Event(NamedTuple):
@@ -109,21 +106,20 @@ class Ring:
     def __init__(self, path: Path, handle: int) -> None:
         self.path, self._handle = path, handle
         self._memory = mmap.mmap(handle, 0)
-        self.head = head = _Head.from_buffer(self._memory)
-        """What both sides tell of themselves, and how much was handed over; see `_Head`."""
+        self.head = head = _Head.from_buffer(self._memory)  # what both sides tell, and how much was handed over
         rows: Array = np.ndarray((head.rows_fit, head.width), np.float64, self._memory, sizeof(_Head))
         events: NDArray[Any] = np.ndarray((head.events_fit,), _EVENT, self._memory, sizeof(_Head) + rows.nbytes)
         self._rows, self._events = _Queue(head.rows, rows), _Queue(head.events, events)
 
     @classmethod
-    def create(cls, width: int, *, rows: int = ROWS, events: int = EVENTS) -> Ring:
+    def create(cls, width: int, *, rows: int = ROWS, events: int = EVENTS) -> Self:
         """Make the memory for so many rows of a width, and so many events."""
         path, handle = new_file(RING, sizeof(_Head) + rows * width * 8 + events * _EVENT.itemsize)
         os.pwrite(handle, bytes(_Head(MAGIC, width, rows, events)), 0)
         return cls(path, handle)
 
     @classmethod
-    def attach(cls, path: Path) -> Ring:
+    def attach(cls, path: Path) -> Self:
         """Join in; raise InputError if there is none."""
         right = "give the ring of a loop that runs"
         try:

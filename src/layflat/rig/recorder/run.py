@@ -1,7 +1,5 @@
 """A recorded log as a run: an `xarray.Dataset` with the names, units and attributes of a simulated one."""
 
-from __future__ import annotations
-
 import json
 import struct
 from dataclasses import dataclass
@@ -29,19 +27,16 @@ if TYPE_CHECKING:
     from mcap.reader import McapReader
     from mcap.records import Message, Schema
 
+# What a rig does not know of itself, and the signal that stands in for it.
 BEST_KNOWN = {
     "angle": ("measured_angle", "rad", "joint angle, as sampled"),
     "velocity": ("averaged_velocity", "rad/s", "joint velocity, from the averaged angle"),
 }
-"""What a rig does not know of itself, and the signal that stands in for it."""
-
+# Columns that stand for something else than a quantity.
 FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
-"""Columns that stand for something else than a quantity."""
-
 RENAMED = {"far": "device"}  # columns that logs of earlier versions have, by their present names
-
+# What readers raise on bytes that make no sense.
 UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
-"""What readers raise on bytes that make no sense."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +71,7 @@ def read_recording(path: Path) -> Recording:
         raise InputError(f"can't be read ({what})", where=str(path), right=right) from None
 
 
-def _recording(reader: McapReader, path: Path) -> Recording:
+def _recording(reader: "McapReader", path: Path) -> Recording:
     from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
 
     schemas: dict[str, Schema | None] = {}
@@ -92,7 +87,7 @@ def _recording(reader: McapReader, path: Path) -> Recording:
         right = "give a log of `layflat rig`; `layflat log map` starts a mapping for others"
         raise InputError(f"holds no cycles of a rig, {shown}", where=str(path), right=right)
 
-    def decoded(kind: str, messages: list[Message]) -> list[Any]:
+    def decoded(kind: str, messages: list["Message"]) -> list[Any]:
         decode = DecoderFactory().decoder_for("cdr", schemas[kind]) if messages else None
         return [decode(message.data) for message in messages] if decode is not None else []
 
@@ -114,16 +109,13 @@ def _recording(reader: McapReader, path: Path) -> Recording:
     )
 
 
-def read_run(path: Path) -> xarray.Dataset:
+def read_run(path: Path) -> "xarray.Dataset":
     """Read a log as a run.
 
     Dims `time` (as the loop recorded it: its cycles are not quite even, and some may be missing), `joint`, and `event`.
     A rig does not know what moves: `angle` is the measured one, `velocity` that of the averaged angle, and there are no
     pressures of single hoses. Attributes are those of a simulated run, as far as there are any, with `start`, the time
-    of day, and `notes`.
-
-    Raises:
-        InputError: it can't be read, is not whole, or none of ours.
+    of day, and `notes`. InputError as from `read_recording`.
     """
     import xarray  # noqa: PLC0415  # takes long to import
 
@@ -155,12 +147,10 @@ def check_format(path: Path) -> None:
         extras.require("rig", "pyarrow", where=str(path))
 
 
-def export(run: xarray.Dataset, path: Path) -> Path:
+def export(run: "xarray.Dataset", path: Path) -> Path:
     """Write a recorded run, by what the name ends in: NetCDF (.nc), or Parquet (.parquet), a column a signal.
 
-    Raises:
-        InputError: it ends in something else, or pyarrow is missing.
-        OutputError: it can't be written there.
+    Raise InputError as `check_format` does, and OutputError if it can't be written there.
     """
     check_format(path)
     with whole_file(path) as temporary:
@@ -168,11 +158,11 @@ def export(run: xarray.Dataset, path: Path) -> Path:
     return path
 
 
-def _write_netcdf(run: xarray.Dataset, path: Path) -> None:
+def _write_netcdf(run: "xarray.Dataset", path: Path) -> None:
     path.write_bytes(run.to_netcdf(None, engine="h5netcdf"))  # in memory: HDF5 brings the process down on a full disk
 
 
-def _write_parquet(run: xarray.Dataset, path: Path) -> None:
+def _write_parquet(run: "xarray.Dataset", path: Path) -> None:
     """Columns "time", "supply", "angle.large"; units stand with the fields, the rest in the file's metadata."""
     import pyarrow  # noqa: PLC0415
     from pyarrow import parquet  # noqa: PLC0415

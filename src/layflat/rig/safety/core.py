@@ -21,34 +21,22 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_settings, rig_settings
 
 ENOUGH = 0.4  # of the supply's gauge pressure: joints with less are soft, and fling each other further than filled ones
-
 RIPPLE, LEAST_RIPPLE = "detectors.trace.ripple", "detectors.valve_unresponsive.ripple"
-
-
-HEAD = Struct(f"{compiled.IN_INPUTS.even}d")
-"""What comes in with a cycle, before what is remembered: writes it in half the time of an array's slice."""
+HEAD = Struct(f"{compiled.IN_INPUTS.even}d")  # of the inputs: written in half the time of an array's slice
 
 
 class Core:
-    """A rig's control cycle: its numbers by name, and its stages.
+    """A rig's control cycle: its numbers by name, and its stages; without a control law the detectors alone work.
 
-    Args:
-        machine: with valve and sensors.
-        law: of control; the detectors alone work where there is none.
-
-    Raises:
-        MachineError: the machine has no valve or sensors.
+    The machine needs valve and sensors (MachineError).
     """
 
     def __init__(self, machine: Machine, law: ArmLaw | None = None) -> None:
         names = list(machine.joints)
         self.rig = NamedRows([rig_settings(machine)])
         self.settings = NamedRows([joint_settings(machine, name) for name in names])
-        self.memory, self.inputs, self.law = (
-            NamedRows([compiled.MEMORY] * len(names)),
-            NamedRows([compiled.INPUTS]),
-            law,
-        )
+        self.memory, self.inputs = NamedRows([compiled.MEMORY] * len(names)), NamedRows([compiled.INPUTS])
+        self.law = law
         self._given = np.zeros((len(names), compiled.JOINT_INPUTS + len(names)))
         self._head = self.inputs.array[0]
         self._arrays: tuple[Array, ...] = (
@@ -64,15 +52,12 @@ class Core:
             own, memory, report = law.settings, law.memory, law.report
             self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
             self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
+        # What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,).
         self.angles, self.pressures, self.asked = (self._given[:, column] for column in compiled.IN_GIVEN)
-        """What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,)."""
-        self.between: Callable[[], object] | None = None
-        """Is called, where there is one, between the control law and the gate of its voltages."""
+        self.between: Callable[[], object] | None = None  # is called between control law and the gate of its voltages
         self.voltages_asked = self.memory["asked"]  # what the control law asked for, V, (joints,)
-        self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]
-        """What was let through: rad and V, (joints,)."""
-        self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]
-        """Of the joints in this cycle, as numbers."""
+        self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]  # let through, rad and V
+        self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]  # of the joints in this cycle
         self.estimates: Array = self.memory.block("estimate")  # numbers of `estimator.Estimate`, (joints, 4)
         self.voltages[:] = self.voltages_asked[:] = self.rig["centre"][0]
         self.reset()
@@ -107,16 +92,10 @@ class Core:
         self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,
         wake: bool = False,
     ) -> int:  # fmt: skip
-        """Perform stages of a cycle; what came of them (see cycle.py).
+        """Perform stages of a cycle (flags of cycle.py, as what is returned: what came of them).
 
-        Args:
-            stages: flags of cycle.py.
-            supply_now: absolute pressure, Pa.
-            elapsed: since the last samples, s.
-            since: since the last cycle, s.
-            level: what there is to watch (see detectors/sample.py).
-            follow: whether demands are obeyed.
-            wake: whether control law and estimators begin anew.
+        Args are the first fields of `cycle.Inputs`: absolute supply (Pa), times since the last samples and since the
+        last cycle (s), what there is to watch, whether demands are obeyed, whether law and estimators begin anew.
         """
         HEAD.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake)
         if self.law is None:

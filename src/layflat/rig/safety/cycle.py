@@ -18,14 +18,11 @@ from layflat.rig.safety import demands, estimator
 from layflat.rig.safety.detectors import joint, sample, supply
 
 JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16  # stages of a cycle
-
+# What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad.
 FOUND, CHANGED, BAD = 1, 2, 4
-"""What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad."""
-
 TURNS = 0.05  # speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s
-
+# A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s.
 UNEVEN, CALM = 0.3, 0.1
-"""A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s."""
 
 
 class Rig(NamedTuple):
@@ -101,8 +98,6 @@ class Known(NamedTuple):
 
 
 JOINT_INPUTS, KNOWN = len(JointInputs._fields), len(list(leaves(blank(Known))))
-
-
 RIG, SETTINGS, MEMORY, INPUTS, JOINT = (blank(kind) for kind in (Rig, Settings, Memory, Inputs, JointInputs))
 IN_MEMORY, IN_INPUTS, IN_GIVEN = places(MEMORY), places(INPUTS), places(JOINT)
 
@@ -134,10 +129,8 @@ def _couple(arm, rig_numbers, settings, given, nothing):
     for j in range(n):
         for i in range(n):
             first, other = min(i, j), max(i, j)
-            K_j, K_i = (
-                read_numbers(SETTINGS, settings[j]).torque_constant,
-                read_numbers(SETTINGS, settings[i]).torque_constant,
-            )
+            K_j = read_numbers(SETTINGS, settings[j]).torque_constant
+            K_i = read_numbers(SETTINGS, settings[i]).torque_constant
             M_ji, M_ii = row[first * n - first * (first - 1) // 2 + other - first], row[i * n - i * (i - 1) // 2]
             given[j, JOINT_INPUTS + i] = 0.0 if i == j else M_ji / M_ii * K_i / K_j
 
@@ -189,11 +182,8 @@ def let_through(rig_numbers, settings, inputs, given, memory):
     n, rig, now = len(settings), read_numbers(RIG, rig_numbers), read_numbers(INPUTS, inputs)
     least, changed = inf, 0
     for j in range(n):
-        asked = read_numbers(JOINT, given[j]).asked
-        least = min(
-            least,
-            demands.margin(read_numbers(SETTINGS, settings[j]).gate, read_numbers(MEMORY, memory[j]).demand, asked),
-        )
+        gate, before = read_numbers(SETTINGS, settings[j]).gate, read_numbers(MEMORY, memory[j]).demand
+        least = min(least, demands.margin(gate, before, read_numbers(JOINT, given[j]).asked))
     lead = min(rig.demand_lead, rig.demand_margin * max(least, 0.0))
     for j in range(n):
         gate, before = read_numbers(SETTINGS, settings[j]).gate, read_numbers(MEMORY, memory[j]).demand
@@ -254,14 +244,11 @@ def record(rows, given, memory, report, told):
         rows[j, KNOWN + len(told)] = 0.0
 
 
-Cycle = Callable[..., int]
-"""`cycle(rig, settings, inputs, given, memory, arm, law_settings, law_memory, report, stages)`; returns outcomes."""
-
-_known: dict[str, Cycle] = {}
+_known: dict[str, Callable[..., int]] = {}
 
 
-def cycle_with(arm: Any, settings: Any, memory: Any, joints: int) -> Cycle:
-    """The cycle of an arm with a control law; arm, settings and memory of the law are such tuples.
+def cycle_with(arm: Any, settings: Any, memory: Any, joints: int) -> Callable[..., int]:
+    """The cycle of an arm with a control law (see `_cycle`); arm, settings and memory of the law are such tuples.
 
     With a law that is plain Python this is Python too, but for what the rig itself does.
     """

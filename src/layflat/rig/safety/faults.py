@@ -1,8 +1,7 @@
 """The table of all faults: how soon each is found and what is then done. The worst one wins."""
 
-from __future__ import annotations
-
 from enum import IntEnum
+from typing import Self
 
 
 class Reaction(IntEnum):
@@ -32,7 +31,7 @@ class Fault(IntEnum):
     def __new__(
         cls, number: int, title: str = "", reaction: Reaction = Reaction.TELL, latched: bool = False,
         seconds: float = 0.0, cycles: int = 1,
-    ) -> Fault:  # fmt: skip
+    ) -> Self:  # fmt: skip
         """Make a row of the table."""
         fault = int.__new__(cls, number)
         fault._value_ = number

@@ -25,12 +25,10 @@ from layflat.rig.safety.faults import Fault
 LIVELY = 0.3  # noise of a sensor, in counts, from which on it never reports the same count for 20 samples
 RAIL = 2.0  # counts from the end of a converter's range, at which a sensor is taken to be open or shorted
 NOISE = 2.0  # counts by which a sample may be wrong: a joint at a limit is found in spite of them
-
+# Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none.
 SPARE, RIPPLE_AFTER = 2.0, 4.0
-"""Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none."""
-
+# Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit.
 DOUBTFUL, SURE = 2.5, 7.5
-"""Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit."""
 
 
 def rig_settings(machine: Machine) -> Rig:

@@ -15,15 +15,13 @@ from layflat.rig.safety.states import AIR, State, ValveMode
 
 ANGLE = Estimate._fields.index("averaged_angle")
 
+# Cycles for which a reset is not sent, and then is: the device takes its edge, also if one reply is lost.
 RESET_LOW, RESET_HIGH = 4, 4
-"""Cycles for which a reset is not sent, and then is: the device takes its edge, also if one reply is lost."""
-
 THERE = 0.2  # supply and ripple have to be there for so long until a soft start is over, s
 FILLS = 0.7  # of the time of a soft start: so long it waits for hoses to fill; valves that leak little never fill them
-
+# Before valves are opened to let out the air they are centred: until the supply line is empty, and joints have come to
+# rest between hoses that are shut, s.
 CENTRED = 0.3
-"""Before valves are opened to let out the air they are centred: until the supply line is empty, and joints have come to
-rest between hoses that are shut, s."""
 
 
 class StateMachine:

@@ -46,10 +46,9 @@ class Supervisor(StateMachine):
         self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
+        # What the controllers are given (rad), and what may be sent (V), (joints,); the arrays stay the same.
         self.demands, self.voltages = core.demands, core.voltages
-        """What the controllers are given (rad), and what may be sent (V), (joints,); the arrays stay the same."""
-        self.noted: tuple[Fault, ...] = ()
-        """Faults that others found in this cycle: the loop that a cycle was missed, or that the recorder is dead."""
+        self.noted: tuple[Fault, ...] = ()  # that the loop found in this cycle: a missed one, or a dead recorder
 
     def begin(self, reading: Reading, *, filled: bool = False) -> None:
         """Start from a first reading; `filled`: air is there already, as in a simulated run, and demands are obeyed."""
@@ -63,11 +62,7 @@ class Supervisor(StateMachine):
     def cycle(self, reading: Reading | None, request: HostRequest, elapsed: float, since: float) -> None:
         """One control cycle, which leaves `demands`, `voltages`, `air` and `resets` as they are to be.
 
-        Args:
-            reading: what was sampled; None where the reply was lost.
-            request: of the host.
-            elapsed: since the last samples, s.
-            since: since the last cycle, s.
+        The reading is None where the reply was lost; times are since the last samples and since the last cycle, s.
         """
         self.ledger.new_cycle()
         core = self.core

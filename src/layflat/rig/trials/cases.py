@@ -18,9 +18,7 @@ from layflat.rig.trials.rig import TrialRig
 EMPTY = 0.3e5  # gauge pressure below which a hose is empty, Pa
 STILL = 0.02  # speed below which a joint stands still, rad/s
 
-GRIP = 1.0
-"""Of a joint's greatest torque: what holds it back. It slides; one that can't looks as if its sensor were frozen."""
-
+GRIP = 1.0  # of a joint's greatest torque: what holds it back; it slides: one that can't looks like a frozen sensor
 PUSH = 1.2  # of a joint's greatest torque: what pushes it out against its controller
 
 
@@ -47,8 +45,8 @@ TOLD = Safe("told", lambda *_: True)
 HELD = Safe("held", lambda rig, _: all(_still(rig, j) for j in range(len(rig.machine.joints))))
 VENTED = Safe("vented", _vented)
 ALL_VENTED = Safe("all vented", lambda rig, joint: _vented(rig, joint) and _others_vented(rig, joint))
+# The air of the joint itself can't get out.
 OTHERS_VENTED = Safe("others vented", lambda rig, joint: _still(rig, joint) and _others_vented(rig, joint))
-"""The air of this joint can't get out."""
 
 
 class FaultCase(NamedTuple):
@@ -61,12 +59,10 @@ class FaultCase(NamedTuple):
     cycles: int = 0  # within so many control cycles it has to be found, or
     seconds: float = 0.0  # within so long
     moving: bool = False  # whether the joint has to be on its way: at rest there is nothing to be seen of it
-    since: Callable[[TrialRig, int], bool] | None = None
-    """Whether a limit is passed in truth, where the time counts from then on, as long as it is."""
+    since: Callable[[TrialRig, int], bool] | None = None  # where time counts only as long as a limit is passed in truth
     brief: bool = False  # whether it ends by itself when it is found: who pushes a joint lets go of it
     way_to_go: float = 0.35  # a joint that has to be on its way is asked to go at least so far, rad
-    pushed: bool = False
-    """Whether somebody pushes the joint, or a valve that stays open: into its stop, which alone can hold it."""
+    pushed: bool = False  # whether somebody, or a valve that stays open, pushes it into its stop, which alone holds it
 
 
 def fail(device: VirtualDevice, name: str, joint: int, on: bool, size: float | None = None) -> None:

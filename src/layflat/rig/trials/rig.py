@@ -114,8 +114,7 @@ class TrialRig:
         driver.activate()
         self.following = [joint_limits(machine, name).following for name in machine.joints]
         self._line = 0.0
-        self.reaches = list(self.truth.angles)
-        """Where each joint's demand has led it by now, as the watch of the following error means it, rad."""
+        self.reaches = list(self.truth.angles)  # where demands have led the joints, as `following` means it, rad
         self.clear_peaks()
 
     @property

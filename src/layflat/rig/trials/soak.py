@@ -36,16 +36,10 @@ def quiet(
     progress: Callable[[float], None] | None = None, clock: VirtualClock | None = None,
     driver_of: Callable[[VirtualDevice], Driver] = SimulatedDriver,
 ) -> SoakResult:  # fmt: skip
-    """Move at random, in simulated time, and note every fault; after a trip the rig is reset and goes on.
+    """Move at random for hours of simulated time, and note every fault; after a trip the rig is reset and goes on.
 
-    Args:
-        machine: with controller.
-        device_of: makes the device, a sound one.
-        hours: simulated.
-        seed: of moves and payloads.
-        progress: is told the share that is done.
-        clock: that the loop waits by; default: one that is never late.
-        driver_of: makes the driver.
+    The device is a sound one; the seed is that of moves and payloads; `progress` is told the share that is done. The
+    loop waits by the clock; default: one that is never late.
     """
     clock, host = clock or VirtualClock(), Script(len(machine.joints))
     device = device_of(clock)

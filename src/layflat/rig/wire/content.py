@@ -3,11 +3,9 @@
 The transaction's number goes before them: in a register of its own, or in a frame's head.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import floor, isfinite
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -45,7 +43,7 @@ class Converter(NamedTuple):
     top: int
 
     @classmethod
-    def of_sensor(cls, sensor: Sensor) -> Converter:
+    def of_sensor(cls, sensor: Sensor) -> Self:
         """Counts as `read_sensor` makes them: both ends of the range are among them."""
         return cls(sensor.low, sensor.lsb, round((sensor.high - sensor.low) / sensor.lsb))
 
@@ -86,7 +84,7 @@ class Wire(NamedTuple):
     supply: Converter  # absolute
 
     @classmethod
-    def of(cls, machine: Machine) -> Wire:
+    def of(cls, machine: Machine) -> Self:
         """Converters of a machine; raise MachineError if it has no valve or sensors."""
         valve, _, _ = drive_parts(machine)
         first, own, ambient = joints(machine)[0], machine.interface, machine.supply.ambient_pressure

@@ -1,10 +1,8 @@
 """What a device says of itself before anything moves, whether that fits, and where words stand in registers."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from layflat.errors import MachineError
 from layflat.machine.model import Machine
@@ -36,11 +34,10 @@ class Identity(NamedTuple):
     dumps_after: int
 
     @classmethod
-    def of(cls, machine: Machine, able: Capabilities | None = None) -> Identity:
+    def of(cls, machine: Machine, able: Capabilities | None = None) -> Self:
         """What the device of a machine says; of what it is able to do where that is told.
 
-        Raises:
-            MachineError: the machine has no valve, sensors or controller, or a voltage beyond +-32 V.
+        Raise MachineError if the machine has no valve, sensors or controller, or a voltage beyond +-32 V.
         """
         _, angle_sensor, pressure_sensor = drive_parts(machine)
         if machine.controller is None:
@@ -59,7 +56,7 @@ class Identity(NamedTuple):
         return [number & 0xFFFF for number in self]
 
     @classmethod
-    def from_words(cls, words: Sequence[int]) -> Identity:
+    def from_words(cls, words: Sequence[int]) -> Self:
         """What was told; raise WireError if it is not a rig that tells, or one of another version."""
         if len(words) != IDENTITY_SIZE or words[0] != MAGIC:
             raise WireError("what answers is not a rig of layflat's")
@@ -68,11 +65,7 @@ class Identity(NamedTuple):
         return cls(*struct.unpack("=7H3h4H", struct.pack("=14H", *words)))
 
     def check(self, machine: Machine, where: str) -> Capabilities:
-        """Make sure that this is the device of a machine.
-
-        Raises:
-            DriverError: it is not; the message names the first number that differs.
-        """
+        """Make sure that this is the device of a machine; raise DriverError with the first number that differs."""
         expected = Identity.of(machine)
         for name, words in _EXPECTED.items():
             there, here = getattr(self, name), getattr(expected, name)
@@ -112,12 +105,8 @@ class Registers(NamedTuple):
     identity: range
 
     @classmethod
-    def of(cls, machine: Machine) -> Registers:
-        """The map that a machine's file asks for.
-
-        Raises:
-            MachineError: it goes beyond the last register, or what is read overlaps.
-        """
+    def of(cls, machine: Machine) -> Self:
+        """The map that a machine's file asks for; raise MachineError if it is too long, or what is read overlaps."""
         wire, link = Wire.of(machine), machine.interface.modbus
         where = f"{machine.origin}: interface.modbus"
         sizes = {"commands": 1 + wire.command_size, "readings": 1 + wire.reading_size, "identity": IDENTITY_SIZE}

@@ -9,14 +9,10 @@ from layflat.rig.safety.detectors.sample import AIR, lasted, unchanged
 from layflat.rig.safety.faults import Fault
 
 FAULT = int(Fault.ANGLE_FROZEN)
-
-BRISK = 5.5
-"""Counts from one sample to the next after which no joint stands still at once: 40 deg/s with the built-in sensor."""
-
+BRISK = 5.5  # counts from one sample to the next after which no joint stands still at once: 40 deg/s as built in
+# Of the differential pressure that friction can hide: so much, what others hold off left out, a joint never bears
+# without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour.
 BEYOND = 1.9
-"""Of the differential pressure that friction can hide: so much, what others hold off left out, a joint never bears
-without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour."""
-
 DRIVEN = 0.09  # error of a joint that is driven, rad; by less friction may hold it
 ASLEEP = 0.29  # a driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s
 HELD = 0.6  # the same by more than noise, which may go to and fro by a count, s

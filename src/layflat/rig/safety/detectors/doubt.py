@@ -13,8 +13,7 @@ class Limits(NamedTuple):
 
     lsb: float  # one count of the angle's converter, rad
     lively: float  # 1 if a sound pressure sensor changes all the time, else 0
-    residual: float
-    """Of air, as an opening of the valve; infinite where the air can't be watched: a joint of a single hose."""
+    residual: float  # of air, as an opening of the valve; infinite where air can't be watched: a joint of one hose
     doubtful: float  # of the same sample, after which a sensor may be frozen, s
 
 

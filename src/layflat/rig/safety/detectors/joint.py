@@ -45,8 +45,8 @@ class Memory(NamedTuple):
     following: following.Memory
 
 
+# Of detectors that begin.
 FRESH = Memory(sample.Trace(), 0.0, 0.0, 0.0, 0.0, doubt.Memory(), angle_frozen.Memory(), 0.0, following.Memory())
-"""Of detectors that begin."""
 
 
 @law

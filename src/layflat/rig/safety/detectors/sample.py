@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from layflat.jit import law
 
+# What there is to watch: sensors alone; motion too, while air comes; all, where air is there and valves obey.
 SENSORS, MOTION, AIR = 0.0, 1.0, 2.0
-"""What there is to watch: sensors alone; motion too, while air comes; all, where air is there and valves obey."""
 
 
 class Sample(NamedTuple):
@@ -33,8 +33,7 @@ class Trace(NamedTuple):
     pressure_2: float = nan
     pressure_3: float = nan
     swing: float = nan
-    ripple: float = inf
-    """Amplitude of the pressure at a quarter of the loop's rate, whatever its slope; infinite at first, Pa."""
+    ripple: float = inf  # amplitude of the pressure at a quarter of the loop's rate; infinite at first, Pa
     step: float = 0.0  # by which the angle last changed, rad
     same_angle: float = 0.0  # for which the angle has not changed, s
 

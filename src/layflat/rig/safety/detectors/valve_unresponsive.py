@@ -12,8 +12,7 @@ FAULT = int(Fault.VALVE_UNRESPONSIVE)
 class Limits(NamedTuple):
     """What the air is judged by."""
 
-    ripple: float
-    """Amplitude below which there is no air (rule 1 of the controller), Pa; zero where the dither can't be seen."""
+    ripple: float  # amplitude below which there is no air (controller's rule 1), Pa; zero where no dither is seen
     patience: float  # how long the ripple may be gone, s
 
 
