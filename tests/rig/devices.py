@@ -18,6 +18,7 @@ from layflat.rig.device.exchange import Link, Spoil
 from layflat.rig.device.modbus_server import ModbusStation
 from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
 from layflat.rig.device.serial_server import SerialStation
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire
 
@@ -38,7 +39,7 @@ def angle_after(commands: int) -> float:
     return WIRE.angle.value(1000 + commands)
 
 
-class FakeDevice:
+class FakeDevice(VirtualDevice):
     def __init__(self, clock: Clock, able: Capabilities | None = None) -> None:
         self.capabilities = able or Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
         self.link = Link()

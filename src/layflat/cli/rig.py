@@ -1,7 +1,5 @@
 """Commands of a rig: rig run, rig serve, rig check, rig faults; what they share. Each stands in a module of its own."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -39,7 +37,7 @@ FAULT, INTERRUPTED = 3, 130  # exit statuses: a fault was found; stopped by hand
 SIMULATED = "simulated"  # address of a virtual rig in the loop's own process
 
 
-def driver_at(address: str, machine: Machine) -> tuple[Callable[[], Driver], str]:
+def driver_at(address: str, machine: "Machine") -> "tuple[Callable[[], Driver], str]":
     """What makes the driver of an address, and the name of the rig behind it.
 
     Raises:

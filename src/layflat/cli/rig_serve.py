@@ -1,7 +1,5 @@
 """Command that runs a virtual rig: rig serve."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -19,7 +17,7 @@ from layflat.cli.rig import rigs, stopping
 from layflat.errors import InputError, LayflatError
 
 if TYPE_CHECKING:
-    from layflat.rig.device.process import DeviceProcess, ModbusPort, SerialPort
+    from layflat.rig.device.process import DeviceProcess, Port
 
 LOOKS = 0.1  # between two looks whether to end, s
 
@@ -50,7 +48,7 @@ def serve(
         _answer(device, stopped)
 
 
-def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | SerialPort:
+def _place(modbus: int | None, serial: bool, link: Path | None) -> "Port":
     from layflat.rig.device.process import ModbusPort, SerialPort  # noqa: PLC0415
     from layflat.rig.drivers.address import PACKAGES  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
@@ -62,7 +60,7 @@ def _place(modbus: int | None, serial: bool, link: Path | None) -> ModbusPort | 
     return SerialPort(link) if modbus is None else ModbusPort(modbus)
 
 
-def _answer(device: DeviceProcess, stopped: Callable[[], bool]) -> None:
+def _answer(device: "DeviceProcess", stopped: Callable[[], bool]) -> None:
     """Do what lines on stdin say, until told to quit or to stop; raise LayflatError if the device is gone."""
     from layflat.rig.device.console import obey  # noqa: PLC0415
 
@@ -78,7 +76,7 @@ def _answer(device: DeviceProcess, stopped: Callable[[], bool]) -> None:
         raise LayflatError("the device is gone")
 
 
-def _lines(device: DeviceProcess, stopped: Callable[[], bool]) -> Iterator[list[str]]:
+def _lines(device: "DeviceProcess", stopped: Callable[[], bool]) -> Iterator[list[str]]:
     """Words of each line; after the last there may be none for long. It ends with the device, or when stopped."""
     source = [sys.stdin.fileno()] if sys.stdin is not None and not sys.stdin.closed else []
     rest = b""

@@ -2,7 +2,7 @@
 
 import signal
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -30,7 +30,23 @@ def run_loop(
     # Ctrl-C goes to all processes of a terminal; the host turns it into a controlled stop.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
-        said = True, _loop(machine, driver, mailbox, recorder, pipe)
+        # What the first cycle calls is loaded in any case, and before every cycle if a processor can be had for that.
+        warmup, roomy = WarmupLoop(machine), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
+        clock = PunctualClock(warmup) if roomy else MonotonicClock()
+        shared, made = Mailbox(mailbox, Layout.of(machine)), driver()
+        keeper = recorder()
+        with ExitStack() as ending:
+            for end in (shared.close, keeper.end, made.finalize):  # the last one first
+                ending.callback(end)
+            made.configure().check(machine)
+            loop = Loop(machine, made, clock, RemoteHost(shared, clock, len(machine.joints)), keeper)
+            refused = go_realtime()
+            for line in refused:
+                keeper.event(line)
+            made.activate()
+            pipe.send((True, refused))
+            loop.run()
+        said = True, [loop.deadlines.summary()]
     except LayflatError as error:
         said = False, [str(error)]
     except Exception as error:  # whatever happens, the host is told; the device centres by itself
@@ -38,31 +54,3 @@ def run_loop(
     mailbox.unlink(missing_ok=True)  # who has it open keeps it; the host may be gone
     with suppress(OSError):
         pipe.send(said)
-
-
-def _loop(
-    machine: Machine,
-    make_driver: Callable[[], Driver],
-    path: Path,
-    make_recorder: Callable[[], Recorder],
-    pipe: Connection,
-) -> list[str]:
-    # What the first cycle calls is loaded in any case, and before every cycle where a processor can be had for that.
-    warmup, roomy = WarmupLoop(machine), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
-    clock = PunctualClock(warmup) if roomy else MonotonicClock()
-    mailbox, driver = Mailbox(path, Layout.of(machine)), make_driver()
-    recorder = make_recorder()
-    try:
-        driver.configure().check(machine)
-        loop = Loop(machine, driver, clock, RemoteHost(mailbox, clock, len(machine.joints)), recorder)
-        refused = go_realtime()
-        for line in refused:
-            recorder.event(line)
-        driver.activate()
-        pipe.send((True, refused))
-        loop.run()
-        return [loop.deadlines.summary()]
-    finally:
-        driver.finalize()
-        recorder.end()
-        mailbox.close()

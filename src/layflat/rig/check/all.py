@@ -1,13 +1,25 @@
-"""The whole check of a rig."""
+"""The whole check of a rig: link, timing, device, e-stop, supply and every sensor without air, then signs with air."""
 
 from collections.abc import Callable
 
+import numpy as np
+
+from layflat.arrays import Array
 from layflat.machine import Machine
+from layflat.machine.parameters import sensor
+from layflat.physics.sensor import Sensor
 from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.check.signs import try_signs
-from layflat.rig.check.still import look
 from layflat.rig.clock import Clock
 from layflat.rig.driver import Driver
+
+SECONDS = 2.0  # for which a rig is looked at, s
+FEW = 0.01  # share of replies that may be lost, and of cycles that may be late by more than a cycle
+NO_PRESSURE = 0.1e5  # what an empty line or joint may show, Pa
+LIVELY = 0.2  # noise in counts from which on a sound sensor changes within `SECONDS`
+NOISY = 5.0  # times the noise of the description, from which on something is wrong
+
+DOES = ("obeys", "has centred the valves", "has let out the air")  # what the device does by itself, by its state
 
 
 def check_rig(
@@ -28,7 +40,7 @@ def check_rig(
         findings = [CheckResult("device", f"{able.joints} joints, {volts}, as described")]
         bench = OpenLoopRig(machine, driver, clock)
         tell("looking on")
-        findings += look(bench)
+        findings += _look(bench)
         if air and all(one.passed for one in findings):
             findings += try_signs(bench, tell)
         elif air:
@@ -36,3 +48,60 @@ def check_rig(
         return findings
     finally:
         driver.finalize()
+
+
+def _look(bench: OpenLoopRig) -> list[CheckResult]:
+    """Look at a rig that is not moved."""
+    found = [reading for _ in range(bench.cycles(SECONDS)) if (reading := bench.look()) is not None]
+    late, asked = bench.deadlines, len(found) + bench.lost
+    median = 1e6 * float(np.median(bench.transactions))
+    right = "look at cable and load of the device, and at `timeout` in [interface]" if bench.lost > FEW * asked else ""
+    findings = [CheckResult("link", f"{len(found)} of {asked} replies came, {median:.0f} us at the median", right)]
+    told = (
+        f"{1e6 * late.lateness_at(0.5):.0f} us late at the median, {1e6 * late.lateness_at(0.99):.0f} us at 99 %, "
+        f"{late.missed} cycles missed"
+    )
+    right = "run nothing else on this computer, or take a longer cycle" if late.missed > FEW * asked else ""
+    findings.append(CheckResult("cycles", told, right))
+    if not found:
+        return findings
+    if found[-1].stopped:
+        findings.append(CheckResult("e-stop", "pressed", "release it"))
+    else:
+        findings.append(CheckResult("e-stop", f"released; the device {DOES[found[-1].device]}"))
+    gauge = float(np.mean([reading.supply for reading in found])) - bench.machine.supply.ambient_pressure
+    right = "shut off the air and vent the line, or set the sensor's zero" if abs(gauge) > NO_PRESSURE else ""
+    findings.append(CheckResult("supply", f"{gauge / 1e5:+.2f} bar gauge, air off", right))
+    for j, name in enumerate(bench.names):
+        findings.append(_angle(bench, j, name, np.array([reading.angles[j] for reading in found])))
+        findings.append(_pressure(bench, j, name, np.array([reading.pressures[j] for reading in found])))
+    return findings
+
+
+def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
+    rail, middle, wrong = bench.limits[j].rail, float(np.median(samples)), ""
+    end = 0.5 * bench.machine.joint[name].stops.mechanical_stroke
+    if not rail.low < middle < rail.high:
+        wrong = "at its rail: it is open or shorted, look at its wires"
+    elif abs(middle) > end:
+        wrong = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
+    return _sensor(f"angle of {name}", f"{np.degrees(middle):.2f} deg", sensor(bench.angle_part), samples, wrong)
+
+
+def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
+    middle, wrong = float(np.median(samples)), ""
+    if not abs(middle) < bench.limits[j].over_pressure:
+        wrong = "at its rail: look at its wires"
+    elif abs(middle) > NO_PRESSURE:
+        wrong = "let the air out of the hoses, or set its zero"
+    return _sensor(f"pressure of {name}", f"{middle / 1e5:+.3f} bar", sensor(bench.pressure_part), samples, wrong)
+
+
+def _sensor(what: str, shown: str, law: Sensor, samples: Array, wrong: str) -> CheckResult:
+    """Tell of a sensor what is wrong with its values, or else with its noise: that of differences, without drift."""
+    noise = float(np.std(np.diff(samples)) / np.sqrt(2.0)) if len(samples) > 2 else 0.0
+    if not wrong and law.noise > LIVELY * law.lsb and np.ptp(samples) == 0.0:
+        wrong = "it repeats itself: its converter is frozen, or the wire is off"
+    elif not wrong and noise > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
+        wrong = "much noise: look at its screen and ground"
+    return CheckResult(what, f"{shown}, noise {noise / law.lsb:.1f} counts", wrong)

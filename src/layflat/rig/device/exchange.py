@@ -4,13 +4,14 @@ import asyncio
 from collections.abc import Callable, Sequence
 from enum import Enum
 from math import inf
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from layflat.machine.model import Machine
-from layflat.rig.clock import Clock
-from layflat.rig.driver import Capabilities, Command, Reading
 from layflat.rig.wire.content import Wire, is_later
 from layflat.rig.wire.identity import Identity
+
+if TYPE_CHECKING:
+    from layflat.rig.device.virtual import VirtualDevice
 
 LATE = 1.5  # delay of a late reply, in times of the host's patience
 
@@ -57,23 +58,6 @@ class Link:
         return self._kind
 
 
-class Device(Protocol):
-    """Valves, sensors and watchdog of a device."""
-
-    capabilities: Capabilities  # what it can do
-    link: Link  # how well its wires do
-    clock: Clock  # its own
-
-    def obey(self, command: Command) -> None:
-        """Take a command."""
-
-    def reading(self) -> Reading:
-        """What the sensors say now."""
-
-    def tick(self) -> None:
-        """Catch up with the clock: what moves, and the watchdog."""
-
-
 class Station:
     """A device behind words; who waits for its replies has a patience, s.
 
@@ -81,7 +65,7 @@ class Station:
     that was under way for long; who asks for the identity begins anew.
     """
 
-    def __init__(self, device: Device, machine: Machine, patience: float) -> None:
+    def __init__(self, device: "VirtualDevice", machine: Machine, patience: float) -> None:
         self.device = device
         self._wire, self._patience = Wire.of(machine), patience
         self._identity = Identity.of(machine, device.capabilities).words()

@@ -17,7 +17,8 @@ from pymodbus.pdu import DecodePDU, ExceptionResponse, ModbusPDU
 
 from layflat.machine.model import Machine
 from layflat.rig.clock import SECOND
-from layflat.rig.device.exchange import Device, Spoil, Station
+from layflat.rig.device.exchange import Spoil, Station
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.wire.content import WireError
 from layflat.rig.wire.identity import Registers
 
@@ -30,7 +31,7 @@ READ, WRITE, BOTH = (3, 4), 16, 23  # functions that there are
 class ModbusStation(Station):
     """Answers functions 3, 4, 16 and 23 of one unit; a master that has fallen silent is told by the device's clock."""
 
-    def __init__(self, device: Device, machine: Machine) -> None:
+    def __init__(self, device: VirtualDevice, machine: Machine) -> None:
         super().__init__(device, machine, machine.interface.modbus.timeout)
         self._registers = Registers.of(machine)
         self._unit, self._silence = machine.interface.modbus.unit, machine.interface.dump_after * SECOND

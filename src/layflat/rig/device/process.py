@@ -14,14 +14,14 @@ from typing import Any, Self
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
 from layflat.rig.clock import Clock, MonotonicClock, VirtualClock
-from layflat.rig.device.exchange import Device
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DriverError
 from layflat.rig.system import first_in, start_process
 
 TICK = 5e-3  # between two looks at the clock in real time, s; a device makes up for what happened between them
 START = 60.0  # until a device has to be there, s: laws may have to be compiled first
 
-Factory = Callable[[Clock], Device]  # makes the device, inside the process, with the clock that it lives by; pickled
+Factory = Callable[[Clock], VirtualDevice]  # makes the device in the process, with the clock that it lives by
 
 
 @dataclass(frozen=True)
@@ -39,15 +39,17 @@ class SerialPort:
     link: Path | None = None
 
 
+Port = ModbusPort | SerialPort
+
+
 class DeviceProcess:
     """A device in another process: `with DeviceProcess(...) as device: driver_of(device.address, machine)`.
 
-    In lockstep time passes there only when a function that is called waits for the device's clock.
+    The factory is pickled. In lockstep time passes there only when a function that is called waits for the device's
+    clock.
     """
 
-    def __init__(
-        self, factory: Factory, machine: Machine, at: ModbusPort | SerialPort, *, lockstep: bool = False
-    ) -> None:
+    def __init__(self, factory: Factory, machine: Machine, at: Port, *, lockstep: bool = False) -> None:
         self._control, self._theirs = multiprocessing.Pipe()
         self._arguments = factory, machine, at, self._theirs, lockstep
         self.address = ""
@@ -68,13 +70,11 @@ class DeviceProcess:
 
     def __exit__(self, *_: object) -> None:
         """End it, kindly at first."""
-        with suppress(OSError):
-            self._control.send(None)
+        self._control.close()
         self.process.join(2.0)
         if self.process.is_alive():
             self.process.kill()
             self.process.join()
-        self._control.close()
 
     def call(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call a function over there: `function(device, *arguments)`; it stands in a module, so that it can be sent.
@@ -96,10 +96,8 @@ class DeviceProcess:
         return what
 
 
-def _serve(
-    factory: Factory, machine: Machine, at: ModbusPort | SerialPort, control: Connection, lockstep: bool
-) -> None:
-    """Main function of the process: be a device until told to quit, or left alone by whoever holds the handle."""
+def _serve(factory: Factory, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
+    """Main function of the process: be a device until left alone by whoever holds the handle."""
     try:
         device = factory(VirtualClock() if lockstep else MonotonicClock())
         asyncio.run(_be(device, machine, at, control, lockstep))
@@ -112,9 +110,7 @@ def _told(error: Exception) -> str:
     return str(error) if isinstance(error, LayflatError) else f"{type(error).__name__} on the device: {error}"
 
 
-async def _be(
-    device: Device, machine: Machine, at: ModbusPort | SerialPort, control: Connection, lockstep: bool
-) -> None:
+async def _be(device: VirtualDevice, machine: Machine, at: Port, control: Connection, lockstep: bool) -> None:
     loop: asyncio.AbstractEventLoop = asyncio.get_running_loop()
     done: asyncio.Future[None] = loop.create_future()
 
@@ -149,15 +145,12 @@ async def _be(
         close()
 
 
-def _hear(device: Device, control: Connection) -> bool:
-    """Call what the handle sends, and answer whether it went well, and what came of it; false: it wants an end."""
+def _hear(device: VirtualDevice, control: Connection) -> bool:
+    """Call what the handle sends, and answer whether it went well, and what came of it; false: it was let go."""
     try:
-        asked = control.recv()
+        function, *arguments = control.recv()
     except (EOFError, OSError):
-        asked = None
-    if asked is None:
         return False
-    function, *arguments = asked
     try:
         answer = True, function(device, *arguments)
     except Exception as error:  # whatever it is, it is the host's to see
@@ -167,7 +160,7 @@ def _hear(device: Device, control: Connection) -> bool:
     return True
 
 
-async def _listen(device: Device, machine: Machine, at: ModbusPort | SerialPort) -> tuple[str, Callable[[], None]]:
+async def _listen(device: VirtualDevice, machine: Machine, at: Port) -> tuple[str, Callable[[], None]]:
     if isinstance(at, SerialPort):
         from layflat.rig.device.serial_server import SerialStation  # noqa: PLC0415  (needs an extra)
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from layflat.errors import OutputError
 from layflat.machine.model import Machine
-from layflat.rig.device.exchange import Device, Spoil, Station
+from layflat.rig.device.exchange import Spoil, Station
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.wire import frames
 from layflat.rig.wire.content import WireError
 
@@ -15,7 +16,7 @@ from layflat.rig.wire.content import WireError
 class SerialStation(Station):
     """Answers frames."""
 
-    def __init__(self, device: Device, machine: Machine) -> None:
+    def __init__(self, device: VirtualDevice, machine: Machine) -> None:
         super().__init__(device, machine, machine.interface.serial.timeout)
         self._decoder = frames.Decoder()
         self._link: Path | None = None

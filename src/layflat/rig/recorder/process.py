@@ -80,18 +80,13 @@ class Recorder:
 
     def run(self) -> None:
         """Record, then finish."""
-        over = False
+        over, ring = False, self._ring
         while not over:
-            over = self._over()  # asked before the ring is drained, so that nothing stays in it
+            gone = not ring.loop_alive() if ring.head.loop_beat else os.getppid() != self._parent
+            over = self.stopped or ring.head.ended or gone  # known before the ring is drained: nothing stays in it
             self.drain()
             time.sleep(TICK)
         self._finish()
-
-    def _over(self) -> bool:
-        """Whether nothing more will come."""
-        head = self._ring.head
-        gone = not self._ring.loop_alive() if head.loop_beat else os.getppid() != self._parent
-        return self.stopped or head.ended or gone
 
     def drain(self) -> None:
         """Write what the loop has handed over."""

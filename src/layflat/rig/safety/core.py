@@ -15,7 +15,6 @@ from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
 from layflat.rig.safety import cycle as compiled
 from layflat.rig.safety import estimator
-from layflat.rig.safety.demands import Demand
 from layflat.rig.safety.detectors import joint, supply
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_settings, rig_settings
@@ -37,15 +36,9 @@ class Core:
         self.settings = NamedRows([joint_settings(machine, name) for name in names])
         self.memory, self.inputs = NamedRows([compiled.MEMORY] * len(names)), NamedRows([compiled.INPUTS])
         self.law = law
-        self._given = np.zeros((len(names), compiled.JOINT_INPUTS + len(names)))
-        self._head = self.inputs.array[0]
-        self._arrays: tuple[Array, ...] = (
-            self.rig.array[0],
-            self.settings.array,
-            self._head,
-            self._given,
-            self.memory.array,
-        )
+        self._given, self._head = np.zeros((len(names), compiled.JOINT_INPUTS + len(names))), self.inputs.array[0]
+        about = self.rig.array[0], self.settings.array
+        self._arrays: tuple[Array, ...] = (*about, self._head, self._given, self.memory.array)
         self._perform: Callable[..., int] = compiled.judge
         if law is not None:
             arm = NamedRows([parameters.arm(machine)])
@@ -58,7 +51,6 @@ class Core:
         self.voltages_asked = self.memory["asked"]  # what the control law asked for, V, (joints,)
         self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]  # let through, rad and V
         self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]  # of the joints in this cycle
-        self.estimates: Array = self.memory.block("estimate")  # numbers of `estimator.Estimate`, (joints, 4)
         self.voltages[:] = self.voltages_asked[:] = self.rig["centre"][0]
         self.reset()
 
@@ -109,9 +101,10 @@ class Core:
             self.between()
         return came | self._perform(*self._arrays, stages & compiled.GATE)
 
-    def freeze(self, j: int, angle: float) -> None:
-        """From now on ask a joint for this angle, rad."""
-        self.memory.replace("demand", Demand(angle, angle), j)
+    def freeze(self, angles: Array | None = None) -> None:
+        """From now on ask the joints for these angles, rad; where they are not given, for those where they are."""
+        wanted = self.memory["estimate.averaged_angle"] if angles is None else angles
+        self.demands[:] = self.memory["demand.reference"][:] = np.where(np.isfinite(wanted), wanted, self.demands)
 
     def air_is_there(self, supply_now: float, ready: float) -> bool:
         """Whether supply (absolute, Pa) and ripple are those of a machine that can move."""

@@ -69,12 +69,14 @@ def joint_settings(machine: Machine, name: str) -> Settings:
 
 def joint_limits(machine: Machine, name: str) -> joint.Limits:
     """Limits of the detectors of a joint."""
-    _, angle_part, pressure_part = drive_parts(machine)
+    valve, angle_part, pressure_part = drive_parts(machine)
     part, safety, gauge, cycle = machine.joint[name], machine.safety, machine.supply.pressure_gauge, machine.cycle
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
     working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
     friction = 2.0 * part.brake.torque / parameters.torque_constant(part) + parameters.loss_share(part) * gauge
-    seen, sure = _dither_is_seen(machine), SURE * cycle
+    dither, sure = valve.dithered if machine.controller is not None else None, SURE * cycle
+    # Whether the ripple that is estimated, at a quarter of the loop's rate, is that of the dither.
+    seen = dither is not None and abs(dither.frequency * cycle - 0.25) < 0.01
     return joint.Limits(
         rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb),
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
@@ -99,10 +101,3 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             Fault.FOLLOWING_ERROR.seconds - SPARE * cycle,
         ),
     )
-
-
-def _dither_is_seen(machine: Machine) -> bool:
-    """Whether the ripple that is estimated, at a quarter of the loop's rate, is that of the dither."""
-    if machine.valve is None or machine.valve.dithered is None or machine.controller is None:
-        return False
-    return abs(machine.valve.dithered.frequency * machine.cycle - 0.25) < 0.01

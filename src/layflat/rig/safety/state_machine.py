@@ -1,19 +1,14 @@
 """States of a rig, and what leads from one to another: the host's requests, faults, and time."""
 
-from math import isfinite
-
 from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.detectors.sample import AIR as ALL
 from layflat.rig.safety.detectors.sample import MOTION, SENSORS
-from layflat.rig.safety.estimator import Estimate
 from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.ledger import Ledger
 from layflat.rig.safety.states import AIR, State, ValveMode
-
-ANGLE = Estimate._fields.index("averaged_angle")
 
 # Cycles for which a reset is not sent, and then is: the device takes its edge, also if one reply is lost.
 RESET_LOW, RESET_HIGH = 4, 4
@@ -79,12 +74,6 @@ class StateMachine:
                 self.core.reset()
             self.valve_mode, self._in_mode = mode, 0.0
 
-    def freeze(self, angles: Array | None = None) -> None:
-        """From now on ask the joints for these angles, rad; where they are not given, for those where they are."""
-        wanted = self.core.estimates[:, ANGLE] if angles is None else angles
-        for j, (angle, demand) in enumerate(zip(wanted.tolist(), self.core.demands.tolist(), strict=True)):
-            self.core.freeze(j, angle if isfinite(angle) else demand)
-
     def device_state(self, device: DeviceState) -> None:
         """Note what the device does by itself."""
         if not AIR[self.valve_mode]:
@@ -113,7 +102,7 @@ class StateMachine:
         elif self.state is State.HOLDING and AIR[self.valve_mode]:
             self.enter(State.READY, ValveMode.HOLD)
         elif self.state in {State.OFF, State.STOPPED}:
-            self.freeze()
+            self.core.freeze()
             self._obeyed, self._reset_for, self._there_for = False, RESET_LOW + RESET_HIGH, 0.0
             self.enter(State.STARTING, ValveMode.HOLD)
 
@@ -125,7 +114,7 @@ class StateMachine:
             self.enter(State.STOPPED, ValveMode.CENTRE)
         elif self.state is not State.STOPPED:
             if self.valve_mode is not ValveMode.HOLD or self.state is not State.HOLDING:
-                self.freeze()
+                self.core.freeze()
             self.enter(State.STOPPED, ValveMode.HOLD)
             self._in_mode = 0.0
 
@@ -138,7 +127,7 @@ class StateMachine:
         self._reset_for = RESET_LOW + RESET_HIGH
         if self.state is State.FAULT:
             self.core.reset()
-            self.freeze()
+            self.core.freeze()
             held = AIR[self.valve_mode]
             self.enter(State.HOLDING if held else State.OFF, self.valve_mode if held else ValveMode.CENTRE)
 
@@ -146,7 +135,7 @@ class StateMachine:
         """Do what the worst of the latched faults asks for; air that is off stays off."""
         reaction, on = self.ledger.reaction, AIR[self.valve_mode]
         if self.valve_mode is ValveMode.FOLLOW or (on and self.state is not State.FAULT):
-            self.freeze(angles)
+            self.core.freeze(angles)
         mode = self.valve_mode
         if on:
             # Air that can't get out brakes best: valves open once the supply line is empty.

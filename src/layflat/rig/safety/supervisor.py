@@ -30,11 +30,6 @@ class HostRequest(NamedTuple):
     reset: bool = False  # edge: latched faults may go
     age: float = 0.0  # since the host was last heard, s
 
-    @property
-    def edge(self) -> bool:
-        """Whether it wants another state."""
-        return self.start or self.stop or self.reset
-
 
 class Supervisor(StateMachine):
     """State, faults and what is done about them, of a machine with valve and sensors and the law that controls it."""
@@ -53,7 +48,7 @@ class Supervisor(StateMachine):
     def begin(self, reading: Reading, *, filled: bool = False) -> None:
         """Start from a first reading; `filled`: air is there already, as in a simulated run, and demands are obeyed."""
         self.core.begin(reading, filled=filled)
-        self.freeze(reading.angles)
+        self.core.freeze(reading.angles)
         if filled:
             self.enter(State.READY, ValveMode.HOLD)
             self.core.wake(reading)
@@ -97,7 +92,8 @@ class Supervisor(StateMachine):
         """Whether all that was so in the cycle before is still so, as far as it can be told before it is judged."""
         return (
             self.state is State.MOVING
-            and not (self.noted or self.ledger.latched or request.edge or reading.stopped or self._reset_for)
+            and not (request.start or request.stop or request.reset or reading.stopped or self._reset_for)
+            and not (self.noted or self.ledger.latched)
             and reading.device == DeviceState.RUNNING
             and request.age <= self._stale_after
         )
