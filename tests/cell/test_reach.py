@@ -1,11 +1,11 @@
-from math import hypot, radians
+from math import radians
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.reach import AMPLE_MARGIN, SMALL_ERROR, Angles, Reach
+from layflat.cell.reach import AMPLE_MARGIN, Angles, Reach
 from layflat.machine import changed, load
 from layflat.sim.kinematics import tip_position
 
@@ -47,20 +47,10 @@ def test_what_is_out_of_reach_lacks_as_much_as_a_search_over_all_postures_finds(
 REACH, BOTH = Reach(ARM), Reach(STRAIGHT)
 
 
-def test_a_stretched_elbow_has_two_mirrored_postures_of_the_same_sensitivity() -> None:
+def test_a_stretched_elbow_has_two_mirrored_postures() -> None:
     first, second = BOTH.postures(0.7, 0.1)
     assert first.angles[1] == pytest.approx(-second.angles[1])
-    assert first.sensitivity == pytest.approx(second.sensitivity)
     assert first.margin >= second.margin
-
-
-@given(angles=ANGLES)
-def test_sensitivity_is_the_way_of_the_tip_when_both_joints_are_off(angles: Angles) -> None:
-    x, y = REACH.tip(angles)
-    found = next(one for one in REACH.postures(x, y) if np.allclose(one.angles, angles, atol=1e-6))
-    off = [np.array(angles) + SMALL_ERROR * np.array(signs) for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1))]
-    ways = [hypot(*(tip_position(ARM, one) - [x, y])) for one in off]
-    assert found.sensitivity == pytest.approx(max(ways), rel=3e-3)
 
 
 def test_the_quicker_posture_is_taken_unless_it_lacks_margin() -> None:

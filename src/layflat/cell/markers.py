@@ -1,13 +1,11 @@
 """ArUco markers and ChArUco boards: one rule of what OpenCV can read, for the scene's textures and for detection."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import opencv
 from layflat.errors import CameraError
 
@@ -33,21 +31,21 @@ def dictionary(name: str, last: int) -> Any:
     return words
 
 
-def charuco(board: Board | CharucoBoard) -> Any:
+def charuco(board: "Board | CharucoBoard") -> Any:
     """Return a board as `cv2.aruco.CharucoBoard`: its corners count from the first, x right, y down in its picture."""
     markers = np.arange(board.first_id, board.first_id + board.columns * board.rows // 2)
     words = dictionary(board.dictionary, int(markers[-1]))
     return opencv().aruco.CharucoBoard((board.columns, board.rows), board.square, board.marker, words, markers)
 
 
-def board_picture(board: Board | CharucoBoard) -> NDArray[np.uint8]:
-    """Return the board without a margin, (H, W) grey levels."""
-    drawn: NDArray[np.uint8] = charuco(board).generateImage((PIXELS * board.columns, PIXELS * board.rows))
+def board_picture(board: "Board | CharucoBoard") -> Picture:
+    """Return the board without a margin, grey."""
+    drawn: Picture = charuco(board).generateImage((PIXELS * board.columns, PIXELS * board.rows))
     return drawn
 
 
-def marker_picture(name: str, number: int) -> NDArray[np.uint8]:
-    """Return a marker of a dictionary without a margin, (H, H) grey levels."""
+def marker_picture(name: str, number: int) -> Picture:
+    """Return a marker of a dictionary without a margin, grey."""
     words = dictionary(name, number)
-    drawn: NDArray[np.uint8] = opencv().aruco.generateImageMarker(words, number, PIXELS * (words.markerSize + 2))
+    drawn: Picture = opencv().aruco.generateImageMarker(words, number, PIXELS * (words.markerSize + 2))
     return drawn

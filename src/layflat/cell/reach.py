@@ -21,19 +21,16 @@ from layflat.machine import Machine
 from layflat.sim.kinematics import tip_position
 
 Angles = tuple[float, ...]  # one angle a joint, from base to tip, rad
-SMALL_ERROR = radians(0.1)
-"""For which a posture's sensitivity is given, rad: how exactly the paper's joints come back to a place."""
 END_MARGIN = radians(3.0)  # that is kept to the ends of a working stroke, rad: a joint may overshoot
 AMPLE_MARGIN = radians(10.0)  # a posture that keeps so much from the ends is as good as any other, rad
 ROUNDING = 1e-12  # by which the cosine of a stretched elbow may be over 1, and an angle (rad) over its limit
 
 
 class Posture(NamedTuple):
-    """Angles that bring the tip to a point; both elbows have the same sensitivity: it distinguishes places."""
+    """Angles that bring the tip to a point."""
 
     angles: Angles
     margin: float  # from the nearest end of any joint's working stroke, rad
-    sensitivity: float  # greatest way of the tip if every joint is off by `SMALL_ERROR`, m
 
 
 class _Arc(NamedTuple):
@@ -86,7 +83,8 @@ class Reach:
             first = remainder(towards - atan2(l_2 * sin(bent), l_1 + l_2 * cos(bent)), tau)
             angles = (first, remainder(bent - self.machine.arm.elbow, tau))
             if all(abs(q) <= limit + ROUNDING for q, limit in zip(angles, self.limits, strict=True)):
-                found.append(self._posture(angles))
+                margin = min(limit - abs(q) for q, limit in zip(angles, self.limits, strict=True)) + self._kept
+                found.append(Posture(angles, margin))
         return tuple(sorted(found, key=lambda posture: -posture.margin))
 
     def choose(self, x: float, y: float, travel_time: Callable[[Angles], float]) -> Posture | None:
@@ -100,13 +98,6 @@ class Reach:
     def missing(self, x: float, y: float) -> float:
         """Return how far a point lies out of reach, m; 0 within."""
         return 0.0 if self.postures(x, y) else min(arc.distance(x, y) for arc in self._arcs)
-
-    def _posture(self, angles: Angles) -> Posture:
-        margin = min(limit - abs(q) for q, limit in zip(angles, self.limits, strict=True)) + self._kept
-        # A joint that turns moves the tip about its own axis.
-        base, elbow, tip = (complex(*at) for at in self.axes(angles))
-        way = max(abs((tip - base) + (tip - elbow)), abs((tip - base) - (tip - elbow)))
-        return Posture(angles, margin, SMALL_ERROR * way)
 
     def _boundary(self) -> list[_Arc]:
         """Return arcs that hold every point of the edge of the reach: one joint at an end, the other sweeps."""

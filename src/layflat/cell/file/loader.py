@@ -50,9 +50,7 @@ def names() -> tuple[str, ...]:
 def load(cell: str | Path | Cell) -> Cell:
     """Return a cell from its built-in name or from a TOML file; a `Cell` is passed through.
 
-    Raises:
-        CellError: in one line, which file, key and value is wrong and what would be right.
-        MachineError: the same about the machine that it names.
+    CellError says in one line which file, key and value is wrong, MachineError the same of the machine that it names.
     """
     return cell if isinstance(cell, Cell) else build(*CELLS.tables(cell), str(cell))
 

@@ -5,12 +5,6 @@ from layflat.cell.perception.kinds import detector_of
 from layflat.cell.perception.observation import CameraPerception, Observation, Perception, ScenePerception, fruit_of
 
 __all__ = [
-    "CameraPerception",
-    "Observation",
-    "Perception",
-    "ScenePerception",
-    "base_of",
-    "calibrate_scene",
-    "detector_of",
+    "CameraPerception", "Observation", "Perception", "ScenePerception", "base_of", "calibrate_scene", "detector_of",
     "fruit_of",
-]
+]  # fmt: skip

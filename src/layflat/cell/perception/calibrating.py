@@ -13,8 +13,8 @@ from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.scene.optics import optics_of
 from layflat.cell.vision import BaseMarkers, Calibration, CharucoBoard, Marker, calibrate
 
+# Where the board is held: in the middle of the picture, then around it.
 SPOTS = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))
-"""Where the board is held: in the middle of the picture, then around it."""
 TILT = 0.5  # of the board from facing the camera, rad, to another side in each view
 FILLS = 0.42  # share of the picture that the board fills
 
@@ -24,11 +24,8 @@ def calibrate_scene(
 ) -> Calibration:
     """Calibrate with the cell's board in nine poses before the camera, then with the markers on the table.
 
-    The arm of the scene is out of the camera's view; `progress` is called with the share that is done.
-
-    Raises:
-        PictureError: a picture can't be used: it is dark, blurred.
-        CameraError: board or markers are not detected.
+    The arm of the scene is out of the camera's view; `progress` is called with the share that is done. Raise
+    PictureError if a picture is dark or blurred, CameraError if board or markers are not detected.
     """
     poses, pictures = views_of(scene.cell), []
     for number, (position, orientation) in enumerate(poses, start=1):
@@ -36,8 +33,7 @@ def calibrate_scene(
         pictures.append(camera.picture())
         progress(number / (len(poses) + 2))
     scene.board_held = False
-    held = scene.cell.board
-    board = CharucoBoard(held.columns, held.rows, held.square, held.marker, held.dictionary, held.first_id)
+    board = CharucoBoard(**scene.cell.board.model_dump())
     calibration = calibrate(pictures, board, camera.picture(), base_of(scene.cell))
     progress(1.0)
     return calibration

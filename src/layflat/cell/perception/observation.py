@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Picture
 from layflat.cell.file.model import Cell
 from layflat.cell.file.produce import Produce, Skin
 from layflat.cell.perception.calibrating import base_of
@@ -20,7 +19,6 @@ from layflat.cell.plan.containers import Fruit
 from layflat.cell.scene import Scene
 from layflat.cell.vision import Calibration, Detection, self_check
 
-Picture = NDArray[np.uint8]
 DIAMETER_ERROR = 0.015  # by which vision may be off, share: about the worst of 1800 fruit, see docs/cell-vision.md
 TINT = 0.01  # by which a chromaticity may be off: lights of unlike tint
 AS_NEAR = 0.6  # ratio of two skins' distances from which they are about as near
@@ -33,7 +31,7 @@ class Observation:
 
     time: float  # s
     fruits: tuple[Fruit, ...]  # all produce that was detected, also in containers and of unknown kinds
-    picture: Picture | None = None  # (H, W, 3) RGB
+    picture: Picture | None = None  # RGB
     detections: tuple[Detection, ...] = ()  # of vision in the picture
 
 

@@ -17,8 +17,7 @@ from layflat.cell.vision import Colour
 
 Rectangle = tuple[float, float, float, float]  # hue from, to; saturation from, to
 SIGMAS = 3.0  # of a skin's spread that its region holds
-HUE_MARGIN, SATURATION_MARGIN = 5.0, 0.06
-"""For tints of lights beside that of the table, and for noise; degree and of 1."""
+HUE_MARGIN, SATURATION_MARGIN = 5.0, 0.06  # for tints of lights beside that of the table, and for noise; degree, of 1
 SHADED = 0.35  # brightness of the side of a fruit that no light reaches, share of its top's
 UNSURE_HUE = 0.035  # saturation under which noise decides on the hue
 WIDEST = 90.0  # from a skin's hue to another that still counts as near, degree

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from PIL import Image, ImageDraw
 
 from layflat import extras
+from layflat.arrays import Picture
 from layflat.cell.pictures.shared import INK, PAPER, fitted, font, of_kind
 from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 
-Picture = NDArray[np.uint8]
 H264 = {"preset": "veryfast", "crf": "23"}  # of x264: a film of the cell takes some 30 kB a second
 THREADS = 2  # with another number the same film has other bytes
 
@@ -24,11 +24,8 @@ class Film:
     """A film that is written frame by frame, in a `with` block; it is there when the block ends well, or not at all.
 
     All frames have the size of the first. A GIF has the 256 colours of the first, and times that are hundredths of s.
-    The path ends in .mp4 or .gif; there are up to 100 frames a second.
-
-    Raises:
-        OutputError: the path ends otherwise or can't be written, or no frame was added.
-        InputError: PyAV is not installed, `fps` is out of range, or a frame has another size than the first.
+    The path ends in .mp4 or .gif; there are up to 100 frames a second. Raise OutputError if it ends otherwise, can't be
+    written or has no frame, InputError if PyAV is not installed, or for `fps` or a frame's size.
     """
 
     def __init__(self, path: Path, fps: float = 20.0) -> None:
@@ -73,7 +70,7 @@ class Film:
         self._shape = frame.shape
         height, width = frame.shape[:2]
         if self._gif:
-            self._colours = _image(frame).quantize(256)
+            self._colours = Image.fromarray(frame).quantize(256)
             rgb = np.array(self._colours.getpalette(), np.uint8).reshape(-1, 3)
             self._palette = np.full((256, 4), 255, np.uint8)  # alpha first
             self._palette[: len(rgb), 1:] = rgb
@@ -93,16 +90,8 @@ class Film:
         return self._av.VideoFrame.from_ndarray(np.ascontiguousarray(frame), format="rgb24")
 
     def _indexed(self, frame: Picture) -> Any:
-        from PIL.Image import Dither  # noqa: PLC0415
-
-        image = _image(frame).quantize(palette=self._colours, dither=Dither.NONE)
+        image = Image.fromarray(frame).quantize(palette=self._colours, dither=Image.Dither.NONE)
         return self._av.VideoFrame.from_ndarray((np.asarray(image), self._palette), format="pal8")
-
-
-def _image(frame: Picture) -> Any:
-    from PIL import Image  # noqa: PLC0415
-
-    return Image.fromarray(np.ascontiguousarray(frame))
 
 
 def captioned(frame: Picture, left: str, right: str = "") -> Picture:
@@ -113,8 +102,6 @@ def captioned(frame: Picture, left: str, right: str = "") -> Picture:
 
 @lru_cache(maxsize=8)
 def _strip(width: int, height: int, left: str, right: str) -> Picture:
-    from PIL import Image, ImageDraw  # noqa: PLC0415
-
     strip, written, margin = Image.new("RGB", (width, height), INK), font(round(0.55 * height)), height // 3
     draw, middle = ImageDraw.Draw(strip), height / 2
     right = fitted(right, written, width - 2 * margin)

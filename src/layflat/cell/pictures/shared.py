@@ -1,15 +1,12 @@
 """What films and sheets share: one typeface, and where they go."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+from PIL.ImageFont import FreeTypeFont, truetype
 
 from layflat.errors import OutputError
-
-if TYPE_CHECKING:
-    from PIL.ImageFont import FreeTypeFont
 
 INK, PAPER = (26, 26, 26), (255, 255, 255)
 
@@ -26,11 +23,8 @@ def of_kind(path: Path, *suffixes: str) -> str:
 @lru_cache
 def font(size: int, *, bold: bool = False) -> FreeTypeFont:
     """Return DejaVu Sans, which comes with matplotlib, `size` px high."""
-    import matplotlib as mpl  # noqa: PLC0415  # both take long to import
-    from PIL import ImageFont  # noqa: PLC0415
-
     name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
-    return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / name), size)
+    return truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / name), size)
 
 
 def fitted(text: str, written: FreeTypeFont, width: float) -> str:

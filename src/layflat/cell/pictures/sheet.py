@@ -1,26 +1,18 @@
 """A contact sheet of a packing run: an overview, and a picture of each pick with what came of it."""
 
-from __future__ import annotations
-
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageOps
 
+from layflat.arrays import Picture
 from layflat.cell.pictures.shared import INK, PAPER, fitted, font, of_kind
 from layflat.errors import InputError
 from layflat.files import whole_file
 
-if TYPE_CHECKING:
-    from PIL.Image import Image
-    from PIL.ImageDraw import ImageDraw
-
-Picture = NDArray[np.uint8]
 Lines = tuple[str, str]
-TILE = (300, 225)
-"""Width and height of a pick's picture, px: as many of the camera's, so that what is drawn on it stays legible."""
+TILE = (300, 225)  # width and height of a pick's picture, px: as many of the camera's, so that drawings stay legible
 GAP, TEXT, TITLE = 20, 14, 22  # between tiles, and heights of captions and title, px
 CAPTION = 3 * TEXT  # height of the two lines under a picture, px
 ACROSS, DOWN = 2, 2  # tiles in whose place the overview stands
@@ -39,7 +31,7 @@ class ContactSheet:
             raise InputError(f"{columns} is too few", where="columns of a sheet", right=f"give {ACROSS} or more")
         self.title, self._columns = title, columns
         self._overview: tuple[Picture, Lines] | None = None
-        self._tiles: list[tuple[Image, Lines, str]] = []
+        self._tiles: list[tuple[Image.Image, Lines, str]] = []
 
     def overview(self, picture: Picture, lines: Lines) -> None:
         """Show a picture large, (H, W, 3) RGB, with two lines under it."""
@@ -50,8 +42,6 @@ class ContactSheet:
 
         A word for how the pick failed, such as "missed", marks the tile, which is then framed in dashes.
         """
-        from PIL import Image  # noqa: PLC0415
-
         tile = Image.new("RGB", TILE, (BEYOND,) * 3)
         tile.paste(Image.fromarray(picture), (TILE[0] // 2 - round(at[0]), TILE[1] // 2 - round(at[1])))
         self._tiles.append((tile, lines, failed))
@@ -67,9 +57,7 @@ class ContactSheet:
             self._drawn().save(temporary)
         return path
 
-    def _drawn(self) -> Image:
-        from PIL import Image, ImageDraw, ImageOps  # noqa: PLC0415
-
+    def _drawn(self) -> Image.Image:
         (wide, high), columns = TILE, self._columns
         across, below = (0, 1) if self._overview is None else (ACROSS, DOWN)
         taken = {(row, column) for row in range(below) for column in range(across)}
@@ -94,7 +82,9 @@ class ContactSheet:
         return sheet
 
 
-def _paste(sheet: Image, draw: ImageDraw, picture: Image, at: tuple[int, int], lines: Lines) -> None:
+def _paste(
+    sheet: Image.Image, draw: ImageDraw.ImageDraw, picture: Image.Image, at: tuple[int, int], lines: Lines
+) -> None:
     (x, y), (wide, high) = at, picture.size
     sheet.paste(picture, at)
     draw.rectangle((x - 1, y - 1, x + wide, y + high), outline=EDGE)
@@ -103,7 +93,7 @@ def _paste(sheet: Image, draw: ImageDraw, picture: Image, at: tuple[int, int], l
         draw.text((x, y + high + (0.4 + 1.3 * i) * TEXT), fitted(line, written, wide), INK, written)
 
 
-def _aim(draw: ImageDraw, at: tuple[int, int]) -> None:
+def _aim(draw: ImageDraw.ImageDraw, at: tuple[int, int]) -> None:
     """Ticks at the edges of a tile, which point to its middle."""
     (x, y), (wide, high), long = at, TILE, 12
     for colour, thick in ((INK, 5), (PAPER, 3)):
@@ -113,7 +103,7 @@ def _aim(draw: ImageDraw, at: tuple[int, int]) -> None:
             draw.line((x + wide // 2, side, x + wide // 2, side + long - 1), colour, thick)
 
 
-def _mark(draw: ImageDraw, at: tuple[int, int], word: str) -> None:
+def _mark(draw: ImageDraw.ImageDraw, at: tuple[int, int], word: str) -> None:
     """Frame a tile in thick dashes, and write a word at its upper left."""
     (x, y), (wide, high), thick, dash = at, TILE, 5, 15
     for begin in range(0, wide, 2 * dash):

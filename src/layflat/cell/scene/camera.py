@@ -3,8 +3,8 @@
 from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import mujoco, opencv
 from layflat.cell.file.imaging import Camera
 from layflat.cell.scene import gl
@@ -12,9 +12,8 @@ from layflat.cell.scene.furniture import BOARD_GROUP
 from layflat.cell.scene.optics import optics_of
 from layflat.cell.scene.scene import Scene
 
-Picture = NDArray[np.uint8]
+# Of the model's visual quality, in overviews: looks the same there and is drawn in half the time.
 COARSE = {"shadowsize": 1024, "numquads": 1, "numslices": 20, "numstacks": 10}
-"""Of the model's visual quality, in overviews: looks the same there and is drawn in half the time."""
 
 
 class SimulatedCamera:
@@ -36,7 +35,7 @@ class SimulatedCamera:
         self._view.type = self._mj.mjtCamera.mjCAMERA_FIXED
 
     def picture(self, view: Literal["camera", "overview"] = "camera") -> Picture:
-        """Return what is seen now: by the camera with all its faults, or over the whole cell without; (H, W, 3) RGB."""
+        """Return what is seen now: by the camera with all its faults, or over the whole cell without; RGB."""
         cell = self._scene.cell
         if view == "overview":
             return self._ideal(view, cell.overview.width, cell.overview.height)

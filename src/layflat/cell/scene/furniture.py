@@ -4,17 +4,16 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
-from layflat.cell.file.parts import Colour, Layout
+from layflat.cell.file.parts import Colour, Layout, Size
 from layflat.cell.geometry import about_z, looking
 from layflat.cell.markers import board_picture, marker_picture
 from layflat.cell.scene import shapes
 from layflat.cell.scene.optics import optics_of
 
-Grey = NDArray[np.uint8]
 TABLE = 0.02  # half its thickness, m
 SHEET = 1e-3  # thickness of the board, m
 INK = 2e-4  # height of what is printed over its sheet, m: enough to be drawn
@@ -58,7 +57,7 @@ def _box(body: Any, name: str, half: tuple[float, ...], at: tuple[float, ...], c
     shapes.add(body, "box", name, size=half, pos=list(at), rgba=[*colour, 1.0], condim=6)
 
 
-def _open_box(body: Any, name: str, inside: tuple[float, float], height: float, wall: float, colour: Colour) -> None:
+def _open_box(body: Any, name: str, inside: Size, height: float, wall: float, colour: Colour) -> None:
     x, y = inside[0] / 2, inside[1] / 2
     _box(body, f"{name}.floor", (x + wall, y + wall, wall / 2), (0.0, 0.0, wall / 2), colour)
     middle, half = wall + height / 2, height / 2
@@ -82,7 +81,7 @@ def _dividers(body: Any, name: str, layout: Layout) -> None:
 
 
 def _printed(
-    spec: Any, body: Any, name: str, grey: Grey, size: tuple[float, float], margin: float, thick: float, group: int = 0
+    spec: Any, body: Any, name: str, grey: Picture, size: Size, margin: float, thick: float, group: int = 0
 ) -> None:
     """A picture in its body's plane, its first corner at -x, +y, on a sheet with a white margin; lengths in m.
 

@@ -4,9 +4,8 @@ from functools import lru_cache
 from math import atan
 
 import numpy as np
-from numpy.typing import NDArray
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Picture
 from layflat.cell.extras import opencv
 from layflat.cell.file.imaging import Camera
 from layflat.cell.geometry import looking
@@ -38,9 +37,9 @@ class Optics:
         middle = (np.array(self.wide) - 1.0) / 2.0
         self._from = (f * rays + middle).astype(np.float32)
 
-    def bend(self, ideal: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def bend(self, ideal: Picture) -> Picture:
         """Return what the lens makes of an ideal picture of size `wide`, (H, W, 3)."""
-        bent: NDArray[np.uint8] = opencv().remap(ideal, self._from, None, opencv().INTER_LINEAR)
+        bent: Picture = opencv().remap(ideal, self._from, None, opencv().INTER_LINEAR)
         return bent
 
 

@@ -94,9 +94,7 @@ class TruthRecorder:
 
     def _place(self, at: Array, fruit: SceneFruit) -> tuple[str, int] | None:
         """Return the place in which a fruit lies: its middle is over it, and it is not on a rim."""
-        for name, container in self._cell.container.items():
-            number, layout = container.place_at(float(at[0]), float(at[1])), container.layout
-            low = at[2] < layout.wall + fruit.diameter / 2 + layout.divider / 2
-            if number is not None and low:
-                return name, number
-        return None
+        if (found := self._cell.place_at(float(at[0]), float(at[1]))) is None:
+            return None
+        layout = self._cell.container[found[0]].layout
+        return found if at[2] < layout.wall + fruit.diameter / 2 + layout.divider / 2 else None

@@ -9,21 +9,7 @@ from layflat.cell.vision.onnx import OnnxDetector
 from layflat.cell.vision.prepare import check_picture
 
 __all__ = [
-    "SURE",
-    "BaseBoard",
-    "BaseMarkers",
-    "Calibration",
-    "CharucoBoard",
-    "Checkerboard",
-    "Colour",
-    "ColourDetector",
-    "Detection",
-    "Kind",
-    "Marker",
-    "OnnxDetector",
-    "calibrate",
-    "check_picture",
-    "draw",
-    "load_calibration",
+    "SURE", "BaseBoard", "BaseMarkers", "Calibration", "CharucoBoard", "Checkerboard", "Colour", "ColourDetector",
+    "Detection", "Kind", "Marker", "OnnxDetector", "calibrate", "check_picture", "draw", "load_calibration",
     "self_check",
-]
+]  # fmt: skip

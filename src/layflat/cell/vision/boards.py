@@ -6,13 +6,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import opencv, points
 from layflat.cell.geometry import placed
 from layflat.cell.markers import charuco, dictionary
 from layflat.errors import CameraError
 
 Array: TypeAlias = NDArray[Any]  # numbers, float64 unless they are pixels' values, or truths
-Grey: TypeAlias = NDArray[np.uint8]
 Seen: TypeAlias = tuple[Array, Array]
 """Points in the frame of a board or the base (N, 3), m, and where they are in a picture (N, 2), px."""
 
@@ -30,7 +30,7 @@ class CharucoBoard:
     dictionary: str = DICTIONARY  # OpenCV's name of it
     first_id: int = 0  # number of its first marker; the others follow
 
-    def seen(self, grey: Grey) -> Seen | None:
+    def seen(self, grey: Picture) -> Seen | None:
         """Return its corners in a grey picture; None where there are too few."""
         board = charuco(self)
         corners, numbers, _, _ = opencv().aruco.CharucoDetector(board).detectBoard(grey)
@@ -48,7 +48,7 @@ class Checkerboard:
     rows: int
     square: float  # side, m
 
-    def seen(self, grey: Grey) -> Seen | None:
+    def seen(self, grey: Picture) -> Seen | None:
         """Return its inner corners in a grey picture; None where it is not seen whole."""
         cv2 = opencv()
         inner = (self.columns - 1, self.rows - 1)
@@ -96,7 +96,7 @@ class BaseMarkers:
         """What to look for, in words."""
         return ", ".join(str(marker.number) for marker in self.markers)
 
-    def seen(self, grey: Grey) -> Seen | None:
+    def seen(self, grey: Picture) -> Seen | None:
         """Return the corners of those in a grey picture; a number that is read twice is left out."""
         cv2 = opencv()
         parameters, last = cv2.aruco.DetectorParameters(), max(marker.number for marker in self.markers)
@@ -128,7 +128,7 @@ class BaseBoard:
         """What to look for, in words."""
         return f"board of {self.board.columns} x {self.board.rows}, from number {self.board.first_id}"
 
-    def seen(self, grey: Grey) -> Seen | None:
+    def seen(self, grey: Picture) -> Seen | None:
         """Return its corners in a grey picture."""
         if (found := self.board.seen(grey)) is None:
             return None

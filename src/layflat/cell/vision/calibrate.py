@@ -1,18 +1,16 @@
 """A camera's lens from pictures of a board (Zhang 2000), its pose from one picture of the base's markers."""
 
 from collections.abc import Sequence
-from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import one_thread, opencv
 from layflat.cell.vision.boards import Array, Base, Board, Seen
 from layflat.cell.vision.calibration import Calibration
 from layflat.cell.vision.prepare import check_picture
 from layflat.errors import CameraError
 
-Picture: TypeAlias = NDArray[np.uint8]
 FEWEST_VIEWS = 6
 LEAST_TILT = 15.0  # between two of the views at least, degree
 FOCAL_UNSURE = 0.003  # share of the focal length that its standard deviation may be
@@ -44,30 +42,30 @@ def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, 
     )  # fmt: skip
 
 
-def self_check(picture: Picture, calibration: Calibration, markers: Base, most: float = OFF) -> float:
+def self_check(picture: Picture, calibration: Calibration, markers: Base) -> float:
     """Return how far the base's markers are from where the calibration says, m on the table.
 
-    Raises:
-        PictureError: the picture can't be used.
-        CameraError: no marker is seen, or one is off by more than `most` (m).
+    Raise PictureError if the picture can't be used, CameraError if no marker is seen, or one is off by more than `OFF`.
     """
     places, pixels = _seen_markers(picture, markers, calibration.picture_px, "self-check")
     seen = np.array([calibration.to_table(px, z) for px, z in zip(pixels, places[:, 2], strict=True)])
     off = float(np.linalg.norm(seen - places[:, :2], axis=1).max())
-    if off > most:
+    if off > OFF:
         problem = f"base markers are off by {off * 1e3:.1f} mm (at z = {places[0, 2]:g} m)"
-        right = f"at most {most * 1e3:g} mm: the camera was moved or is miscalibrated; calibrate it anew"
+        right = f"at most {OFF * 1e3:g} mm: the camera was moved or is miscalibrated; calibrate it anew"
         raise CameraError(problem, where="self-check", right=right)
     return off
 
 
+def _grey(picture: Picture, size: tuple[int, int], where: str) -> Picture:
+    check_picture(picture, size, where=where)
+    grey: Picture = opencv().cvtColor(picture, opencv().COLOR_RGB2GRAY)
+    return grey
+
+
 def _views(pictures: Sequence[Picture], board: Board, size: tuple[int, int]) -> list[Seen]:
-    views: list[Seen] = []
-    for number, picture in enumerate(pictures, start=1):
-        check_picture(picture, size, where=f"board picture {number}")
-        seen = board.seen(opencv().cvtColor(picture, opencv().COLOR_RGB2GRAY))
-        if seen is not None:
-            views.append(seen)
+    seen = [board.seen(_grey(picture, size, f"board picture {i}")) for i, picture in enumerate(pictures, start=1)]
+    views = [view for view in seen if view is not None]
     if len(views) < FEWEST_VIEWS:
         right = f"show it in at least {FEWEST_VIEWS}, tilted, in all parts of the picture; check its squares' number"
         raise _failed(f"the board is detected in {len(views)} of {len(pictures)} pictures", right)
@@ -95,9 +93,7 @@ def _lens(views: list[Seen], size: tuple[int, int]) -> tuple[Array, Array, float
 
 
 def _seen_markers(picture: Picture, markers: Base, size: tuple[int, int], where: str) -> Seen:
-    check_picture(picture, size, where=where)
-    seen = markers.seen(opencv().cvtColor(picture, opencv().COLOR_RGB2GRAY))
-    if seen is None:
+    if (seen := markers.seen(_grey(picture, size, where))) is None:
         problem = f"no base marker ({markers.description}) is in the image"
         raise CameraError(problem, where=where, right="uncover it, point the camera at it")
     return seen

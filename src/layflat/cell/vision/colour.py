@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import opencv
 from layflat.cell.vision import edges, regions
 from layflat.cell.vision.boards import Array
@@ -16,11 +16,7 @@ from layflat.cell.vision.prepare import check_picture, evenly_lit
 from layflat.errors import InputError
 
 SLACK = 0.08  # how far a diameter may be out of its kind's limits, share
-FLAT = 0.03
-"""By how much a thing gets darker outwards, under which it is flat: a label, a lid.
-
-The least of fruit that is not overexposed: 0.041.
-"""
+FLAT = 0.03  # by how much a flat thing (label, lid) may get darker outwards; fruit not overexposed: 0.041 or more
 FEWEST_SEEN = 0.35  # share of an outline that must be seen for a thing to be detected at all
 OWN = 0.7  # share of a thing that must have its kind's colour
 
@@ -37,14 +33,11 @@ class ColourDetector:
     """Finds round produce of known colours on a table, in a tray or in a container of other colours.
 
     Args:
-        kinds: of produce, no colour in two of them.
+        kinds: of produce, no colour in two of them; InputError if there are none, or two of one name.
         table: the table's colour in the reference light, RGB of 255.
         background: colours of table, trays and containers; what has none of these and is of no kind is unknown.
             Without them nothing unknown is returned.
         plane: height of what the produce rests on, m: a tray's floor.
-
-    Raises:
-        InputError: no kinds, or two of one name.
     """
 
     def __init__(
@@ -58,7 +51,7 @@ class ColourDetector:
         least, most = min(kind.diameter[0] for kind in kinds), max(kind.diameter[1] for kind in kinds)
         self._unknown = Kind("unknown", (), (0.8 * least, 1.2 * most), roundness=max(kind.roundness for kind in kinds))
 
-    def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
+    def find(self, picture: Picture, calibration: Calibration) -> list[Detection]:
         """Return what lies on the table, surest first, in a picture (H, W, 3), RGB, of a calibrated camera.
 
         What is flat, not round or of another size is left out. Raises PictureError if the picture can't be used.

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Picture
 from layflat.cell.extras import opencv
 from layflat.errors import InputError
 
@@ -59,7 +58,7 @@ class Detection:
     outline: Array  # what its outline would be if it were all seen, (N, 2) px
 
 
-def draw(picture: NDArray[np.uint8], detections: Sequence[Detection]) -> NDArray[np.uint8]:
+def draw(picture: Picture, detections: Sequence[Detection]) -> Picture:
     """Return a copy of a picture with each detection's outline, kind, diameter in mm and confidence.
 
     Sure ones have a whole outline, unsure ones a dashed one; what is of no known kind has a question mark.

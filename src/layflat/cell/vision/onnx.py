@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import opencv
 from layflat.cell.geometry import unit_circle
 from layflat.cell.vision import edges
@@ -27,16 +27,10 @@ PADDING = 114  # grey around a picture whose shape is not the network's
 
 
 class OnnxDetector:
-    """Detects produce with a network.
+    """Detects produce with a network from an ONNX file; InputError where that is none that OpenCV runs.
 
-    Args:
-        path: the ONNX file.
-        kinds: of produce, in the order of the network's numbers.
-        table, plane: as of a `ColourDetector`.
-        size: rows and columns of the network's input.
-
-    Raises:
-        InputError: the file can't be read or is not a network that OpenCV runs.
+    The kinds are in the order of the network's numbers, `table` and `plane` as of a `ColourDetector`, and `size` is
+    rows and columns of the network's input.
     """
 
     def __init__(
@@ -52,7 +46,7 @@ class OnnxDetector:
         except cv2.error:
             raise InputError("is not a network that OpenCV runs", where=str(path), right="export it as ONNX") from None
 
-    def find(self, picture: NDArray[np.uint8], calibration: Calibration) -> list[Detection]:
+    def find(self, picture: Picture, calibration: Calibration) -> list[Detection]:
         """Return what the network detects, measured on the table, surest first; a number over the kinds' is unknown.
 
         Raises PictureError as any detector, and InputError where the network's input or output has another shape.
@@ -74,7 +68,7 @@ class OnnxDetector:
         names = [kind.name if good else None for kind, good in zip(kinds, known, strict=True)]
         return detections(names, measured, sure, measured.radii > 0.0)
 
-    def _boxes(self, picture: NDArray[np.uint8]) -> Array:
+    def _boxes(self, picture: Picture) -> Array:
         """Return boxes in px of the picture, with score and number, (N, 6)."""
         cv2 = opencv()
         rows, columns = picture.shape[:2]

@@ -3,8 +3,8 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from layflat.arrays import Picture
 from layflat.cell.extras import opencv
 from layflat.errors import PictureError
 
@@ -18,11 +18,10 @@ NEAR = 0.09  # how far the table's chromaticity may be from its reference, in ea
 FEWEST = 40  # of those pixels that must show the table
 
 
-def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = None, where: str = "picture") -> Any:
-    """Refuse a picture (H, W, 3), RGB, that can't be used or has not the width and height of `size`; return it halved.
+def check_picture(picture: Picture, size: tuple[int, int] | None = None, where: str = "picture") -> Any:
+    """Return an RGB picture halved; raise PictureError if it is none or not of `size`, black, overexposed or blurred.
 
-    Raises:
-        PictureError: it is not a picture, of another size, black, overexposed or blurred.
+    The size is width and height.
     """
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8:
         raise PictureError(f"is {picture.dtype} {picture.shape}", where=where, right="needs uint8 (height, width, 3)")
@@ -48,7 +47,7 @@ def check_picture(picture: NDArray[np.uint8], size: tuple[int, int] | None = Non
     return half
 
 
-def edge_width(grey: NDArray[np.uint8]) -> float:
+def edge_width(grey: Picture) -> float:
     """Return how blurred a halved grey picture is: standard deviation at its strongest edges, px of the whole one.
 
     An edge of height h, blurred by s, rises by h / (s sqrt(2 pi)) a pixel at most, however bright and noisy the
@@ -70,15 +69,12 @@ def edge_width(grey: NDArray[np.uint8]) -> float:
     return float(max(widths))
 
 
-def evenly_lit(picture: NDArray[np.uint8], table: tuple[float, float, float], where: str = "picture") -> Any:
+def evenly_lit(picture: Picture, table: tuple[float, float, float]) -> Any:
     """Return a picture with each channel scaled so that the table has its reference colour everywhere.
 
     What the table shows of the light is smoothed by a polynomial of second degree in x and y (von Kries, a channel at
-    a time); what lies on the table and shadows are left out by their distance from it. Picture (H, W, 3) and the
-    table's colour in the reference light are RGB of 255.
-
-    Raises:
-        PictureError: too little of the table is seen.
+    a time); what lies on the table and shadows are left out by their distance from it. The table's colour in the
+    reference light is RGB of 255. Raise PictureError if too little of the table is seen.
     """
     cv2 = opencv()
     thin = picture[::SKIPPED, ::SKIPPED].astype(np.float64)
@@ -92,7 +88,7 @@ def evenly_lit(picture: NDArray[np.uint8], table: tuple[float, float, float], wh
     if np.count_nonzero(on_table) < FEWEST:
         problem = f"shows no table of colour RGB {tuple(round(level) for level in table)}"
         right = "give the table's colour in the image; check the lights, and that the camera looks at the table"
-        raise PictureError(problem, where=where, right=right)
+        raise PictureError(problem, where="picture", right=right)
     gains = np.log(np.array(table)) - np.log(np.maximum(thin, 1.0))
     terms, levels = basis[on_table], gains[on_table]
     # The table is most of what has its colour: trays of nearly that colour, markers and shadows are off its median.
