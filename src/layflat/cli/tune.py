@@ -36,10 +36,11 @@ def tune(
     """
     from layflat.tune import begin  # noqa: PLC0415
     from layflat.tune.conditions import STATEMENT  # noqa: PLC0415
-    from layflat.tune.page import figures_of, write_page  # noqa: PLC0415
     from layflat.tune.validation import validate, warnings  # noqa: PLC0415
 
     tuning = begin(machine, out, method=method, start=start, seed=seed, generations=generations)
+    from layflat.tune.page import figures_of, write_page  # noqa: PLC0415  # figures; what is asked was checked before
+
     with steps_bar("generations", tuning.generations) as advance:
         tuning.seek(lambda best, done, name: advance(done, now=f"{name or 'first gains'}: best cost {best.cost:.2f} s"))
     tuned = tuning.keep()
