@@ -1,35 +1,29 @@
 """An identification from files to files: logs and a description in, a fitted description and what it is worth out."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from layflat.arrays import Dataset
 from layflat.errors import InputError
-from layflat.files import check_folder, whole_file
-from layflat.identify.benches.contract import BenchDescription
+from layflat.files import check_folder, write_text
+from layflat.identify.benches.contract import BenchDescription, Logs
 from layflat.identify.benches.loader import bench_of, chosen_blocks, described_tables, load_described
 from layflat.identify.fit import Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
-from layflat.identify.logs import Issue, check, read_log, read_table, refuse
+from layflat.identify.logs import check, read_log, read_table, refuse
 from layflat.identify.logs.checks.alive import NOTHING_MOVES
-from layflat.identify.logs.issue import ordered, several
+from layflat.identify.logs.issue import Issue, ordered, several
 from layflat.identify.model import Model
 from layflat.machine import Machine
 
-if TYPE_CHECKING:
-    import xarray
-
 NAMED = 3  # values, and motions, that are named where there are more
-
-
 KEPT = ("value", "low", "high", "identified", "at_bound", "partner")  # what the JSON says of an estimate
 
 
@@ -39,8 +33,8 @@ class Identification:
 
     given: str  # built-in name or file of the description
     described: Machine | BenchDescription  # what it says
-    logs: Mapping[str, xarray.Dataset]  # to fit, by name
-    validation: Mapping[str, xarray.Dataset]  # logs that are only predicted
+    logs: Logs  # to fit
+    validation: Logs  # logs that are only predicted
     issues: Mapping[str, Sequence[Issue]]  # what is doubtful in each log
     blocks: Sequence[str]  # what is fitted
     model: Model  # that is fitted
@@ -60,14 +54,9 @@ class Identification:
         return written_values(found, described_tables(self.given)[0])
 
     def keep(self, found: Fit) -> Machine | BenchDescription:
-        """Write the description, and beside it all figures as JSON.
-
-        Raises:
-            OutputError: they can't be written there.
-        """
+        """Write the description, and beside it all figures as JSON; raise OutputError if they can't be written."""
         kept = write_identified(self.given, self.described, found, self.checksums, self.path)
-        with whole_file(self.path.with_suffix(".json")) as temporary:
-            temporary.write_text(json.dumps(self.figures(found), indent=2), encoding="utf-8")
+        write_text(self.path.with_suffix(".json"), json.dumps(self.figures(found), indent=2))
         return kept
 
     def figures(self, found: Fit) -> dict[str, Any]:
@@ -148,7 +137,7 @@ def _named(files: Sequence[Path]) -> dict[str, Path]:
     return found
 
 
-def _begun(log: xarray.Dataset) -> tuple[xarray.Dataset, list[Issue]]:
+def _begun(log: Dataset) -> tuple[Dataset, list[Issue]]:
     """Cut a log to begin where every signal is known, as a simulation begins with all of them; and say what is cut."""
     columns = {
         f"{name}.{values['joint'].values[j]}" if values.ndim > 1 else str(name): column

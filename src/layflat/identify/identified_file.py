@@ -9,7 +9,7 @@ from layflat.description import units as u
 from layflat.description.provenance import Provenance
 from layflat.description.tables import Plain
 from layflat.errors import InputError
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.identify.benches.contract import BenchDescription
 from layflat.identify.benches.loader import described_tables, load_bench
 from layflat.identify.fit import Estimate, Fit
@@ -69,7 +69,7 @@ def written_values(found: Fit, plain: Plain) -> list[Written]:
 def write_identified(
     given: str, described: Machine | BenchDescription, found: Fit, logs: Mapping[str, str], path: Path
 ) -> Machine | BenchDescription:
-    """Write what was found over a description, and load what was written.
+    """Write what was found over a description, and load what was written; raise OutputError if it can't be written.
 
     Args:
         given: built-in name or file of the description.
@@ -77,9 +77,6 @@ def write_identified(
         found: the fit.
         logs: checksums of the fitted logs by name.
         path: from `identified_path`.
-
-    Raises:
-        OutputError: it can't be written there.
     """
     plain, known = described_tables(given)
     origin = ", ".join(f"{name} (sha256 {checksum[:16]})" for name, checksum in logs.items())
@@ -90,8 +87,7 @@ def write_identified(
         return write_derived(given, title, {row.path: row.value for row in rows}, sources, path)
     for row in rows:
         known[with_value(plain, plain, row.path, row.value)] = sources[row.path]
-    with whole_file(path) as temporary:
-        temporary.write_text(to_toml(plain | {"name": path.stem, "title": title}, known), encoding="utf-8")
+    write_text(path, to_toml(plain | {"name": path.stem, "title": title}, known))
     kept: BenchDescription = load_bench(path)
     return kept
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import layflat
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.identify.fit import Fit
 from layflat.identify.identification import Identification
 from layflat.identify.report_text import count_identified, issue_section, prediction, sections, shown, untrusted
@@ -34,9 +34,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         left=max(len({output.log for output in found.model.outputs}) - MOST, 0),
         drawn=drawn(found),
     )
-    with whole_file(path) as temporary:
-        temporary.write_text(html, encoding="utf-8")
-    return path
+    return write_text(path, html)
 
 
 def drawn(found: Fit) -> list[Drawn]:
@@ -59,10 +57,11 @@ def drawn(found: Fit) -> list[Drawn]:
 def _caption(signals: list[Compared]) -> str:
     """What a figure shows."""
     fitted = np.concatenate([signal.fitted for signal in signals])
+    some = "On a grey ground, what was not fitted but predicted."
     kept = (
         "All of it was fitted."
         if fitted.all()
-        else "On a grey ground, what was not fitted but predicted."
+        else some
         if fitted.any()
         else "None of it was fitted: all is predicted."
     )

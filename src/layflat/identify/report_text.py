@@ -1,15 +1,14 @@
 """What a fit says, as tables and sentences: the same on a terminal and on a page."""
 
 from collections.abc import Mapping, Sequence
+from math import radians
 from typing import NamedTuple
 
 from layflat.identify.fit import Fit, Quality
 from layflat.identify.identified_file import Written
-from layflat.identify.logs import Issue
-from layflat.identify.logs.issue import SEVERITIES, several
+from layflat.identify.logs.issue import SEVERITIES, Issue, several
 
-SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", 0.017453292519943295), "m": ("mm", 1e-3), "N*m": ("N m", 1.0)}
-"""Units in which people read what is SI inside, and their size."""
+SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", radians(1.0)), "m": ("mm", 1e-3), "N*m": ("N m", 1.0)}  # as people read SI
 
 Row = list[str]
 

@@ -9,7 +9,8 @@ import pytest
 from recordings import Array, changed, mapping, recorded, run, told, write_csv
 
 from layflat.errors import InputError
-from layflat.identify.logs import Issue, check, read_log, refuse, save
+from layflat.identify.logs import check, read_log, refuse, save
+from layflat.identify.logs.issue import Issue
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import load
 

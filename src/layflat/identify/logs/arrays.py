@@ -20,8 +20,7 @@ LONGEST = 120  # characters of a library's own message that are passed on
 def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     """Columns of a Parquet file by name, and the units that its fields carry as metadata ("unit" or "units").
 
-    Raises:
-        InputError: it is none, or pyarrow is not installed.
+    Raise InputError if it is none, or pyarrow is not installed.
     """
     extras.require("logs", "pyarrow", where=str(path))
     import pyarrow  # noqa: PLC0415
@@ -49,11 +48,7 @@ def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
 
 
 def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
-    """Read a file; whatever a library raises becomes one line, as a damaged file can make it raise nearly anything.
-
-    Raises:
-        InputError: the file can't be read as one of this kind.
-    """
+    """Read a file; whatever a library raises becomes one line, as a damaged file can make it raise nearly anything."""
     hook = sys.unraisablehook
     sys.unraisablehook = lambda _: None  # files that were half opened complain when they are dropped
     try:
@@ -70,8 +65,7 @@ def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
 def read_netcdf(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
     """Columns of a NetCDF file by name: variables over time; those over time and joint as "angle.elbow".
 
-    Raises:
-        InputError: it is none, or has no variable over time.
+    Raise InputError if it is none, or has no variable over time.
     """
     import xarray  # noqa: PLC0415  # takes long to import
 

@@ -1,13 +1,11 @@
 """MCAP files: messages of ROS 2 or in JSON, flattened to columns, each with the log time of its messages."""
 
-from __future__ import annotations
-
 import json
 from array import array
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,15 +14,8 @@ from layflat.errors import InputError, LayflatError
 from layflat.identify.logs.headers import Header, header_of
 from layflat.identify.logs.table import Column
 
-if TYPE_CHECKING:
-    from mcap.records import Channel, Schema
-
 LARGEST = 64  # items of an array that become columns; longer ones are images and scans
 CYCLE = "layflat_msgs/msg/Cycle"  # type of the messages of a rig's recorder
-
-CLOCK = Header("log_time", "s", None, "log_time")
-
-Decoder = Callable[[bytes], Any]
 
 
 def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
@@ -32,10 +23,8 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
 
     Arrays become "topic.field.0" and so on, or go by name where `name` or `names` stands beside them, as in
     sensor_msgs/JointState. Topics in other encodings are left out. A log of `layflat rig` has our own names, without
-    topics: its cycles alone are read, over their own time.
-
-    Raises:
-        InputError: it is none, nothing in it can be decoded, or the packages are not installed.
+    topics: its cycles alone are read, over their own time. Raise InputError if it is none, nothing in it can be
+    decoded, or the packages are not installed.
     """
     extras.require("logs", "mcap", where=str(path))
     samples: dict[str, tuple[list[int], list[float]]] = {}
@@ -61,7 +50,7 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
     for name, (stamps, values) in samples.items():
         since = (np.array(stamps, dtype=np.int64) - first).astype(np.float64) * 1e-9
         columns[name] = Column(np.array(values, dtype=np.float64), header_of(name), since)
-    return columns, CLOCK
+    return columns, Header("log_time", "s", None, "log_time")
 
 
 def _is_of_a_rig(path: Path) -> bool:
@@ -91,7 +80,7 @@ def _messages(path: Path) -> Iterator[tuple[str, int, Any]]:
     """Topic, log time (ns) and content of the messages that can be decoded, in the order of their log times."""
     from mcap.reader import make_reader  # noqa: PLC0415
 
-    decoders: dict[int, Decoder | None] = {}
+    decoders: dict[int, Callable[[bytes], Any] | None] = {}
     with path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
             if channel.id not in decoders:
@@ -101,7 +90,7 @@ def _messages(path: Path) -> Iterator[tuple[str, int, Any]]:
                 yield channel.topic.lstrip("/"), message.log_time, decode(message.data)
 
 
-def _decoder(schema: Schema | None, channel: Channel) -> Decoder | None:
+def _decoder(schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
     if channel.message_encoding == "json":
         return json.loads
     try:
@@ -121,20 +110,15 @@ def flattened(message: Any, prefix: str = "") -> Iterator[tuple[str, float]]:
     if set(fields) == {"sec", "nanosec"}:
         yield prefix, fields["sec"] + 1e-9 * fields["nanosec"]
         return
-    names = fields.get("name", fields.get("names"))
+    names: Any = fields.get("name", fields.get("names"))
     for key, value in fields.items():
         place = f"{prefix}.{key}" if prefix else key
-        if isinstance(value, (list, tuple, array)):
-            if len(value) <= LARGEST:
-                yield from _items(value, names, place)
-        else:
+        if not isinstance(value, (list, tuple, array)):
             yield from flattened(value, place)
-
-
-def _items(values: Any, names: Any, place: str) -> Iterator[tuple[str, float]]:
-    named = isinstance(names, list) and len(names) == len(values) and all(isinstance(name, str) for name in names)
-    for i, value in enumerate(values):
-        yield from flattened(value, f"{place}.{names[i] if named else i}")
+        elif len(value) <= LARGEST:
+            named = isinstance(names, list) and len(names) == len(value) and all(isinstance(one, str) for one in names)
+            for label, item in zip(names if named else range(len(value)), value, strict=True):
+                yield from flattened(item, f"{place}.{label}")
 
 
 def _fields(message: Any) -> dict[str, Any] | None:

@@ -37,8 +37,7 @@ class Clock:
 def clock_of(stamps: Array, where: str) -> Clock:
     """Make stamps (s) usable: undated samples go; of several with one stamp the last stays; a reset is cut.
 
-    Raises:
-        InputError: time goes backwards more than once, or never goes on.
+    Raise InputError if time goes backwards more than once, or never goes on.
     """
     rows = np.flatnonzero(np.isfinite(stamps))
     undated = stamps.size - rows.size
@@ -105,30 +104,27 @@ class Series:
 
 @dataclass(frozen=True)
 class Grid:
-    """Instants that all signals are brought to: start + i x period, for i < size; in s of the log's own clock.
+    """Instants that all signals are brought to: start + i x period, in s of the log's own clock.
 
     One that is not `even` has all stamps of all clocks, and nothing is interpolated between them.
     """
 
     start: float
     period: float
-    size: int
     stamps: Array
     even: bool = True
 
     @property
     def time(self) -> Array:
-        """Seconds since the start, (size,)."""
-        return self.period * np.arange(self.size, dtype=np.float64) if self.even else self.stamps - self.start
+        """Seconds since the start, (instants,)."""
+        return self.period * np.arange(self.stamps.size, dtype=np.float64) if self.even else self.stamps - self.start
 
 
 def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
     """The grid over all clocks: with the period of the finest, or a given one.
 
     Where the finest clock is even and spans the others, its own stamps are the grid, and its samples stay as they are.
-
-    Raises:
-        InputError: there are too few samples, or too many instants.
+    Raise InputError if there are too few samples, or too many instants.
     """
     usable = [clock for clock in clocks if clock.period > 0.0]
     if not usable:
@@ -138,14 +134,14 @@ def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
     period = finest.period if cycle is None else cycle
     spans = finest.time[0] == start and finest.time[-1] == end
     if finest.even and spans and abs(period / finest.period - 1.0) * finest.time.size < 1e-3:
-        return Grid(start, finest.period, finest.time.size, finest.time)
+        return Grid(start, finest.period, finest.time)
     size = int((end - start) / period * (1.0 + 1e-9) + 1e-6) + 1
     if size > MOST:
         what = f"{end - start:g} s at {period:g} s a sample are too many"
         raise InputError(what, where=where, right="check the unit of time")
     if size < 2:
         raise InputError(f"{end - start:g} s are less than a period of {period:g} s", where=where, right="give less")
-    return Grid(start, period, size, start + period * np.arange(size, dtype=np.float64))
+    return Grid(start, period, start + period * np.arange(size, dtype=np.float64))
 
 
 def grid_as_recorded(clocks: Sequence[Clock], where: str) -> Grid:
@@ -153,15 +149,15 @@ def grid_as_recorded(clocks: Sequence[Clock], where: str) -> Grid:
     stamps = np.unique(np.concatenate([clock.time for clock in clocks]))
     if stamps.size < 2:
         raise InputError("has less than two samples", where=where, right="give a log of a motion")
-    return Grid(float(stamps[0]), float(np.median(np.diff(stamps))), stamps.size, stamps, even=False)
+    return Grid(float(stamps[0]), float(np.median(np.diff(stamps))), stamps, even=False)
 
 
 def resampled(series: Series, grid: Grid) -> Array:
-    """A signal on the grid, (size,); NaN where nothing is known."""
+    """A signal on the grid, (instants,); NaN where nothing is known."""
     known = np.isfinite(series.values)
     time, values = series.clock.time[known], series.values[known]
     if not time.size:
-        return np.full(grid.size, np.nan)
+        return np.full(grid.stamps.size, np.nan)
     slack = 1e-6 * grid.period
     if SIGNALS[series.signal].held:
         last = np.searchsorted(time, grid.stamps + slack, side="right") - 1

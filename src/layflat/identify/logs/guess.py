@@ -32,16 +32,15 @@ RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
 }
 """Units by the greatest value that would be likely in them."""
 
-STEPS = ((0.7, "s"), (700.0, "ms"), (7e5, "us"), (np.inf, "ns"))
-"""Units of time by the greatest step that would be likely in them."""
+STEPS = ((0.7, "s"), (700.0, "ms"), (7e5, "us"), (np.inf, "ns"))  # the same of time, by the greatest step
 
 
 @dataclass(frozen=True)
 class Guess:
-    """A proposal; notes say of each column what it is taken for or why it is left out, and "" of the clock."""
+    """A proposal."""
 
     mapping: Mapping
-    notes: dict[str, str]
+    notes: dict[str, str]  # of each column, what it is taken for or why it is left out; "" is the clock's
 
 
 @dataclass(frozen=True)
@@ -54,29 +53,20 @@ class _Candidate:
 
 
 def guess_mapping(table: Table | str | Path, joints: Sequence[str] | None = None) -> Guess:
-    """Propose what a log's columns are.
+    """Propose what the columns of a log, or of its file, are; raise InputError if none looks like anything.
 
-    Args:
-        table: a log, or its file.
-        joints: those of the machine. Columns go to them by name; numbered ones, q0, q1 ..., by their order, and where
-            there are more numbers than joints, to those that move most.
-
-    Raises:
-        InputError: no column looks like anything.
+    Columns go to the machine's joints by name; numbered ones, q0, q1 ..., by their order, and where there are more
+    numbers than joints, to those that move most.
     """
     table = table if isinstance(table, Table) else read_table(table)
     own = own_mapping(table)
     if own is not None:
         return Guess(own, {entry.columns[0]: "one of layflat's own names" for entry in own.column})
     clock, why = _clock(table)
-    found = {
-        name: _candidate(column, list(joints or ()))
-        for name, column in table.columns.items()
-        if name != clock["column"]
-    }
+    known = list(joints or ())
+    found = {name: _candidate(one, known) for name, one in table.columns.items() if name != clock["column"]}
     notes = {"": why} | {name: why for name, why in found.items() if isinstance(why, str)}
-    candidates = [one for one in found.values() if isinstance(one, _Candidate)]
-    entries = _entries(candidates, list(joints or ()), notes)
+    entries = _entries([one for one in found.values() if isinstance(one, _Candidate)], known, notes)
     if not entries:
         names = ", ".join(list(table.columns)[:8])
         right = f"write a mapping file by hand that says which of {names} is which signal"
@@ -145,9 +135,8 @@ def _candidate(column: Column, joints: list[str]) -> _Candidate | str:
 def _entries(candidates: list[_Candidate], joints: list[str], notes: dict[str, str]) -> list[dict[str, Any]]:
     """Entries of a mapping, one a channel; what is left out is noted."""
     named = _joints_of_groups(candidates, joints)
-    entries: list[dict[str, Any]] = []
+    entries, unsure = list[dict[str, Any]](), list[dict[str, Any]]()
     taken: dict[str, str] = {}
-    unsure: list[dict[str, Any]] = []
     for found in candidates:
         header, signal = found.column.header, found.signal
         joint = (found.joint or named.get(found.group)) if signal.by_joint else None
@@ -161,16 +150,16 @@ def _entries(candidates: list[_Candidate], joints: list[str], notes: dict[str, s
         taken[channel] = header.name
         unit, why = _unit(found.column, signal)
         entry: dict[str, Any] = {"from": header.name, "signal": signal.name, "unit": unit}
-        entries.append(entry | ({"joint": joint} if joint else {}))
+        entry |= {"joint": joint} if joint else {}
+        entries.append(entry)
         notes[header.name] = f"{found.why}; {why}"
         if signal.absolute and header.gauge is not None:
-            entries[-1]["gauge"] = header.gauge
+            entry["gauge"] = header.gauge
             notes[header.name] += f"; {'gauge' if header.gauge else 'absolute'} as in the header"
         elif signal.absolute:
             # Only a gauge pressure falls below ambient.
-            sunk = float(np.nanmin(found.column.values)) * conversion(unit, signal)[0] < 0.8 * AMBIENT
-            entries[-1]["gauge"] = sunk
-            unsure.append(entries[-1])
+            entry["gauge"] = float(np.nanmin(found.column.values)) * conversion(unit, signal)[0] < 0.8 * AMBIENT
+            unsure.append(entry)
     any_sunk = any(entry["gauge"] for entry in unsure)
     for entry in unsure:
         by = "by how far it falls" if entry["gauge"] == any_sunk else "as others are"

@@ -14,9 +14,7 @@ _UNITS = {
 }  # fmt: skip
 """How units are written in headers, in small letters, and how they are written here."""
 
-_AS_WORD = {"mpa": "MPa", "nm": "N m"}
-_TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°"}
-"""Not taken for a unit at the end of a name: the k of "torque_k" is none."""
+_TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°"}  # no unit at the end of a name: the k of "torque_k"
 
 _BRACKETS = re.compile(r"^(?P<stem>.*?)\s*[\[({](?P<unit>[^\[\](){}]*)[\])}]\s*$")
 _GAUGE = re.compile(r"^(?P<unit>[a-zA-Z]+?)[\s_]*\(?(?P<kind>gauge|abs|absolute|g|a)\)?$")
@@ -75,10 +73,7 @@ class Header:
 
 
 def written_unit(text: str) -> tuple[str, bool | None]:
-    """A unit such as "bar_abs", "kPag" or "deg" as pint knows it, and whether it is a gauge pressure.
-
-    What is not a unit gives an empty text.
-    """
+    """A unit such as "bar_abs", "kPag" or "deg" as pint knows it, or nothing; and whether it is a gauge pressure."""
     plain = text.strip()
     if plain.lower() in _UNITS:
         return _UNITS[plain.lower()], None
@@ -90,20 +85,10 @@ def written_unit(text: str) -> tuple[str, bool | None]:
 
 
 def header_of(name: str, stated: str = "") -> Header:
-    """Name and unit of a header such as "p_A [kPa]", "theta_deg" or "time (ms)".
-
-    Args:
-        name: the header.
-        stated: unit that the file gives elsewhere.
-    """
+    """Name and unit of a header such as "p_A [kPa]", "theta_deg" or "time (ms)", or the unit stated elsewhere."""
     name = name.strip()
-    stem, unit, gauge = name, "", None
     bracketed = _BRACKETS.match(name)
-    if bracketed:
-        stem = bracketed["stem"]
-        unit, gauge = written_unit(bracketed["unit"])
-    else:
-        stem, unit, gauge = _suffixed(name)
+    stem, unit, gauge = (bracketed["stem"], *written_unit(bracketed["unit"])) if bracketed else _suffixed(name)
     if stated:
         said, said_gauge = written_unit(stated)
         unit, gauge = said or stated.strip(), gauge if said_gauge is None else said_gauge

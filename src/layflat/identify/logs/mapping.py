@@ -21,11 +21,9 @@ A sample becomes sign x (raw - offset) x scale x unit, and then ambient pressure
 unit may have a number, so that an angle in per cent of 60 degrees is `unit = "0.6 deg"`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping as Table
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
@@ -38,7 +36,7 @@ from layflat.description.tables import parsed
 from layflat.description.text import read_text
 from layflat.description.wrong import shown, wrong
 from layflat.errors import InputError
-from layflat.files import whole_file
+from layflat.files import write_text
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, channel_name, conversion
 
 COMPLETE = "a mapping has [[column]] with from, signal and unit, and [time] with column and unit"
@@ -84,7 +82,7 @@ class MappedColumn(Part):
         return (value,) if isinstance(value, str) else value
 
     @model_validator(mode="after")
-    def _makes_sense(self) -> MappedColumn:
+    def _makes_sense(self) -> Self:
         signal = SIGNALS.get(self.signal)
         if signal is None:
             raise wrong(f"{shown(self.signal)} is not a signal", did_you_mean(self.signal, SIGNALS))
@@ -120,11 +118,7 @@ class Mapping(Part):
 
 
 def read_mapping(path: str | Path) -> Mapping:
-    """A mapping from its file.
-
-    Raises:
-        InputError: in one line, which file, entry and value is wrong and what would be right.
-    """
+    """A mapping from its file; raise InputError as `mapping_of`."""
     where = str(path)
     right = "give a mapping file; `layflat log map` writes one to start from"
     plain = parsed(read_text(Path(path), where, right), where, 'unit = "kPa"')
@@ -172,12 +166,9 @@ def _written(steps: Steps, value: object) -> str:
 
 
 def mapping_text(mapping: Mapping, notes: Table[str, str] | None = None, head: str = "") -> str:
-    """A mapping as TOML, with a note before each entry.
+    """A mapping as TOML, with a comment at the top, and the notes by column as comments before each entry.
 
-    Args:
-        mapping: to be written.
-        notes: comments by column; those of columns that the mapping doesn't have stand at the end; "" is the clock's.
-        head: comment at the top.
+    Notes of columns that the mapping doesn't have stand at the end; "" is the clock's.
     """
     import tomli_w  # noqa: PLC0415
 
@@ -203,12 +194,5 @@ def _comment(text: str) -> str:
 
 
 def write_mapping(mapping: Mapping, path: str | Path, notes: Table[str, str] | None = None, head: str = "") -> Path:
-    """Write a mapping file that `read_mapping` takes back; `notes` and `head` become comments.
-
-    Raises:
-        OutputError: it can't be written there.
-    """
-    path = Path(path)
-    with whole_file(path) as temporary:
-        temporary.write_text(mapping_text(mapping, notes, head), encoding="utf-8")
-    return path
+    """Write a mapping file that `read_mapping` takes back; raise OutputError if it can't be written there."""
+    return write_text(Path(path), mapping_text(mapping, notes, head))

@@ -1,15 +1,13 @@
 """From a log's file to a data set over an even clock, in SI, with the standard names."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
@@ -19,9 +17,6 @@ from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
 
-if TYPE_CHECKING:
-    import xarray
-
 
 def read_log(
     path: str | Path | Table,
@@ -30,7 +25,7 @@ def read_log(
     joints: Sequence[str] | None = None,
     cycle: float | str | None = None,
     as_recorded: bool = False,
-) -> xarray.Dataset:
+) -> Dataset:
     """Read a bench log.
 
     Args:
@@ -48,13 +43,14 @@ def read_log(
         InputError: in one line, what is wrong with the file, the mapping or an option.
     """
     table = path if isinstance(path, Table) else read_table(path)
+    file = str(table.path)
+    where = str(mapping) if isinstance(mapping, (str, Path)) else file
     plan = read_mapping(mapping) if isinstance(mapping, (str, Path)) else mapping or own_mapping(table)
     if plan is None:
         names = list(table.columns)
         shown = ", ".join(names[:6]) + (", ..." if len(names) > 6 else "")
         right = "give a mapping file; `layflat log map` writes one to start from"
-        raise InputError(f"its columns ({shown}) are not layflat's own signals", where=str(table.path), right=right)
-    where, file = str(mapping) if isinstance(mapping, (str, Path)) else str(table.path), str(table.path)
+        raise InputError(f"its columns ({shown}) are not layflat's own signals", where=file, right=right)
     period = None if cycle is None else u.quantity(cycle, u.TIME, "cycle")
     if period is not None and period <= 0.0:
         raise InputError(f"{period:g} s is out of range", where="cycle", right='give a time such as "5 ms"')
@@ -139,16 +135,14 @@ def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float,
     return Series(entry.signal, joint, clock, values, source)
 
 
-def _dataset(table: Table, series: list[Series], grid: Grid) -> xarray.Dataset:
+def _dataset(table: Table, series: list[Series], grid: Grid) -> Dataset:
     import xarray  # noqa: PLC0415  # takes long to import
 
     channels: dict[str, list[Series]] = {}
     for one in series:
         channels.setdefault(one.channel, []).append(one)
     names = list(dict.fromkeys(one.joint for one in series if one.joint is not None))
-    log = xarray.Dataset(coords={"time": ("time", grid.time, {"units": "s"})})
-    if names:
-        log = log.assign_coords(joint=names)
+    log = xarray.Dataset(coords={"time": ("time", grid.time, {"units": "s"})} | ({"joint": names} if names else {}))
     for signal in SIGNALS.values():
         about = {"units": signal.unit, "long_name": signal.meaning}
         mine = [one for one in series if one.signal == signal.name]
@@ -171,7 +165,7 @@ def _dataset(table: Table, series: list[Series], grid: Grid) -> xarray.Dataset:
 def _mean(series: list[Series], grid: Grid) -> Array:
     """Of columns that measure the same, on the grid; NaN where one of them knows nothing, or where there is none."""
     if not series:
-        return np.full(grid.size, np.nan)
+        return np.full(grid.stamps.size, np.nan)
     mean: Array = np.mean([resampled(one, grid) for one in series], axis=0)
     if not grid.even and not SIGNALS[series[0].signal].held:
         known = np.concatenate([one.clock.time[np.isfinite(one.values)] for one in series])

@@ -18,8 +18,7 @@ class Signal:
     meaning: str
     by_joint: bool = True  # each joint has its own
     held: bool = False  # what is commanded, and holds until the next sample; all else is measured
-    absolute: bool = False
-    """An absolute pressure inside, so that a log has to say whether it counts from ambient pressure."""
+    absolute: bool = False  # an absolute pressure inside: a log has to say whether it counts from ambient pressure
 
     @property
     def unit(self) -> str:
@@ -56,20 +55,17 @@ _SHARES = {"1": 1.0, "share": 1.0, "%": 0.01, "percent": 0.01}
 def conversion(unit: str, signal: Signal) -> tuple[float, float]:
     """Factor and shift that turn numbers in a unit, such as "kPa", "1.2 deg" or "degC", into SI: x factor + shift.
 
-    Raises:
-        ValueError: in one clause, what is wrong with the unit.
+    Raise ValueError if it is none, with one clause that says what is wrong and what would be right.
     """
     text = unit.strip()
     if signal.kind is None:
         if text not in _SHARES:
             raise ValueError(f"{unit!r} is not a unit of a share; give one of {', '.join(map(repr, _SHARES))}")
         return _SHARES[text], 0.0
+    numbered = text[:1].isdigit() or text[:1] == "."
     try:
-        if text[:1].isdigit() or text[:1] == ".":
-            factor, shift = signal.kind.convert(text), 0.0
-        else:
-            shift = signal.kind.convert(f"0 {text}")
-            factor = signal.kind.convert(f"1 {text}") - shift
+        shift = 0.0 if numbered else signal.kind.convert(f"0 {text}")
+        factor = signal.kind.convert(text if numbered else f"1 {text}") - shift
     except ValueError:
         article, unit_of_it = signal.kind.article, signal.kind.example.partition(" ")[2]
         raise ValueError(f'{unit!r} is not a unit of {article}; give one such as "{unit_of_it}"') from None

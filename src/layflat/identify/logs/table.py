@@ -17,8 +17,7 @@ from layflat.identify.logs.headers import Header, header_of
 Cells = Array | list[str]
 T = TypeVar("T")
 
-LONG = (("signal", "channel", "name"), ("time", "t"), ("value",))
-"""A table with these columns has a sample a row: of which signal, when, and its value."""
+LONG = (("signal", "channel", "name"), ("time", "t"), ("value",))  # columns of a table with a sample a row
 
 
 @dataclass(frozen=True)
@@ -37,15 +36,13 @@ class Table:
     path: Path
     sha256: str
     columns: dict[str, Column]
-    clock: Header | None = None
-    """Name and unit of the stamps where columns have their own; None where a column is the clock."""
+    clock: Header | None = None  # of the stamps where columns have their own; None where a column is the clock
 
 
 def read_table(path: str | Path) -> Table:
     """Read a log's file, by what its name ends in: .parquet, .nc, .mcap, and text for all else.
 
-    Raises:
-        InputError: it can't be read, or holds no columns of numbers.
+    Raise InputError if it can't be read, or holds no columns of numbers.
     """
     path, right = Path(path), "give a CSV, Parquet, NetCDF or MCAP file"
     check_regular(path, str(path), right)

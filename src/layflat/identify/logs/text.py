@@ -19,10 +19,7 @@ def read_text(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
 
     Lines that begin with # and empty lines are left out. Columns of a table without header are called by their number,
     "1", "2" and so on, and so is one whose header is empty. In a table parted by semicolons a number may have a decimal
-    comma.
-
-    Raises:
-        InputError: it is not a table.
+    comma. Raise InputError if it is not a table.
     """
     where = str(path)
     try:

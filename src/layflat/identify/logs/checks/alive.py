@@ -12,13 +12,9 @@ from layflat.identify.logs.issue import Issue
 RAIL_SHARE = 0.005
 RAIL_SAMPLES = 8  # share and number of the samples at exactly one extreme from which it may be a rail
 RAIL_RUN = 3  # samples on end at it
-ABRUPT = 0.25
-"""Speed of arriving at it, as a share of a fast speed of the signal: what comes to rest by itself slows down before."""
-
+ABRUPT = 0.25  # speed of arriving there, over a fast speed of the signal: what comes to rest by itself is slower
 STILL = 6.0  # range in standard deviations of the noise below which a signal does not move
-
 NOTHING_MOVES = Issue("error", "log", "nothing in it moves more than its noise", "record a motion")
-
 STEADY = ("supply", "payload", "brake")  # what is usually constant
 
 

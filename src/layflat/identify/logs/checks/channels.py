@@ -1,21 +1,16 @@
 """A log as the checks see it: its channels, and what is known of the bench."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.arrays import Array
+from layflat.arrays import Array, Dataset
 from layflat.description import units as u
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name
 from layflat.machine import Machine
-
-if TYPE_CHECKING:
-    import xarray
 
 TAIL = 0.5  # per cent of the samples at both ends that don't count for a range: single wild samples
 
@@ -103,7 +98,7 @@ class CheckedLog:
         return measured.values if measured is not None else None
 
 
-def checked_log(log: xarray.Dataset, description: object | None) -> CheckedLog:
+def checked_log(log: Dataset, description: object | None) -> CheckedLog:
     """Channels of a log with what its attributes and a description say."""
     told = json.loads(log.attrs.get("log_columns", "{}"))
     joints = tuple(str(name) for name in log["joint"].values) if "joint" in log.coords else ()
