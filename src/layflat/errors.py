@@ -1,12 +1,7 @@
 """The one tree of exceptions: catch `LayflatError` to catch everything that layflat raises on purpose."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 
 class LayflatError(Exception):

@@ -5,14 +5,12 @@ table holds the kinds of one thing. Code asks the table, so that a further kind 
 all where a user registers one from outside (see docs/kinds.md). A kind that lacks something is refused when it is made.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-from pydantic import BaseModel
+from pydantic import BaseModel, GetCoreSchemaHandler
 from pydantic_core import core_schema
 
 from layflat.description import Part
@@ -21,9 +19,6 @@ from layflat.errors import KindError
 from layflat.jit import ByKind, Law, by_kind
 from layflat.jit.outside import blame_outside
 from layflat.lanes import leaves
-
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler
 
 REQUIRED: Any = object()  # stands where a kind has to say something
 

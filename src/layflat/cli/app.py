@@ -1,7 +1,5 @@
 """The application, and what its commands share. Each command is imported when it is used."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import is_dataclass
@@ -104,14 +102,14 @@ def print_table(columns: list[str], rows: list[list[str]], title: str = "") -> N
     console.print(table)
 
 
-def print_findings(findings: Iterable[Finding]) -> None:
+def print_findings(findings: "Iterable[Finding]") -> None:
     """Print what the design rules found, if anything."""
     rows = [[f.severity, f.where, f.what, f.right] for f in findings]
     if rows:
         print_table(["severity", "where", "found", "action"], rows)
 
 
-def known_joint(machine: Machine, joint: str) -> str:
+def known_joint(machine: "Machine", joint: str) -> str:
     """Return the name given to --joint, of a joint of this machine (InputError: the machine has no such joint)."""
     if joint not in machine.joints:
         raise InputError(f"unknown joint {joint!r}", where="--joint", right=f"give {' or '.join(machine.joints)}")

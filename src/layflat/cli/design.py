@@ -1,7 +1,5 @@
 """Commands that design joints: design, size."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from math import degrees
 from pathlib import Path
@@ -98,7 +96,7 @@ def _say_what_is_left_out() -> None:
         typer.echo(f"layflat: {missing}", err=True)
 
 
-def _print(design: JointDesign) -> None:
+def _print(design: "JointDesign") -> None:
     """Print what was designed, the cam's columns, the strap's stresses, and what the rules found."""
     import numpy as np  # noqa: PLC0415
 
@@ -126,14 +124,16 @@ def _print(design: JointDesign) -> None:
     print_findings(design.findings)
 
 
-def _draw(made: JointDesign, out: Path) -> None:
+def _draw(made: "JointDesign", out: Path) -> None:
     from layflat.design import write_drawings  # noqa: PLC0415
 
     for path in write_drawings(made, out) if made.cam is not None else []:
         typer.echo(f"wrote {path}")
 
 
-def _measured(machine: Machine, chosen: list[str], table: Path | None, pressure: str | None) -> Characteristic | None:
+def _measured(
+    machine: "Machine", chosen: list[str], table: Path | None, pressure: str | None
+) -> "Characteristic | None":
     """Read --table, which measures one joint, at --pressure."""
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.design import read_characteristic  # noqa: PLC0415

@@ -1,7 +1,5 @@
 """Commands that identify machines and benches: excite, identify."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -83,7 +81,7 @@ def identify(
         raise typer.Exit(NOT_TRUSTED)
 
 
-def _print(session: Identification, found: Fit) -> str | None:
+def _print(session: "Identification", found: "Fit") -> str | None:
     """Print all that the page says, and return why it is not to be trusted."""
     from layflat.identify import report_text as told  # noqa: PLC0415
 

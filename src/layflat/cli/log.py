@@ -1,7 +1,5 @@
 """Commands about bench logs: log check, log map; those about logs of a rig stand in recorded.py."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -91,17 +89,17 @@ def map_log(
     typer.echo(f"wrote {write_mapping(guess.mapping, place, guess.notes, head)}: a guess, correct it before you use it")
 
 
-def _machine(name: str | None) -> Machine | None:
+def _machine(name: str | None) -> "Machine | None":
     from layflat.machine import load  # noqa: PLC0415
 
     return load(name) if name is not None else None
 
 
-def _joints(machine: Machine | None) -> list[str] | None:
+def _joints(machine: "Machine | None") -> list[str] | None:
     return list(machine.joints) if machine is not None else None
 
 
-def _channels(data: xarray.Dataset) -> tuple[list[list[str]], bool]:
+def _channels(data: "xarray.Dataset") -> tuple[list[list[str]], bool]:
     """A row for each channel with its source, range and samples, in units that people read; whether any is filled."""
     from layflat.identify.logs.checks.channels import SHOWN, checked_log  # noqa: PLC0415
 

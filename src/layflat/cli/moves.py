@@ -1,7 +1,5 @@
 """Moves as people write them behind options, with joints and times, and how well they were followed, as a table."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -67,7 +65,7 @@ def _value(text: str, where: str, bare: bool) -> str | float:
         raise InputError(f"{text!r} is not a number", where=where, right="give a number such as 0.5") from None
 
 
-def print_moves(moves: Sequence[tuple[float, Move]], name: str) -> None:
+def print_moves(moves: "Sequence[tuple[float, Move]]", name: str) -> None:
     """Print metrics of moves, with the times from which they count."""
     rows = [
         [f"{since:g}", m.joint, _seconds(m.settling), *(f"{57.29578 * x:.3f}" for x in (m.overshoot, m.steady_error))]
@@ -77,7 +75,7 @@ def print_moves(moves: Sequence[tuple[float, Move]], name: str) -> None:
     print_table(columns, rows, f"{name}: moves, settled within 0.3 deg")
 
 
-def print_missed(run: xarray.Dataset, what: str) -> None:
+def print_missed(run: "xarray.Dataset", what: str) -> None:
     """Print how far a run was from demands that change all the time."""
     missed = 57.29578 * ((run["angle"] - run["demand"]) ** 2).mean("time") ** 0.5
     told = ", ".join(f"{name} {missed.sel(joint=name).item():.2f} deg" for name in run["joint"].values)

@@ -1,7 +1,5 @@
 """Commands about logs that a rig has recorded: log info, log repair, log plot, log export."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -76,7 +74,7 @@ def export_log(
     typer.echo(f"wrote {export(_read(log), out)}")
 
 
-def _read(log: Path) -> xarray.Dataset:
+def _read(log: Path) -> "xarray.Dataset":
     """Read what a rig recorded, or what `log export` wrote of it as NetCDF."""
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
     from layflat.sim.dataset import open_run  # noqa: PLC0415
@@ -89,7 +87,7 @@ def _read(log: Path) -> xarray.Dataset:
     return run
 
 
-def _about(log: Path, run: xarray.Dataset) -> list[list[str]]:
+def _about(log: Path, run: "xarray.Dataset") -> list[list[str]]:
     """What is told of a log, and how it is called."""
     import numpy as np  # noqa: PLC0415
 

@@ -1,7 +1,5 @@
 """Commands about parameter studies: studies, study."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Annotated
@@ -69,7 +67,7 @@ def study(
     typer.echo(f"wrote {place / 'figure.svg'} and .png\n\n{fill(found.finding, WIDTH)}")
 
 
-def _print_summary(described: Study, out: Path) -> None:
+def _print_summary(described: "Study", out: Path) -> None:
     from layflat.study.results import SHARES, summary  # noqa: PLC0415
 
     found = summary(out, described.metrics)

@@ -1,7 +1,5 @@
 """Variants of what is described, for experiments: one value replaced by its dotted path, and checked as in a file."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin
@@ -214,7 +212,7 @@ def _checked(value: Any, annotation: Any, where: str) -> Any:
     return value if tiny else found
 
 
-def _checked_array(values: np.ndarray[Any, Any], annotation: Any, where: str) -> np.ndarray[Any, Any]:
+def _checked_array(values: "np.ndarray[Any, Any]", annotation: Any, where: str) -> "np.ndarray[Any, Any]":
     """An array of numbers, each of which may stand there: bounds are intervals, so that the extremes tell."""
     import numpy as np  # noqa: PLC0415  # descriptions are read without it
 

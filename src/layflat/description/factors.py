@@ -5,8 +5,6 @@ a product that it stands for, as in Pint's definitions: the factor of a conversi
 same floats in the same order. Names that are not listed here are looked up in Pint.
 """
 
-from __future__ import annotations
-
 from functools import cache
 from math import pi
 from typing import TYPE_CHECKING
@@ -126,7 +124,7 @@ def factor(source: Product, target: Product) -> float:
 
 
 @cache
-def registry() -> pint.UnitRegistry[float]:
+def registry() -> "pint.UnitRegistry[float]":
     """Return Pint's units, which take longer to load than most commands to run."""
     import pint  # noqa: PLC0415
 

@@ -1,13 +1,12 @@
 """A kind of quantity: text with a unit outside, an SI float inside, and the range in which it makes sense."""
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 from pydantic_core import core_schema
 
 from layflat.description.expression import QuantityError, split, suggestions, unit_of
@@ -23,9 +22,6 @@ from layflat.description.factors import (
     roots,
 )
 from layflat.description.wrong import INPUT, wrong
-
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
 
 SI = {"si": True}  # context of a validation in which numbers are taken to be in SI units, since they come from code
 

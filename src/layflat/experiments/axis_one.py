@@ -1,14 +1,12 @@
 """Axis one: the small joint alone with and without its brake, against the earlier actuator (Fig. 13)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cached_property
 from itertools import takewhile
 from math import inf, radians
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
@@ -16,9 +14,6 @@ from layflat.machine import Machine
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND, move, settling_time
 from layflat.sim.run import Prepared, prepare, rollout_as_far
-
-if TYPE_CHECKING:
-    import xarray
 
 STEP = radians(40)
 AT = 0.5  # the step comes at this time, s, after the joint has come to rest

@@ -1,7 +1,5 @@
 """Claims of the paper beside what is simulated, and the experiments whose runs they rest on."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -80,7 +78,7 @@ class Rule:
     claim: Claim
     evaluate: Callable[[Any], Evaluated]
 
-    def evaluated(self, experiment: Experiment) -> Claim:
+    def evaluated(self, experiment: "Experiment") -> Claim:
         """Evaluate the claim; where the machine under test lacks what it takes, the claim says so.
 
         A claim that can't be simulated for any other reason does not agree.

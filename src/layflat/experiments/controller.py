@@ -1,23 +1,19 @@
 """The controller: what its long-term integral learns, by three rules, and how long a cycle takes (section 3)."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from functools import cached_property
 from math import pi, radians
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray
 
 from layflat.experiments.bench import maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
 from layflat.sim import Scenario, rollout
-
-if TYPE_CHECKING:
-    import xarray
 
 DRIFT = 0.05  # drift of the valve's neutral, share of full opening
 DURATION = 60.0

@@ -1,12 +1,11 @@
 """Results of a reproduction on disk: claims.json, and one self-contained report.html with its figures."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 import layflat
 from layflat.experiments.axis_one import AT, SCAN
@@ -21,9 +20,6 @@ from layflat.plot.page import Drawn, page
 from layflat.plot.runs import angles, arm_steps
 from layflat.plot.style import to_svg
 from layflat.sim.metrics import BAND
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 TINY, LARGE = 1e-4, 1e5  # numbers below and above these are not written out
 

@@ -1,13 +1,11 @@
 """Statics: Table 1, torques, mass, and the constancy of torque and stiffness (section 2.2, Table 1, Fig. 6)."""
 
-from __future__ import annotations
-
 import csv
 from functools import cache, cached_property
 from importlib.resources import files
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from layflat.arrays import Array
 from layflat.design import JointDesign, Table1, design_joint, table1
@@ -17,9 +15,6 @@ from layflat.machine import Machine, changed, parameters
 from layflat.machine.loader import restored
 from layflat.sim import Scenario, rollout
 from layflat.sim.sweep import Loop
-
-if TYPE_CHECKING:
-    import xarray
 
 PRINTED_MEAN = 82.10202  # mean torque of the printed Table 1, N m
 MEASURED = {"large": 84.0, "small": 27.0}  # measured maximum torques at 4 bar, N m (section 4.1)

@@ -1,12 +1,10 @@
 """The two-axis arm: steps of each axis in turn, coupling, repeatability (Fig. 14, section 4.2)."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from math import inf, radians
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from layflat.arrays import Array
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
@@ -15,9 +13,6 @@ from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.kinematics import tip_position
 from layflat.sim.metrics import BAND, disturbance, move, settling_time, tip_settling
 from layflat.sim.run import rollout_as_far
-
-if TYPE_CHECKING:
-    import xarray
 
 HALF = radians(20.0)  # half of a step, rad
 FIRST, SECOND, END = 0.5, 4.0, 7.5  # times of the large joint's step, of the small joint's, and of the end, s

@@ -1,19 +1,15 @@
 """Laws, kernels and choices between laws, as Python meets them; the compiler is loaded when a kernel first runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import cached_property, update_wrapper
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 from layflat.jit.cache import cache_folder, included_sources
 from layflat.jit.outside import blame_outside
 from layflat.lanes import interpreted, lane_by_lane
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 
 def _compiler() -> ModuleType:

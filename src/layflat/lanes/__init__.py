@@ -19,8 +19,6 @@ What stands here is plain Python: what each operation means. `compiled` teaches 
 needed.
 """
 
-from __future__ import annotations
-
 import operator
 import os
 from collections.abc import Callable, Iterator
@@ -55,7 +53,7 @@ class Lanes(tuple[Any, ...]):
 
     __slots__ = ()
 
-    def __neg__(self) -> Lanes:
+    def __neg__(self) -> "Lanes":
         return Lanes(-a for a in self)
 
 

@@ -1,19 +1,15 @@
 """The table `gains` of a joint: what may stand there is said by the machine's control law."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+from pydantic import GetCoreSchemaHandler
 from pydantic_core import core_schema
 
 from layflat.control import CONTROL_LAWS
 from layflat.description.wrong import wrong
-
-if TYPE_CHECKING:
-    from pydantic import GetCoreSchemaHandler
 
 _law: ContextVar[object] = ContextVar("control law", default=None)
 

@@ -3,8 +3,6 @@
 End plates, shaft, bearings, brake and fittings are the rest of its whole mass.
 """
 
-from __future__ import annotations
-
 from math import pi
 from typing import TYPE_CHECKING
 
@@ -19,7 +17,7 @@ WHOLE_PER_PARTS = 3.2
 """Mass of a whole joint over that of the parts that are counted, as in the paper's small joint (2 kg)."""
 
 
-def part_masses(joint: Joint, full_travel: float, output_area: float) -> dict[str, float]:
+def part_masses(joint: "Joint", full_travel: float, output_area: float) -> dict[str, float]:
     """Return the estimated mass of each part of a joint, kg.
 
     Args:
@@ -42,7 +40,7 @@ def part_masses(joint: Joint, full_travel: float, output_area: float) -> dict[st
     }
 
 
-def body_mass(joint: Joint) -> float:
+def body_mass(joint: "Joint") -> float:
     """Return the estimated mass of a whole joint, kg, with a cam as heavy as the roller that it stands for."""
     full_travel = (joint.hose.wrap - joint.hose.contact_end) * joint.hose.peel_ratio * joint.cylinder.diameter / 2
     return WHOLE_PER_PARTS * sum(part_masses(joint, full_travel, pi * joint.output.radius**2).values())

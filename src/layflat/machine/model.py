@@ -1,7 +1,5 @@
 """The whole machine: joints in an arm, with valve, supply, sensors and controller."""
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Self
 
 from pydantic import Field, ModelWrapValidatorHandler, model_validator
@@ -78,7 +76,7 @@ class Machine(Described):
             return handler(described)
 
     @model_validator(mode="after")
-    def _joined(self) -> Machine:
+    def _joined(self) -> Self:
         missing = [name for name in self.arm.joints if name not in self.joint]
         if missing:
             raise ValueError(f"arm.joints names the unknown joint {missing[0]!r}; joints are {sorted(self.joint)}")

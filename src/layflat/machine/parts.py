@@ -3,10 +3,8 @@
 All numbers are SI floats once validated ; keys that end in `_gauge` are gauge pressures.
 """
 
-from __future__ import annotations
-
 from math import radians
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -47,7 +45,7 @@ class Hose(Part):
     )
 
     @model_validator(mode="after")
-    def _peels(self) -> Hose:
+    def _peels(self) -> Self:
         if self.contact_end >= self.wrap:
             raise ValueError("contact_end must be smaller than wrap, for example 84 deg with a wrap of 120 deg")
         return self
@@ -120,7 +118,7 @@ class Stops(Part):
     stop_damping: u.Damping
 
     @model_validator(mode="after")
-    def _ordered(self) -> Stops:
+    def _ordered(self) -> Self:
         if self.mechanical_stroke < self.working_stroke:
             raise ValueError(
                 "mechanical_stroke must not be smaller than working_stroke, for example 140 deg and 120 deg"
@@ -143,7 +141,7 @@ class Link(Part):
     rotor_inertia: u.Inertia = Field(description="of cams, shaft and brake disk about the joint")
 
     @model_validator(mode="after")
-    def _derive(self) -> Link:
+    def _derive(self) -> Self:
         derived = {"centre": self.length / 2, "inertia": self.mass * self.length**2 / 12}
         self.__dict__.update({name: derived[name] for name in derived.keys() - self.model_fields_set})
         return self
@@ -176,7 +174,7 @@ class Joint(Part):
     gains: Gains | None = None
 
     @model_validator(mode="after")
-    def _derive(self) -> Joint:
+    def _derive(self) -> Self:
         if "mass" not in self.body.model_fields_set:
             body = self.body.model_copy()
             body.__dict__["mass"] = body_mass(self)
@@ -184,7 +182,7 @@ class Joint(Part):
         return self
 
     @model_validator(mode="after")
-    def _fits(self) -> Joint:
+    def _fits(self) -> Self:
         if self.output.radius >= self.cylinder.diameter / 2:
             raise ValueError("output.radius must be smaller than the cylinder's radius")
         if self.hose.width * 4 <= self.cylinder.diameter * (self.hose.wrap - self.hose.contact_end):

@@ -1,7 +1,5 @@
 """One machine through one scenario."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,7 +30,7 @@ def rollout(
     records: int = 1,
     scenario: Scenario | None = None,
     **changes: Any,
-) -> xarray.Dataset:
+) -> "xarray.Dataset":
     """Simulate a machine with its controller.
 
     Args:
@@ -63,7 +61,7 @@ def rollout(
     return run
 
 
-def rollout_as_far(machine: str | Path | Machine, demand: Any = 0.0, **options: Any) -> xarray.Dataset:
+def rollout_as_far(machine: str | Path | Machine, demand: Any = 0.0, **options: Any) -> "xarray.Dataset":
     """Simulate as `rollout` does, and return a run that diverged up to where it did."""
     try:
         return rollout(machine, demand, **options)

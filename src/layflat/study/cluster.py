@@ -1,7 +1,5 @@
 """A study's chunks on a Dask cluster; what a lost worker had under way, another one does again."""
 
-from __future__ import annotations
-
 import asyncio
 import logging
 from collections.abc import Iterator
@@ -22,7 +20,7 @@ PATIENCE = 4.0  # a scheduler has to answer within, s
 AHEAD = 64  # chunks that wait at the scheduler, beside two for every thread: new workers find work at once
 
 
-def on_cluster(study: Study, work: Work, scheduler: str) -> Iterator[tuple[int, pyarrow.Table]]:
+def on_cluster(study: Study, work: "Work", scheduler: str) -> "Iterator[tuple[int, pyarrow.Table]]":
     """Yield chunks of a study as they get done, in any order.
 
     Raises:
@@ -41,7 +39,7 @@ def on_cluster(study: Study, work: Work, scheduler: str) -> Iterator[tuple[int, 
         client.close()
 
 
-def _done(client: Any, study: Study, work: Work) -> Iterator[tuple[int, pyarrow.Table]]:
+def _done(client: Any, study: Study, work: "Work") -> "Iterator[tuple[int, pyarrow.Table]]":
     from distributed import as_completed  # noqa: PLC0415
 
     waiting, numbers, own = iter(work), {}, made_with(study)

@@ -3,8 +3,6 @@
 While a part is missing partial.txt says how much of it is there.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -74,7 +72,7 @@ class Folder:
             return False
         return bool(held == json.loads(json.dumps(content)))
 
-    def keep(self, number: int, table: pyarrow.Table) -> None:
+    def keep(self, number: int, table: "pyarrow.Table") -> None:
         """Write a chunk (OutputError: it can't be written)."""
         with whole_file(self.chunk(number)) as temporary:
             _arrow("parquet").write_table(table, temporary)
@@ -163,7 +161,7 @@ class Folder:
             raise OutputError(what, where=str(self.place), right="make room, or give a folder on another disk")
 
 
-def table(out: str | Path) -> pandas.DataFrame:
+def table(out: str | Path) -> "pandas.DataFrame":
     """Return the table of a study that was run; `attrs["units"]` has the unit of every column.
 
     Raises:

@@ -1,7 +1,5 @@
 """A study from its first chunk, or where it was stopped, to its table: rows are simulated and measured in chunks."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
 from hashlib import sha256
@@ -108,7 +106,7 @@ def _content(study: Study, chunk: int) -> dict[str, Any]:
 
 def _tables(
     study: Study, work: Work, scheduler: str | None, threads: int | None, tell: Callable[[int], None]
-) -> Generator[tuple[int, pyarrow.Table]]:
+) -> "Generator[tuple[int, pyarrow.Table]]":
     if scheduler is not None:
         from layflat.study.cluster import on_cluster  # noqa: PLC0415
 
@@ -139,7 +137,7 @@ def made_with(study: Study) -> dict[str, str]:
 
 def measured(
     study: Study, runs: dict[str, Array], threads: int | None = None, progress: Callable[[int], None] | None = None
-) -> pyarrow.Table:
+) -> "pyarrow.Table":
     """Simulate rows of a study; every column has its unit in its metadata."""
     import pyarrow  # noqa: PLC0415
 
@@ -153,7 +151,7 @@ def measured(
 
 def _of_one_machine(
     study: Study, number: int, runs: dict[str, Array], threads: int | None, progress: Callable[[int], None] | None
-) -> pyarrow.Table:
+) -> "pyarrow.Table":
     import pyarrow  # noqa: PLC0415
 
     variant = study.variants[number]
@@ -178,7 +176,7 @@ def _of_one_machine(
     return pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
 
 
-def measured_there(study: Study, runs: dict[str, Array], expected: dict[str, str]) -> pyarrow.Table:
+def measured_there(study: Study, runs: dict[str, Array], expected: dict[str, str]) -> "pyarrow.Table":
     """Do the same on a worker of a cluster, whose other threads have rows of their own.
 
     Raises:
@@ -191,7 +189,7 @@ def measured_there(study: Study, runs: dict[str, Array], expected: dict[str, str
     return measured(study, runs, threads=1)
 
 
-def _flat(data: xarray.Dataset, metric: str) -> Iterator[tuple[str, Any, str]]:
+def _flat(data: "xarray.Dataset", metric: str) -> Iterator[tuple[str, Any, str]]:
     """Columns of a metric, such as "settling.small.0" for joint small in move 0."""
     array = data[metric]
     order = [dimension for dimension in ("joint", "move") if dimension in array.dims]

@@ -1,7 +1,5 @@
 """A study: what is simulated, and what varies, read from its file and checked."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import prod
 from pathlib import Path
@@ -102,7 +100,7 @@ class Study:
         machines = {one.name: one.machine.model_dump(mode="json", exclude={"kinds"}) for one in self.variants}
         return {"study": written, **({"variant": machines} if self.file.variant else {"machine": machines[""]})}
 
-    def thinned(self, points: int) -> Study:
+    def thinned(self, points: int) -> "Study":
         """The same with at most so many samples of each thing that varies, and without repetitions: for a first look.
 
         Args:

@@ -1,7 +1,5 @@
 """One thing that varies: its values over the unit interval, or on a grid."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
@@ -69,7 +67,7 @@ class Varied:
         """Return its values on a grid."""
         return np.array(self.values) if self.values else self.at(np.linspace(0.0, 1.0, self.points or 0))
 
-    def thinned(self, points: int) -> Varied:
+    def thinned(self, points: int) -> "Varied":
         """Return the same with at most so many points on a grid, spread over all of it."""
         if self.values:
             kept = np.unique(np.linspace(0, len(self.values) - 1, min(points, len(self.values))).astype(int))

@@ -8,22 +8,17 @@ diverges costs 5 s a move. To the mean of all moves come half the mean of the wo
 under nominal conditions.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.machine import Machine
 from layflat.sim import Scenario
 from layflat.sim.metrics import BAND
-
-if TYPE_CHECKING:
-    import xarray
 
 POSTURES = {
     1: (((-1 / 3,), (1 / 3,), (0.36,)), ((1 / 3,), (-1 / 3,), (-1 / 2,)), ((0.0,), (1 / 6,), (-2 / 3,))),

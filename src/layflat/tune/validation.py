@@ -1,11 +1,9 @@
 """What gains are worth in the end: over conditions that no search has met, the same for every method and seed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray
 
 from layflat.arrays import Array
 from layflat.machine import Machine
@@ -13,9 +11,6 @@ from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import disturbance
 from layflat.sim.run import rollout_as_far
 from layflat.tune.conditions import POSTURES, REST, Conditions, candidate_costs, conditions
-
-if TYPE_CHECKING:
-    import xarray
 
 FRESH, FRESH_SEED = 256, 2_000_000_000  # runs of the validation, and their seed
 LIMIT = 1.5  # time in which the paper's arm settles, s: section 4.2
@@ -30,7 +25,7 @@ class Validation:
     settling: Array  # of every joint in every move of every run, s; infinite where it does not settle
     nominal: Array  # time until both joints have settled in each move, one joint's step each, mean of nominal runs, s
     cost: float  # s
-    response: xarray.Dataset  # the first nominal run, with its trace
+    response: "xarray.Dataset"  # the first nominal run, with its trace
     pushed: dict[str, float]  # how far a joint is pushed by another one's step in it, rad, by both in words
 
     @property

@@ -1,10 +1,8 @@
 """Sensitivity of settling and accuracy to all that the paper leaves open."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME
@@ -13,10 +11,6 @@ from layflat.plot.bars_and_maps import draw_bars
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
 from layflat.study.sampling import Indices, sobol_indices
-
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
 
 WINDOW = 2.0  # how long a move lasts, s
 KINDS = ("assumed values", "calibrated values", "gains")  # groups of what varies, in the order of their looks

@@ -1,10 +1,10 @@
 """Level of the brake and inertia of the payload: settling, and how much inertia a joint carries."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME, SCAN
@@ -13,11 +13,6 @@ from layflat.experiments.questions.tables import grid, hysteresis, inertia_per_t
 from layflat.plot.bars_and_maps import draw_map, edges
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
-
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
-
 
 ENOUGH = 0.8  # what carries this share of the most carries nearly as much
 

@@ -1,10 +1,8 @@
 """Amplitude and frequency of dither over the friction of the spool: accuracy and ripple."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.experiments.questions.tables import listed, moves_of
@@ -13,10 +11,6 @@ from layflat.plot.bars_and_maps import draw_map, edges
 from layflat.plot.style import LINES, mark
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
-
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
 
 FRICTION, AMPLITUDE, FREQUENCY = "valve.friction", "valve.dither.amplitude", "valve.dither.frequency"
 """Columns of the table."""

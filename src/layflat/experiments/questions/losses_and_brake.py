@@ -1,10 +1,8 @@
 """Losses of hose and strap beside the brake: the same total hysteresis, another damping."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME, SCAN
@@ -14,10 +12,6 @@ from layflat.machine import changed
 from layflat.plot.style import LINES
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
-
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
 
 TOTALS = (15.0, 20.0, 25.0, 30.0)  # total hysteresis, %
 LOSS, BRAKE, PAYLOAD = "joint.small.hose.loss_share", "joint.small.brake.torque", "scenario.payload"

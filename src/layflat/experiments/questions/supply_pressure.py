@@ -1,21 +1,16 @@
 """Supply pressure: stiffness, settling, air."""
 
-from __future__ import annotations
-
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas
+from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.experiments.axis_one import GOOD_TIME
 from layflat.plot.style import LINES, mark
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
-
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
 
 PRESSURE = "supply.pressure_gauge"
 SHUT_LOAD, LOAD = 2.0, 4.0  # loads of the scenarios, N m

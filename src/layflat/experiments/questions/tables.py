@@ -1,20 +1,15 @@
 """What the questions take from the tables of their studies."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas
 
 from layflat.arrays import Array
 from layflat.experiments.axis_one import limit_within
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque
 from layflat.machine import Machine
 from layflat.sim.sweep import sweep
-
-if TYPE_CHECKING:
-    import pandas
 
 JOINT = "small"  # that the studies of one joint are about
 

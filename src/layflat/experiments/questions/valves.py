@@ -1,19 +1,13 @@
 """Which valve: size, bandwidth, friction and dither, each with its own best gains."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas
+from matplotlib.figure import Figure
 
 from layflat.experiments.questions.tables import at_rest, moves_of
 from layflat.plot.bars_and_maps import draw_bars
 from layflat.plot.style import figure as new_figure
 from layflat.study import Study
-
-if TYPE_CHECKING:
-    import pandas
-    from matplotlib.figure import Figure
 
 SLACK = 1.1  # gains that settle within so many times the shortest time are as good
 WINDOW = 2.0  # a move lasts so long, s; one that has not settled counts as this

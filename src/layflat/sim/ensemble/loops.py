@@ -1,7 +1,5 @@
 """Hysteresis of many machines: the slow sweeps of `sim/sweep.py`, a machine in each lane."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +15,7 @@ if TYPE_CHECKING:
 POINTS = 201  # of a way; more change the height by less than a thousandth
 
 
-def hysteresis(prepared: Cases) -> Array:
+def hysteresis(prepared: "Cases") -> Array:
     """Loop height over greatest torque at supply pressure, of every joint with its brake on: (runs, joints)."""
     machine, count = prepared.machine, prepared.count
     found = np.empty((count, len(prepared.base.joints)))

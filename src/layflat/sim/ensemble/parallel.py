@@ -3,8 +3,6 @@
 Memory holds the metrics of all runs, and signals of those that are under way; it does not grow with a run's length.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -74,7 +72,7 @@ def ensemble(
     scenario: Scenario | Sequence[Scenario] | None = None,
     vary: Mapping[str, ArrayLike] | None = None,
     **options: Any,
-) -> xarray.Dataset:
+) -> "xarray.Dataset":
     """Simulate many runs, each with the laws of `rollout`, and measure them.
 
     Args:
