@@ -15,9 +15,9 @@ from layflat.machine import load
 from layflat.rig.clock import PunctualClock
 from layflat.rig.loop import Loop
 from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
+from layflat.rig.process import Resting, WarmupLoop
 from layflat.rig.record import Layout
 from layflat.rig.system import go_realtime
-from layflat.rig.warmup import Resting, WarmupLoop
 
 SECONDS = 10.0
 """Of real time that are measured."""

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from layflat.bridge import MujocoPlant, arm_spec
 from layflat.errors import DivergedError, InputError
 from layflat.machine import load
+from layflat.physics.driven import Plant
 from layflat.rig.clock import SECOND, VirtualClock
-from layflat.rig.device.plant import Plant
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.drivers.simulated import SimulatedDriver

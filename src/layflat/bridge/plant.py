@@ -9,13 +9,14 @@ from layflat.bridge.joints import PneumaticJoints
 from layflat.description import units as u
 from layflat.errors import InputError
 from layflat.machine import Machine
+from layflat.physics.driven import Plant
 from layflat.physics.noise import noise_samples
 
 Value = str | float
 Advance = Callable[[Any], None]  # advances an MjData by a timestep, in place of `mj_step`
 
 
-class MujocoPlant(PneumaticJoints):
+class MujocoPlant(PneumaticJoints, Plant):
     """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
 
     Args:

@@ -121,3 +121,31 @@ class DrivenJoints(ABC):
     @abstractmethod
     def _write_joints(self) -> None:
         """Let the compiled laws know that parameters have changed."""
+
+
+class Plant(DrivenJoints):
+    """A machine through time, a bit at a time: what a virtual rig can have behind it."""
+
+    joints: tuple[str, ...]  # names, from base to tip
+    payload: float  # kg; settable
+
+    @property
+    @abstractmethod
+    def time(self) -> float:
+        """How far it has been advanced, s."""
+
+    @abstractmethod
+    def drive(self, voltages: Array) -> None:
+        """Give the valves' drivers voltages (V, (joints,)), which hold until the next."""
+
+    @abstractmethod
+    def advance(self, until: float) -> None:
+        """Let time pass up to the last whole step before `until` (s); raise DivergedError if the machine diverged."""
+
+    @abstractmethod
+    def sense(self) -> tuple[Array, Array]:
+        """Angles (rad) and differential pressures (Pa) as the converters report them now, noise included, (joints,)."""
+
+    @abstractmethod
+    def grip(self, joint: int, torque: float) -> None:
+        """Hold a joint as a brake does, by so much more than its own (N m); 0 lets it go."""

@@ -73,8 +73,7 @@ class Loop:
         n = len(machine.joints)
         self._reading = Reading(np.zeros(n), np.zeros(n), 0.0, False, DeviceState.RUNNING)
         self._seen_at: int | None = None
-        self._lost = self._cycles = 0
-        self._compute = 0.0
+        self._cycles, self._compute = 0, 0.0
         self._recording = True
 
     def begin(self, reading: Reading) -> None:
@@ -95,46 +94,36 @@ class Loop:
         now = self.deadlines.wait()
         begun = perf_counter_ns()
         try:
-            reading = self._reading = self.driver.read()
-            lost = False
+            reading: Reading | None = self.driver.read()
         except LinkError:
-            reading, lost = self._reading, True
+            reading = None
         answered, seen = perf_counter_ns(), self.clock.now()
         supervisor, deadlines = self.supervisor, self.deadlines
         elapsed = deadlines.cycle if self._seen_at is None else (seen - self._seen_at) / SECOND
-        if lost:
-            self._lost += 1
-        else:
-            self._lost, self._seen_at = 0, seen
+        if reading is not None:
+            self._reading, self._seen_at = reading, seen
             if self._cycles == 0:
                 supervisor.begin(reading)
             self._cycles += 1
-        self._look_around()
-        supervisor.cycle(None if lost else reading, self.host.request(now), elapsed, deadlines.elapsed)
+        if self._cycles % ALIVE_EVERY == 0:
+            self._recording = self.recorder.alive()
+        found = (Fault.CYCLE_MISSED,) if deadlines.missed_now else ()
+        supervisor.noted = found if self._recording else (*found, Fault.RECORDER_DEAD)
+        supervisor.barred = not self._recording
+        supervisor.cycle(reading, self.host.request(now), elapsed, deadlines.elapsed)
         self.driver.write(Command(supervisor.voltages.copy(), supervisor.air, supervisor.resets))
-        self._record(reading, now, deadlines.elapsed, (answered - begun) / SECOND)
+        self._record(now, (answered - begun) / SECOND)
         self._compute = (perf_counter_ns() - answered) / SECOND
         deadlines.took(self._compute)
 
-    def _look_around(self) -> None:
-        """Let the supervisor know what is not the machine's fault."""
-        if self._cycles % ALIVE_EVERY == 0:
-            self._recording = self.recorder.alive()
-        found = (Fault.CYCLE_MISSED,) if self.deadlines.missed_now else ()
-        self.supervisor.noted = found if self._recording else (*found, Fault.RECORDER_DEAD)
-        self.supervisor.barred = not self._recording
-
-    def _record(self, reading: Reading, now: int, elapsed: float, link: float) -> None:
+    def _record(self, now: int, link: float) -> None:
         """Fill the row, hand it on, and tell what has to be told."""
-        row, supervisor, deadlines = self.row, self.supervisor, self.deadlines
-        ledger = supervisor.ledger
-        worst = ledger.worst
-        begun = deadlines.begun
-        since = now - begun if begun is not None else 0
+        row, reading, supervisor, deadlines = self.row, self._reading, self.supervisor, self.deadlines
+        ledger, begun = supervisor.ledger, deadlines.begun
+        worst, since = ledger.worst, now - begun if begun is not None else 0
         HEAD.pack_into(
-            row.data, 0,
-            since / SECOND, time_ns() / SECOND, elapsed, deadlines.lateness, self._compute, link, reading.supply,
-            supervisor.air, reading.stopped, reading.device, supervisor.state, worst, self._lost,
+            row.data, 0, since / SECOND, time_ns() / SECOND, deadlines.elapsed, deadlines.lateness, self._compute, link,
+            reading.supply, supervisor.air, reading.stopped, reading.device, supervisor.state, worst, supervisor.lost,
         )  # fmt: skip
         supervisor.core.record(self._joints)
         if worst:

@@ -9,7 +9,7 @@ from layflat.description import units as u
 from layflat.errors import DivergedError
 from layflat.lanes import leaves, write_numbers
 from layflat.machine import Machine, parameters
-from layflat.physics.driven import AIR, DrivenJoints
+from layflat.physics.driven import AIR, Plant
 from layflat.physics.joint import FILLED, Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
@@ -18,7 +18,7 @@ from layflat.sim.scenario import Angles, Pair, Scenario, Value
 from layflat.sim.stepping import Setting, kept_at_rest, stepping
 
 
-class SteppedPlant(DrivenJoints):
+class SteppedPlant(Plant):
     """A machine through time, at rest at first: give it voltages, let time pass, read its sensors.
 
     Driven once a control cycle by the same voltages it goes through the states of a rollout, bit for bit; the sample

@@ -59,7 +59,7 @@ def noted(*, running: bool = True, **changes: Any) -> tuple[VirtualDevice, Noteb
     for path, value in changes.items():
         machine = changed(machine, f"interface.{path}", value)
     plant, clock = Notebook(), VirtualClock(7 * SECOND + 123)
-    return VirtualDevice(machine, plant, clock, running=running), plant, clock
+    return VirtualDevice(machine, plant, clock, running=running), plant, clock  # type: ignore[arg-type]
 
 
 def drives(plant: Notebook) -> list[Any]:
@@ -231,7 +231,7 @@ def test_the_supply_is_reported_as_its_converter_sees_it() -> None:
 
 def test_a_rig_without_valves_is_refused() -> None:
     with pytest.raises(MachineError, match="has no valve or sensors"):
-        VirtualDevice(load("rig-kevlar"), Notebook(), VirtualClock())
+        VirtualDevice(load("rig-kevlar"), Notebook(), VirtualClock())  # type: ignore[arg-type]
 
 
 def test_air_comes_softly_and_goes_when_nobody_commands() -> None:

@@ -15,10 +15,10 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine, parameters
+from layflat.physics.driven import Plant
 from layflat.physics.sensor import read_sensor
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.device.exchange import Link
-from layflat.rig.device.plant import Plant
 from layflat.rig.device.supply import SupplyLine
 from layflat.rig.driver import Capabilities, Command, DeviceState, Reading
 from layflat.rig.wire.content import Wire

@@ -6,8 +6,7 @@ from layflat.rig.driver import DeviceState
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.detectors.sample import AIR as ALL
 from layflat.rig.safety.detectors.sample import MOTION, SENSORS
-from layflat.rig.safety.faults import Fault, Reaction
-from layflat.rig.safety.ledger import Ledger
+from layflat.rig.safety.faults import Fault, Ledger, Reaction
 from layflat.rig.safety.states import AIR, State, ValveMode
 
 # Cycles for which a reset is not sent, and then is: the device takes its edge, also if one reply is lost.

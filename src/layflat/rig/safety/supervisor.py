@@ -37,7 +37,7 @@ class Supervisor(StateMachine):
     def __init__(self, machine: Machine, law: ArmLaw) -> None:
         core = Core(machine, law)
         super().__init__(machine, core)
-        self._lost = 0
+        self.lost = 0  # replies, one after the other
         self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
@@ -64,7 +64,7 @@ class Supervisor(StateMachine):
         core.asked[:] = request.demands
         if reading is not None:
             core.take(reading)
-            self._lost = 0
+            self.lost = 0
             if not self._goes_on(reading, request):
                 self._judge(reading, elapsed)
             elif (came := self._perform(JUDGE | MOVE | GATE, reading.supply, elapsed, since)) & FOUND:
@@ -75,8 +75,8 @@ class Supervisor(StateMachine):
                 return
         else:
             self.ledger.note(Fault.REPLY_LOST)
-            self._lost += 1
-            if self._lost >= Fault.LINK_LOST.cycles:
+            self.lost += 1
+            if self.lost >= Fault.LINK_LOST.cycles:
                 self.ledger.note(Fault.LINK_LOST)
         for fault in self.noted:
             self.ledger.note(fault)

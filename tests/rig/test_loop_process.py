@@ -2,9 +2,9 @@ import time
 
 from layflat.machine import load
 from layflat.rig.clock import LEAD, TIMES, PunctualClock
+from layflat.rig.process import READINGS, WarmupLoop
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
-from layflat.rig.warmup import READINGS, WarmupLoop
 
 
 def test_a_punctual_clock_warms_up_and_never_comes_early() -> None:
