@@ -1,4 +1,4 @@
-from math import radians
+from math import dist, radians
 
 import numpy as np
 import pytest
@@ -51,6 +51,18 @@ def test_a_stretched_elbow_has_two_mirrored_postures() -> None:
     first, second = BOTH.postures(0.7, 0.1)
     assert first.angles[1] == pytest.approx(-second.angles[1])
     assert first.margin >= second.margin
+
+
+def test_both_elbows_move_the_tip_as_far_if_joints_are_off() -> None:
+    """It tells good places from bad ones, not elbows; 1.6 mm at mid-stroke of the paper's arm (docs/cell-plan.md)."""
+
+    def way(reach: Reach, angles: Angles) -> float:
+        off = [np.array(angles) + radians(0.1) * np.array(signs) for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1))]
+        return max(dist(reach.tip(tuple(one.tolist())), reach.tip(angles)) for one in off)
+
+    first, second = BOTH.postures(0.7, 0.1)
+    assert way(BOTH, first.angles) == pytest.approx(way(BOTH, second.angles), rel=3e-3)
+    assert way(REACH, (0.0, 0.0)) == pytest.approx(1.6e-3, abs=5e-5)
 
 
 def test_the_quicker_posture_is_taken_unless_it_lacks_margin() -> None:

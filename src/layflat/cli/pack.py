@@ -93,13 +93,13 @@ def pack(
 
 def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | None:
     """Return that of the cell's camera, from a file or made anew; say so and return None without OpenGL."""
-    from layflat.cell.scene import gl  # noqa: PLC0415
+    from layflat.cell.scene.camera import context  # noqa: PLC0415
     from layflat.cell.vision import load_calibration  # noqa: PLC0415
     from layflat.cell.work.run import calibrated  # noqa: PLC0415
 
     try:
         if given is not None:
-            gl.context(16, 16).free()
+            context(16, 16).free()
             return load_calibration(given)
         with steps_bar("calibrating the camera, per cent", 100) as advance:
             found = calibrated(cell, lambda share: advance(round(100 * share)))

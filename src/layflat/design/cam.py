@@ -63,11 +63,6 @@ class Cam:
         return bool((self.curvature_radius > 0).all())
 
     @property
-    def turning(self) -> float:
-        """Angle through which the profile's tangent turns, rad."""
-        return float(self.normal[0] - self.normal[-1])
-
-    @property
     def dip(self) -> float:
         """How far the strap runs below the strap point's first place, m: that deep a slot the cylinder's edge needs."""
         return float((unit(self.line_normal) @ (self.strap_point[0] - np.array(self.axis)) - self.lever).max())
@@ -94,15 +89,8 @@ def synthesise(characteristic: Characteristic, line: StrapLine, stroke: float) -
     _, slope, bend = (values[::-1] for values in characteristic.through(eta[::-1], lines.lever[::-1]))
     normal = unit(eta)
     return Cam(
-        torque_constant=K,
-        travel=s,
-        angle=phi,
-        lever=lines.lever,
-        alignment=lines.alignment,
-        line_normal=lines.normal_angle,
-        normal=eta,
-        curvature_radius=lines.lever + bend,
+        torque_constant=K, travel=s, angle=phi, axis=line.axis,
+        lever=lines.lever, alignment=lines.alignment, line_normal=lines.normal_angle, strap_point=lines.strap_point,
+        normal=eta, curvature_radius=lines.lever + bend,
         profile=lines.lever[:, None] * normal + slope[:, None] * turned(normal),
-        strap_point=lines.strap_point,
-        axis=line.axis,
-    )
+    )  # fmt: skip

@@ -87,10 +87,6 @@ class Characteristic:
         """V at the end of travel, m3: the work of one stroke per pressure."""
         return float(self.volume[-1])
 
-    def on_roller(self, radius: float) -> tuple[Array, Array]:
-        """Return angle (rad) and torque per pressure (m3/rad) of a round roller of this radius, each of shape (n,)."""
-        return self.travel / radius, self.force * radius
-
 
 def of_cylinder(joint: Joint, *, through: Through = spline) -> Characteristic:
     """Return the hose of a described joint by Eq. (1): F = T/r, s = c R (gamma - alpha); the roller's r cancels."""

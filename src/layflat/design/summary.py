@@ -101,8 +101,8 @@ class JointDesign:
     @property
     def roller_torque(self) -> tuple[Array, Array]:
         """Angle (rad) and torque (N m) on a round roller of output.radius, each of shape (n,)."""
-        angle, per_pressure = self.characteristic.on_roller(self.joint.output.radius)
-        return angle, per_pressure * self.pressure
+        radius = self.joint.output.radius
+        return self.characteristic.travel / radius, self.characteristic.force * radius * self.pressure
 
     @property
     def torque(self) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.plan.limits import MotionLimits, Shares, arm_limits
+from layflat.cell.plan.limits import MotionLimits, arm_limits
 from layflat.cell.plan.motion import LEAD, Path, move_arm, tip_peaks, travel
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, changed, load, parameters
@@ -114,7 +114,7 @@ def test_the_papers_arm_follows_and_swings_less_than_after_a_step(ends: tuple[tu
 @pytest.mark.parametrize("name", ["paper-small-joint", "paper-large-joint"])
 def test_limits_are_about_what_a_joint_does_with_its_valve_fully_open(name: str) -> None:
     machine = load(name)
-    limits = arm_limits(machine, np.array([-0.7]), np.array([0.7]), shares=Shares(1.0, 1.0, 1.0))
+    limits = arm_limits(machine, np.array([-0.7]), np.array([0.7]))
     run = rollout(machine, opening=1.0, start="-40 deg", duration="0.5 s", noise=False, records=5)
     before_stops = run.sel(joint=machine.arm.joints[0], time=run.time < float(run.time[_first_at(run, 40.0)]))
     time, v = before_stops["time"].to_numpy(), before_stops["velocity"].to_numpy()
@@ -150,12 +150,13 @@ def test_gravity_leaves_less_for_acceleration() -> None:
 
 def test_limits_grow_with_their_shares_and_fall_with_the_payload() -> None:
     start, end = np.radians([-20.0, -20.0]), np.radians([20.0, 20.0])
-    whole = arm_limits(ARM, start, end, shares=Shares(1.0, 1.0, 1.0))
-    part = arm_limits(ARM, start, end, shares=Shares(0.5, 0.25, 0.1))
+    whole = arm_limits(ARM, start, end)
+    part = whole.shares(0.5, 0.25, 0.1)
     assert part.speed == pytest.approx(0.5 * np.array(whole.speed))
     assert part.acceleration == pytest.approx(0.25 * np.array(whole.acceleration))
     assert part.jerk == pytest.approx(0.1 * np.array(whole.jerk))
-    heavy = arm_limits(ARM, start, end, payload=4.0, shares=Shares(1.0, 1.0, 1.0))
+    assert move_arm(ARM, start, end).limits == whole.shares(0.3, 0.6, 0.6)
+    heavy = arm_limits(ARM, start, end, payload=4.0)
     assert heavy.speed == whole.speed
     assert np.all(np.array(heavy.acceleration) < whole.acceleration)
 

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from places import places
 
 from layflat.cell.plan.containers import Fruit, Packing
-from layflat.cell.plan.order import CupClearance, cup_room, lift_room, next_pick
+from layflat.cell.plan.order import cup_room, lift_room, next_pick
 from layflat.cell.reach import Angles, Reach
 from layflat.machine import load
 
 REACH = Reach(load("paper-arm"))
 PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3)))
-CUP = CupClearance(radius=0.012)
+CUP = 0.012  # radius, m
 HOME = (0.0, 0.0)
 
 
@@ -91,7 +91,7 @@ def test_a_small_fruit_beside_a_large_one_waits_until_it_is_gone() -> None:
 
 def test_fruit_under_another_would_drag_it() -> None:
     """A cup that is small beside its fruit finds room, but the fruit does not."""
-    slim = CupClearance(radius=0.004)
+    slim = 0.004
     low, high = seen(0.5, 0.4, 0.05), seen(0.555, 0.4, 0.066)
     left = next_pick([low, high], PACKING, REACH, HOME, slim, travel_time).not_picked
     assert [one.reason for one in left] == ["would drag tomato at (0.555, 0.400) m, which is over it by 3 mm"]
@@ -105,11 +105,11 @@ def test_rooms_are_those_between_solid_bodies(own: float, others: float, away: f
     """The cup as a disk that comes down along the fruit's axis, and the fruit as a ball that goes up along it."""
     fruit, other = seen(0.0, 0.0, own), seen(away, 0.0, others)
     assume(away >= 2 * sqrt(fruit.radius * other.radius))  # they lie beside each other
-    rim = fruit.radius + sqrt(fruit.radius**2 - CUP.radius**2)
+    rim = fruit.radius + sqrt(fruit.radius**2 - CUP**2)
     heights = np.linspace(rim, rim + 0.2, 4001)
     widths = np.sqrt(np.maximum(other.radius**2 - (heights - other.radius) ** 2, 0.0))
     met = widths > 0.0
-    expected = away - CUP.radius - widths.max() if met.any() else inf
+    expected = away - CUP - widths.max() if met.any() else inf
     if met.any() or cup_room(fruit, other, CUP) == inf:
         assert cup_room(fruit, other, CUP) == pytest.approx(expected, abs=1e-4)
     nearest = min(hypot(away, lift + fruit.radius - other.radius) for lift in np.linspace(0.0, 0.2, 2001))

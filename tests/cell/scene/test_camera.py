@@ -11,8 +11,8 @@ from layflat.cell import Cell
 from layflat.cell.file.imaging import Board
 from layflat.cell.geometry import looking, rectangle
 from layflat.cell.markers import charuco
-from layflat.cell.scene import Scene, gl
-from layflat.cell.scene.camera import SimulatedCamera, exposed
+from layflat.cell.scene import Scene
+from layflat.cell.scene.camera import LIBRARIES, SimulatedCamera, context, exposed
 from layflat.cell.scene.optics import Optics, optics_of
 from layflat.errors import LayflatError
 
@@ -172,15 +172,16 @@ def test_a_lens_without_distortion_changes_nothing_but_the_frame(packing: Cell) 
 
 def test_a_missing_library_is_named_with_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr(gl, "LIBRARIES", {"egl": "libNoSuchThing.so.1"})
+    for way in LIBRARIES:
+        monkeypatch.setitem(LIBRARIES, way, "libNoSuchThing.so.1")
     with pytest.raises(LayflatError, match="apt-get install libegl1 libgl1-mesa-dri"):
-        gl.context(64, 64)
+        context(64, 64)
 
 
 def test_a_way_to_draw_that_fails_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MUJOCO_GL", "osmosis")
     with pytest.raises(LayflatError, match="osmosis") as caught:
-        gl.context(64, 64)
+        context(64, 64)
     assert "\n" not in str(caught.value)
 
 

@@ -26,6 +26,8 @@ from layflat.physics.air_balance import REFERENCE_PRESSURE
 from layflat.physics.flow import effective_pressure, laminar_slope
 from layflat.physics.joint import FILLED
 
+POSTURES = 9  # looked at along a move
+
 
 @dataclass(frozen=True)
 class MotionLimits:
@@ -40,32 +42,17 @@ class MotionLimits:
         speed, acceleration = tuple(v / factor for v in self.speed), tuple(a / factor**2 for a in self.acceleration)
         return replace(self, speed=speed, acceleration=acceleration, jerk=tuple(j / factor**3 for j in self.jerk))
 
-
-@dataclass(frozen=True)
-class Shares:
-    """How much of what hoses and valves can do is asked of them; the rest is left to controllers, losses and swing.
-
-    With more, moves settle hardly sooner, and swing further (docs/cell-plan.md).
-    """
-
-    speed: float = 0.3  # of what the open valve lets through
-    torque: float = 0.6  # of that of a full hose against an empty one
-    jerk: float = 0.6  # of what the open valve changes the torque by
+    def shares(self, speed: float, acceleration: float, jerk: float) -> Self:
+        """Return these shares of the limits of all axes."""
+        parts = zip((speed, acceleration, jerk), (self.speed, self.acceleration, self.jerk), strict=True)
+        return type(self)(*(tuple(share * limit for limit in limits) for share, limits in parts))
 
 
-SHARES = Shares()
-POSTURES = 9  # looked at along a move
+def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | None = None) -> MotionLimits:
+    """Return what hoses and valves can do in a move between two postures (joints,), rad, at the worst on its way.
 
-
-def arm_limits(
-    machine: Machine, start: Array, end: Array, *, payload: float | None = None, shares: Shares = SHARES
-) -> MotionLimits:
-    """Return the limits of a move of the arm's joints between two postures (joints,), rad, at the worst on its way.
-
-    The payload is in kg, by default the machine's.
-
-    Raises:
-        MachineError: the machine has no valves, or can't hold itself against gravity.
+    The payload is in kg, by default the machine's. Raise MachineError if the machine has no valves, or can't hold
+    itself against gravity.
     """
     mass = machine.arm.payload if payload is None else payload
     speed, torque, rate = np.array([_joint_ability(machine, name) for name in machine.joints]).T
@@ -79,11 +66,8 @@ def arm_limits(
         problem = f"joint {name!r} can't hold {mass:g} kg against gravity and its brake"
         right = "a smaller payload, a wider hose or more pressure"
         raise MachineError(problem, where=machine.origin, right=right)
-    return MotionLimits(
-        tuple((shares.speed * speed).tolist()),
-        tuple((shares.torque * _together(inertia, torque)).tolist()),
-        tuple((shares.jerk * _together(inertia, rate)).tolist()),
-    )
+    acceleration, jerk = _together(inertia, torque), _together(inertia, rate)
+    return MotionLimits(tuple(speed.tolist()), tuple(acceleration.tolist()), tuple(jerk.tolist()))
 
 
 def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:

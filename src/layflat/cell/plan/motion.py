@@ -12,13 +12,16 @@ from numpy.typing import ArrayLike
 
 from layflat import extras
 from layflat.arrays import Array
-from layflat.cell.plan.limits import SHARES, MotionLimits, Shares, arm_limits
+from layflat.cell.plan.limits import MotionLimits, arm_limits
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.sim.kinematics import tip_position
 
 LEAD = 0.2  # with which the paper's controllers follow best, s (docs/cell-plan.md)
 POINTS = 400  # at which the tip's motion along a path is looked at
+# Of the speed, acceleration and jerk that hoses and valves can do: the rest is left to controllers, losses and swing.
+# With more, moves settle hardly sooner, and swing further (docs/cell-plan.md).
+SHARES = 0.3, 0.6, 0.6
 
 
 @dataclass(frozen=True)
@@ -57,8 +60,7 @@ class Path:
 def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
     """Plan the quickest way from rest to rest between two positions (axes,), rad or m.
 
-    Raises:
-        InputError: ruckig is not installed, or a number is not finite.
+    Raise InputError if ruckig is not installed, or a number is not finite.
     """
     otg, axes = extras.module("cell", "ruckig"), len(start)
     if not (np.isfinite(start).all() and np.isfinite(end).all()):
@@ -77,20 +79,15 @@ def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
 
 
 def move_arm(
-    machine: Machine, start: Array, end: Array, *,
-    payload: float | None = None, shares: Shares = SHARES,
+    machine: Machine, start: Array, end: Array, *, payload: float | None = None,
     tip_acceleration: float = inf, tip_speed: float = inf,
 ) -> Path:  # fmt: skip
-    """Plan a move of an arm's joints, from angles to angles (joints,), rad, within shares of what it can do.
+    """Plan a move of an arm's joints, from angles to angles (joints,), rad, within `SHARES` of what it can do.
 
     The payload (kg) is by default the machine's. The planned motion of the tip exceeds neither the speed (m/s) nor the
-    acceleration (m/s2) that are given for it: soft fruit bruises.
-
-    Raises:
-        MachineError: the machine can't be driven.
-        InputError: as `travel`.
+    acceleration (m/s2) that are given for it: soft fruit bruises. Raise as `travel` and `arm_limits`.
     """
-    path = travel(start, end, arm_limits(machine, start, end, payload=payload, shares=shares))
+    path = travel(start, end, arm_limits(machine, start, end, payload=payload).shares(*SHARES))
     if tip_acceleration == tip_speed == inf:
         return path
     speed, acceleration = tip_peaks(machine, path)

@@ -21,14 +21,8 @@ from layflat.cell.plan.containers import Fruit, Packing, Place
 from layflat.cell.reach import Angles, Posture, Reach
 
 TravelTime = Callable[[Angles, Angles], float]  # from one posture to another, s
-
-
-class CupClearance(NamedTuple):
-    """What keeps the cup clear of fruit that it is not meant for."""
-
-    radius: float  # of the cup, m
-    gap: float = 3e-3  # to every other fruit, m: as far as camera and arm may be off
-    overlap: float = 2e-3  # by which fruit that touches may seem to overlap, m: diameters are measured with errors
+GAP = 3e-3  # of the cup to every fruit that it is not meant for, m: as far as camera and arm may be off
+OVERLAP = 2e-3  # by which fruit that touches may seem to overlap, m: diameters are measured with errors
 
 
 class Choice(NamedTuple):
@@ -56,12 +50,13 @@ class Selection(NamedTuple):
 
 
 def next_pick(
-    fruits: Sequence[Fruit], packing: Packing, reach: Reach, here: Angles, cup: CupClearance, travel_time: TravelTime,
+    fruits: Sequence[Fruit], packing: Packing, reach: Reach, here: Angles, cup: float, travel_time: TravelTime,
     *, least_confidence: float = 0.5, given_up: frozenset[Fruit] = frozenset(),
 ) -> Selection:  # fmt: skip
     """Return the fruit to pick next: sure ones first, in steps of 0.1, and of these the one with the shortest way.
 
-    Of all `fruits` that were detected, those that are not picked stand in the way too. The arm is `here` (rad).
+    Of all `fruits` that were detected, those that are not picked stand in the way too. The arm is `here` (rad), and
+    `cup` is its cup's radius (m).
     """
     choices, not_picked = [], []
     for fruit in fruits:
@@ -82,14 +77,14 @@ def next_pick(
     return Selection(best, tuple(not_picked))
 
 
-def cup_room(fruit: Fruit, other: Fruit, cup: CupClearance) -> float:
-    """Return the room between the cup on a fruit and another fruit, m; infinite where that is too low to be met."""
-    rim = fruit.radius + sqrt(max(fruit.radius**2 - cup.radius**2, 0.0))
+def cup_room(fruit: Fruit, other: Fruit, cup: float) -> float:
+    """Return the room between a cup (radius, m) on a fruit and another fruit, m; infinite where that is too low."""
+    rim = fruit.radius + sqrt(max(fruit.radius**2 - cup**2, 0.0))
     if rim >= other.diameter:
         return float("inf")
     above = max(rim - other.radius, 0.0)
     width = sqrt(other.radius**2 - above**2)
-    return hypot(other.x - fruit.x, other.y - fruit.y) - cup.radius - width
+    return hypot(other.x - fruit.x, other.y - fruit.y) - cup - width
 
 
 def lift_room(fruit: Fruit, other: Fruit) -> float:
@@ -99,18 +94,18 @@ def lift_room(fruit: Fruit, other: Fruit) -> float:
     return hypot(other.x - fruit.x, other.y - fruit.y) - fruit.radius - other.radius
 
 
-def _blocked(fruit: Fruit, others: Sequence[Fruit], cup: CupClearance) -> str:
+def _blocked(fruit: Fruit, others: Sequence[Fruit], cup: float) -> str:
     """Return why a fruit's neighbours keep it from being picked; empty where they don't."""
-    if cup.radius > fruit.radius:
+    if cup > fruit.radius:
         return f"is too small for the cup: {1e3 * fruit.diameter:.0f} mm"
     for other in others:
         name = f"{other.kind} at ({other.x:.3f}, {other.y:.3f}) m"
-        short = cup.gap - cup_room(fruit, other, cup)
+        short = GAP - cup_room(fruit, other, cup)
         if short > 0.0:
             return f"the cup would come {1e3 * short:.0f} mm too close to {name}"
-        short = -cup.overlap - lift_room(fruit, other)
+        short = -OVERLAP - lift_room(fruit, other)
         if short > 0.0:
-            return f"would drag {name}, which is over it by {1e3 * (short + cup.overlap):.0f} mm"
+            return f"would drag {name}, which is over it by {1e3 * (short + OVERLAP):.0f} mm"
     return ""
 
 

@@ -1,5 +1,8 @@
-"""The cameras' images: the only thing that vision is given of the scene."""
+"""The cameras' images, all that vision is given of the scene, and the OpenGL that draws them without a screen."""
 
+import ctypes
+import os
+from importlib import import_module
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -7,13 +10,15 @@ import numpy as np
 from layflat.arrays import Picture
 from layflat.cell.extras import mujoco, opencv
 from layflat.cell.file.imaging import Camera
-from layflat.cell.scene import gl
 from layflat.cell.scene.furniture import BOARD_GROUP
 from layflat.cell.scene.optics import optics_of
 from layflat.cell.scene.scene import Scene
+from layflat.errors import NoDrawingError
 
 # Of the model's visual quality, in overviews: looks the same there and is drawn in half the time.
 COARSE = {"shadowsize": 1024, "numquads": 1, "numslices": 20, "numstacks": 10}
+LIBRARIES = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}  # ways to draw, the faster first, and what each needs
+INSTALL = "install one: apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)"
 
 
 class SimulatedCamera:
@@ -28,7 +33,7 @@ class SimulatedCamera:
         self._optics = optics_of(scene.cell.camera)
         self._rng = np.random.default_rng([scene.seed, 0xCA3E6A])
         frame = scene.model.vis.global_
-        self._gl = gl.context(frame.offwidth, frame.offheight)
+        self._gl = context(frame.offwidth, frame.offheight)
         self._drawn = self._mj.MjvScene(scene.model, maxgeom=2000)
         self._contexts: dict[str, Any] = {}
         self._option, self._view = self._mj.MjvOption(), self._mj.MjvCamera()
@@ -96,3 +101,25 @@ def exposed(picture: Picture, camera: Camera, rng: np.random.Generator) -> Pictu
     seen += spread * rng.standard_normal(seen.shape, dtype=np.float32)
     found: Picture = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
     return found
+
+
+def context(width: int, height: int) -> Any:
+    """Return a current context to draw off screen, by MUJOCO_GL's way or the first there is; NoDrawingError without."""
+    way = os.environ.get("MUJOCO_GL", "").lower() or _there()
+    try:
+        made = import_module(f"mujoco.{way}").GLContext(width, height)
+        made.make_current()
+    except Exception as error:  # each library has errors of its own
+        reason = (str(error).splitlines() or [type(error).__name__])[0].split(". ")[0]
+        raise NoDrawingError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
+    return made
+
+
+def _there() -> str:
+    for way, library in LIBRARIES.items():
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            continue
+        return way
+    raise NoDrawingError(f"no picture can be drawn: there is no OpenGL library; {INSTALL}")

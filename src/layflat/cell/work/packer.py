@@ -7,7 +7,7 @@ from math import dist
 from layflat.cell.file.model import Cell
 from layflat.cell.perception import Perception
 from layflat.cell.plan.containers import Fruit, free_place_at, packing_of
-from layflat.cell.plan.order import Choice, CupClearance, NotPicked, next_pick
+from layflat.cell.plan.order import Choice, NotPicked, next_pick
 from layflat.cell.plan.pick import Command, Outcome, Phase, Relocation, State
 from layflat.cell.plan.pick_machine import begun, step
 from layflat.cell.reach import Angles, Reach
@@ -31,7 +31,6 @@ class Packer:
         self._reach = Reach(cell.machine)
         self._world = WorldModel(cell, perception, self._reach, observer)
         self._rules, self._passing = rules_of(cell, self._reach), passing_height(cell)
-        self._cup = CupClearance(cell.cup.diameter / 2)
         self.packing = packing_of(cell)  # what lies in the containers by now
         self.not_picked: tuple[NotPicked, ...] = ()  # when the last choice was made
         self._given_up: list[Fruit] = []
@@ -68,7 +67,7 @@ class Packer:
         tried = {fruit for fruit in fruits if any(same(fruit, other) for other in self._given_up)}
         passed = tried if only is None else set(fruits) - {only}
         selection = next_pick(
-            fruits, self.packing, self._reach, self._station.arm.angles, self._cup,
+            fruits, self.packing, self._reach, self._station.arm.angles, self._cell.cup.diameter / 2,
             lambda start, end: max(abs(a - b) for a, b in zip(start, end, strict=True)),
             least_confidence=SURE, given_up=frozenset(passed),
         )  # fmt: skip
