@@ -1,6 +1,7 @@
 """Pages say what is true: their commands can be typed as they stand, their links lead somewhere."""
 
 import os
+import pkgutil
 import re
 import shlex
 import subprocess
@@ -119,6 +120,16 @@ def test_links_lead_somewhere(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8")):
         if not link.startswith(("http", "mailto")):
             assert (page.parent / link).exists(), link
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_files_and_names_of_the_code_are_there(page: Path) -> None:
+    """What stands as `room/file.py`, and as `layflat.room.name`."""
+    text = page.read_text(encoding="utf-8")
+    for file in re.findall(r"`((?:\w+/)+\w+\.(?:py|toml))`", text):
+        assert file.startswith("build/") or (ROOT / file).exists() or (ROOT / "src/layflat" / file).exists(), file
+    for name in re.findall(r"`(layflat(?:\.[A-Za-z_]\w*)+)`", text):
+        pkgutil.resolve_name(name)
 
 
 def test_the_index_names_every_page() -> None:
