@@ -101,12 +101,12 @@ def _joints(machine: "Machine | None") -> list[str] | None:
 
 def _channels(data: "xarray.Dataset") -> tuple[list[list[str]], bool]:
     """A row for each channel with its source, range and samples, in units that people read; whether any is filled."""
-    from layflat.identify.logs.checks.channels import SHOWN, checked_log  # noqa: PLC0415
+    from layflat.identify.logs.checks.channels import checked_log  # noqa: PLC0415
 
     rows, any_filled = [], False
     for channel in checked_log(data, None).channels.values():
-        factor, unit = SHOWN.get(channel.signal.kind, (1.0, channel.signal.unit))
-        known = channel.known / factor
+        unit, size = channel.signal.shown
+        known = channel.known / size
         ends = [f"{known.min():.4g}", f"{known.max():.4g}"] if known.size else ["", ""]
         missing = channel.values.size - known.size
         samples = channel.source.get("samples", known.size)

@@ -129,14 +129,9 @@ class ParameterSpec(NamedTuple):
         return Unknown(self.path, self.unit, guess, low, high, log, self.excitation, floor=floor)
 
 
-def factor_range(factor: float, usual: float = 1.0, most: float = inf) -> Range:
-    """A factor both ways, logarithmic; where the description says zero, from there to `usual`."""
-    return lambda _, guess: (guess / factor, min(guess * factor, most), True) if guess > 0.0 else (0.0, usual, False)
-
-
-def linear_range(factor: float, usual: float) -> Range:
-    """As `factor_range`, but linear: what adds to something known does not change by factors."""
-    return lambda _, guess: (guess / factor, guess * factor, False) if guess > 0.0 else (0.0, usual, False)
+def factor_range(factor: float, usual: float = 1.0, most: float = inf, *, log: bool = True) -> Range:
+    """A factor both ways; where the description says zero, from there to `usual`."""
+    return lambda _, guess: (guess / factor, min(guess * factor, most), log) if guess > 0.0 else (0.0, usual, False)
 
 
 def fixed_range(low: float, high: float, *, log: bool = False) -> Range:

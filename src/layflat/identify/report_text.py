@@ -1,14 +1,12 @@
 """What a fit says, as tables and sentences: the same on a terminal and on a page."""
 
 from collections.abc import Mapping, Sequence
-from math import radians
 from typing import NamedTuple
 
 from layflat.identify.fit import Fit, Quality
 from layflat.identify.identified_file import Written
 from layflat.identify.logs.issue import SEVERITIES, Issue, several
-
-SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", radians(1.0)), "m": ("mm", 1e-3), "N*m": ("N m", 1.0)}  # as people read SI
+from layflat.identify.logs.signals import SHOWN
 
 Row = list[str]
 
@@ -59,13 +57,11 @@ def experiment_rows(values: Sequence[Written]) -> list[Row]:
 
 def prediction(found: Fit) -> str:
     """How well what was not fitted is predicted, in one sentence: of every fitted signal, its worst."""
-    fitted = {output.name for output in found.model.outputs if output.fitted.any()}
-    checked = [one for one in found.qualities() if one.validation and one.output in fitted]
-    if not checked:
+    if not found.predictions:
         return "No samples were kept for validation."
     parts = []
-    for name in dict.fromkeys(one.output for one in checked):
-        mine = [one for one in checked if one.output == name]
+    for name in dict.fromkeys(one.output for one in found.predictions):
+        mine = [one for one in found.predictions if one.output == name]
         worst = max(mine, key=lambda one: one.rms)
         where = f" at worst, in {worst.log}" if len(mine) > 1 else ""
         parts.append(f"{name} within {_rms(worst)} rms ({percent(worst.share)} % of its range){where}")
@@ -96,7 +92,7 @@ def untrusted(found: Fit, values: Sequence[Written]) -> str | None:
 
 def shown(unit: str) -> tuple[str, float]:
     """The unit in which people read one of SI, and its size."""
-    return SHOWN.get(unit, ("" if unit == "1" else unit, 1.0))
+    return SHOWN.get(unit, ("" if unit == "1" else unit.replace("*", " "), 1.0))
 
 
 def short(value: str | float | None) -> str:

@@ -75,12 +75,16 @@ class Fit:
         return self.converged and not any(one.at_bound for one in self.estimates) and self.mispredicted is None
 
     @cached_property
-    def mispredicted(self) -> Quality | None:
-        """The worst prediction of what is fitted elsewhere, if it misses by more than `MISPREDICTED`."""
+    def predictions(self) -> list[Quality]:
+        """How well what is fitted elsewhere is predicted."""
         found = self.qualities()
         fitted = {one.output for one in found if not one.validation}
-        validation = [one for one in found if one.validation and one.output in fitted]
-        worst = max(validation, key=lambda one: one.share, default=None)
+        return [one for one in found if one.validation and one.output in fitted]
+
+    @property
+    def mispredicted(self) -> Quality | None:
+        """The worst prediction, if it misses by more than `MISPREDICTED`."""
+        worst = max(self.predictions, key=lambda one: one.share, default=None)
         return worst if worst is not None and worst.share > MISPREDICTED else None
 
     def of(self, path: str) -> Estimate:

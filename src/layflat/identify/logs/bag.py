@@ -2,7 +2,7 @@
 
 import json
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -26,7 +26,7 @@ def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
     topics: its cycles alone are read, over their own time. Raise InputError if it is none, nothing in it can be
     decoded, or the packages are not installed.
     """
-    extras.require("logs", "mcap", where=str(path))
+    extras.require("logs", "mcap", "mcap_ros2", where=str(path))
     samples: dict[str, tuple[list[int], list[float]]] = {}
     try:
         if _is_of_a_rig(path):
@@ -77,27 +77,19 @@ def _rig_columns(path: Path) -> dict[str, Column]:
 
 
 def _messages(path: Path) -> Iterator[tuple[str, int, Any]]:
-    """Topic, log time (ns) and content of the messages that can be decoded, in the order of their log times."""
+    """Topic, log time (ns) and content of each message, in the order of their log times; None if not decoded."""
+    from mcap.decoder import DecoderFactory  # noqa: PLC0415
     from mcap.reader import make_reader  # noqa: PLC0415
+    from mcap_ros2.decoder import DecoderFactory as Ros2  # noqa: PLC0415
 
-    decoders: dict[int, Callable[[bytes], Any] | None] = {}
+    class Others(DecoderFactory):
+        def decoder_for(self, message_encoding: str, schema: Any) -> Any:  # noqa: ARG002
+            return json.loads if message_encoding == "json" else lambda _: None
+
     with path.open("rb") as file:
-        for schema, channel, message in make_reader(file).iter_messages():
-            if channel.id not in decoders:
-                decoders[channel.id] = _decoder(schema, channel)
-            decode = decoders[channel.id]
-            if decode is not None:
-                yield channel.topic.lstrip("/"), message.log_time, decode(message.data)
-
-
-def _decoder(schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
-    if channel.message_encoding == "json":
-        return json.loads
-    try:
-        from mcap_ros2.decoder import DecoderFactory  # noqa: PLC0415
-    except ImportError:
-        raise ValueError("mcap-ros2-support is not installed: pip install 'layflat[logs]'") from None
-    return DecoderFactory().decoder_for(channel.message_encoding, schema)
+        reader = make_reader(file, decoder_factories=[Ros2(), Others()])
+        for _, channel, message, content in reader.iter_decoded_messages():
+            yield channel.topic.lstrip("/"), message.log_time, content
 
 
 def flattened(message: Any, prefix: str = "") -> Iterator[tuple[str, float]]:

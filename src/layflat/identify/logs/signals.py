@@ -1,11 +1,13 @@
 """The standard signals of a log: their names, what they measure, and how they are treated in time."""
 
 from dataclasses import dataclass
+from math import radians
 
 from layflat.description import units as u
 
 FORCE = u.Quantity("force", "N", "12 N")
 
+SHOWN = {"Pa": ("bar", 1e5), "rad": ("deg", radians(1.0)), "m": ("mm", 1e-3)}  # units that people read, and their sizes
 AMBIENT = 101325.0  # pressure of a standard atmosphere, Pa: gauge pressures count from it where nothing else is said
 
 
@@ -24,6 +26,11 @@ class Signal:
     def unit(self) -> str:
         """SI unit."""
         return "1" if self.kind is None else self.kind.unit.replace("*", " ")
+
+    @property
+    def shown(self) -> tuple[str, float]:
+        """The unit that people read, and its size in SI."""
+        return ("%", 0.01) if self.kind is None else SHOWN.get(self.unit, (self.unit, 1.0))
 
 
 SIGNALS = {

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from layflat.errors import InputError
 from layflat.identify.benches.contract import check_known
-from layflat.identify.model import ParameterSpec, Unknown, around, factor_range, fixed_range, from_zero, linear_range
+from layflat.identify.model import ParameterSpec, Unknown, around, factor_range, fixed_range, from_zero
 from layflat.machine import Machine
 from layflat.physics.delay import LONGEST
 from layflat.physics.valves.switching import SwitchingValvesPart
@@ -52,14 +52,11 @@ FRICTION = (
     ParameterSpec("brake.torque", "N m", factor_range(5.0, 5.0), SLOW),
     ParameterSpec("brake.viscous", "N m s/rad", factor_range(20.0, 1.0), "chirps up to 3 Hz"),
 )
-INERTIA = (ParameterSpec("link.inertia", "kg m^2", linear_range(3.0, 0.1), "chirps up to 3 Hz without payload"),)
+MASSES = factor_range(3.0, 0.1, log=False)  # what adds to something known does not change by factors
+INERTIA = (ParameterSpec("link.inertia", "kg m^2", MASSES, "chirps up to 3 Hz without payload"),)
 PAYLOAD = ParameterSpec("arm.payload", "kg", from_zero(lambda _, guess: max(3.0 * guess, 2.0)), "chirps up to 3 Hz")
-SENSORS = ParameterSpec(
-    "pressure_sensor.offset",
-    "Pa",
-    around(lambda machine: 0.02 * machine.pressure_sensor.range),
-    "both pressures by themselves",
-)
+OFFSETS = around(lambda machine: 0.02 * machine.pressure_sensor.range)
+SENSORS = ParameterSpec("pressure_sensor.offset", "Pa", OFFSETS, "both pressures by themselves")
 
 BY_JOINT = {"hose": HOSE, "losses": LOSSES, "friction": FRICTION, "inertia": INERTIA}
 BLOCKS = ("valve", *BY_JOINT, "payload", "sensors")  # what `--fit` takes for a machine that moves

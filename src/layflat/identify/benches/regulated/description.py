@@ -24,10 +24,8 @@ class RegulatingValve(Part):
     lag: u.Time = Field(description="of first order, from the command to the set-point that it works towards")
     conductance_in: u.Conductance = Field(description="ISO 6358 sonic conductance towards the supply, fully open")
     conductance_out: u.Conductance = Field(description="the same towards the exhaust")
-    band_in: u.PositivePressure = Field(
-        description="how far below the set-point the pressure is when it fills fully open"
-    )
-    band_out: u.PositivePressure = Field(description="how far above it the pressure is when it vents fully open")
+    band_in: u.PositivePressure = Field(description="how far below the set-point a pressure is filled fully open")
+    band_out: u.PositivePressure = Field(description="how far above it a pressure is vented fully open")
     critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
 
 
@@ -44,9 +42,7 @@ class Load(Part):
 
     inertia: u.Inertia
     damping: u.Damping
-    torque: u.AnyTorque = Field(
-        default=0.0, description="that pulls back in the middle of the stroke, as a weight does"
-    )
+    torque: u.AnyTorque = Field(default=0.0, description="that pulls back in the middle of the stroke, as a weight")
     stiffness: u.AnyStiffness = Field(default=0.0, description="by how much this grows with the angle")
 
 
@@ -68,9 +64,8 @@ class Stroke(Part):
     @model_validator(mode="after")
     def _stops_outside(self) -> Self:
         if not self.lower_stop <= -0.5 * self.reading < 0.5 * self.reading <= self.upper_stop:
-            raise ValueError(
-                'stops lie inside the reading; give them as "-60 deg" and "60 deg" for a reading of "120 deg"'
-            )
+            right = 'give them as "-60 deg" and "60 deg" for a reading of "120 deg"'
+            raise ValueError(f"stops lie inside the reading; {right}")
         return self
 
 

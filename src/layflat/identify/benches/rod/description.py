@@ -15,9 +15,7 @@ class Piston(Part):
     area: u.Area = Field(description="force per gauge pressure at position zero")
     area_slope: u.AreaPerLength = Field(default=0.0, description="growth of the area with position")
     spring: u.SpringRate = Field(default=0.0, description="force per position without pressure: a spring, or a tilt")
-    offset: u.Force = Field(
-        default=0.0, description="force at position zero without pressure: weight, or a sensor's zero"
-    )
+    offset: u.Force = Field(default=0.0, description="force at position zero without pressure: weight, sensor's zero")
 
 
 class Friction(Part):

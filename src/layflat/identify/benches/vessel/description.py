@@ -18,9 +18,7 @@ class Gas(Part):
     """What fills the vessel."""
 
     name: GasName = "air"
-    law: Literal["ideal", "real"] = Field(
-        default="real", description="real: Redlich and Kwong; ideal: air as in a simulated joint"
-    )
+    law: Literal["ideal", "real"] = Field(default="real", description="real: Redlich-Kwong; ideal: air as in a joint")
 
     @model_validator(mode="after")
     def _known(self) -> Self:
@@ -42,13 +40,9 @@ class VesselWall(Part):
     """How heat passes between gas, wall and surroundings."""
 
     natural: u.Share = Field(default=0.13, description="c of Nu = c Ra^(1/3), natural convection; 0 for none")
-    forced: Annotated[float, Field(ge=0, le=10)] = Field(
-        default=0.56, description="c_f of Nu = c_f Re^0.67, by the jet that fills; 0 for none"
-    )
+    forced: float = Field(default=0.56, ge=0, le=10, description="c_f of Nu = c_f Re^0.67, jet that fills; 0 for none")
     conductance: u.HeatConductance = Field(default=0.0, description="what passes whatever the gas does")
-    heat_capacity: u.HeatCapacity | None = Field(
-        default=None, description="of the whole wall; a wall without it keeps its temperature"
-    )
+    heat_capacity: u.HeatCapacity | None = Field(default=None, description="without it, the wall keeps its temperature")
     outer_conductance: u.HeatConductance = Field(default=0.0, description="from the wall to the surroundings")
 
 

@@ -3,6 +3,8 @@
 Its fields are those of its manual.
 """
 
+from collections.abc import Callable
+from functools import partial
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -29,30 +31,26 @@ HEADS = {
 
 CONDUCTANCE_PER_CV = 3.9e-8  # C of a control valve with Cv = 1, m3/(s Pa): IEC 60534-2-1, choked air with x_T = 0.7
 
-NOZZLE, VALVE = 0.45, 0.3
-"""Critical pressure ratio that a search begins with: of a hole, nozzle or sharp edge, and of a control valve."""
+NOZZLE, VALVE = 0.45, 0.3  # critical pressure ratio to begin with: of a hole, nozzle or sharp edge; of a control valve
+PARTS = ("vessel", "initial", "valve")
+
+Number = Callable[..., float]  # gives the number at a place of the file
 
 
 def hyddown_tables(path: str | Path) -> dict[str, Any]:
-    """The plain tables of a vessel's description from HydDown's input file.
-
-    Raises:
-        InputError: in one line, which field is missing or can't be used; PyYAML is not installed.
-    """
-    where = str(path)
-    tables = _tables(Path(path))
-    vessel, start, valve = (_part(tables, key, where) for key in ("vessel", "initial", "valve"))
-    heat = tables.get("heat_transfer") or {}
+    """Plain tables of a vessel's description from HydDown's input file; raise InputError if a field can't be used."""
+    where, tables = str(path), _tables(Path(path))
+    vessel, start, valve = (tables[key] for key in PARTS)
+    number = partial(_number, tables, where)
     fluid = str(start.get("fluid", "")).lower().replace(" ", "")
     name = FLUIDS.get(fluid, fluid)
     if name not in FLUIDS.values():
-        known = ", ".join(sorted(set(FLUIDS.values())))
-        what = f"{start.get('fluid')!r} is an unknown gas"
-        raise InputError(what, where=f"{where}: initial.fluid", right=f"use {known}")
-    T = _number(start, "temperature", f"{where}: initial")
-    around = float(heat.get("temp_ambient", T))
-    space, capacity, outer = _sizes(vessel, where)
-    wall = {"outer_conductance": f"{float(heat.get('h_outer', 0.0)) * outer!r} W/K"} | capacity
+        right = f"use {', '.join(sorted(set(FLUIDS.values())))}"
+        raise InputError(f"{start.get('fluid')!r} is an unknown gas", where=f"{where}: initial.fluid", right=right)
+    T = number("initial.temperature")
+    around = number("heat_transfer.temp_ambient", T)
+    space, capacity, outer = _sizes(vessel, number, where)
+    wall = {"outer_conductance": f"{number('heat_transfer.h_outer', 0.0) * outer!r} W/K"} | capacity
     return {
         "kind": "vessel",
         "name": Path(path).name.removesuffix(".rig.yml"),
@@ -60,10 +58,10 @@ def hyddown_tables(path: str | Path) -> dict[str, Any]:
         "gas": {"name": name, "law": "real"},
         "space": space,
         "wall": wall,
-        "path": _path(valve, f"{where}: valve"),
-        "outside": _place(_number(valve, "back_pressure", f"{where}: valve"), around),
+        "path": _path(valve, number, where),
+        "outside": _place(number("valve.back_pressure"), around),
         "ambient": _place(101325.0, around),
-        "start": _place(_number(start, "pressure", f"{where}: initial"), T),
+        "start": _place(number("initial.pressure"), T),
     }
 
 
@@ -78,27 +76,26 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InputError(f"can't be read ({str(error).splitlines()[0]})", where=str(path), right=right) from None
     if not isinstance(tables, dict):
         raise InputError("is not a table", where=str(path), right=right)
+    for part in PARTS:
+        if not isinstance(tables.get(part), dict):
+            raise InputError(f"has no {part}", where=str(path), right="vessel, initial and valve are needed")
     return tables
 
 
-def _part(tables: dict[str, Any], key: str, where: str) -> dict[str, Any]:
-    part = tables.get(key)
-    if not isinstance(part, dict):
-        raise InputError(f"has no {key}", where=where, right="vessel, initial and valve are needed")
-    return part
-
-
-def _number(table: dict[str, Any], key: str, where: str) -> float:
+def _number(tables: dict[str, Any], where: str, place: str, usual: float | None = None) -> float:
+    """A number at a place such as "vessel.length", or what is usual where there is none."""
+    part, _, key = place.partition(".")
+    found = (tables.get(part) or {}).get(key)
+    value: Any = usual if found is None else found
     try:
-        return float(table[key])
-    except (KeyError, TypeError, ValueError):
-        raise InputError(f"{table.get(key)!r} is not a number", where=f"{where}.{key}", right="give it in SI") from None
+        return float(value)
+    except (TypeError, ValueError):
+        raise InputError(f"{value!r} is not a number", where=f"{where}: {place}", right="give it in SI") from None
 
 
-def _sizes(vessel: dict[str, Any], where: str) -> tuple[dict[str, str], dict[str, str], float]:
+def _sizes(vessel: dict[str, Any], number: Number, where: str) -> tuple[dict[str, str], dict[str, str], float]:
     """Space, the wall's heat capacity where its thickness is given, and outer area (m2)."""
-    D, L = (_number(vessel, key, f"{where}: vessel") for key in ("diameter", "length"))
-    t = float(vessel.get("thickness") or 0.0)
+    D, L, t = number("vessel.diameter"), number("vessel.length"), number("vessel.thickness", 0.0)
     kind = str(vessel.get("type", "flat-end")).lower()
     if kind not in HEADS:
         raise InputError(f"{kind!r} is not known", where=f"{where}: vessel.type", right=f"use {', '.join(HEADS)}")
@@ -114,22 +111,23 @@ def _sizes(vessel: dict[str, Any], where: str) -> tuple[dict[str, str], dict[str
     V, outer = volume(D, L), (D + 2.0 * t, L + 2.0 * ends)
     capacity = {}
     if t > 0.0 and {"density", "heat_capacity"} <= set(vessel):
-        density, c = (_number(vessel, key, f"{where}: vessel") for key in ("density", "heat_capacity"))
-        capacity = {"heat_capacity": f"{(volume(*outer) - V) * density * c!r} J/K"}
+        heat = (volume(*outer) - V) * number("vessel.density") * number("vessel.heat_capacity")
+        capacity = {"heat_capacity": f"{heat!r} J/K"}
     space = {"volume": f"{V!r} m^3", "area": f"{area(D, L)!r} m^2", "diameter": f"{D!r} m"}
     return space, capacity, area(*outer)
 
 
-def _path(valve: dict[str, Any], where: str) -> dict[str, Any]:
+def _path(valve: dict[str, Any], number: Number, where: str) -> dict[str, Any]:
     kind = valve.get("type", "orifice")
     if kind in {"orifice", "psv"}:
-        d = _number(valve, "diameter", where)
-        C = float(sonic_conductance(pi / 4 * d**2, float(valve.get("discharge_coef", 0.8))))
+        d = number("valve.diameter")
+        C = float(sonic_conductance(pi / 4 * d**2, number("valve.discharge_coef", 0.8)))
         return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": NOZZLE, "hole": f"{d!r} m"}
     if kind == "controlvalve":
-        C = CONDUCTANCE_PER_CV * _number(valve, "Cv", where)
+        C = CONDUCTANCE_PER_CV * number("valve.Cv")
         return {"conductance": f"{C!r} m^3/s/Pa", "critical_ratio": VALVE}
-    raise InputError(f"{kind!r} has no conductance", where=f"{where}.type", right="use orifice, psv or controlvalve")
+    right = "use orifice, psv or controlvalve"
+    raise InputError(f"{kind!r} has no conductance", where=f"{where}: valve.type", right=right)
 
 
 def _place(pressure: float, temperature: float) -> dict[str, str]:

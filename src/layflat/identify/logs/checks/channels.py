@@ -8,16 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array, Dataset
-from layflat.description import units as u
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name
 from layflat.machine import Machine
 
 TAIL = 0.5  # per cent of the samples at both ends that don't count for a range: single wild samples
-
-SHOWN: dict[u.Quantity | None, tuple[float, str]] = {
-    u.ANGLE: (np.pi / 180.0, "deg"), u.PRESSURE: (1e5, "bar"), u.LENGTH: (1e-3, "mm"), None: (0.01, "%"),
-}  # fmt: skip
-"""Units that people read, by kind; SI for the others."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +41,8 @@ class Channel:
 
     def shown(self, value: float) -> str:
         """A value with a unit that people read."""
-        factor, unit = SHOWN.get(self.signal.kind, (1.0, self.signal.unit))
-        return f"{value / factor:.3g} {unit}"
+        unit, size = self.signal.shown
+        return f"{value / size:.3g} {unit}"
 
 
 @dataclass(frozen=True)
