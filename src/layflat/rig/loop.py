@@ -56,7 +56,7 @@ class Recorder:
 class Loop:
     """One rig in motion; `cycle` performs one control cycle, `run` all of them.
 
-    The machine has valve, sensors, controller and gains (MachineError if not); the driver is inactive or active.
+    The driver is inactive or active. Raise MachineError if the machine lacks valve, sensors, controller or gains.
     """
 
     def __init__(

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
 from typing import Any
@@ -83,18 +84,10 @@ def sweep(prefix: str) -> None:
     """Remove the memory of those who were killed: whoever has such a file open holds it locked."""
     least = YOUNG if prefix == MAILBOX else 0.0  # a mailbox changes hands before it is locked
     for path in _folder().glob(f"{prefix}*"):
-        try:
-            handle = os.open(path, os.O_RDWR)
-        except OSError:
-            continue
-        try:
-            if time.time() - os.fstat(handle).st_mtime >= least:
-                lock(handle)
+        with suppress(OSError), path.open("r+b") as file:
+            if time.time() - os.fstat(file.fileno()).st_mtime >= least:
+                lock(file.fileno())
                 path.unlink(missing_ok=True)
-        except OSError:
-            pass
-        finally:
-            os.close(handle)
 
 
 def go_realtime() -> list[str]:

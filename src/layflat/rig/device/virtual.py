@@ -9,8 +9,6 @@ has to see the reset low first. Dumped, the supply line is open to the atmospher
 opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from layflat.arrays import Array
@@ -32,19 +30,13 @@ class Converters:
     """Sound converters of a machine's sensors, until told otherwise."""
 
     def __init__(self, machine: Machine) -> None:
-        read: Callable[..., float] = read_sensor
-        self._rails = [
-            [
-                (read(sensor, -1e9, 0.0), read(sensor, 1e9, 0.0))
-                for sensor in (joint.angle_sensor, joint.pressure_sensor)
-            ]
-            for joint in parameters.joints(machine)
-        ]
+        self._sensors = [(joint.angle_sensor, joint.pressure_sensor) for joint in parameters.joints(machine)]
         self._fixed: dict[tuple[int, int], float | None] = {}
 
     def fail(self, joint: int, sensor: int, rail: int | None = None) -> None:
         """From now on report the low (0) or high (1) end of the range; None: the next sample, again and again."""
-        self._fixed[joint, sensor] = None if rail is None else self._rails[joint][sensor][rail]
+        far = None if rail is None else (-1e9, 1e9)[rail]
+        self._fixed[joint, sensor] = None if far is None else float(read_sensor(self._sensors[joint][sensor], far, 0.0))
 
     def mend(self, joint: int, sensor: int) -> None:
         """Report what the sensor says."""
@@ -60,11 +52,11 @@ class Converters:
 
 
 class VirtualDevice:
-    """A remote I/O station or microcontroller with a machine behind it; it needs valve and sensors (MachineError).
+    """A remote I/O station or microcontroller with a machine behind it.
 
     As a real one it starts dumped, its line empty (the plant's hoses are whatever they are), unless it is `running`, as
     a rollout starts. The plant's time passes with the clock; `link` and `converters` hold what is wrong with wires and
-    sensors.
+    sensors. Raise MachineError if the machine has no valve or sensors.
     """
 
     def __init__(self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False) -> None:

@@ -8,6 +8,7 @@ import tempfile
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from pathlib import Path
 from select import select
 
@@ -118,11 +119,9 @@ class LinkedDriver(Driver):
     def _deactivate(self) -> None:
         self._kept = self._safe
         for _ in range(FAREWELLS):
-            try:
+            with suppress(LinkError):
                 self._transact()
-            except LinkError:
-                continue
-            return
+                return
 
     def _let_go(self) -> None:
         self._disconnect()

@@ -22,8 +22,8 @@ MOST = 100  # files that one log gets
 class BlackBox:
     """The last seconds in memory; a fault that is new makes a file of them, which a thread writes beside the log.
 
-    A further fault within the seconds after one is in the same file. That of a log NAME.mcap are NAME-fault-001.mcap
-    and so on.
+    A further fault within the seconds after one is in the same file. The files of a log NAME.mcap are called
+    NAME-fault-001.mcap and so on.
     """
 
     def __init__(self, place: Path, heading: Heading) -> None:

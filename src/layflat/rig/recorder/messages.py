@@ -60,7 +60,7 @@ def meanings_in(definition: str) -> dict[str, tuple[str, str]]:
 class Fixed:
     """Messages of one type for these joints: a header, the joints' names, numbers, and arrays by joint.
 
-    The schema defines the type; arrays at its end may be left empty.
+    The schema is the definition of the type; arrays named in `empty`, at its end, are left empty.
     """
 
     def __init__(self, schema: str, joints: Sequence[str], empty: Sequence[str] = ()) -> None:

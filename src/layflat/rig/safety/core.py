@@ -27,7 +27,7 @@ HEAD = Struct(f"{compiled.IN_INPUTS.even}d")  # of the inputs: written in half t
 class Core:
     """A rig's control cycle: its numbers by name, and its stages; without a control law the detectors alone work.
 
-    The machine needs valve and sensors (MachineError).
+    Raise MachineError if the machine has no valve or sensors.
     """
 
     def __init__(self, machine: Machine, law: ArmLaw | None = None) -> None:
@@ -84,10 +84,10 @@ class Core:
         self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,
         wake: bool = False,
     ) -> int:  # fmt: skip
-        """Perform stages of a cycle (flags of cycle.py, as what is returned: what came of them).
+        """Perform stages of a cycle and return what came of them; both are flags of cycle.py.
 
-        Args are the first fields of `cycle.Inputs`: absolute supply (Pa), times since the last samples and since the
-        last cycle (s), what there is to watch, whether demands are obeyed, whether law and estimators begin anew.
+        What comes in are the first fields of `cycle.Inputs`: absolute supply (Pa), times since the last samples and
+        since the last cycle (s), what there is to watch, whether demands are obeyed, whether controllers begin anew.
         """
         HEAD.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake)
         if self.law is None:
