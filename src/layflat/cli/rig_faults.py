@@ -84,9 +84,9 @@ def _tried(
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
-    from layflat.rig.trials.cases import HOST_GONE, ROWS  # noqa: PLC0415
+    from layflat.rig.trials.cases import ROWS  # noqa: PLC0415
 
-    context, trials = get_context("spawn"), instants * len((HOST_GONE, *ROWS))
+    context, trials = get_context("spawn"), instants * len(ROWS)
     columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.percentage:.0f} %"))
     with (
         context.Manager() as manager,

@@ -7,6 +7,7 @@ import numpy as np
 from layflat.control import CONTROL_LAWS, Demand, Sensed, step, wake
 from layflat.errors import KindError
 from layflat.jit.outside import blame_outside
+from layflat.lanes import leaves
 from layflat.machine import Machine, parameters
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
@@ -43,4 +44,5 @@ class ArmLaw:
     def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:
         """Let it begin at these measurements, rad and Pa, (joints,)."""
         with blame_outside():
-            self.memory.put(0, wake(self.settings_as_given, Sensed(tuple(angles), tuple(pressures))))
+            memory = wake(self.settings_as_given, Sensed(tuple(angles), tuple(pressures)))
+            self.memory.array[0] = list(leaves(memory))

@@ -41,15 +41,7 @@ class NamedRows:
         """The numbers of one name, (rows,); a view."""
         return self.array[:, self._columns[name]]
 
-    def block(self, part: str) -> Array:
-        """The numbers of a part, (rows, numbers); a view."""
-        at, size = getattr(places(self.like), part), len(list(leaves(getattr(self.like, part))))
-        return self.array[:, at : at + size]
-
     def replace(self, part: str, value: Any, row: int | slice = slice(None)) -> None:
         """Put the numbers of a tuple into a part, in one row or all."""
-        self.block(part)[row] = list(leaves(value))
-
-    def put(self, row: int, value: Any) -> None:
-        """Replace a row."""
-        self.array[row] = list(leaves(value))
+        first, numbers = getattr(places(self.like), part), list(leaves(value))
+        self.array[row, first : first + len(numbers)] = numbers

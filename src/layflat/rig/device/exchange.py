@@ -24,11 +24,6 @@ class Spoil(Enum):
     SEQUENCE = "sequence"
     LATE = "late"
 
-    @property
-    def told(self) -> str:
-        """What it is to who waits for the reply."""
-        return "lost" if self is Spoil.LATE else self.value
-
 
 class Link:
     """A sound link, until told otherwise.

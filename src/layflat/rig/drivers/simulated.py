@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from layflat.rig.device.exchange import Spoil
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Capabilities, Command, Driver, Lifecycle, LinkError, Reading
 
@@ -17,7 +18,7 @@ class SimulatedDriver(Driver):
         """What its sensors say now; raise LinkError if the link was told to fail."""
         spoilt = self.device.link.next()
         if spoilt is not None:
-            raise LinkError(spoilt.told)
+            raise LinkError("lost" if spoilt is Spoil.LATE else spoilt.value)
         return self.device.reading()
 
     def write(self, command: Command) -> None:
