@@ -14,11 +14,12 @@ from hypothesis import strategies as st
 from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.identify import Fit, Model, Output, Unknown
-from layflat.identify.benches.loader import bench_names, load_bench, load_described
+from layflat.identify.benches.loader import load_bench, load_described
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.fit import Estimate
 from layflat.identify.identified_file import identified_path, write_identified
 from layflat.machine import Machine, load
+from layflat.machine.libraries import BENCHES
 from layflat.machine.loader import tables
 
 SMALL = load("paper-small-joint")
@@ -104,7 +105,7 @@ def test_a_value_that_misses_zero_by_rounding_is_zero(tmp_path: Path) -> None:
     assert machine.joint["small"].brake.torque == 0.0
 
 
-@pytest.mark.parametrize("name", bench_names())
+@pytest.mark.parametrize("name", BENCHES.names)
 def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     path = {
         "blow-down-vessel": "path.conductance", "friction-rig": "piston.area", "regulated-elbow": "chamber.volume",

@@ -16,9 +16,10 @@ import pytest
 from layflat.cell.file import loader as cells
 from layflat.cell.file.model import Cell
 from layflat.errors import InputError
-from layflat.identify.benches.loader import bench_names, bench_tables, build_bench
+from layflat.identify.benches.loader import bench_tables, build_bench
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import build
+from layflat.machine.libraries import BENCHES
 from layflat.machine.loader import tables
 
 ODD: list[Any] = [
@@ -72,7 +73,7 @@ def test_machines(name: str) -> None:
     assert refused(lambda plain: build(plain, {}, "f.toml"), tables(name)[0], every=13) > 300
 
 
-@pytest.mark.parametrize("name", bench_names())
+@pytest.mark.parametrize("name", BENCHES.names)
 def test_benches(name: str) -> None:
     assert refused(lambda plain: build_bench(plain, "f.toml"), bench_tables(name)[0]) > 300
 

@@ -12,12 +12,13 @@ from layflat.errors import InputError
 @app.command()
 def machines() -> None:
     """List the built-in machines and test benches."""
-    from layflat.identify.benches.loader import bench_names, load_bench  # noqa: PLC0415
+    from layflat.identify.benches.loader import load_bench  # noqa: PLC0415
     from layflat.machine import load, names  # noqa: PLC0415
+    from layflat.machine.libraries import BENCHES  # noqa: PLC0415
 
     print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
     typer.echo()
-    print_table(["test bench", "what it is"], [[name, load_bench(name).title] for name in bench_names()])
+    print_table(["test bench", "what it is"], [[name, load_bench(name).title] for name in BENCHES.names])
 
 
 @app.command()

@@ -55,13 +55,10 @@ def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, se
     """Times (s, (cycles,)) and demands (rad, (cycles, joints)) for a machine's controller.
 
     Args:
-        machine: what is excited.
+        machine: what is excited; raise InputError if it has no controller that follows demands.
         reach: largest angle from the middle, as a share of the working stroke.
         speed: greatest rate of the demand, rad/s.
         seed: of sizes and order, which differ from joint to joint.
-
-    Raises:
-        InputError: no controller follows demands, or a limit leaves no room.
     """
     if machine.controller is None or any(joint.gains is None for joint in machine.joints.values()):
         where = f"{machine.origin}: controller"

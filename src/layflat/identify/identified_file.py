@@ -60,10 +60,8 @@ def identified_path(given: str, described: Machine | BenchDescription, folder: P
 def written_values(found: Fit, plain: Plain) -> list[Written]:
     """What was found as it stands in a file, in the units that the description uses."""
     known = {estimate.unknown.path: estimate for estimate in found.estimates}
-    return [
-        _written(path, value, known.get(path), at_path(plain, path.split(".")))
-        for path, value in found.model.written(found.values).items()
-    ]
+    values = found.model.written(found.values)
+    return [_written(path, value, known.get(path), at_path(plain, path.split("."))) for path, value in values.items()]
 
 
 def write_identified(

@@ -111,9 +111,8 @@ def percent(share: float) -> str:
 def _why(value: Written) -> str:
     """Why a parameter is not identified."""
     partner = value.estimate.partner if value.estimate is not None else None
-    if value.at_bound:
-        return "hit its bound"
-    return f"only together with {partner}" if partner else "the interval is too wide"
+    apart = f"only together with {partner}" if partner else "the interval is too wide"
+    return "hit its bound" if value.at_bound else apart
 
 
 def _rms(quality: Quality) -> str:

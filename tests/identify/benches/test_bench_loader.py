@@ -4,7 +4,7 @@ import pytest
 
 from layflat.description.provenance import SOURCES, split
 from layflat.errors import MachineError
-from layflat.identify.benches.loader import bench_names, bench_tables, load_bench
+from layflat.identify.benches.loader import bench_tables, load_bench
 from layflat.identify.benches.vessel.description import VesselBench
 from layflat.machine.libraries import BENCHES
 from layflat.machine.listing import listing, to_toml
@@ -16,8 +16,8 @@ GOOD = BENCHES.text("blow-down-vessel")
 def test_built_in_benches_are_sound_and_say_where_each_value_comes_from() -> None:
     import tomllib
 
-    assert "blow-down-vessel" in bench_names()
-    for name in bench_names():
+    assert "blow-down-vessel" in BENCHES.names
+    for name in BENCHES.names:
         assert load_bench(name).name == name
         plain = tomllib.loads(BENCHES.text(name))
         _, sources = split({key: value for key, value in plain.items() if isinstance(value, dict)}, name)
@@ -85,7 +85,7 @@ def test_a_file_that_is_not_there_is_one_line() -> None:
         load_bench("nowhere.toml")
 
 
-@pytest.mark.parametrize("name", bench_names())
+@pytest.mark.parametrize("name", BENCHES.names)
 def test_benches_are_listed_and_printed_as_machines_are(name: str, tmp_path: Path) -> None:
     lines = listing(*bench_tables(name))
     assert not {"kind", "name", "title"} & {line.path for line in lines}

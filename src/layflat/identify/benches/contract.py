@@ -74,10 +74,7 @@ def chosen(table: Mapping[str, Sequence[T]], blocks: Collection[str]) -> list[T]
 
 
 def fitted_share_of(logs: Logs, validation: Logs | None, share: float | None) -> float:
-    """Share of each log's time, from its start, that is fitted: all of it where others are there for validation.
-
-    Raise InputError if there is no log, or the share is out of range.
-    """
+    """Share of each log's time that is fitted, from its start on; raise InputError without a log, or out of range."""
     if not logs:
         raise InputError("there is none", where="logs", right="give one or more")
     if share is not None and not 0.0 < share <= 1.0:

@@ -25,11 +25,6 @@ from layflat.machine.loader import tables
 KINDS = {"friction rig": "rod", "regulated joint": "regulated", "vessel": "vessel"}  # folders by a description's `kind`
 
 
-def bench_names() -> tuple[str, ...]:
-    """Return the names of the built-in test benches."""
-    return BENCHES.names
-
-
 def load_described(where: str | Path) -> Machine | BenchDescription:
     """Return a machine or a test bench, as `load` and `load_bench` do."""
     return load_bench(where) if is_bench(where) else load(str(where))
@@ -41,11 +36,7 @@ def described_tables(where: str | Path) -> tuple[Plain, Sources]:
 
 
 def load_bench(where: str | Path) -> Any:
-    """Return a test bench from its built-in name or a file (also HydDown's of a vessel), of the class for its kind.
-
-    Raises:
-        MachineError: in one line, which file, key and value is wrong and what would be right.
-    """
+    """Return a test bench from its built-in name or file (HydDown's too); raise MachineError if anything is wrong."""
     return build_bench(bench_tables(where)[0], str(where))
 
 
@@ -70,7 +61,7 @@ def build_bench(plain: Plain, where: str) -> Any:
     try:
         return described.model_validate(plain)
     except ValidationError as error:
-        complete = f"see the built-in {' or '.join(bench_names())}"
+        complete = f"see the built-in {' or '.join(BENCHES.names)}"
         raise explained(error, where, described, MachineError, complete) from None
 
 

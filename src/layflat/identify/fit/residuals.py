@@ -21,11 +21,7 @@ DIVERGED = 1e4  # what stands for a residual where a candidate diverged, in unit
 
 
 class Scaled:
-    """The way between values in SI and shares, 0 at the lower bound and 1 at the upper, evenly or by their logarithm.
-
-    Raises:
-        InputError: bounds that leave no room, or a guess outside them.
-    """
+    """Values in SI as shares, 0 at the lower bound and 1 at the upper; raise InputError if a guess lies outside."""
 
     def __init__(self, unknowns: Sequence[Unknown]) -> None:
         for one in unknowns:

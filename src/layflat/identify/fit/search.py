@@ -34,7 +34,7 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
     """Find the unknowns of a model from its fitted samples.
 
     Args:
-        model: what is fitted; its guess is the first start.
+        model: what is fitted; its guess is the first start. Raise InputError if bounds leave no room.
         starts: how many more are drawn around it, besides those that the model gives.
         seed: of starts and bootstrap.
         progress: called with the share of the work done and the present task.
@@ -42,9 +42,6 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
     Returns:
         Best values with 95 % intervals, and what they predict. Ctrl-C ends the search: the best values so far are
         returned as a `partial` fit; a second one is not caught.
-
-    Raises:
-        InputError: an unknown's bounds leave no room.
     """
     search = _Search(model, progress)
     try:

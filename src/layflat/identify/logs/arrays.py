@@ -18,10 +18,7 @@ LONGEST = 120  # characters of a library's own message that are passed on
 
 
 def read_parquet(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
-    """Columns of a Parquet file by name, and the units that its fields carry as metadata ("unit" or "units").
-
-    Raise InputError if it is none, or pyarrow is not installed.
-    """
+    """Columns of a Parquet file, units from metadata of its fields ("unit" or "units"); raise InputError if broken."""
     extras.require("logs", "pyarrow", where=str(path))
     import pyarrow  # noqa: PLC0415
     from pyarrow import parquet  # noqa: PLC0415
@@ -63,10 +60,7 @@ def _attempt(read: Callable[[], T], path: Path, kind: str) -> T:
 
 
 def read_netcdf(path: Path) -> tuple[dict[str, Cells], dict[str, str]]:
-    """Columns of a NetCDF file by name: variables over time; those over time and joint as "angle.elbow".
-
-    Raise InputError if it is none, or has no variable over time.
-    """
+    """Columns of a NetCDF file: variables over time, with joints as "angle.elbow"; raise InputError if it has none."""
     import xarray  # noqa: PLC0415  # takes long to import
 
     def read() -> xarray.Dataset:

@@ -46,27 +46,25 @@ def clock_of(stamps: Array, where: str) -> Clock:
     last = np.append(np.diff(time) > 0.0, True) if rows.size else np.zeros(0, dtype=bool)
     duplicates = int(rows.size - last.sum())
     rows, time = rows[last], time[last]
-    if time.size < 2:
-        if rows.size + duplicates > 1:
-            what = f"all {rows.size + duplicates} samples have the stamp {time[0]:g} s"
-            raise InputError(what, where=where, right="name a column that rises as its clock")
-        return Clock(time, rows, 0.0, 0.0, False, duplicates, undated, reset, cut)
-    steps = np.diff(time)
-    period, on_grid, even = _period(time, steps)
-    usual = steps[steps <= GAP * period]
-    jitter = 0.0 if on_grid else float(np.sqrt(np.mean((usual - period) ** 2)))
+    if time.size < 2 and duplicates > 0:
+        what = f"all {rows.size + duplicates} samples have the stamp {time[0]:g} s"
+        raise InputError(what, where=where, right="name a column that rises as its clock")
+    period, jitter, even = _period(time) if time.size > 1 else (0.0, 0.0, False)
     return Clock(time, rows, period, jitter, even, duplicates, undated, reset, cut)
 
 
-def _period(time: Array, steps: Array) -> tuple[float, bool, bool]:
-    """Period of a clock, s; whether all stamps are whole periods apart; and whether none is missing between them."""
+def _period(time: Array) -> tuple[float, float, bool]:
+    """Period and jitter of a clock, s; and whether it is even, with no stamp missing."""
+    steps = np.diff(time)
     median = float(np.median(steps))
     counts = np.rint(steps / median)
     mean = float((time[-1] - time[0]) / max(counts.sum(), 1.0))
     off = np.abs(time - time[0] - mean * np.append(0.0, counts.cumsum())).max()
     rounding = max(EVEN * mean, NANOSECONDS + 4.0 * float(np.spacing(np.abs(time).max())))
-    on_grid = bool(counts.min() >= 1.0 and off <= rounding)
-    return (mean if on_grid else median), on_grid, on_grid and bool(counts.max() == 1.0)
+    if counts.min() >= 1.0 and off <= rounding:
+        return mean, 0.0, bool(counts.max() == 1.0)
+    usual = steps[steps <= GAP * median]
+    return median, float(np.sqrt(np.mean((usual - median) ** 2))), False
 
 
 def _without_reset(

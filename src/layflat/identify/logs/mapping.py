@@ -126,11 +126,7 @@ def read_mapping(path: str | Path) -> Mapping:
 
 
 def mapping_of(plain: Table[str, Any], where: str = "mapping") -> Mapping:
-    """A mapping from plain tables, as they stand in its file.
-
-    Raises:
-        InputError: in one line, which entry and value is wrong and what would be right.
-    """
+    """A mapping from plain tables; raise InputError with the entry and value that is wrong, and what would be right."""
     try:
         mapping = Mapping.model_validate(plain)
     except ValidationError as error:

@@ -40,10 +40,7 @@ class Table:
 
 
 def read_table(path: str | Path) -> Table:
-    """Read a log's file, by what its name ends in: .parquet, .nc, .mcap, and text for all else.
-
-    Raise InputError if it can't be read, or holds no columns of numbers.
-    """
+    """Read a log's file: .parquet, .nc, .mcap, and text for all else; raise InputError if it holds no numbers."""
     path, right = Path(path), "give a CSV, Parquet, NetCDF or MCAP file"
     check_regular(path, str(path), right)
     try:

@@ -69,27 +69,22 @@ def first_of(output: Output) -> float:
 
 
 def outputs(logs: Logs, validation: Logs | None, name: str, unit: str, joint: str = "") -> tuple[Output, ...]:
-    """The measured effort of all logs, those for validation last, with errors that count alike.
-
-    Raise InputError if there is no log, or an effort is missing or never changes.
-    """
-    found = [_output(log, name, unit, where, bool(validation), joint) for where, log in logs.items()]
-    found += [_output(log, name, unit, where, None, joint) for where, log in (validation or {}).items()]
+    """Measured efforts of all logs, those for validation last, on one scale; raise InputError if one never changes."""
+    found = []
+    share = np.inf if validation else FITTED  # of a log's time that is fitted
+    given = [(share, where, log) for where, log in logs.items()]
+    given += [(-np.inf, where, log) for where, log in (validation or {}).items()]
+    for part, where, log in given:
+        reach = float(np.ptp(signal(log, name, where, joint)))
+        if reach == 0.0:
+            raise InputError(f"{name} never changes", where=where, right="leave the log out")
+        time = np.array(log["time"].to_numpy(), dtype=np.float64)
+        fitted: Flags = time <= time[0] + part * (time[-1] - time[0])
+        found.append(Output(name, unit, where, time, _values(log, name, joint), fitted, SIZE * reach))
     if not found:
         raise InputError("there is no log", where="logs", right="give one or more")
     scale = max(one.scale for one in found)
     return tuple(replace(one, scale=scale) for one in found)
-
-
-def _output(log: Dataset, name: str, unit: str, where: str, whole: bool | None, joint: str) -> Output:
-    """The measured effort of a log: all of it is fitted, or its first two thirds; None if it is only predicted."""
-    reach = float(np.ptp(signal(log, name, where, joint)))
-    if reach == 0.0:
-        raise InputError(f"{name} never changes", where=where, right="leave the log out")
-    time = np.array(log["time"].to_numpy(), dtype=np.float64)
-    end = {None: -np.inf, True: np.inf, False: time[0] + FITTED * (time[-1] - time[0])}[whole]
-    fitted: Flags = time <= end
-    return Output(name, unit, where, time, _values(log, name, joint), fitted, SIZE * reach)
 
 
 def _values(log: Dataset, name: str, joint: str) -> Array:

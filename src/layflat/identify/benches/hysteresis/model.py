@@ -23,17 +23,11 @@ DECIMALS = 6  # of weights in a description
 
 
 class CurveModel(Model, Generic[Described]):
-    """Efforts in logs of hysteresis curves.
+    """Efforts in logs of hysteresis curves."""
 
-    Attributes:
-        origin: where the search begins, and what is held.
-        losses: path of the table with the deflections and weights of the elements.
-        motions: angle (rad) or position (m) of every log.
-    """
-
-    origin: Described
-    losses: str
-    motions: tuple[Array, ...]
+    origin: Described  # where the search begins, and what is held
+    losses: str  # path of the table with the deflections and weights of the elements
+    motions: tuple[Array, ...]  # angle (rad) or position (m) of every log
 
     def candidates(self, values: Array) -> Described:
         """Return the description with arrays, an item a candidate, for what is fitted."""
@@ -78,12 +72,8 @@ def element_unknowns(
 ) -> list[Unknown]:
     """Deflections of elements, and how they share the friction (see `shares_of`), as unknowns.
 
-    Args:
-        where: path of the table that they stand in.
-        unit: of the motion.
-        deflections: described.
-        weights: described.
-        travel: longest in all logs.
+    Described are `deflections`, in the `unit` of the motion, and `weights`, in the table at `where`; the longest
+    travel in all logs bounds them.
     """
     fine = "reversals, sampled finely where the motion reverses"
     low, high = LEAST * travel, MOST * travel

@@ -84,8 +84,9 @@ class VesselModel(Model):
         )
         pressures = {output.log: output for output in self.outputs if output.name == "pressure"}
         left = set() if volume else {"space.volume"}
-        if not any(map(_fills, pressures.values())):
-            left.add("wall.forced")
+        courses = [output.measured[output.fitted] for output in pressures.values() if output.fitted.any()]
+        if not any(course.max() > 1.02 * course[0] for course in courses):
+            left.add("wall.forced")  # no gas flows in
         found = [spec.unknown(bench) for spec in chosen(BLOCKS, blocks) if spec.path not in left]
         self.unknowns = (
             *(unknown for unknown in found if unknown.guess != 0.0),
@@ -158,12 +159,6 @@ def _output(log: VesselLog, data: Dataset, signal: str, fitted_share: float, fit
     return Output(signal, unit, log.name, time[rows], measured, early & fitted, scale)
 
 
-def _fills(pressure: Output) -> bool:
-    """Whether gas flows in while a log is fitted."""
-    fitted = pressure.measured[pressure.fitted]
-    return len(fitted) > 0 and bool(fitted.max() > 1.02 * fitted[0])
-
-
 def _of_outside(bench: VesselBench, pressures: list[Output]) -> list[Unknown]:
     """The pressure outside, where a log comes near it without giving it."""
     usual = bench.outside.pressure
@@ -175,11 +170,10 @@ def _of_outside(bench: VesselBench, pressures: list[Output]) -> list[Unknown]:
 
 def _of_start(bench: VesselBench, output: Output) -> Unknown:
     """Pressure that a log begins with: it need not have been read just then."""
-    first = float(output.measured[0])
+    first, path = float(output.measured[0]), f"start.pressure.{output.log}"
     guess = first if output.time[0] == 0.0 else bench.start.pressure
     low, high = 0.8 * min(first, guess), 1.25 * max(first, guess)
-    excitation = "a sample near its start"
-    return Unknown(f"start.pressure.{output.log}", "Pa", guess, low, high, True, excitation, nuisance=True)
+    return Unknown(path, "Pa", guess, low, high, excitation="a sample near its start", nuisance=True)
 
 
 BENCH = Bench(tuple(BLOCKS), tuple(BLOCKS), VesselModel, even=False)

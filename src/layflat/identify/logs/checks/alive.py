@@ -31,18 +31,14 @@ def issues(log: CheckedLog) -> Iterator[Issue]:
 
 def _constant(channel: Channel, log: CheckedLog) -> Issue:
     beside = [other for other in log.filled if other.joint == channel.joint and other is not channel]
-    moving = next((other for other in beside if _moves(other)), None)
+    lively = [one for one in beside if quantum(one.known) > 0.0 and np.ptp(one.known) > 10.0 * noise(one.known)]
     text = f"is exactly {channel.shown(float(channel.known[0]))} all the time"
-    if moving is None:
+    if not lively:
         return Issue("warning", channel.name, text, "a sensor that lives has some noise: check that it is connected")
     effort = any(other.signal.name in {"torque", "force"} for other in beside)
     if channel.signal.kind == u.PRESSURE and effort and not any(other.signal.held for other in beside):
         return Issue("note", channel.name, text, "right for a loop at constant pressure; else a dead sensor")
-    return Issue("error", channel.name, f"{text} while {moving.name} moves", "a dead sensor: leave the channel out")
-
-
-def _moves(channel: Channel) -> bool:
-    return bool(np.ptp(channel.known) > 10.0 * noise(channel.known)) and quantum(channel.known) > 0.0
+    return Issue("error", channel.name, f"{text} while {lively[0].name} moves", "a dead sensor: leave the channel out")
 
 
 def _rails(channel: Channel, log: CheckedLog) -> Iterator[Issue]:

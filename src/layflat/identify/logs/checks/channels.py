@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ class Channel:
     values: Array
     source: dict[str, Any]
 
-    @property
+    @cached_property
     def known(self) -> Array:
         """The samples that there are."""
         return self.values[np.isfinite(self.values)]
@@ -56,15 +57,14 @@ class CheckedLog:
     clocks: list[dict[str, Any]]
     machine: Machine | None
 
-    @property
+    @cached_property
     def filled(self) -> list[Channel]:
         """Channels with two samples or more."""
         return [channel for channel in self.channels.values() if channel.known.size > 1]
 
     def of(self, signal: str, joint: str | None = None) -> Channel | None:
         """A channel with samples; None where there is none."""
-        channel = self.channels.get(channel_name(signal, joint))
-        return channel if channel is not None and channel.known.size > 1 else None
+        return next((channel for channel in self.filled if channel.name == channel_name(signal, joint)), None)
 
     @property
     def ambient(self) -> float:
