@@ -58,7 +58,7 @@ class Capabilities(NamedTuple):
     joints: int
     voltage_low: float
     voltage_high: float
-    centre_voltage: float  # where valves are closed; the fallback of the device. V
+    centre_voltage: float  # at which valves are closed, the fallback of the device, V
     dithers: bool  # whether the device adds the dither; nobody else does
     shortest_cycle: float  # s
 

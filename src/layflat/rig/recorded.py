@@ -22,7 +22,7 @@ PATIENCE = 20.0  # a recorder that has shown no sign of life for so long will no
 class Recorded(AbstractContextManager["Recorded"]):
     """A session and its recorder: `with Recorded(...) as rig: rig.session.start()`; see `Session`.
 
-    The log, NAME.mcap, tells the address; OutputError is raised if it can't be written.
+    The log, NAME.mcap, keeps the rig's address; OutputError is raised if it can't be written at its place.
     """
 
     def __init__(self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path) -> None:

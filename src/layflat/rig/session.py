@@ -107,7 +107,7 @@ class Session(AbstractContextManager["Session"]):
         self._want(resets=self._wanted.resets + 1)
 
     def ask(self, demands: Sequence[float]) -> None:
-        """Give angles for all joints, rad, from base to tip; raise InputError if it is not one for each joint."""
+        """Ask for angles (rad) of all joints, from base to tip; raise InputError if it is not one for each joint."""
         joints = len(self._layout.joints)
         if len(demands) != joints:
             raise InputError(f"{len(demands)} angles for {joints} joints", where="demand", right="give one a joint")

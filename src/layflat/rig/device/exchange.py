@@ -72,7 +72,7 @@ class Station:
         return self._identity
 
     def _obey(self, sequence: int, words: Sequence[int]) -> bool:
-        """Whether a command is new, which alone is obeyed; raise WireError if its words are none."""
+        """Obey a command if it is new, and return whether it was; raise WireError if its words are no command."""
         command = self._wire.command(words)
         if not is_later(sequence, self._last):
             return False

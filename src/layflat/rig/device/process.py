@@ -45,8 +45,7 @@ Port = ModbusPort | SerialPort
 class DeviceProcess:
     """A device in another process: `with DeviceProcess(...) as device: driver_of(device.address, machine)`.
 
-    The factory is pickled. In lockstep time passes there only when a function that is called waits for the device's
-    clock.
+    The factory is pickled. In lockstep time passes there only where a called function waits for the device's clock.
     """
 
     def __init__(self, factory: Factory, machine: Machine, at: Port, *, lockstep: bool = False) -> None:

@@ -1,4 +1,4 @@
-"""The table of all faults: how soon each is found and what is then done, worst last; and which of them there are."""
+"""The table of all faults, how soon each is found and what is done, and a ledger of those found; the worst wins."""
 
 from collections.abc import Sequence
 from enum import IntEnum

@@ -37,7 +37,7 @@ class Supervisor(StateMachine):
     def __init__(self, machine: Machine, law: ArmLaw) -> None:
         core = Core(machine, law)
         super().__init__(machine, core)
-        self.lost = 0  # replies, one after the other
+        self.lost = 0  # replies that were lost, one after the other
         self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
