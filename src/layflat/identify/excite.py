@@ -68,13 +68,13 @@ def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, se
     if not speed > 0.0:
         raise InputError(f"{speed:g} rad/s is out of range", where="speed", right='give more than zero: "300 deg/s"')
     cycle = machine.controller.cycle
-    columns = [
-        reach
-        * joint.stops.working_stroke
-        * np.concatenate([_played(WHOLE, cycle, seed, j), _played(AGAIN, cycle, seed, j, 1)])
-        for j, joint in enumerate(machine.joints.values())
-    ]
-    demand = _limited(np.stack(columns, axis=1), speed * cycle)
+    columns = []
+    for j, joint in enumerate(machine.joints.values()):
+        played = np.concatenate([_played(WHOLE, cycle, seed, j), _played(AGAIN, cycle, seed, j, 1)])
+        columns.append(reach * joint.stops.working_stroke * played)
+    demand, most = np.stack(columns, axis=1), speed * cycle
+    for k in range(1, len(demand)):
+        demand[k] = demand[k - 1] + np.clip(demand[k] - demand[k - 1], -most, most)
     return np.asarray(cycle * np.arange(len(demand)), dtype=np.float64), demand
 
 
@@ -86,11 +86,3 @@ def _played(duration: float, cycle: float, *seeds: int) -> Array:
         count = round(share * duration / cycle)
         parts.append(part(np.asarray(cycle * np.arange(count), dtype=np.float64), cycle * count, random))
     return np.concatenate(parts)
-
-
-def _limited(demand: Array, most: float) -> Array:
-    """The same with at most so much change from one row to the next."""
-    limited = demand.copy()
-    for k in range(1, len(demand)):
-        limited[k] = limited[k - 1] + np.clip(demand[k] - limited[k - 1], -most, most)
-    return limited

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from layflat.identify.benches.contract import simulated
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, IdealAir, RealGas, contents, state_of
 from layflat.identify.benches.vessel.laws import Filling, Outside, Path, Vessel, Wall, exchange, rates
-from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
+from layflat.identify.benches.vessel.run import Course, Setup, run_vessel
 from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
 from layflat.physics.chamber import Chamber
 
@@ -30,9 +30,9 @@ WARM = {"natural": 0.13, "forced": 0.56, "heat_capacity": 3000.0, "outer_conduct
 
 def setup(**changed: Any) -> Setup:
     given = iter({**USUAL, **changed}.values())
-    kinds: tuple[Any, ...] = (Chamber, Wall, Path, Outside, Start)
-    chamber, wall, path, outside, start = (kind(*islice(given, len(kind._fields))) for kind in kinds)
-    return Setup(Vessel(chamber, wall, path), outside, start)
+    kinds: tuple[Any, ...] = (Chamber, Wall, Path, Outside)
+    chamber, wall, path, outside = (kind(*islice(given, len(kind._fields))) for kind in kinds)
+    return Setup(Vessel(chamber, wall, path), outside, *given)
 
 
 def simulate(gas: IdealAir | RealGas, given: Setup, course: Course, count: int = 1, refined: float = 1.0) -> Array:
@@ -46,7 +46,7 @@ def course(time: Array, supply: float | Array = np.nan, opening: float | Array =
 
 def by_scipy(gas: IdealAir | RealGas, given: Setup, time: Array) -> Array:
     """Pressure, temperature and wall temperature, open all the time, (samples, 3)."""
-    vessel, outside, (p, T) = given
+    vessel, outside, p, T = given
     E, m = contents(gas, vessel.chamber, p, T, outside.ambient_pressure)
 
     def change(_t: float, y: Array) -> list[float]:

@@ -19,9 +19,7 @@ from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, tur
 from layflat.identify.model import Output, Unknown
 from layflat.machine import Joint, Machine, parameters
 
-BLOCKS = ("torque", "losses", "brake", "offset")
-"""What can be fitted: scale of Eq. (1), losses, the brake's torque, zero of the torque sensor."""
-
+BLOCKS = ("torque", "losses", "brake", "offset")  # scale of Eq. (1), losses, brake's torque, zero of the torque sensor
 SCALES = 10.0  # measured torque is at most so many times that of Eq. (1), and at least this part of it
 LEAST_SHARE = 1e-3  # least loss that is searched, height of the curve over torque
 OFFSET = "log.torque_offset"

@@ -13,6 +13,11 @@ FILLING = "steps large enough to open the valve fully, both ways"
 SLOW = "slow ramps over the stroke, both ways"
 CENTRE = "small motions about the valve's centre"
 PAUSES = "pauses of seconds"
+SAMPLED = "steps, with the pressure sampled every few milliseconds"
+
+DELAYS = from_zero(lambda machine, _: LONGEST * machine.cycle)
+OFFSETS = around(lambda machine: 0.02 * machine.pressure_sensor.range)
+MASSES = factor_range(3.0, 0.1, log=False)  # what adds to something known does not change by factors
 
 VALVE = (
     ParameterSpec("valve.conductance", "m^3/(s Pa)", factor_range(3.0), FILLING),
@@ -20,15 +25,11 @@ VALVE = (
     ParameterSpec("valve.leakage", "m^3/(s Pa)", factor_range(20.0, 1e-9), PAUSES),
     ParameterSpec("valve.centre_voltage", "V", around(lambda machine: 0.2 * machine.valve.volts_to_full), PAUSES),
     ParameterSpec("valve.volts_to_full", "V", factor_range(2.0), "voltages beyond full opening"),
-    ParameterSpec(
-        "valve.delay", "s", from_zero(lambda machine, _: LONGEST * machine.cycle), "steps, and chirps up to 3 Hz"
-    ),
+    ParameterSpec("valve.delay", "s", DELAYS, "steps, and chirps up to 3 Hz"),
 )
 SPOOL = (
     ParameterSpec("valve.overlap", "1", fixed_range(0.0, 0.3), CENTRE),
-    ParameterSpec(
-        "valve.natural_frequency", "Hz", factor_range(4.0), "steps, with the pressure sampled every few milliseconds"
-    ),
+    ParameterSpec("valve.natural_frequency", "Hz", factor_range(4.0), SAMPLED),
 )
 SWITCHING = (
     ParameterSpec("valve.dead_band", "1", fixed_range(0.0, 0.3), CENTRE),
@@ -52,10 +53,8 @@ FRICTION = (
     ParameterSpec("brake.torque", "N m", factor_range(5.0, 5.0), SLOW),
     ParameterSpec("brake.viscous", "N m s/rad", factor_range(20.0, 1.0), "chirps up to 3 Hz"),
 )
-MASSES = factor_range(3.0, 0.1, log=False)  # what adds to something known does not change by factors
 INERTIA = (ParameterSpec("link.inertia", "kg m^2", MASSES, "chirps up to 3 Hz without payload"),)
 PAYLOAD = ParameterSpec("arm.payload", "kg", from_zero(lambda _, guess: max(3.0 * guess, 2.0)), "chirps up to 3 Hz")
-OFFSETS = around(lambda machine: 0.02 * machine.pressure_sensor.range)
 SENSORS = ParameterSpec("pressure_sensor.offset", "Pa", OFFSETS, "both pressures by themselves")
 
 BY_JOINT = {"hose": HOSE, "losses": LOSSES, "friction": FRICTION, "inertia": INERTIA}

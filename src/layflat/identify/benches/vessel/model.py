@@ -21,7 +21,7 @@ from layflat.identify.benches.contract import Bench, Logs, check_known, chosen, 
 from layflat.identify.benches.vessel.description import BLOCKS, Place, VesselBench
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
 from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
-from layflat.identify.benches.vessel.run import Course, Setup, Start, run_vessel
+from layflat.identify.benches.vessel.run import Course, Setup, run_vessel
 from layflat.identify.model import Model, Output, Unknown
 from layflat.physics.chamber import Chamber
 
@@ -122,7 +122,7 @@ def parameters(bench: VesselBench, added_volume: float = 0.0) -> Setup:
         Path(path.conductance, path.critical_ratio),
     )
     around = Outside(outside.pressure, outside.temperature, ambient.pressure, ambient.temperature)
-    return Setup(vessel, around, Start(bench.start.pressure, bench.start.temperature))
+    return Setup(vessel, around, bench.start.pressure, bench.start.temperature)
 
 
 def _check_gas(bench: VesselBench, place: Place, where: str) -> None:

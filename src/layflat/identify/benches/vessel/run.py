@@ -14,19 +14,13 @@ FLOW_STEP, STEP = 1.0, 0.3
 MOST_STEPS = 100_000  # between two samples; a candidate that needs more counts as diverged
 
 
-class Start(NamedTuple):
-    """Pressure (Pa) and temperature (K) that gas and wall begin with."""
-
-    pressure: float
-    temperature: float
-
-
 class Setup(NamedTuple):
-    """A vessel, what is outside where the log does not say, and how it starts."""
+    """A vessel, what is outside where the log does not say, and its pressure (Pa) and temperature (K) at the start."""
 
     vessel: Vessel
     outside: Outside
-    start: Start
+    pressure: float
+    temperature: float
 
 
 class Course(NamedTuple):
@@ -104,9 +98,9 @@ def run_vessel(setup, gas, course, refined, out):
     and room for pressure (Pa), temperatures of gas and wall (K) by sample, (samples, 3), left not a number from where
     it diverged.
     """
-    vessel, start, p_a = setup.vessel, setup.start, setup.outside.ambient_pressure
-    samples, T = len(course.time), start.temperature
-    E, m = contents(gas, vessel.chamber, start.pressure, T, p_a)
+    vessel, T, p_a = setup.vessel, setup.temperature, setup.outside.ambient_pressure
+    samples = len(course.time)
+    E, m = contents(gas, vessel.chamber, setup.pressure, T, p_a)
     state = Filling(E, m, T)
     for k in range(samples):
         p, T = state_of(gas, vessel.chamber, state.energy, state.mass, p_a)
