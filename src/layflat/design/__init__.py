@@ -5,6 +5,7 @@ does what is asked). Names are loaded when they are first used.
 """
 
 from importlib import import_module
+from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -28,15 +29,11 @@ __all__ = [
     "cam_sheet", "design_joint", "layout_sheet", "of_cylinder", "of_plate", "read_characteristic", "refuse_errors",
     "size_joint", "strap_stress", "synthesise", "table1", "wrapped_hose", "write_drawings",
 ]  # fmt: skip
-_MODULES = (
-    "cam", "characteristic", "crude_table", "drawing", "measured", "outline", "plates", "request", "rules", "sizing",
-    "strap", "straplines", "summary",
-)  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    for module in _MODULES if name in __all__ else ():
-        home = import_module(f"{__name__}.{module}")
+    for module in iter_modules(__path__) if name in __all__ else ():
+        home = import_module(f"{__name__}.{module.name}")
         if name in vars(home) and getattr(vars(home)[name], "__module__", home.__name__) == home.__name__:
             return vars(home)[name]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

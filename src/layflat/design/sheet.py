@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from math import radians
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -13,8 +13,7 @@ Point = tuple[float, float] | Array
 Layer = Literal["OUTLINE", "CENTRE", "STRAP", "HOSE", "DIMENSIONS", "TEXT"]
 
 
-@dataclass(frozen=True)
-class Path:
+class Path(NamedTuple):
     """A polyline through points of shape (n, 2)."""
 
     points: Array
@@ -22,8 +21,7 @@ class Path:
     closed: bool = False
 
 
-@dataclass(frozen=True)
-class Circle:
+class Circle(NamedTuple):
     """A full circle."""
 
     centre: Point
@@ -31,8 +29,7 @@ class Circle:
     layer: Layer
 
 
-@dataclass(frozen=True)
-class Distance:
+class Distance(NamedTuple):
     """A dimension of the distance between two points along a direction (degrees), drawn through `base`."""
 
     first: Point
@@ -49,8 +46,7 @@ class Distance:
         return np.array([base + ((np.array(point) - base) @ along) * along for point in (self.first, self.second)])
 
 
-@dataclass(frozen=True)
-class Diameter:
+class Diameter(NamedTuple):
     """A dimension of a circle, led out from the circle in a direction (degrees)."""
 
     centre: Point
@@ -60,8 +56,7 @@ class Diameter:
     lead: float
 
 
-@dataclass(frozen=True)
-class Note:
+class Note(NamedTuple):
     """A line of text that starts at a point."""
 
     at: Point

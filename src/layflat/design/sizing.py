@@ -100,9 +100,7 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     sized = SizedJoint(request, joint, cam.torque_constant, characteristic.swept_volume, mass)
     text = description(sized, model, MODEL)
     with TemporaryDirectory() as folder:
-        path = Path(folder) / "sized.toml"
-        path.write_text(text, encoding="utf-8")
-        machine = load(path)
+        machine = load(write_text(Path(folder) / "sized.toml", text))
     design = design_joint(machine)
     if design.mean_torque < request.torque or design.stroke < request.stroke:
         what = f"came out at {design.mean_torque:.4g} N m over {degrees(design.stroke):.4g} deg"

@@ -20,11 +20,8 @@ def study_figure(
     """Draw every result over everything that varies, a dot a run, with a line through the medians of each case.
 
     A result that is not finite, as that of a run which does not settle, is a cross at the top, and counts as infinite.
-
-    Args:
-        varied: values of what varies, a run each, by label with unit.
-        results: results, a run each, by label with unit.
-        cases: which runs belong to each case, by name: a variant, a scenario, or both.
+    Values and results, one a run, go by their labels with units; cases are variants, scenarios, or both, and tell which
+    runs are theirs.
     """
     rows, columns = len(results), len(varied)
     width, height, above = 0.9 + 2.9 * columns, 0.7 + 2.1 * rows, HEAD if len(cases) > 1 else 0.0

@@ -51,11 +51,9 @@ def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -
 
 
 def cost_history(costs: Sequence[float], parts: Mapping[str, int]) -> Figure:
-    """Draw the best cost (s) after each generation.
+    """Draw the best cost (s) after each generation; the first belongs to the gains that the search began with.
 
-    Args:
-        costs: the first belongs to the gains that the search began with.
-        parts: parts of the search, with the generation after which each began.
+    The search's parts, each with the generation after which it began, are named there.
     """
     names = LETTER * max(map(len, parts)) if len(parts) > 1 else 0.0
     with figure(height=3.6 + names, above=names) as (made, (axes,)):

@@ -27,7 +27,8 @@ ROUNDS = 10  # scenes that are tried until all fruit stays in its tray
 class Scene:
     """A packing cell in MuJoCo, its fruit, lights and noise drawn by a seed.
 
-    Same cell and seed, same scene; the timestep is `step`, s.
+    Same cell and seed, same scene; the timestep is `step`, s. Raise CellError if there is no room for the fruit, or it
+    does not come to rest in its trays.
 
     Attributes:
         model: MjModel; its hinges have the names of the machine's joints, without drive, damping or limits.
@@ -35,9 +36,6 @@ class Scene:
         lift: set `lift.demand`, m of stroke.
         cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor gives.
         board_held: whether the calibration board is before the camera; set False to put it away.
-
-    Raises:
-        CellError: there is no room for the fruit, or it does not come to rest in its trays.
     """
 
     def __init__(self, cell: Cell, seed: int, *, step: float = 1e-3) -> None:

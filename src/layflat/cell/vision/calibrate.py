@@ -19,17 +19,11 @@ OFF = 1.0e-3  # how far base markers may be from where the calibration says befo
 
 
 def calibrate(pictures: Sequence[Picture], board: Board, base_picture: Picture, markers: Base) -> Calibration:
-    """Calibrate a camera's lens and pose.
+    """Calibrate a camera's lens by pictures of a board, and its pose by one of the base's markers from where it stays.
 
-    Args:
-        pictures: of the board, tilted and in all parts of the picture; those without it are left out.
-        board: what was shown to the camera.
-        base_picture: of the base's markers, from where the camera stays.
-        markers: where they are.
-
-    Raises:
-        PictureError: a picture is black, blurred or of another size.
-        CameraError: too few views, views too much alike, a board of another size than given, or no marker detected.
+    The board is tilted and in all parts of the picture; pictures without it are left out. Raise PictureError if a
+    picture is black, blurred or of another size, CameraError for too few views, views too much alike, a board of
+    another size than given, or no marker detected.
     """
     size = (base_picture.shape[1], base_picture.shape[0])
     matrix, distortion, error = _lens(_views(pictures, board, size), size)

@@ -28,9 +28,8 @@ class Measured(NamedTuple):
 
 
 def measure(
-    picture: Any, even: Any, calibration: Calibration, places: Array, usable: Array, kinds: Sequence[Kind],
-    plane: float = 0.0,
-) -> Measured:  # fmt: skip
+    picture: Any, even: Any, calibration: Calibration, places: Array, usable: Array, kinds: Sequence[Kind], plane: float
+) -> Measured:
     """Measure things as balls on the table, from rough places on their outlines, then twice from edges in the picture.
 
     Args:

@@ -40,12 +40,9 @@ def calibrated(cell: Cell, progress: Callable[[float], object] = lambda _: None)
 def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, observer: Observer) -> Run:
     """Pick, delivery after delivery, until there were so many picks or one ended early.
 
-    Same cell, seed and calibration, same run. It ends where a delivery has nothing that can be picked.
-
-    Raises:
-        PictureError: the camera gives no image that can be used.
-        CameraError: it is not where its calibration says, against which it is checked before anything moves.
-        CellError: the scene can't be made. All of these of the first delivery; those of others end the run.
+    Same cell, seed and calibration, same run. It ends where a delivery has nothing that can be picked, or with an error
+    of any delivery but the first, of which these are raised: PictureError if the camera gives no image that can be
+    used, CameraError if it has moved, which is checked before anything else does, CellError if the scene can't be made.
     """
     deliveries: list[Delivery] = []
     error, done = None, 0

@@ -20,13 +20,10 @@ def repeated(
     cell: Cell, seeds: Sequence[int], picks: int, calibration: Calibration | None,
     progress: Callable[[int], object] = lambda _: None, processes: int | None = None,
 ) -> Iterator[Run]:  # fmt: skip
-    """Yield runs with all seeds, each the same as alone, as they end. Whoever stops iterating stops the work.
+    """Yield runs with all seeds, each the same as alone, as they end; raise as `packed`.
 
-    `progress` is called with the picks that have ended so far; by default there is one process a core.
-
-    Raises:
-        LayflatError: as `packed`.
-        KeyboardInterrupt: somebody stopped the study; runs that had not ended are lost.
+    Whoever stops iterating stops the work, and Ctrl-C does: runs that had not ended are lost. `progress` is called with
+    the picks that have ended so far; by default there is one process a core.
     """
     with _workers(processes or os.cpu_count() or 1) as (pool, ended):
         # Workers inherit that Ctrl-C is ignored, and so don't die of one before they can heed it.
