@@ -17,7 +17,7 @@ from layflat.errors import InputError, OutputError
 from layflat.files import whole_file
 
 H264 = {"preset": "veryfast", "crf": "23"}  # of x264: a film of the cell takes some 30 kB a second
-THREADS = 2  # with another number the same film has other bytes
+THREADS = 1  # with two the same film has other bytes now and then, and is not there sooner
 
 
 class Film:
