@@ -19,6 +19,7 @@ from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
 from layflat.identify.logs import check, read_log, read_table, refuse
 from layflat.identify.logs.checks.alive import NOTHING_MOVES
+from layflat.identify.logs.checks.channels import checked_log
 from layflat.identify.logs.issue import Issue, ordered, several
 from layflat.identify.model import Model
 from layflat.machine import Machine
@@ -139,17 +140,12 @@ def _named(files: Sequence[Path]) -> dict[str, Path]:
 
 def _begun(log: Dataset) -> tuple[Dataset, list[Issue]]:
     """Cut a log to begin where every signal is known, as a simulation begins with all of them; and say what is cut."""
-    columns = {
-        f"{name}.{values['joint'].values[j]}" if values.ndim > 1 else str(name): column
-        for name, values in log.data_vars.items()
-        for j, column in enumerate(np.atleast_2d(values.transpose("time", ...).to_numpy().T))
-        if np.isfinite(column).any()
-    }
-    known = np.isfinite(np.stack(list(columns.values())))
+    channels = [channel for channel in checked_log(log, None).channels.values() if channel.known.size]
+    known = np.isfinite(np.stack([channel.values for channel in channels]))
     if known[:, 0].all() or not known.all(axis=0).any():
         return log, []
     first = int(np.argmax(known.all(axis=0)))
-    late = [name for name, row in zip(columns, known, strict=True) if not row[:first].all()]
+    late = [channel.name for channel, row in zip(channels, known, strict=True) if not row[:first].all()]
     left = float(log["time"][first])
     rest = log.isel(time=slice(first, None))
     rest = rest.assign_coords(time=("time", rest["time"].to_numpy() - left, log["time"].attrs))

@@ -18,7 +18,7 @@ LARGEST = 64  # items of an array that become columns; longer ones are images an
 CYCLE = "layflat_msgs/msg/Cycle"  # type of the messages of a rig's recorder
 
 
-def read_bag(path: Path) -> tuple[dict[str, Column], Header]:
+def read_bag(path: Path) -> tuple[dict[str, Column], Header | None]:
     """Columns "topic.field" of an MCAP file; times are seconds since the first message.
 
     Arrays become "topic.field.0" and so on, or go by name where `name` or `names` stands beside them, as in

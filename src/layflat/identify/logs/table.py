@@ -41,6 +41,8 @@ class Table:
 
 def read_table(path: str | Path) -> Table:
     """Read a log's file: .parquet, .nc, .mcap, and text for all else; raise InputError if it holds no numbers."""
+    from layflat.identify.logs import arrays, bag, text  # noqa: PLC0415  # they make tables of what they read
+
     path, right = Path(path), "give a CSV, Parquet, NetCDF or MCAP file"
     check_regular(path, str(path), right)
     try:
@@ -48,21 +50,16 @@ def read_table(path: str | Path) -> Table:
             sha256 = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
-    columns, clock = _read(path)
+    suffix = path.suffix.lower()
+    if suffix == ".mcap" or path.name.endswith(".mcap.part"):
+        columns, clock = bag.read_bag(path)
+    elif suffix in {".parquet", ".pq"}:
+        columns, clock = arranged(*arrays.read_parquet(path))
+    else:
+        columns, clock = arranged(*(arrays.read_netcdf if suffix in {".nc", ".nc4", ".h5"} else text.read_text)(path))
     if not any(np.isfinite(column.values).any() for column in columns.values()):
         raise InputError("holds no numbers", where=str(path), right="give a table of samples")
     return Table(path, sha256, columns, clock)
-
-
-def _read(path: Path) -> tuple[dict[str, Column], Header | None]:
-    from layflat.identify.logs import arrays, bag, text  # noqa: PLC0415  # they make tables of what they read
-
-    suffix = path.suffix.lower()
-    if suffix == ".mcap" or path.name.endswith(".mcap.part"):
-        return bag.read_bag(path)
-    if suffix in {".parquet", ".pq"}:
-        return arranged(*arrays.read_parquet(path))
-    return arranged(*(arrays.read_netcdf(path) if suffix in {".nc", ".nc4", ".h5"} else text.read_text(path)))
 
 
 def arranged(cells: dict[str, Cells], units: dict[str, str]) -> tuple[dict[str, Column], Header | None]:

@@ -57,11 +57,10 @@ class LoopModel(CurveModel[Machine]):
         described = self.candidates(values).joint[self.joint]
         hose_a = parameters.hose(described)
         hose_b = hose_a if described.acting == "double" else parameters.no_hose(hose_a)
-        offset: Any = self.columns(values).get(OFFSET, np.zeros(len(values)))
-        brake: Any = described.brake.torque
-        cases = [(TurnedJoint(hose_a, hose_b, brake, log.first - offset), log) for log in self.logs]
-        torques = simulated(turned_torque, len(values), cases, [log.angle.shape for log in self.logs])
-        return np.concatenate([torque + offset[:, None] for torque in torques], axis=1)
+        offset: Any = self.columns(values).get(OFFSET, 0.0)
+        joint = TurnedJoint(hose_a, hose_b, described.brake.torque, offset)
+        cases = [(joint, log) for log in self.logs]
+        return np.concatenate(simulated(turned_torque, len(values), cases, [one.shape for one in self.motions]), axis=1)
 
     def _unknowns(self) -> dict[str, list[Unknown]]:
         described: Joint = self.origin.joint[self.joint]

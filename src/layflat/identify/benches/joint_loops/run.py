@@ -13,12 +13,12 @@ from layflat.sim.slow import Slow, turned, unturned
 
 
 class TurnedJoint(NamedTuple):
-    """Both hoses, torque of the brake, and the torque that a log begins with (N m)."""
+    """Both hoses, torque of the brake, and what the sensor of the torque adds (N m)."""
 
     hose_a: Hose
     hose_b: Hose
     brake: float
-    first: float
+    offset: float
 
 
 class TurnedLog(NamedTuple):
@@ -37,13 +37,14 @@ class TurnedLog(NamedTuple):
 
 @kernel
 def turned_torque(joint, log, torque):
-    """Torque of a joint through a log, N m, into `torque`, (samples,)."""
+    """Torque of a joint through a log, as measured, N m, into `torque`, (samples,)."""
     hose_a, hose_b, brake = joint.hose_a, joint.hose_b, joint.brake
     q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
     slow = turned(unturned(hose_a, hose_b), hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
     a, b = loaded(hose_a.loss, p_a[0], 1.0), loaded(hose_b.loss, p_b[0], 1.0)
     held = brake * log.brake[0]
-    share = share_carried(slow.lossless - joint.first, total(torques(hose_a.loss, a) + torques(hose_b.loss, b)) + held)
+    wanted = slow.lossless - (log.first - joint.offset)
+    share = share_carried(wanted, total(torques(hose_a.loss, a) + torques(hose_b.loss, b)) + held)
     slow = Slow(1.0, loaded(hose_a.loss, p_a[0], share), loaded(hose_b.loss, p_b[0], share), 0.0, 0.0)
     held *= share
     for i in range(len(q)):
@@ -51,4 +52,4 @@ def turned_torque(joint, log, torque):
         slow = turned(slow, hose_a, hose_b, q[i], turn, p_a[i], p_b[i], 0.0)
         most = brake * log.brake[i]
         held = slip(held, most / log.give, most, turn)
-        torque[i] = slow.torque - held
+        torque[i] = slow.torque - held + joint.offset
