@@ -51,7 +51,7 @@ def write_drawings(design: JointDesign, folder: Path) -> list[Path]:
 
 
 def cam_sheet(design: JointDesign) -> Sheet:
-    """Draw the cam in its own frame: outline, bore, strap at both ends of the stroke, dimensions and notes."""
+    """Draw the cam in its own frame: outline, bore, strap at both ends, dimensions, notes; DesignError without one."""
     outline = _outline(design)
     points = outline.points * MM
     low, high = points.min(axis=0), points.max(axis=0)
@@ -72,7 +72,7 @@ def cam_sheet(design: JointDesign) -> Sheet:
 
 
 def layout_sheet(design: JointDesign) -> Sheet:
-    """Draw cylinder, shell, strap and cam of the left hose in the joint's frame, at three angles of the output."""
+    """Draw cylinder, shell, strap and cam of the left hose at three angles of the output; DesignError without a cam."""
     outline, joint = _outline(design), design.joint
     cam = outline.cam
     R = joint.cylinder.diameter / 2 * MM
