@@ -167,8 +167,7 @@ def choking(n):
 
 @law
 def _air_contents(gas, chamber, p, T, p_a):  # noqa: ARG001  (as all kinds of gas)
-    V = chamber.dead_volume
-    return energy(chamber, p, V, p_a), air_mass(chamber, p, T, V, p_a)
+    return energy(chamber, p, chamber.dead_volume, p_a), air_mass(chamber, p, T, chamber.dead_volume, p_a)
 
 
 @law
@@ -180,9 +179,8 @@ def _gas_contents(gas, chamber, p, T, p_a):  # noqa: ARG001
 
 @law
 def _air_state(gas, chamber, E, m, p_a):  # noqa: ARG001
-    V = chamber.dead_volume
-    p = pressure(chamber, E, V, p_a)
-    return p, temperature(chamber, p, m, V, p_a)
+    p = pressure(chamber, E, chamber.dead_volume, p_a)
+    return p, temperature(chamber, p, m, chamber.dead_volume, p_a)
 
 
 @law

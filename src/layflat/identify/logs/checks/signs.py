@@ -56,12 +56,11 @@ def _joint(joint: str | None, log: CheckedLog) -> Iterator[Issue]:
             yield Issue("error", angle.name, text, "turn one of them round with sign = -1")
     for hose in ("a", "b"):
         pressure, setpoint = log.of(f"pressure_{hose}", joint), log.of(f"setpoint_{hose}", joint)
-        if pressure is None or setpoint is None:
-            continue
-        drive = _drive(setpoint.values, pressure.values, log.period, None)
-        if drive is not None and drive < CLEAR:
-            text = f"falls when {setpoint.name} rises (correlation {drive:.2f})"
-            yield Issue("error", pressure.name, text, "swap hoses A and B of the pressures or of the set-points")
+        if pressure is not None and setpoint is not None:
+            drive = _drive(setpoint.values, pressure.values, log.period, None)
+            if drive is not None and drive < CLEAR:
+                text = f"falls when {setpoint.name} rises (correlation {drive:.2f})"
+                yield Issue("error", pressure.name, text, "swap hoses A and B of the pressures or of the set-points")
 
 
 def _turn(angle: Array, difference: Array, period: float) -> float:
