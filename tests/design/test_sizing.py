@@ -165,7 +165,9 @@ def test_a_cylinder_alone_finds_its_hose() -> None:
 
 def test_a_wrap_over_120_deg_is_warned_of() -> None:
     sized = size_joint(SizingRequest(25.0, radians(150), 4e5, wrap=radians(140)))
-    assert [f.rule for f in sized.findings if f.severity == "warning"] == ["wrap"]
+    warned = [f for f in sized.findings if f.severity == "warning"]
+    assert [f.rule for f in warned] == ["wrap"]
+    assert all(f.where.startswith("sized-joint.toml: joint.") for f in warned)
 
 
 def test_texts_with_units_make_the_same_request() -> None:

@@ -21,6 +21,7 @@ from layflat.design.summary import JointDesign, design_joint
 from layflat.errors import DesignError
 from layflat.files import write_text
 from layflat.machine import Joint, Machine, load
+from layflat.machine.loader import build, tables
 from layflat.machine.mass import part_masses
 
 MODEL = "paper-small-joint"  # the machine that a sized joint is laid over
@@ -100,7 +101,7 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     sized = SizedJoint(request, joint, cam.torque_constant, characteristic.swept_volume, mass)
     text = description(sized, model, MODEL)
     with TemporaryDirectory() as folder:
-        machine = load(write_text(Path(folder) / "sized.toml", text))
+        machine = build(*tables(write_text(Path(folder) / "sized.toml", text)), f"{request.name}.toml")
     design = design_joint(machine)
     if design.mean_torque < request.torque or design.stroke < request.stroke:
         what = f"came out at {design.mean_torque:.4g} N m over {degrees(design.stroke):.4g} deg"
