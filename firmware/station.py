@@ -16,7 +16,7 @@ All of its input and output is an object with
 import struct
 from math import pi, sin
 
-from frames import ASK, COMMAND, READING, TELL, Decoder, encode
+from frames import IDENTIFY, COMMAND, READING, IDENTITY, Decoder, encode
 
 RUNNING, CENTRED, DUMPED = 0, 1, 2
 STOPPED = 4
@@ -60,9 +60,9 @@ class Station:
 
     def answer(self, kind, sequence, payload):
         """Reply to a frame; what is old, or none of the host's, is passed over."""
-        if kind == ASK:
+        if kind == IDENTIFY:
             self.last = None
-            self.io.send(encode(TELL, sequence, self.identity()))
+            self.io.send(encode(IDENTITY, sequence, self.identity()))
         elif kind == COMMAND and self.obey(sequence, payload):
             self.output()
             self.io.send(encode(READING, sequence, self.reading()))

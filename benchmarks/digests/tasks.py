@@ -120,7 +120,8 @@ def tuning() -> Arrays:
     with TemporaryDirectory() as folder:
         found = begin("paper-small-joint", Path(folder), generations=2)
         found.seek()
-    return {"gains": [best.values for best in found.told], "costs": [best.cost for best in found.told]}
+    history = getattr(found, "history", None) or getattr(found, "told")  # noqa: B009  # as earlier revisions name it
+    return {"gains": [best.values for best in history], "costs": [best.cost for best in history]}
 
 
 def packing() -> Arrays:

@@ -48,12 +48,12 @@ def test_nothing_is_found_of_a_sound_rig(clock: type[VirtualClock]) -> None:
     found = quiet(ARM, VirtualRig(ARM), 60.0 / 3600.0, seed=3, clock=clock())
     assert found.moves > 20
     assert found.payloads > 5
-    assert found.trips == 0, found.told
+    assert found.trips == 0, found.messages
 
 
 def test_replies_that_take_long_are_no_fault_of_the_air() -> None:
     found = quiet(ARM, VirtualRig(ARM), 60.0 / 3600.0, seed=3, driver_of=SlowDriver)
-    assert found.trips == 0, found.told
+    assert found.trips == 0, found.messages
 
 
 def test_every_fault_is_found_over_the_wire_in_time_and_the_rig_is_made_safe() -> None:

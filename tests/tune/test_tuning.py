@@ -41,7 +41,7 @@ def test_what_is_written_is_what_was_found(bare: Path, tmp_path: Path) -> None:
     tuning.seek()
     tuned = tuning.keep()
     assert tuning.path == tmp_path / "deep" / "out" / "bare-tuned.toml"
-    assert np.allclose(values_of(tuned, tuning.knobs), tuning.told[-1].values, rtol=1e-12)
+    assert np.allclose(values_of(tuned, tuning.knobs), tuning.history[-1].values, rtol=1e-12)
     assert tuned == load(tuning.path)
     assert tuned.joint["small"].gains is not None
     assert tuned.joint["small"].gains.integral_limit == pytest.approx(0.4 * tuned.valve.volts_to_full)  # type: ignore[union-attr]
@@ -72,9 +72,9 @@ def test_an_interrupted_search_keeps_the_best_so_far(bare: Path, tmp_path: Path)
     tuning = begin(str(bare), tmp_path / "out", generations=50)
     tuning.seek(three)
     assert tuning.stopped
-    assert len(tuning.told) == 4
+    assert len(tuning.history) == 4
     assert "stopped after 3" in tuning.command
-    assert np.allclose(values_of(tuning.keep(), tuning.knobs), tuning.told[-1].values)
+    assert np.allclose(values_of(tuning.keep(), tuning.knobs), tuning.history[-1].values)
 
 
 def test_an_interruption_before_the_beginning_goes_on(
@@ -109,7 +109,7 @@ class Page(HTMLParser):
 
 def told(tuning: Tuning) -> Tuning:
     knobs = len(tuning.machine.joints)
-    tuning.told += [Found(neutral_gains(knobs), 3.0, 0), Found(neutral_gains(knobs), 2.5, 1)]
+    tuning.history += [Found(neutral_gains(knobs), 3.0, 0), Found(neutral_gains(knobs), 2.5, 1)]
     return tuning
 
 

@@ -93,25 +93,25 @@ def _tried(
         ProcessPoolExecutor(2, mp_context=context) as pool,
         Progress(*columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as progress,
     ):
-        told: Queue[Any] = manager.Queue()
+        done: Queue[Any] = manager.Queue()
         bars = {name: progress.add_task(f"faults, {name}", total=trials) for name in protocols}
         jobs: dict[str, Future[Any]] = {
-            name: pool.submit(campaign, machine, name, instants, seed, told) for name in protocols
+            name: pool.submit(campaign, machine, name, instants, seed, done) for name in protocols
         }
         if hours > 0.0:
             bars["quiet"] = progress.add_task("moves without a fault", total=1.0)
-            jobs["quiet"] = pool.submit(stay_quiet, machine, hours, seed, told)
+            jobs["quiet"] = pool.submit(stay_quiet, machine, hours, seed, done)
         left = set(jobs.values())
         while left:
             _, left = wait(left, timeout=0.2, return_when=FIRST_COMPLETED)
-            while not told.empty():
-                name, share = told.get()
+            while not done.empty():
+                name, share = done.get()
                 progress.update(bars[name], completed=share)
         results = {name: job.result() for name, job in jobs.items()}
     return {name: results[name] for name in protocols}, results.get("quiet")
 
 
-def campaign(machine: Machine, protocol: str, instants: int, seed: int, told: Queue[Any]) -> list[Outcome]:
+def campaign(machine: Machine, protocol: str, instants: int, seed: int, done: Queue[Any]) -> list[Outcome]:
     """All trials over a protocol; the device is in another process, in step with this one."""
     from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
     from layflat.machine import changed  # noqa: PLC0415
@@ -127,16 +127,16 @@ def campaign(machine: Machine, protocol: str, instants: int, seed: int, told: Qu
         rig = TrialRig(patient, device, driver_of(device.address, patient))
         for outcome in trials(rig, instants, seed):
             outcomes.append(outcome)
-            told.put((protocol, len(outcomes)))
+            done.put((protocol, len(outcomes)))
     return outcomes
 
 
-def stay_quiet(machine: Machine, hours: float, seed: int, told: Queue[Any]) -> SoakResult:
+def stay_quiet(machine: Machine, hours: float, seed: int, done: Queue[Any]) -> SoakResult:
     """Random moves of a sound rig, with the device in the same process."""
     from layflat.cli.virtual_rig import VirtualRig  # noqa: PLC0415
     from layflat.rig.trials.soak import quiet  # noqa: PLC0415
 
-    return quiet(machine, VirtualRig(machine, seed), hours, seed, lambda share: told.put(("quiet", share)))
+    return quiet(machine, VirtualRig(machine, seed), hours, seed, lambda share: done.put(("quiet", share)))
 
 
 def _print(judged: dict[str, dict[str, dict[str, float | int]]], found: SoakResult | None) -> None:

@@ -44,7 +44,7 @@ def tune(
     with steps_bar("generations", tuning.generations) as advance:
         tuning.seek(lambda best, done, name: advance(done, now=f"{name or 'first gains'}: best cost {best.cost:.2f} s"))
     tuned = tuning.keep()
-    done = f"{len(tuning.told) - 1} of {tuning.generations} generations in {tuning.seconds:.1f} s"
+    done = f"{len(tuning.history) - 1} of {tuning.generations} generations in {tuning.seconds:.1f} s"
     typer.echo(f"{done}\nwrote {tuning.path}")
     before = validate(tuning.base) if tuning.has_gains else None
     after = validate(tuned)

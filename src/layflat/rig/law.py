@@ -39,7 +39,7 @@ class ArmLaw:
         self.report = NamedRows([blank(self.kind.report)] * len(nothing))
         self.layout = Layout.of(machine)  # of the rows that a loop with it records
         # Columns of its report that stand in these rows.
-        self.told = np.array([i for i, name in enumerate(self.kind.signals) if name in dict(self.layout.law)])
+        self.recorded = np.array([i for i, name in enumerate(self.kind.signals) if name in dict(self.layout.law)])
 
     def wake(self, angles: Sequence[float], pressures: Sequence[float]) -> None:
         """Let it begin at these measurements, rad and Pa, (joints,)."""

@@ -58,7 +58,7 @@ def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after:
         title=tuning.base.title,
         version=layflat.__version__,
         command=tuning.command,
-        generations=len(tuning.told) - 1,
+        generations=len(tuning.history) - 1,
         seconds=f"{tuning.seconds:.1f}",
         kept=tuning.kept,
         file=tuning.path.name,
@@ -112,7 +112,7 @@ def _drawn(tuning: Tuning, before: Validation | None, after: Validation) -> list
             "cost",
             "The search.",
             "Cost of the best gains so far, by a panel of conditions that stays the same.",
-            to_svg(cost_history([found.cost for found in tuning.told], tuning.begun)),
+            to_svg(cost_history([found.cost for found in tuning.history], tuning.begun)),
         ),
     ]
 

@@ -37,7 +37,7 @@ class Tuning:
     asked: int | None  # generations, where they were given
     parts: list[Part]  # what is looked for, in order
     path: Path  # where the tuned description is put
-    told: list[Found] = field(default_factory=list)  # the best after every generation, the start first
+    history: list[Found] = field(default_factory=list)  # the best after every generation, the start first
     seconds: float = 0.0  # that the search took, compilation not counted
     stopped: bool = False
     kept: bool = False  # whether the gains that were there stay, since none better were found
@@ -58,7 +58,7 @@ class Tuning:
         found: dict[str, int] = {}
         done = 0
         for part in self.parts:
-            if done < len(self.told):
+            if done < len(self.history):
                 found.setdefault(part.name.partition(",")[0], done)
             done += sum(stage.generations for stage in part.stages)
         return found
@@ -74,7 +74,7 @@ class Tuning:
         words = f"layflat tune {self.given} --method {self.method} --seed {self.seed}"
         words += f" --from {self.start}" if self.start != STARTS[0] else ""
         words += f" --generations {self.generations}" if self.asked is not None else ""
-        return words + (f", stopped after {len(self.told) - 1} generations" if self.stopped else "")
+        return words + (f", stopped after {len(self.history) - 1} generations" if self.stopped else "")
 
     def seek(self, progress: Progress = lambda *_: None) -> None:
         """Search until the end, or until Ctrl-C: the best so far counts then, if there is any."""
@@ -82,9 +82,9 @@ class Tuning:
 
         def tell(best: Found, done: int, name: str) -> None:
             nonlocal begun
-            if not self.told:
+            if not self.history:
                 begun = time.perf_counter()
-            self.told.append(best)
+            self.history.append(best)
             self.seconds = time.perf_counter() - begun
             progress(best, done, name)
 
@@ -94,13 +94,13 @@ class Tuning:
         try:
             search(self.machine, self.knobs, first, self.parts, seed=self.seed, progress=tell)
         except KeyboardInterrupt:
-            if not self.told:
+            if not self.history:
                 raise
             self.stopped = True
 
     def keep(self) -> Machine:
         """Write the best gains and load them; where none better were found, those that were there stand as they do."""
-        best, texts, sources = self.told[-1], dict[str, str](), dict[str, Provenance]()
+        best, texts, sources = self.history[-1], dict[str, str](), dict[str, Provenance]()
         self.kept = self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base))[0] <= best.cost
         if not self.kept:
             for knob, value in zip(self.knobs, best.values, strict=True):

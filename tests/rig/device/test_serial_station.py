@@ -24,7 +24,7 @@ async def said(path: str, *pieces: bytes) -> list[frames.Frame]:
     """What comes back, in frames, until a last question is answered."""
     file = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     decoder, found = frames.Decoder(), list[frames.Frame]()
-    for piece in (*pieces, frames.encode(frames.ASK, FENCE, b"")):
+    for piece in (*pieces, frames.encode(frames.IDENTIFY, FENCE, b"")):
         os.write(file, piece)
         await asyncio.sleep(1e-3)
     while not found or found[-1].sequence != FENCE:
@@ -41,7 +41,7 @@ def test_it_answers_whole_frames_alone_and_each_command_once(tmp_path: Path) -> 
         station = SerialStation(device, ARM)
         path = station.listen(tmp_path / "rig")
         command = frames.encode(frames.COMMAND, 9, SAFE)
-        assert [frame.kind for frame in await said(path, frames.encode(frames.ASK, 3, b""))] == [frames.TELL]
+        assert [frame.kind for frame in await said(path, frames.encode(frames.IDENTIFY, 3, b""))] == [frames.IDENTITY]
         (answer,) = await said(path, b"rubbish" + command[:5], command[:9], command[9:], command, command)
         assert answer == (frames.READING, 9, frames.as_bytes(WIRE.reading_words(device.reading())))
         assert len(device.obeyed) == 1

@@ -125,8 +125,8 @@ def _array(values: list[float]) -> Any:
 
 
 def test_it_says_what_the_machines_file_says() -> None:
-    (told,) = OpenLoopRig().exchange(frames.encode(frames.ASK, 77, b""))
-    assert (told.kind, told.sequence) == (frames.TELL, 77)
+    (told,) = OpenLoopRig().exchange(frames.encode(frames.IDENTIFY, 77, b""))
+    assert (told.kind, told.sequence) == (frames.IDENTITY, 77)
     found = Identity.from_words(frames.as_words(told.payload))
     found.check(ARM, "here")
     assert found == Identity.of(ARM)._replace(shortest_cycle=SETTINGS.SHORTEST_CYCLE)
@@ -242,7 +242,7 @@ def test_commands_that_come_again_late_or_broken_are_not_obeyed() -> None:
 def test_who_asks_may_begin_with_any_number() -> None:
     bench = OpenLoopRig()
     bench.start()
-    bench.exchange(frames.encode(frames.ASK, 0, b""))
+    bench.exchange(frames.encode(frames.IDENTIFY, 0, b""))
     bench.sequence -= 200
     assert bench.say([5.0, 5.0]).device is DeviceState.RUNNING
 

@@ -60,7 +60,7 @@ def log_of(path: Path, made: NDArray[np.float64], events: list[Event] | None = N
         bag = Bag(file, HEADING, BEGIN, chunked=chunked)
         bag.add(made)
         for event in events or []:
-            bag.tell(event)
+            bag.write_event(event)
         if chunked:
             bag.finish()
     return path

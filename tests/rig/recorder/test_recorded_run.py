@@ -48,8 +48,8 @@ def recorded(simulated: xarray.Dataset, tmp_path_factory: pytest.TempPathFactory
     with path.open("wb") as file:
         bag = Bag(file, heading, BEGIN, chunked=True)
         bag.add(np.delete(made, [200, 201], axis=0))
-        bag.tell(Event(0.75, Level.ERROR, "following error"))
-        bag.tell(Event(1.2, Level.INFO, "reset"))
+        bag.write_event(Event(0.75, Level.ERROR, "following error"))
+        bag.write_event(Event(1.2, Level.INFO, "reset"))
         bag.finish()
     return path
 

@@ -162,7 +162,7 @@ def test_when_memory_runs_out_on_a_full_disk_cycles_are_left_out_and_counted(
 def test_events_come_with_the_rows_and_what_did_not_fit_is_told(recorder: Recorder, ring: Ring, tmp_path: Path) -> None:
     for row in np.repeat(rows(1), 5000, axis=0):
         ring.push(row)
-    ring.tell(Event(0.0, Level.ERROR, "over-pressure"))
+    ring.put_event(Event(0.0, Level.ERROR, "over-pressure"))
     ring.end()
     recorder.run()
     log = read_recording(tmp_path / "run.mcap")

@@ -28,7 +28,7 @@ def grown() -> bytes:
     stream = BytesIO()
     bag = Bag(stream, HEADING, BEGIN, chunked=False)
     bag.add(rows(8))
-    bag.tell(Event(0.02, Level.WARN, "supply lost"))
+    bag.write_event(Event(0.02, Level.WARN, "supply lost"))
     return stream.getvalue()
 
 

@@ -46,7 +46,7 @@ def test_both_sides_see_the_same(ring: Ring) -> None:
     other = Ring.attach(ring.path)
     assert other.head.width == LAYOUT.width
     ring.push(rows(1)[0])
-    ring.tell(Event(0.5, Level.WARN, "supply lost"))
+    ring.put_event(Event(0.5, Level.WARN, "supply lost"))
     ring.end()
     assert np.array_equal(other.take(), rows(1))
     assert other.take_events() == [Event(0.5, Level.WARN, "supply lost")]
@@ -71,7 +71,7 @@ def test_a_recorder_is_alive_for_a_second_after_its_last_sign(ring: Ring) -> Non
 
 def test_events_without_room_are_counted_and_long_ones_cut_between_characters(ring: Ring) -> None:
     text = "x" * (TEXT - 1) + "é and more"
-    assert [ring.tell(Event(0.0, Level.INFO, text)) for _ in range(5)] == [True] * 4 + [False]
+    assert [ring.put_event(Event(0.0, Level.INFO, text)) for _ in range(5)] == [True] * 4 + [False]
     assert ring.head.events.dropped == 1
     assert {event.text for event in ring.take_events()} == {"x" * (TEXT - 1)}
 
@@ -80,11 +80,11 @@ def test_memory_outlives_those_who_join(ring: Ring) -> None:
     """Python's own shared memory is removed by the resource tracker of any process that dies."""
     join = (
         "import sys, time; from pathlib import Path; from layflat.rig.recorder.ring import Ring\n"
-        "ring = Ring.attach(Path(sys.argv[1])); ring.tell(ring.take_events()[0]); "
+        "ring = Ring.attach(Path(sys.argv[1])); ring.put_event(ring.take_events()[0]); "
         "print('in', flush=True); time.sleep(float(sys.argv[2]))"
     )
     for wait, end in (("0", 0), ("60", -signal.SIGKILL)):
-        ring.tell(Event(1.0, Level.INFO, "hello"))
+        ring.put_event(Event(1.0, Level.INFO, "hello"))
         with subprocess.Popen([sys.executable, "-c", join, str(ring.path), wait], stdout=subprocess.PIPE) as child:
             assert child.stdout is not None
             assert child.stdout.readline() == b"in\n"

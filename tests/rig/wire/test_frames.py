@@ -19,7 +19,7 @@ from layflat.rig.wire.content import WireError
 SIDES = {"host": host, "firmware": firmware("frames")}
 BOTH = [(one, other) for one in SIDES for other in SIDES]
 
-kinds = st.sampled_from([host.ASK, host.COMMAND, host.TELL, host.READING])
+kinds = st.sampled_from([host.IDENTIFY, host.COMMAND, host.IDENTITY, host.READING])
 messages = st.tuples(kinds, st.integers(0, 0xFFFF), st.binary(max_size=60))
 Message = tuple[int, int, bytes]
 

@@ -63,8 +63,8 @@ class SerialStation(Station):
     def _answer(self, frame: frames.Frame) -> None:
         spoil = self.device.link.next()
         try:
-            if frame.kind == frames.ASK:
-                kind, words = frames.TELL, self._identify()
+            if frame.kind == frames.IDENTIFY:
+                kind, words = frames.IDENTITY, self._identify()
             elif frame.kind == frames.COMMAND and self._obey(frame.sequence, frames.as_words(frame.payload)):
                 kind, words = frames.READING, self._read()
             else:

@@ -44,8 +44,8 @@ class SerialDriver(LinkedDriver):
         for _ in range(ASKED):
             self._sequence = following(self._sequence)
             with suppress(LinkError):
-                told = self._ask(self._sequence, frames.ASK, [], frames.TELL, WAIT)
-                return Identity.from_words(told)
+                words = self._ask(self._sequence, frames.IDENTIFY, [], frames.IDENTITY, WAIT)
+                return Identity.from_words(words)
         what = "answers, but not in frames" if self._decoder.bad else "does not answer"
         raise self._error(what, "see that the firmware runs, and that interface.serial.baud fits")
 

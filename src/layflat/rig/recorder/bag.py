@@ -78,7 +78,7 @@ class Bag:
             self._writer.add_message(self._cycle, stamp, cycle, stamp)
             self._writer.add_message(self._state, stamp, state, stamp)
 
-    def tell(self, event: Event) -> None:
+    def write_event(self, event: Event) -> None:
         """Add an event."""
         stamp = self.begin + round(event.time * SECOND)
         self._writer.add_message(self._events, stamp, encoded_event(stamp, event), stamp)

@@ -15,7 +15,7 @@ from layflat.rig.recorder.ring import Event, Level
 from layflat.rig.safety.faults import Fault, Reaction
 
 BEFORE, AFTER = 10.0, 2.0  # s around a fault that are kept
-MILD = max(fault for fault in Fault if fault.reaction is Reaction.TELL)  # up to this one faults make no file
+MILD = max(fault for fault in Fault if fault.reaction is Reaction.WARN)  # up to this one faults make no file
 MOST = 100  # files that one log gets
 
 
@@ -90,7 +90,7 @@ class BlackBox:
             with temporary.open("wb") as file:
                 bag = Bag(file, self._heading, begin, chunked=True)
                 for event in events:
-                    bag.tell(event)
+                    bag.write_event(event)
                 bag.add(rows)
                 bag.finish()
             synced(temporary)

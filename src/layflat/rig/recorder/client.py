@@ -12,7 +12,7 @@ from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.safety.faults import Fault, Reaction
 
 # How much a cycle's events matter, by its worst fault.
-LEVELS = [Level.INFO, *(Level.WARN if fault.reaction is Reaction.TELL else Level.ERROR for fault in list(Fault)[1:])]
+LEVELS = [Level.INFO, *(Level.WARN if fault.reaction is Reaction.WARN else Level.ERROR for fault in list(Fault)[1:])]
 TIME, FAULT = (list(SHARED).index(name) for name in ("time", "fault"))
 CHANGE = " -> "  # in the line of a change of state
 STARTS_WITHIN = 30.0  # a recorder has to be there by then, s
@@ -45,7 +45,7 @@ class RecorderClient(Recorder):
         A change of state beside a fault that is only told matters no more than any other.
         """
         mild = CHANGE in text and self._level is Level.WARN
-        self._ring.tell(Event(self._time, Level.INFO if mild else self._level, text))
+        self._ring.put_event(Event(self._time, Level.INFO if mild else self._level, text))
 
     def alive(self) -> bool:
         """Whether rows reach the disk."""

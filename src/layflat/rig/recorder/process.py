@@ -104,13 +104,13 @@ class Recorder:
         if self._file.room:
             self._bag.add(rows)
             for event in events:
-                self._bag.tell(event)
+                self._bag.write_event(event)
         self._file.flush()
         self._ring.beat(RecorderState.STUCK if self._file.trouble else RecorderState.RECORDING)
         self._box.keep(rows, events)
         told = self._box.work(self._bag.begin)
         if told is not None:
-            self._bag.tell(told)
+            self._bag.write_event(told)
 
     def _noticed(self, rows: int) -> list[Event]:
         """What is to be told of the recording itself."""
@@ -139,7 +139,7 @@ class Recorder:
             self._ring.beat(RecorderState.DONE)
             return
         for event in self._box.end(bag.begin):
-            bag.tell(event)
+            bag.write_event(event)
         give_up = time.monotonic() + PATIENCE
         self._file.flush()
         while self._file.trouble and time.monotonic() < give_up:

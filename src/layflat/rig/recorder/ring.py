@@ -149,7 +149,7 @@ class Ring:
         self.head.loop_beat = time.monotonic_ns()
         return self._rows.put(row)
 
-    def tell(self, event: Event) -> bool:
+    def put_event(self, event: Event) -> bool:
         """Hand over an event, its text cut between two characters; False if there was no room."""
         text = event.text.encode()[:TEXT].decode(errors="ignore").encode()
         return self._events.put((event.time, event.level, text))

@@ -127,7 +127,7 @@ class Core:
     def record(self, rows: Array) -> None:
         """Write what is known of each joint, as in `record.Layout` and without faults, (joints, numbers)."""
         assert self.law is not None  # who asks has given one
-        compiled.record(rows, self._given, self.memory.array, self.law.report.array, self.law.told)
+        compiled.record(rows, self._given, self.memory.array, self.law.report.array, self.law.recorded)
 
     @property
     def lead(self) -> float:

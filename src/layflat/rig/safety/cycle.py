@@ -230,7 +230,7 @@ def gate(rig_numbers, memory):
 
 
 @kernel
-def record(rows, given, memory, report, told):
+def record(rows, given, memory, report, recorded):
     """Write what is known of each joint after a cycle into its part of a row (see `rig.record.Layout`), without faults.
 
     Args: `given` and `memory` as of `judge`; what the control law reports, a row a joint, and which columns of it are
@@ -239,9 +239,9 @@ def record(rows, given, memory, report, told):
     for j in range(len(rows)):
         came, after = read_numbers(JOINT, given[j]), read_numbers(MEMORY, memory[j])
         write_numbers(rows[j], Known(after.demand.demand, after.voltage, came.angle, came.pressure, after.estimate))
-        for k in range(len(told)):
-            rows[j, KNOWN + k] = report[j, told[k]]
-        rows[j, KNOWN + len(told)] = 0.0
+        for k in range(len(recorded)):
+            rows[j, KNOWN + k] = report[j, recorded[k]]
+        rows[j, KNOWN + len(recorded)] = 0.0
 
 
 _known: dict[str, Callable[..., int]] = {}
@@ -285,9 +285,9 @@ def _cycle(arm_like, settings_like, memory_like, nothing):
             before = read_numbers(memory_like, law_memory)
             if now.wake > 0.0:
                 before = in_lanes(wake(own, sensed), 0.0)
-            after, command, told = step(own, before, sensed, demand, now.elapsed)
+            after, command, signals = step(own, before, sensed, demand, now.elapsed)
             write_numbers(law_memory, in_lanes(after, 0.0))
-            voltages, rows = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(told, 0.0))
+            voltages, rows = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(signals, 0.0))
             shifts = slots(in_lanes(centre_shift(own, after, nothing), 0.0))
             for j in range(n):
                 memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltages[j], shifts[j]

@@ -8,7 +8,7 @@ from typing import Self
 class Reaction(IntEnum):
     """What a fault leads to, mildest first."""
 
-    TELL = 0  # LoopMessage, and no more
+    WARN = 0  # a message, and no more
     HOLD = 1  # the joints are held where they are, with air
     STOP = 2  # held, then depressurised
     VENT_JOINT = 3  # air off; the faulty joint's valve is opened to one end, the others are centred
@@ -30,7 +30,7 @@ class Fault(IntEnum):
     cycles: int  # found in so many control cycles, where seconds do not count
 
     def __new__(
-        cls, number: int, title: str = "", reaction: Reaction = Reaction.TELL, latched: bool = False,
+        cls, number: int, title: str = "", reaction: Reaction = Reaction.WARN, latched: bool = False,
         seconds: float = 0.0, cycles: int = 1,
     ) -> Self:  # fmt: skip
         """Make a row of the table."""
@@ -41,11 +41,11 @@ class Fault(IntEnum):
         return fault
 
     NONE = 0
-    RECORDER_DEAD = 1, "recorder dead: no new start", Reaction.TELL, False, 1.0
-    DEMAND_LIMITED = 2, "demand too fast: limited", Reaction.TELL, False
-    DEMAND_REFUSED = 3, "demand outside the working stroke: refused", Reaction.TELL, False
-    CYCLE_MISSED = 4, "a cycle came too late and was left out", Reaction.TELL, False
-    REPLY_LOST = 5, "a reply was lost", Reaction.TELL, False
+    RECORDER_DEAD = 1, "recorder dead: no new start", Reaction.WARN, False, 1.0
+    DEMAND_LIMITED = 2, "demand too fast: limited", Reaction.WARN, False
+    DEMAND_REFUSED = 3, "demand outside the working stroke: refused", Reaction.WARN, False
+    CYCLE_MISSED = 4, "a cycle came too late and was left out", Reaction.WARN, False
+    REPLY_LOST = 5, "a reply was lost", Reaction.WARN, False
     FOLLOWING_ERROR = 6, "following error", Reaction.HOLD, True, 0.1
     BAD_COMMAND = 7, "command not a number or out of range: refused", Reaction.HOLD, True
     DEVICE_CENTRED = 8, "the device heard nothing and centred the valves", Reaction.HOLD, True
@@ -84,7 +84,7 @@ class Ledger:
         """A reset: nothing is latched any more."""
         self.latched = Fault.NONE  # the worst that stays until a reset
         self.joints = [Fault.NONE] * len(self._names)  # the worst of each joint that stays until a reset
-        self.reaction = Reaction.TELL  # the worst that the latched faults ask for
+        self.reaction = Reaction.WARN  # the worst that the latched faults ask for
 
     @property
     def worst(self) -> Fault:

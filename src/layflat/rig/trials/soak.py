@@ -27,7 +27,7 @@ class SoakResult:
     hours: float
     moves: int = 0
     payloads: int = 0
-    told: list[str] = field(default_factory=list)  # what was said that should not have been
+    messages: list[str] = field(default_factory=list)  # what was said that should not have been
     trips: int = 0  # how often the rig was held or vented for nothing
 
 
@@ -66,8 +66,8 @@ def quiet(
         loop.cycle()
         if before is not State.FAULT:
             found.trips += supervisor.state is State.FAULT
-            if supervisor.ledger.now and supervisor.ledger.reaction > Reaction.TELL:
-                found.told.append(f"{now / SECOND:.2f} s: {supervisor.ledger.now.name}")
+            if supervisor.ledger.now and supervisor.ledger.reaction > Reaction.WARN:
+                found.messages.append(f"{now / SECOND:.2f} s: {supervisor.ledger.now.name}")
         if progress is not None and now - shown > SECOND:
             shown = now
             progress(now / end)

@@ -18,8 +18,8 @@ HEAD = struct.Struct(">BBH")
 CHECK = struct.Struct(">I")
 LONGEST = 254  # bytes of a frame between its zeros; what grows longer is none
 
-ASK, COMMAND = 0x01, 0x02
-TELL, READING = 0x81, 0x82  # kinds; the device's have the high bit, so that nobody takes an echo for an answer
+IDENTIFY, COMMAND = 0x01, 0x02
+IDENTITY, READING = 0x81, 0x82  # kinds; the device's have the high bit, so that nobody takes an echo for an answer
 
 
 class Frame(NamedTuple):
