@@ -29,7 +29,7 @@ questions: $(READY)  ## the same with the paper's open questions, studies of tho
 
 test: $(READY)  ## run the tests: side by side, those in real time alone, and the laws' own without compiler
 	$(BIN)/python -m pytest -n 2 --dist loadscope -m "not realtime"
-	$(BIN)/python -m pytest -m realtime
+	$(BIN)/python -m pytest -m realtime $$(grep -rl --include='*.py' mark.realtime tests)
 	NUMBA_DISABLE_JIT=1 $(BIN)/python -m pytest -n 2 --dist loadscope tests/physics tests/control $(BENCH_LAWS)
 
 lint: $(READY)  ## style, types, import contracts

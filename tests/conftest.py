@@ -1,3 +1,4 @@
+import signal
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ settings.load_profile("layflat")
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "compiled: far too slow without the JIT")
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # what runs in the background hands on that it is ignored
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -127,7 +127,6 @@ def test_a_value_that_hits_its_bound_is_reported_and_marked(bench: Path) -> None
 def test_an_interrupt_keeps_the_best_values_so_far(bench: Path) -> None:
     interrupted = (
         "import os, signal; from scipy import optimize; from layflat.cli import main; whole = optimize.least_squares\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # a shell's background ignores it
         "def search(residuals, *args, **options):\n"
         "    residuals(args[0])\n"
         "    os.kill(os.getpid(), signal.SIGINT)\n"

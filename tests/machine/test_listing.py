@@ -28,15 +28,19 @@ def test_listing_leaves_out_joints_that_the_arm_does_not_use() -> None:
     assert not any(line.path.startswith("joint.large") for line in listing(*tables("paper-small-joint")))
 
 
+@pytest.fixture(scope="module")
+def schema() -> jsonschema.Draft202012Validator:
+    made = json.loads(schema_text())
+    jsonschema.Draft202012Validator.check_schema(made)
+    return jsonschema.Draft202012Validator(made)
+
+
 @pytest.mark.parametrize("name", names())
-def test_built_in_files_satisfy_the_schema(name: str) -> None:
-    schema = json.loads(schema_text())
-    jsonschema.Draft202012Validator.check_schema(schema)
-    jsonschema.validate(tomllib.loads((BUILT_IN / f"{name}.toml").read_text(encoding="utf-8")), schema)
+def test_built_in_files_satisfy_the_schema(name: str, schema: jsonschema.Draft202012Validator) -> None:
+    schema.validate(tomllib.loads((BUILT_IN / f"{name}.toml").read_text(encoding="utf-8")))
 
 
-def test_schema_refuses_unknown_keys_and_bare_numbers() -> None:
-    validator = jsonschema.Draft202012Validator(json.loads(schema_text()))
-    assert not validator.is_valid({"supply": {"pressure": "4 bar"}})
-    assert not validator.is_valid({"joint": {"a": {"hose": {"width": 160}}}})
-    assert validator.is_valid({"joint": {"a": {"hose": {"width": "160 mm"}}}})
+def test_schema_refuses_unknown_keys_and_bare_numbers(schema: jsonschema.Draft202012Validator) -> None:
+    assert not schema.is_valid({"supply": {"pressure": "4 bar"}})
+    assert not schema.is_valid({"joint": {"a": {"hose": {"width": 160}}}})
+    assert schema.is_valid({"joint": {"a": {"hose": {"width": "160 mm"}}}})

@@ -16,8 +16,6 @@ from layflat.machine import load
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session
 
-pytestmark = pytest.mark.realtime
-
 ARM = load("paper-arm")
 
 
@@ -33,6 +31,7 @@ def state(rig: Session) -> State | None:
     return shot.state if shot is not None else None
 
 
+@pytest.mark.realtime
 def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
     recorder = partial(drivers.LineRecorder, tmp_path / "lines")
     with Session(ARM, drivers.simulated, recorder) as rig:
@@ -81,6 +80,7 @@ def host(pipe: object) -> None:
     time.sleep(60.0)
 
 
+@pytest.mark.realtime
 def test_a_host_that_is_killed_leaves_a_loop_that_vents_and_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -108,6 +108,7 @@ def broken_host(lines: Path) -> None:
     raise SystemExit(3)
 
 
+@pytest.mark.realtime
 def test_a_host_that_ends_without_closing_lets_the_loop_vent_and_ends_itself(tmp_path: Path) -> None:
     process = multiprocessing.get_context("spawn").Process(target=broken_host, args=(tmp_path / "lines",))
     process.start()

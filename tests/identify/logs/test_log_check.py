@@ -111,19 +111,20 @@ def test_an_angle_in_another_unit_than_its_demand(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("plan", "columns", "channel", "expected"),
+    ("plan", "column", "change", "channel", "expected"),
     [
-        (mapping(), changed(recorded(), "theta", np.negative), "angle.small", "turn it round with sign = -1"),
-        (mapping("valve", "ref"), changed(recorded(), "theta", np.negative), "angle.small", "or swap hoses A and B"),
-        (mapping(), changed(recorded(), "valve", lambda x: 10.0 - x), "voltage.small", "turn it round with sign = -1"),
-        (mapping(pA={"signal": "pressure_b"}, pB={"signal": "pressure_a"}), recorded(), "pressure_a.small and",
-         "rise when the voltage falls, and the joint turns against them"),
-        (mapping(), changed(recorded(), "ref", np.negative), "angle.small", "goes against demand.small"),
+        (mapping(), "theta", np.negative, "angle.small", "turn it round with sign = -1"),
+        (mapping("valve", "ref"), "theta", np.negative, "angle.small", "or swap hoses A and B"),
+        (mapping(), "valve", lambda x: 10.0 - x, "voltage.small", "turn it round with sign = -1"),
+        (mapping(pA={"signal": "pressure_b"}, pB={"signal": "pressure_a"}), "theta", np.copy,
+         "pressure_a.small and", "rise when the voltage falls, and the joint turns against them"),
+        (mapping(), "ref", np.negative, "angle.small", "goes against demand.small"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("known", [True, False])
-def test_signs(tmp_path: Path, plan: Any, columns: dict[str, Array], channel: str, expected: str, known: bool) -> None:
-    assert expected in told(checked(tmp_path, columns, plan, known=known), "error", channel)
+def test_signs(tmp_path: Path, plan: Any, column: str, change: Any, channel: str, expected: str, known: bool) -> None:
+    issues = checked(tmp_path, changed(recorded(), column, change), plan, known=known)
+    assert expected in told(issues, "error", channel)
 
 
 def test_swapped_set_points(tmp_path: Path) -> None:
