@@ -115,6 +115,17 @@ def test_a_tutorials_first_command_works_in_a_shell(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_the_readmes_ten_lines_give_numbers_and_a_picture(tmp_path: Path) -> None:
+    (code,) = blocks(ROOT / "README.md", "python")
+    environment = os.environ | {"MPLBACKEND": "agg"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.fullmatch(r"large: settled in .* s\nsmall: settled in .* s\nair: .* normal litres\n", done.stdout)
+    assert [path.name for path in tmp_path.iterdir()] == ["angles.png"]
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_links_lead_somewhere(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#\s]+)", page.read_text(encoding="utf-8")):
