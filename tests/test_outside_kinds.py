@@ -30,6 +30,7 @@ DESCRIBED = {
         'leakage = "0.008 dm^3/(s bar)"\ncentre_voltage = "5 V"\nvolts_to_full = "5 V"'
     ),
     "viscous": (f'[joint.small.losses]\nkind = "viscous"\nvelocity = "2 rad/s"\n{LOSSES}'),
+    "fading": ('[joint.small.friction]\nkind = "fading"\nspeed = "20 rad/s"'),
     "sprung_arm": (
         '[arm]\nkind = "sprung"\njoints = ["small"]\npayload = "1 kg"\nspring = "0.1 N m/deg"\n'
         'gravity = "0 m/s^2"\ngravity_direction = "0 deg"'
@@ -88,6 +89,7 @@ OWN_NUMBERS = {
     "relay": "controller.level",
     "quick_valve": "valve.conductance",
     "viscous": "joint.small.losses.velocity",
+    "fading": "joint.small.friction.speed",
     "sprung_arm": "arm.spring",
 }
 
@@ -156,6 +158,12 @@ def test_viscous_losses_vanish_when_slow_and_a_spring_draws_back(examples: Path)
     assert slow.hysteresis == pytest.approx(0.0, abs=1e-12)
     run = rollout(load(examples / "sprung_arm.toml"), "0 deg", start="20 deg", opening=0.0, brake=0.0, duration="1 s")
     assert run["angle"][-1, 0] < np.radians(18.0)
+
+
+def test_a_brake_that_fades_only_takes_energy(examples: Path) -> None:
+    run = rollout(load(examples / "fading.toml"), scenario=MOVE)
+    assert np.all(np.diff(run["brake_heat"], axis=0) >= -1e-12)
+    assert not np.array_equal(run["angle"], rollout(load("paper-small-joint"), scenario=MOVE)["angle"])
 
 
 def test_other_processes_find_a_machines_kinds(examples: Path) -> None:

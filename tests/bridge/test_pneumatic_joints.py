@@ -8,15 +8,27 @@ from numpy.typing import NDArray
 from layflat.bridge import PneumaticJoints, arm_spec
 from layflat.bridge.brake import Brakes
 from layflat.errors import InputError
-from layflat.machine import Machine, changed, load
+from layflat.machine import Machine, build, changed, load
+from layflat.machine.loader import tables
 from layflat.sim.plant import SteppedPlant
 
 mujoco: Any = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.compiled
 
 ARM, SMALL = load("paper-arm"), load("paper-small-joint")
+
+
+def machine_with(friction: dict[str, Any]) -> Machine:
+    plain, sources = tables("paper-arm")
+    for joint in plain["joint"].values():
+        joint["friction"] = friction
+    return build(plain, sources, "rubbing-arm")
+
+
 TILTED = changed(changed(ARM, "arm.gravity", 4.0), "arm.gravity_direction", radians(-70.0))
 LATE = changed(ARM, "valve.delay", 7e-3)
+STRIBECK = {"kind": "stribeck", "static_ratio": 1.4, "velocity": "0.1 rad/s", "drag": "0.2 N m", "load_share": 0.02}
+RUBBING = machine_with(STRIBECK)
 AMBIENT = ARM.supply.ambient_pressure
 CYCLE = 0.005
 CHAIN = """
@@ -62,7 +74,7 @@ def off_by(machine: Machine, timestep: float, cycles: int) -> NDArray[np.float64
     return rms
 
 
-@pytest.mark.parametrize("machine", [TILTED, LATE], ids=["tilted", "late valve"])
+@pytest.mark.parametrize("machine", [TILTED, LATE, RUBBING], ids=["tilted", "late valve", "stribeck"])
 def test_with_our_step_it_is_our_own_plant(machine: Machine) -> None:
     assert off_by(machine, 0.25e-3, 200).max() < 1e-4
 

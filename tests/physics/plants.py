@@ -10,6 +10,7 @@ from layflat.control.paper.gains import Gains, Phase, Report, Settings
 from layflat.physics.arms.planar import OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
+from layflat.physics.friction.coulomb import Coulomb
 from layflat.physics.hose import Stroke
 from layflat.physics.hysteresis.elasto_slip import ElastoSlip
 from layflat.physics.joint import Hose, Joint, Surroundings
@@ -59,7 +60,7 @@ def joint(K: float, dead_volume: float, compliance: float = 0.0) -> Joint:
     hose = Hose(
         Stroke(K, 0.0, 0.0, 0.0, 0.0), Chamber(dead_volume, compliance, 1.0), losses(0.035 * K * 4e5), radians(66.5)
     )
-    return Joint(hose, hose, VALVE, FREE, 250.0 * K, 0.0, ANGLE_SENSOR, PRESSURE_SENSOR)
+    return Joint(hose, hose, VALVE, FREE, 250.0 * K, 0.0, Coulomb(), ANGLE_SENSOR, PRESSURE_SENSOR)
 
 
 LARGE, SMALL = joint(2.05e-4, 1.2e-4), joint(0.63e-4, 0.5e-4)

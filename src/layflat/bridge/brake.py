@@ -1,14 +1,15 @@
-"""Brakes on some joints of a MuJoCo model, which hold exactly.
+"""Brakes and bearings on some joints of a MuJoCo model, whose friction holds exactly.
 
 | symbol | meaning | unit |
 |---|---|---|
 | A | inverse of the mass matrix, rows and columns of the braked joints | 1/(kg m2) |
-| v | velocities that the step would end with, were there no brakes | rad/s |
+| u, v | velocities before the step, and those that it would end with, were there no brakes | rad/s |
 | B, J | greatest and actual impulse of each brake in the step | N m s |
+| S | the same as B, of a joint that comes to rest in the step, or is at rest | N m s |
 | W | A of all degrees of freedom of the braked trees of bodies | 1/(kg m2) |
 
 Find J with |J| <= B such that each joint either stands still, or slides with J = -B sign(v + A J). It is the problem of
-physics/friction.py for any number of joints: a convex quadratic in J over a box.
+physics/friction/box.py for any number of joints: a convex quadratic in J over a box.
 """
 
 from typing import Any
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.jit import kernel
-from layflat.physics.friction import brake_one, brake_two
+from layflat.physics.friction.box import brake_one, brake_two
 
 SWEEPS, EXACT = 2000, 1e-13
 """Sweeps over the joints at most, and the change of J, as a share of the greatest B, at which they end."""
@@ -55,6 +56,18 @@ def hold(A, v, B, J, after):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def rub(A, u, v, B, S, J, after):  # type: ignore[no-untyped-def]
+    """As `hold`, of friction that slides at B and holds up to S (n,): as `slide_two` of physics/friction/box.py."""
+    hold(A, v, B, J, after)
+    limit, again = B.copy(), False
+    for i in range(len(v)):
+        if u[i] * after[i] <= 0.0 and S[i] != B[i]:
+            limit[i], again = S[i], True
+    if again:
+        hold(A, v, limit, J, after)
+
+
+@kernel
 def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # type: ignore[no-untyped-def]
     """Write W and what others apply to the braked joints, and apply J as far as the brakes can.
 
@@ -65,7 +78,7 @@ def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # t
         tree: degrees of freedom of the braked trees of bodies, (m,).
         at: where the braked joints are among them, (n,).
         h: timestep, s.
-        B: (n,).
+        B: greatest impulses, moving or not, (n,).
         applied: torques on all degrees of freedom, N m.
         W: (m, m).
         J: (n,).
@@ -84,21 +97,21 @@ def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # t
 
 
 @kernel
-def answer(W, tree, at, h, B, others, qvel, smooth, constraint, applied, J, after):  # type: ignore[no-untyped-def]
+def answer(W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):  # type: ignore[no-untyped-def]
     """Let the brakes answer to forces on all degrees of freedom, which hold with the impulses J.
 
     The new J are applied, and the velocities after them written; returns whether they are close to the old ones.
     """
     n, before = len(at), J.copy()
-    A, free = np.empty((n, n)), np.empty(n)
+    A, free, u = np.empty((n, n)), np.empty(n), np.empty(n)
     for i, row in enumerate(at):
-        free[i] = qvel[tree[row]]
+        free[i] = u[i] = qvel[tree[row]]
         for k, dof in enumerate(tree):
             free[i] += h * W[row, k] * (smooth[dof] + constraint[dof])
         for j, column in enumerate(at):
             A[i, j] = W[row, column]
             free[i] -= A[i, j] * J[j]
-    hold(A, free, B, J, after)
+    rub(A, u, free, B, S, J, after)
     for i, row in enumerate(at):
         applied[tree[row]] = others[i] + J[i] / h
     return np.max(np.abs(J - before)) <= CLOSE * np.max(B)
@@ -130,12 +143,13 @@ class Brakes:
         self._undamped = self._mj.mjtDisableBit.mjDSBL_EULERDAMP.value
         self._compile()
 
-    def apply(self, data: Any, torques: Array) -> tuple[Array, Array]:
+    def apply(self, data: Any, sliding: Array, held: Array) -> tuple[Array, Array]:
         """Add the brakes' torques to `data.qfrc_applied`; all else that acts in this step is there already.
 
         Args:
             data: MjData between `mj_step1` and `mj_step2`.
-            torques: at which the brakes slip, N m, (n,).
+            sliding: torques at which the joints slide, N m, (n,).
+            held: torques up to which joints are held that come to rest, N m, (n,).
 
         Returns:
             Impulses (N m s, (n,)), and the velocities that they leave (rad/s, (n,)), exactly 0.0 where they hold. Both
@@ -146,9 +160,9 @@ class Brakes:
         tree, at, W, J, after, others = (
             self._tree, self._at, self._inverse, self._impulses, self._after, self._others
         )  # fmt: skip
-        applied, B = data.qfrc_applied, h * torques
+        applied, B, S = data.qfrc_applied, h * sliding, h * held
         damping = (0.0 if model.opt.disableflags & self._undamped else h) * model.dof_damping[tree]
-        begin(data.M, self._entries, damping, tree, at, h, B, applied, W, J, others)
+        begin(data.M, self._entries, damping, tree, at, h, np.maximum(B, S), applied, W, J, others)
         coupled = self._coupled(data)
         qvel, smooth = data.qvel, data.qfrc_smooth
         constraint = data.qfrc_constraint if coupled else self._unconstrained
@@ -156,7 +170,7 @@ class Brakes:
             mj.mj_fwdAcceleration(model, data)
             if coupled:
                 mj.mj_fwdConstraint(model, data)
-            if answer(W, tree, at, h, B, others, qvel, smooth, constraint, applied, J, after):
+            if answer(W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):
                 break
         return J, after
 
@@ -177,4 +191,4 @@ class Brakes:
         )  # fmt: skip
         values, nothing = np.zeros(1 + self._entries[:, 2].max()), np.zeros(self._model.nv)
         begin(values, self._entries, np.ones(len(tree)), tree, at, 1.0, J.copy(), nothing, W, J, others)
-        answer(W, tree, at, 1.0, J.copy(), others, nothing, nothing, nothing, nothing, J, after)
+        answer(W, tree, at, 1.0, J.copy(), J.copy(), others, nothing, nothing, nothing, nothing, J, after)

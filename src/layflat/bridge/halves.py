@@ -18,6 +18,7 @@ from layflat.lanes import mapped, read_numbers, write_numbers
 from layflat.physics.delay import Line
 from layflat.physics.driven import Outputs
 from layflat.physics.failing import through_hole
+from layflat.physics.friction import levels
 from layflat.physics.joint import JointState, Motion, Surroundings, is_sound
 from layflat.physics.sensor import read_sensor
 from layflat.physics.step import Running, finish, midpoint, pack, unpack
@@ -49,9 +50,10 @@ class Kernels(NamedTuple):
     command: Callable[..., None]
     """`command(joints, kept, voltages, cycle)`: the valves' drivers take voltages for a control cycle (s)."""
     push: Callable[..., None]
-    """`push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, q, v, torques)`: write angles (rad),
-    velocities (rad/s) and torques (N m) at the kick, and add the torques and outer loads (N m) to what is applied. The
-    velocities in `qvel` become those that Coriolis forces are to be taken at. No joint moves on yet."""
+    """`push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, brakes, q, v, torques, limits)`:
+    write angles (rad), velocities (rad/s) and torques (N m) at the kick, and the torques of friction when sliding and
+    when held (N m, (2, n)) with the torques of the brakes; add the torques and outer loads (N m) to what is applied.
+    The velocities in `qvel` become those that Coriolis forces are to be taken at. No joint moves on yet."""
     settle: Callable[..., int]
     """`settle(joints, kept, around, span, places, dofs, qpos, qvel, q, v, after, impulses, loads, holes, seen)`: stop
     the joints of which the brakes left the velocity 0.0 (`after`) where they were, and move on through the step; the
@@ -139,13 +141,14 @@ def _compiled(joint_like, kept_like):
             write_numbers(kept[j], Carry(before.state, line, opening))
 
     @kernel
-    def push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, q, v, torques):
+    def push(joints, kept, around, span, places, dofs, qpos, qvel, applied, loads, brakes, q, v, torques, limits):
         air, cut = read_numbers(around_like, around), read_numbers(span_like, span)
         for j in range(len(joints)):
             joint, before = read_numbers(joint_like, joints[j]), read_numbers(kept_like, kept[j])
             q[j], v[j] = qpos[places[j]], qvel[dofs[j]]
             _, _, mid = _to_kick(joint, before, air, cut, q[j], v[j])
             torques[j] = mid.torque
+            limits[0, j], limits[1, j] = levels(joint.friction, brakes[j], v[j], mid.velocity, mid.pull)
             applied[dofs[j]] += mid.torque + loads[j]
             qvel[dofs[j]] = v[j] + 0.5 * before.state.motion.velocity_change
 

@@ -39,7 +39,7 @@ class PneumaticJoints(DrivenJoints):
     Attributes:
         hinges: names of the driven hinges, in the order of all arrays.
         supply: absolute pressure at the valves, Pa; settable.
-        brakes: torque at which each brake slips, N m, (n,); items can be set.
+        brakes: torque at which each brake slips, N m, (n,); items can be set. A joint's kind of friction adds to it.
 
     Raises:
         InputError: a name is neither a hinge of the model nor a joint of the machine, the timestep or integrator of the
@@ -70,6 +70,7 @@ class PneumaticJoints(DrivenJoints):
         self._brakes = Brakes(model, self._dofs)
         self.brakes = np.array([joint.brake_torque for joint in self._healthy])
         self._q, self._v, self._torques, self._extrapolated = np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(model.nv)
+        self._limits = np.zeros((2, n))
         self._due = 0.0
         self._rest(model.qpos0[self._qpos])
         self._like: Carry = self._at_rest(0, 0.0)
@@ -115,9 +116,9 @@ class PneumaticJoints(DrivenJoints):
         mj.mj_step1(model, data)
         self._span[0], given, q, v = time, data.qfrc_applied.copy(), self._q, self._v
         laws = self._laws, self._kept, self._around, self._span, self._qpos, self._dofs, data.qpos, data.qvel
-        self._kernels.push(*laws, data.qfrc_applied, self.load, q, v, self._torques)
+        self._kernels.push(*laws, data.qfrc_applied, self.load, self.brakes, q, v, self._torques, self._limits)
         self._extrapolate(data)
-        impulses, after = self._brakes.apply(data, self.brakes)
+        impulses, after = self._brakes.apply(data, *self._limits)
         mj.mj_step2(model, data)
         data.qfrc_applied[:] = given
         diverged = self._kernels.settle(*laws, q, v, after, impulses, self.load, self._holes, self._seen)
@@ -176,7 +177,9 @@ class PneumaticJoints(DrivenJoints):
         kept, seen, places, nothing = self._kept.copy(), self._seen.copy(), np.zeros_like(self._qpos), np.zeros(n)
         laws = self._laws, kept, self._around, self._span, places, places, np.zeros(n), np.zeros(n)
         self._kernels.command(self._laws, kept, self._voltages, self._cycle)
-        self._kernels.push(*laws, np.zeros(n), nothing, np.zeros(n), np.zeros(n), np.zeros(n))
+        self._kernels.push(
+            *laws, np.zeros(n), nothing, nothing, np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((2, n))
+        )
         extrapolate(places, nothing, nothing, nothing, np.zeros(n), np.zeros(n))
         self._kernels.settle(*laws, nothing, nothing, nothing, nothing, nothing, self._holes, seen)
         self.sense(np.zeros((n, 2)))

@@ -13,6 +13,7 @@ from layflat.errors import MachineError
 from layflat.jit.outside import load_kinds
 from layflat.kinds import Table
 from layflat.physics.arms import ARMS
+from layflat.physics.friction import FRICTION
 from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.valves import VALVES
 
@@ -31,6 +32,7 @@ class MachineLibrary(Library):
         below, joints = under[0], under[0].get("joint", {})
         places: dict[str, Table[Any]] = {"controller": CONTROL_LAWS, "valve": VALVES, "arm": ARMS}
         places |= {f"joint.{name}.losses": HYSTERESIS for name in joints}
+        places |= {f"joint.{name}.friction": FRICTION for name in joints}
         lost = [key for at, table in places.items() for key in _lost(below, layer.plain, at, table)]
         if any(key.startswith("controller.") for key in lost):
             lost += [f"joint.{name}.gains" for name, joint in joints.items() if "gains" in joint]

@@ -30,6 +30,7 @@ from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.arrays import itemwise
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
+from layflat.physics.friction import FRICTION, level
 from layflat.physics.hose import ConstantStroke, Stroke, peeled_volume, roller_torque, roller_travel
 from layflat.physics.hysteresis import HYSTERESIS
 from layflat.physics.joint import Hose, Joint, Surroundings
@@ -130,10 +131,48 @@ def drive_parts(machine: Machine) -> tuple[ValvePart, AngleSensor, PressureSenso
 def joints(machine: Machine) -> tuple[Joint, ...]:
     """All laws of every joint, from base to tip; all with strokes of one kind, so that they can go side by side."""
     even = all(described.output.kind == "cam" for described in machine.joints.values())
-    return tuple(_joint(machine, described, even=even) for described in machine.joints.values())
+    rubbing = frictions(machine)
+    return tuple(_joint(machine, joint, rubbing[name], even=even) for name, joint in machine.joints.items())
 
 
-def _joint(machine: Machine, described: parts.Joint, *, even: bool) -> Joint:
+def friction(joint: parts.Joint) -> Any:
+    """Parameters of the friction of a joint's output shaft; of Coulomb friction where nothing is said."""
+    if joint.friction is None:
+        return FRICTION.named(FRICTION.usual).plain
+    return FRICTION.parameters(joint.friction)
+
+
+def frictions(machine: Machine) -> dict[str, Any]:
+    """Return the parameters of each joint's friction, by joint, all of one kind, so that joints can go side by side.
+
+    Beside another kind, a joint with Coulomb friction gets that kind's parameters that are Coulomb friction.
+
+    Raises:
+        MachineError: the joints have friction of different kinds.
+    """
+    found = {name: friction(joint) for name, joint in machine.joints.items()}
+    kinds = {kind.name: kind for kind in map(FRICTION.of, found.values()) if kind.name != FRICTION.usual}
+    if not kinds:
+        return found
+    kind, *others = kinds.values()
+    plain = [name for name, of in found.items() if FRICTION.of(of).name == FRICTION.usual]
+    if others or (plain and kind.plain is None):
+        names = ", ".join(sorted({FRICTION.of(of).name for of in found.values()}))
+        raise MachineError(
+            f"has joints with friction of the kinds {names}",
+            where=f"{machine.origin}: joint",
+            right="give all joints friction of one kind",
+        )
+    return found | dict.fromkeys(plain, kind.plain)
+
+
+def static_friction(joint: parts.Joint, gauge: float) -> float:
+    """Torque up to which the shaft is held at rest with both hoses at a gauge pressure (Pa), N m."""
+    pull = 2.0 * torque_constant(joint) * gauge
+    return itemwise(partial(level, friction(joint)), joint.brake.torque, 0.0, pull)
+
+
+def _joint(machine: Machine, described: parts.Joint, rubbing: Any, *, even: bool) -> Joint:
     valve_part, angle_sensor, pressure_sensor = drive_parts(machine)
     pulling = hose(described)
     pushing = pulling if described.acting == "double" else no_hose(pulling)
@@ -146,6 +185,7 @@ def _joint(machine: Machine, described: parts.Joint, *, even: bool) -> Joint:
         stops(described),
         described.brake.viscous,
         described.brake.torque,
+        rubbing,
         sensor(angle_sensor),
         sensor(pressure_sensor),
     )

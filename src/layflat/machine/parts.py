@@ -14,6 +14,7 @@ from layflat.description.wrong import INPUT, wrong
 from layflat.kinds import AnyOf
 from layflat.machine.gains import Gains
 from layflat.machine.mass import body_mass
+from layflat.physics.friction import FRICTION, FrictionPart
 from layflat.physics.hysteresis import HYSTERESIS, LossesPart
 
 
@@ -102,7 +103,10 @@ class DeflectingRoller(Part):
 
 
 class Brake(Part):
-    """Friction on the output shaft: the brake that is put there, and what the bearings drag."""
+    """Friction on the output shaft: the brake that is put there, and what the bearings drag.
+
+    How it depends on velocity and on the bearings' load stands in the joint's `friction`.
+    """
 
     torque: u.Torque = Field(description="torque at which the brake slips, at full brake signal")
     viscous: u.Damping
@@ -171,6 +175,7 @@ class Joint(Part):
     link: Link
     body: Body
     deflecting_roller: DeflectingRoller | None = None
+    friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
     gains: Gains | None = None
 
     @model_validator(mode="after")

@@ -35,6 +35,7 @@ class Joint(NamedTuple):
     stops: Stops
     viscous_friction: float
     brake_torque: float
+    friction: Any  # of the kind of friction (see friction/kind.py)
     angle_sensor: Sensor
     pressure_sensor: Sensor
 

@@ -3,7 +3,7 @@
 from layflat.jit import Law, composition, kernel
 from layflat.lanes import gather, halves, join, slots
 from layflat.physics.arms import ARMS, dynamics
-from layflat.physics.friction import brake_one, brake_two
+from layflat.physics.friction import levels, rub_one, rub_two
 from layflat.physics.step import finish, midpoint, pack, unpack
 from layflat.physics.valves import turn_wave
 
@@ -12,15 +12,18 @@ from layflat.physics.valves import turn_wave
 def _step_two(arm, joints, running, drives, waves, around, h):
     mid = midpoint(joints, running, drives.opening, waves, join(around, around), h)
     torque_1, torque_2 = halves(mid.torque)
-    v_1, v_2 = halves(running.motion.velocity)
+    before = running.motion.velocity
+    sliding, held = levels(joints.friction, drives.brake_torque, before, mid.velocity, mid.pull)
+    (v_1, v_2), (B_1, B_2), (S_1, S_2) = halves(before), halves(sliding), halves(held)
     drive_1, drive_2 = halves(drives)
-    (M_11, M_12, M_22), (c_1, c_2), (g_1, g_2) = dynamics(arm, around.payload, halves(mid.angle), halves(mid.velocity))
+    M, (c_1, c_2), (g_1, g_2) = dynamics(arm, around.payload, halves(mid.angle), halves(mid.velocity))
+    M_11, M_12, M_22 = M
     load_1, load_2 = drive_1.load_torque + g_1, drive_2.load_torque + g_2
     # The air's torques come last: all else is ready before them.
     p_1 = M_11 * v_1 + M_12 * v_2 + h * (c_1 + load_1) + h * torque_1
     p_2 = M_12 * v_1 + M_22 * v_2 + h * (c_2 + load_2) + h * torque_2
-    v_1, v_2, J_1, J_2 = brake_two(M_11, M_12, M_22, p_1, p_2, h * drive_1.brake_torque, h * drive_2.brake_torque)
-    return finish(joints, running, mid, join(v_1, v_2), join(J_1, J_2), join(load_1, load_2), h)
+    w_1, w_2, J_1, J_2 = rub_two(joints.friction, M, p_1, p_2, v_1, v_2, h * B_1, h * B_2, h * S_1, h * S_2)
+    return finish(joints, running, mid, join(w_1, w_2), join(J_1, J_2), join(load_1, load_2), h)
 
 
 @composition
@@ -40,7 +43,10 @@ def _step_one(arm, joint, running, drive, wave, around, h):
     mid = midpoint(joint, running, drive.opening, wave, around, h)
     (M,), (c,), (g,) = dynamics(arm, around.payload, (mid.angle,), (mid.velocity,))
     load = drive.load_torque + g
-    v, J = brake_one(M, M * running.motion.velocity + h * (c + load) + h * mid.torque, h * drive.brake_torque)
+    before = running.motion.velocity
+    sliding, held = levels(joint.friction, drive.brake_torque, before, mid.velocity, mid.pull)
+    p = M * before + h * (c + load) + h * mid.torque
+    v, J = rub_one(joint.friction, M, p, before, h * sliding, h * held)
     return finish(joint, running, mid, v, J, load, h)
 
 

@@ -49,6 +49,7 @@ class Middle(NamedTuple):
     loss_torque: float
     torque: float
     damping: float
+    pull: float  # torques of both hoses, added up: the load on the bearings
     air_taken: float
 
 
@@ -127,7 +128,8 @@ def midpoint(joint, running, command, wave, around, h):
     (gas_a, gas_b), (loss_a, loss_b), (taken_a, taken_b) = halves(gas), halves(loss), halves(taken)
     damping = joint.viscous_friction + stop_damping(joint.stops, q)
     torque = (gas_a - gas_b) - (loss_a + loss_b) + (stop_torque(joint.stops, q) - damping * v)
-    return Middle(q, v, valve, hoses, gas_a - gas_b, loss_a + loss_b, torque, damping, taken_a + taken_b)
+    pull = max(gas_a + gas_b, 0.0)
+    return Middle(q, v, valve, hoses, gas_a - gas_b, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)
 
 
 @composition

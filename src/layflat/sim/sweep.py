@@ -1,6 +1,7 @@
 """Slow sweeps at constant pressure: the torque-angle loops of the open-loop rigs.
 
-The joint is turned slowly while its torque is read, so mass and air flow do not matter: torque = K p - losses - brake.
+The joint is turned slowly while its torque is read, so mass and air flow do not matter: its torque is K p less losses
+and friction.
 """
 
 from dataclasses import dataclass
@@ -82,5 +83,6 @@ def sweep(
     way = centre + reach * (np.linspace(0.0, 1.0, points) - 0.5)
     lap = np.concatenate([way, way[::-1]])
     angle = np.concatenate([lap, lap])
-    torque, lossless = sweep_joint(hose_a, hose_b, angle, pressure, 0.0, brake * described.brake.torque)
+    friction, held = parameters.friction(described), brake * described.brake.torque
+    torque, lossless = sweep_joint(hose_a, hose_b, friction, angle, pressure, 0.0, held)
     return Loop(lap, torque[len(lap) :], lossless[len(lap) :])

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from layflat.physics.valves.spool_motion import Spool, advance_spool
+from layflat.physics.valves.spool_motion import Spool, StictionSpool, advance_spool
 
 WN = 2 * pi * 80.0
 SPOOL = Spool(WN, 0.7, 0.05)
 
 
-def settle(spool: Spool, u: float, x: float = 0.0, dither: float = 0.0, seconds: float = 0.5) -> float:
+def settle(spool: Spool | StictionSpool, u: float, x: float = 0.0, dither: float = 0.0, seconds: float = 0.5) -> float:
     """Mean position over the last dither period."""
     h, v, path = 2.5e-4, 0.0, []
     for k in range(round(seconds / h)):
@@ -92,4 +92,54 @@ def test_stops_hold_the_spool(side: float) -> None:
 def test_left_alone_it_loses_energy(x: float, v: float) -> None:
     free = Spool(WN, 0.7, 0.0)
     after_x, after_v = advance_spool(free, 0.0, 0.0, x, v, 2.5e-4)
+    assert WN**2 * after_x**2 + after_v**2 <= (WN**2 * x**2 + v**2) * (1 + 1e-12)
+
+
+STUBBORN = StictionSpool(WN, 0.7, 0.05, 0.6, 1.0 / 4.0**2)
+
+
+@given(st.floats(-1.2, 1.2), st.floats(-0.3, 0.3), st.floats(-1.0, 1.0), st.floats(-100.0, 100.0))
+def test_without_excess_stiction_is_coulomb_friction(u: float, du: float, x: float, v: float) -> None:
+    plain = STUBBORN._replace(excess=0.0)
+    assert advance_spool(plain, u, du, x, v, 2.5e-4) == advance_spool(SPOOL, u, du, x, v, 2.5e-4)
+
+
+@given(st.floats(-0.5, 0.5), st.floats(-0.0799, 0.0799))
+def test_stiction_holds_more_than_kinetic_friction(x: float, pull: float) -> None:
+    assert advance_spool(STUBBORN, x + pull, 0.0, x, 0.0, 2.5e-4) == (x, 0.0)
+
+
+@pytest.mark.parametrize("u", [-0.12, 0.12])
+def test_torn_loose_it_goes_as_far_as_kinetic_friction_lets_it(u: float) -> None:
+    assert settle(STUBBORN, np.sign(u) * 0.079) == 0.0
+    assert 0.05 < abs(settle(STUBBORN, u)) <= 0.07, "past 0.04, where static friction would hold it"
+
+
+def dragged(h: float) -> tuple[float, int]:
+    """Position after a slow ramp of the command there and back, and how often the spool set off."""
+    x, v, starts = 0.0, 0.0, 0
+    for k in range(round(0.2 / h)):
+        t = (k + 0.5) * h
+        rate = 3.0 if t < 0.1 else -3.0
+        before = v
+        x, v = advance_spool(STUBBORN, 0.3 - 3.0 * abs(t - 0.1), 0.5 * rate * h, x, v, h)
+        starts += before == 0.0 and v != 0.0
+    return x, starts
+
+
+def test_it_sticks_and_slips_as_with_the_finest_steps() -> None:
+    exact, often = dragged(2.5e-6)
+    assert often >= 3
+    errors = []
+    for h in (2.5e-4, 1.25e-4, 6.25e-5):
+        x, starts = dragged(h)
+        assert starts == often
+        errors.append(abs(x - exact))
+    assert errors[0] < 2e-3
+    assert errors[2] < errors[0] / 3.0
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-300.0, 300.0))
+def test_stiction_makes_no_energy(x: float, v: float) -> None:
+    after_x, after_v = advance_spool(STUBBORN, 0.0, 0.0, x, v, 2.5e-4)
     assert WN**2 * after_x**2 + after_v**2 <= (WN**2 * x**2 + v**2) * (1 + 1e-12)

@@ -71,7 +71,7 @@ def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | N
 
 
 def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
-    """Return speed (rad/s), torque less the brake's (N m) and its rate (N m/s) of a joint with its valve fully open."""
+    """Return speed (rad/s), torque less friction (N m) and its rate (N m/s) of a joint with its valve fully open."""
     valve, _, _ = parameters.drive_parts(machine)
     joint = machine.joint[name]
     K = parameters.torque_constant(joint)
@@ -82,7 +82,8 @@ def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
     filling = through * float(effective_pressure(supply, held, b, slope)) / volume
     venting = through * float(effective_pressure(held, outside, b, slope)) / volume
     hoses = filling + venting if joint.acting == "double" else min(filling, venting)
-    return through / K, K * machine.supply.pressure_gauge - joint.brake.torque, K * hoses
+    gauge = machine.supply.pressure_gauge
+    return through / K, K * gauge - parameters.static_friction(joint, gauge), K * hoses
 
 
 def _together(inertia: Array, ability: Array) -> Array:

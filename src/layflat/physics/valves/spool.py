@@ -13,14 +13,16 @@ from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field
 
+from layflat.description import Part
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.physics.arrays import itemwise
 from layflat.physics.dither import half_change, start_dither, turn_dither
 from layflat.physics.flow import laminar_slope
+from layflat.physics.friction.stribeck import StaticRatio
 from layflat.physics.ramp import mean_above_zero
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
-from layflat.physics.valves.spool_motion import Spool, advance_spool
+from layflat.physics.valves.spool_motion import Spool, StictionSpool, advance_spool
 
 STUCK = 1e9  # friction that no solenoid overcomes, as a change of opening
 
@@ -28,7 +30,7 @@ STUCK = 1e9  # friction that no solenoid overcomes, as a change of opening
 class SpoolValve(NamedTuple):
     """Parameters of a spool valve with its driver."""
 
-    spool: Spool
+    spool: Spool | StictionSpool
     conductance: float
     leakage: float
     critical_ratio: float
@@ -48,6 +50,13 @@ class SpoolState(NamedTuple):
     rate: float
 
 
+class Stiction(Part):
+    """What a spool's friction is at rest, and how it falls as the spool begins to slide."""
+
+    static_ratio: StaticRatio = Field(description="static over kinetic friction, 1 or more")
+    velocity: u.Rate = Field(description="at which half of the difference is gone, full openings per second")
+
+
 class SpoolValvePart(ValvePart):
     """A 5/3 proportional spool valve."""
 
@@ -59,6 +68,9 @@ class SpoolValvePart(ValvePart):
     damping_ratio: u.Ratio
     friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
     dither: Dither
+    stiction: Stiction | None = Field(
+        default=None, description="static friction above `friction`, which is then kinetic; default: none"
+    )
 
     @property
     def dithered(self) -> Dither | None:
@@ -73,9 +85,12 @@ class SpoolValvePart(ValvePart):
 
 def parameters(described: SpoolValvePart) -> SpoolValve:
     """Spool valve with its driver."""
-    b = described.critical_ratio
+    b, stiction = described.critical_ratio, described.stiction
+    motion = (2 * pi * described.natural_frequency, described.damping_ratio, described.friction)
     return SpoolValve(
-        Spool(2 * pi * described.natural_frequency, described.damping_ratio, described.friction),
+        Spool(*motion)
+        if stiction is None
+        else StictionSpool(*motion, stiction.static_ratio - 1.0, 1.0 / (stiction.velocity * stiction.velocity)),
         described.conductance,
         described.leakage,
         b,

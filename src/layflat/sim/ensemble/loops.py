@@ -22,7 +22,7 @@ def hysteresis(prepared: "Cases") -> Array:
     lanes = width()
     rows = np.minimum(np.arange(lanes * -(-count // lanes)), count - 1)
     for j, (joint, described) in enumerate(zip(prepared.case[1], machine.joints.values(), strict=True)):
-        swept = (joint.hose_a, joint.hose_b, joint.brake_torque)
+        swept = (joint.hose_a, joint.hose_b, joint.friction, joint.brake_torque)
         case = (*swept, machine.supply.pressure_gauge, described.stops.working_stroke)
         own = np.empty((1, len(rows)))
         sweep_many(first_of(case), columns(case, rows), np.empty((POINTS, lanes)), own)

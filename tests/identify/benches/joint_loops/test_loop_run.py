@@ -15,5 +15,5 @@ def test_a_joint_turned_through_a_log_is_the_slow_sweep() -> None:
     same = np.ones_like(angle)
     log = TurnedLog(angle, 3e5 * same, 0.0 * same, same, float(loop.torque[0]), 1e-9)
     torque = np.empty(len(angle))
-    turned_torque(TurnedJoint(hose, hose, described.brake.torque, 0.0), log, torque)
+    turned_torque(TurnedJoint(hose, hose, parameters.friction(described), described.brake.torque, 0.0), log, torque)
     assert torque[len(loop.angle) :] == pytest.approx(loop.torque, abs=1e-6)

@@ -58,7 +58,7 @@ class LoopModel(CurveModel[Machine]):
         hose_a = parameters.hose(described)
         hose_b = hose_a if described.acting == "double" else parameters.no_hose(hose_a)
         offset: Any = self.columns(values).get(OFFSET, 0.0)
-        joint = TurnedJoint(hose_a, hose_b, described.brake.torque, offset)
+        joint = TurnedJoint(hose_a, hose_b, parameters.friction(described), described.brake.torque, offset)
         cases = [(joint, log) for log in self.logs]
         return np.concatenate(simulated(turned_torque, len(values), cases, [one.shape for one in self.motions]), axis=1)
 

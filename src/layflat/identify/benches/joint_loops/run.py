@@ -1,22 +1,24 @@
 """Torque of a joint that is turned slowly through a measured motion: the laws of slow sweeps (sim/slow.py)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from layflat.arrays import Array
 from layflat.identify.benches.hysteresis.start import share_carried
 from layflat.jit import kernel
 from layflat.lanes import total
+from layflat.physics.friction import level
 from layflat.physics.hysteresis import loaded, torques
 from layflat.physics.hysteresis.elasto_slip import slip
 from layflat.physics.joint import Hose
-from layflat.sim.slow import Slow, turned, unturned
+from layflat.sim.slow import Slow, free, unturned
 
 
 class TurnedJoint(NamedTuple):
-    """Both hoses, torque of the brake, and what the sensor of the torque adds (N m)."""
+    """Both hoses, friction of the shaft, torque of the brake, and what the sensor of the torque adds (N m)."""
 
     hose_a: Hose
     hose_b: Hose
+    friction: Any
     brake: float
     offset: float
 
@@ -38,18 +40,18 @@ class TurnedLog(NamedTuple):
 @kernel
 def turned_torque(joint, log, torque):
     """Torque of a joint through a log, as measured, N m, into `torque`, (samples,)."""
-    hose_a, hose_b, brake = joint.hose_a, joint.hose_b, joint.brake
+    hose_a, hose_b, friction, brake = joint.hose_a, joint.hose_b, joint.friction, joint.brake
     q, p_a, p_b = log.angle, log.pressure_a, log.pressure_b
-    slow = turned(unturned(hose_a, hose_b), hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0], 0.0)
+    slow = free(unturned(hose_a, hose_b), hose_a, hose_b, q[0], 0.0, p_a[0], p_b[0])
     a, b = loaded(hose_a.loss, p_a[0], 1.0), loaded(hose_b.loss, p_b[0], 1.0)
-    held = brake * log.brake[0]
+    held = level(friction, brake * log.brake[0], 0.0, slow.pull)
     wanted = slow.lossless - (log.first - joint.offset)
     share = share_carried(wanted, total(torques(hose_a.loss, a) + torques(hose_b.loss, b)) + held)
-    slow = Slow(1.0, loaded(hose_a.loss, p_a[0], share), loaded(hose_b.loss, p_b[0], share), 0.0, 0.0)
+    slow = Slow(1.0, loaded(hose_a.loss, p_a[0], share), loaded(hose_b.loss, p_b[0], share), 0.0, 0.0, 0.0)
     held *= share
     for i in range(len(q)):
         turn = q[i] - q[i - 1] if i > 0 else 0.0
-        slow = turned(slow, hose_a, hose_b, q[i], turn, p_a[i], p_b[i], 0.0)
-        most = brake * log.brake[i]
+        slow = free(slow, hose_a, hose_b, q[i], turn, p_a[i], p_b[i])
+        most = level(friction, brake * log.brake[i], 0.0, slow.pull)
         held = slip(held, most / log.give, most, turn)
         torque[i] = slow.torque - held + joint.offset

@@ -7,6 +7,7 @@ from layflat.identify.benches.contract import check_known
 from layflat.identify.model import ParameterSpec, Unknown, around, factor_range, fixed_range, from_zero
 from layflat.machine import Machine
 from layflat.physics.delay import LONGEST
+from layflat.physics.friction.stribeck import StribeckPart
 from layflat.physics.valves.switching import SwitchingValvesPart
 
 FILLING = "steps large enough to open the valve fully, both ways"
@@ -53,6 +54,11 @@ FRICTION = (
     ParameterSpec("brake.torque", "N m", factor_range(5.0, 5.0), SLOW),
     ParameterSpec("brake.viscous", "N m s/rad", factor_range(20.0, 1.0), "chirps up to 3 Hz"),
 )
+STRIBECK = (
+    ParameterSpec("friction.static_ratio", "1", fixed_range(1.0, 3.0), f"{SLOW}, with pauses"),
+    ParameterSpec("friction.velocity", "rad/s", factor_range(10.0), f"{SLOW}, with pauses"),
+    ParameterSpec("friction.load_share", "1", fixed_range(0.0, 0.3), f"{SLOW}, at two supply pressures"),
+)
 INERTIA = (ParameterSpec("link.inertia", "kg m^2", MASSES, "chirps up to 3 Hz without payload"),)
 PAYLOAD = ParameterSpec("arm.payload", "kg", from_zero(lambda _, guess: max(3.0 * guess, 2.0)), "chirps up to 3 Hz")
 SENSORS = ParameterSpec("pressure_sensor.offset", "Pa", OFFSETS, "both pressures by themselves")
@@ -68,5 +74,9 @@ def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
     of_kind = SWITCHING if isinstance(machine.valve, SwitchingValvesPart) else SPOOL
     specs = {"valve": [*VALVE, *of_kind], "payload": [PAYLOAD], "sensors": [SENSORS]}
     for block, of in BY_JOINT.items():
-        specs[block] = [spec._replace(path=f"joint.{name}.{spec.path}") for name in machine.joints for spec in of]
+        specs[block] = [
+            spec._replace(path=f"joint.{name}.{spec.path}")
+            for name, joint in machine.joints.items()
+            for spec in (*of, *(STRIBECK if block == "friction" and isinstance(joint.friction, StribeckPart) else ()))
+        ]
     return [spec.unknown(machine) for block in check_known(blocks, BLOCKS, "fit", "block") for spec in specs[block]]

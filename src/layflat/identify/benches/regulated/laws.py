@@ -34,7 +34,7 @@ from layflat.jit import law
 from layflat.lanes import select
 from layflat.physics.chamber import Chamber, air_mass, energy, pressure_after_swelling, temperature_both_ways, wall_heat
 from layflat.physics.flow import root_temperature
-from layflat.physics.friction import brake_one
+from layflat.physics.friction.box import brake_one
 from layflat.physics.valves import chamber_flow
 
 

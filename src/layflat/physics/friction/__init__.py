@@ -1,0 +1,29 @@
+"""Dry friction of an output shaft, of any kind. A new kind is one file and one line here; see docs/kinds.md."""
+
+from layflat.jit import law
+from layflat.kinds import Table
+from layflat.lanes import select
+from layflat.physics.friction import coulomb, stribeck
+from layflat.physics.friction.box import keep_one, keep_two, slide_one, slide_two
+from layflat.physics.friction.kind import FrictionKind, FrictionPart
+
+FRICTION: Table[FrictionKind] = Table("friction", coulomb.KIND, stribeck.KIND)
+
+level = FRICTION.law("level")
+rub_one = FRICTION.law(lambda kind: keep_one if kind.constant else slide_one)
+rub_two = FRICTION.law(lambda kind: keep_two if kind.constant else slide_two)
+
+
+@law
+def levels(friction, brake, velocity, extrapolated, pull):
+    """Torques at which a joint slides in this step, and up to which it is held where it comes to rest, N m.
+
+    Args: parameters of a kind; torque of the brake, N m; velocity before the step, and extrapolated to its middle,
+    rad/s; torques of both hoses, added up, N m. A joint that stands still is held until it slips.
+    """
+    way = select(velocity > 0.0, extrapolated, -extrapolated)
+    speed = select(velocity == 0.0, 0.0, max(way, 0.0))
+    return level(friction, brake, speed, pull), level(friction, brake, 0.0 * speed, pull)
+
+
+__all__ = ["FRICTION", "FrictionKind", "FrictionPart", "level", "levels", "rub_one", "rub_two"]
