@@ -49,7 +49,7 @@ class Middle(NamedTuple):
     loss_torque: float
     torque: float
     damping: float
-    pull: float  # torques of both hoses, added up: the load on the bearings
+    pull: float  # torques of both hoses, added up: the load on the bearings where it is positive
     air_taken: float
 
 
@@ -128,8 +128,8 @@ def midpoint(joint, running, command, wave, around, h):
     (gas_a, gas_b), (loss_a, loss_b), (taken_a, taken_b) = halves(gas), halves(loss), halves(taken)
     damping = joint.viscous_friction + stop_damping(joint.stops, q)
     torque = (gas_a - gas_b) - (loss_a + loss_b) + (stop_torque(joint.stops, q) - damping * v)
-    pull = max(gas_a + gas_b, 0.0)
-    return Middle(q, v, valve, hoses, gas_a - gas_b, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)
+    gas, pull = gas_a - gas_b, gas_a + gas_b
+    return Middle(q, v, valve, hoses, gas, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)
 
 
 @composition

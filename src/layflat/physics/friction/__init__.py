@@ -23,7 +23,8 @@ def levels(friction, brake, velocity, extrapolated, pull):
     """
     way = select(velocity > 0.0, extrapolated, -extrapolated)
     speed = select(velocity == 0.0, 0.0, max(way, 0.0))
-    return level(friction, brake, speed, pull), level(friction, brake, 0.0 * speed, pull)
+    load = max(pull, 0.0)
+    return level(friction, brake, speed, load), level(friction, brake, 0.0 * speed, load)
 
 
 __all__ = ["FRICTION", "FrictionKind", "FrictionPart", "level", "levels", "rub_one", "rub_two"]
