@@ -174,10 +174,12 @@ class AnyOf:
     """
 
     table: Table[Any]
+    but: str = ""  # name of a kind that may not stand there
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         """Validate what stands there by the kind that it names."""
-        choices = {kind.name: handler.generate_schema(kind.description) for kind in self.table}
+        kinds = [kind for kind in self.table if kind.name != self.but]
+        choices = {kind.name: handler.generate_schema(kind.description) for kind in kinds}
         return core_schema.tagged_union_schema(choices, self._named)
 
     def _named(self, value: object) -> object:

@@ -29,7 +29,7 @@ DEFAULT = Timing(CYCLE, 20, 1)
 AROUND = Surroundings(5.01e5, 293.15, 1.013e5, 293.15, 0.0)
 FREE = Stops(radians(66.5), 50.0, radians(70.0), 2000.0, 5.0)
 NO_STOPS = Stops(1e3, 0.0, 1e3, 0.0, 0.0)
-NO_LOSS = ElastoSlip(*[0.0] * 9)
+NO_LOSS = ElastoSlip(*[(0.0, 0.0, 0.0)] * 3)
 RIGID = Chamber(1.2e-4, 0.0, 1.0)
 VALVE = SpoolValve(
     Spool(2 * pi * 80.0, 0.7, 0.05), 1.2e-8, 1.2e-10, 0.3, laminar_slope(0.3), 0.02, 5.0, 5.0, 0.12, 50.0, 0.0
@@ -51,8 +51,8 @@ TWO_LINKS = TwoLink(0.46, 0.04, 0.025, 1.0, 0.1, 0.4, 0.4, radians(90.0), 0.0, 0
 def losses(torque: float) -> ElastoSlip:
     """Three elements that slip at `torque` N m in all at 4 bar, a quarter of it without pressure."""
     share = torque / 3.0
-    stiffness = [share / radians(angle) for angle in (2.0, 6.0, 15.0)]
-    return ElastoSlip(*stiffness, *[0.25 * share] * 3, *[0.75 * share / 4e5] * 3)
+    stiffness = tuple(share / radians(angle) for angle in (2.0, 6.0, 15.0))
+    return ElastoSlip(stiffness, (0.25 * share,) * 3, (0.75 * share / 4e5,) * 3)
 
 
 def joint(K: float, dead_volume: float, compliance: float = 0.0) -> Joint:

@@ -31,8 +31,11 @@ class MachineLibrary(Library):
             load_kinds(Path(path), f"{layer.where}: kinds")
         below, joints = under[0], under[0].get("joint", {})
         places: dict[str, Table[Any]] = {"controller": CONTROL_LAWS, "valve": VALVES, "arm": ARMS}
-        places |= {f"joint.{name}.losses": HYSTERESIS for name in joints}
-        places |= {f"joint.{name}.friction": FRICTION for name in joints}
+        for name in joints:
+            losses = f"joint.{name}.losses"
+            parts = _part(below, f"{losses}.parts") or {}
+            places |= {losses: HYSTERESIS, f"joint.{name}.friction": FRICTION}
+            places |= {f"{losses}.parts.{part}": HYSTERESIS for part in parts}
         lost = [key for at, table in places.items() for key in _lost(below, layer.plain, at, table)]
         if any(key.startswith("controller.") for key in lost):
             lost += [f"joint.{name}.gains" for name, joint in joints.items() if "gains" in joint]

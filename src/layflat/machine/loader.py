@@ -16,6 +16,7 @@ from layflat.kinds import Table
 from layflat.machine.libraries import BENCHES, MACHINES
 from layflat.machine.model import Machine
 from layflat.machine.parts import Joint
+from layflat.physics.hysteresis import ParallelPart
 
 BUILT_IN = MACHINES.folder
 
@@ -88,7 +89,7 @@ def restored(text: str, where: str = "") -> Machine:
 
 @lru_cache(maxsize=1)
 def _know_all_kinds(registered: int) -> None:  # noqa: ARG001  # again whenever their number changes
-    for part in (Joint, Machine):
+    for part in (ParallelPart, Joint, Machine):
         if part.__pydantic_complete__:
             part.model_rebuild(force=True)
     forget_annotations()

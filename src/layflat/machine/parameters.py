@@ -33,7 +33,8 @@ from layflat.physics.flow import laminar_slope
 from layflat.physics.friction import FRICTION, level
 from layflat.physics.hose import ConstantStroke, Stroke, peeled_volume, roller_torque, roller_travel
 from layflat.physics.hysteresis import HYSTERESIS
-from layflat.physics.joint import Hose, Joint, Surroundings
+from layflat.physics.hysteresis.kind import over_pressure
+from layflat.physics.joint import Damping, Hose, Joint, Surroundings
 from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
 from layflat.physics.valves import VALVES, ValvePart
@@ -87,18 +88,19 @@ def loss_share(joint: parts.Joint) -> float:
     return share
 
 
-def loss(joint: parts.Joint) -> Any:
-    """Parameters of the hysteresis of one hose with its strap."""
-    at = joint.losses.reference_pressure_gauge
+def loss(joint: parts.Joint) -> tuple[Any, Damping]:
+    """Parameters of the hysteresis of one hose with its strap, and of what they damp."""
+    losses = joint.losses
     # A loop is twice as high as the torque that opposes either way.
-    limit = 0.5 * loss_share(joint) * torque_constant(joint) * at
-    return HYSTERESIS.parameters(joint.losses, limit)
+    limit = 0.5 * loss_share(joint) * torque_constant(joint) * losses.reference_pressure_gauge
+    return HYSTERESIS.parameters(losses, limit), Damping(*over_pressure(losses, losses.damping_time * limit))
 
 
 def hose(joint: parts.Joint) -> Hose:
     """One hose in its joint."""
     chamber = Chamber(joint.hose.dead_volume, joint.hose.compliance, joint.hose.wall_conductance)
-    return Hose(stroke(joint), chamber, loss(joint), full_travel(joint) / 2)
+    law, damping = loss(joint)
+    return Hose(stroke(joint), chamber, law, full_travel(joint) / 2, damping)
 
 
 def no_hose(hose: Hose) -> Hose:

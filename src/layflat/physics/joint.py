@@ -17,6 +17,13 @@ FILLED = 0.75
 """Pressure over that of the supply at the start, where equal leaks to supply and exhaust balance when choked."""
 
 
+class Damping(NamedTuple):
+    """Torque per velocity without pressure (N m s/rad), and its growth with gauge pressure (N m s/(rad Pa))."""
+
+    base: float
+    slope: float
+
+
 class Hose(NamedTuple):
     """Parameters of a hose in its joint; `neutral` is its travel at joint angle zero (rad)."""
 
@@ -24,6 +31,7 @@ class Hose(NamedTuple):
     chamber: Chamber
     loss: Any
     neutral: float
+    damping: Damping = Damping(0.0, 0.0)
 
 
 class Joint(NamedTuple):

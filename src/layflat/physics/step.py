@@ -68,7 +68,8 @@ def unpack(running):
 
 @law
 def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
-    # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, air taken.
+    # Swell to the middle's volume, then let air and heat flow for h: new state, torques of gas and losses, damping of
+    # these, air taken.
     p_a = around.ambient_pressure
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     swell = volume - state.volume
@@ -84,9 +85,10 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     p_1 = p_0 + h * heat * stiffness
     p_g = 0.5 * (p_0 + p_1) - p_a
     loss = turned(hose.loss, state.loss, turn, p_g, h)
+    damping = hose.damping.base + hose.damping.slope * max(p_g, 0.0)
     change = h * flow
     after = HoseState(stored, state.mass + change, volume, p_1, p_1 - p_0, change, loss)
-    return after, torque_per_pressure(hose.stroke, travel) * p_g, total(torques(hose.loss, loss)), h * taken
+    return after, torque_per_pressure(hose.stroke, travel) * p_g, total(torques(hose.loss, loss)), damping, h * taken
 
 
 @law
@@ -114,7 +116,7 @@ def midpoint(joint, running, command, wave, around, h):
     valve, fills, vents = move(joint.valve, running.valve, command, wave, h)
     # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
     turn = h * motion.velocity
-    hoses, gas, loss, taken = _exchange_gas(
+    hoses, gas, loss, damped, taken = _exchange_gas(
         join(joint.hose_a, joint.hose_b),
         running.hoses,
         join(joint.hose_a.neutral + q, joint.hose_b.neutral - q),
@@ -126,7 +128,8 @@ def midpoint(joint, running, command, wave, around, h):
         h,
     )
     (gas_a, gas_b), (loss_a, loss_b), (taken_a, taken_b) = halves(gas), halves(loss), halves(taken)
-    damping = joint.viscous_friction + stop_damping(joint.stops, q)
+    damped_a, damped_b = halves(damped)
+    damping = joint.viscous_friction + stop_damping(joint.stops, q) + (damped_a + damped_b)
     torque = (gas_a - gas_b) - (loss_a + loss_b) + (stop_torque(joint.stops, q) - damping * v)
     gas, pull = gas_a - gas_b, gas_a + gas_b
     return Middle(q, v, valve, hoses, gas, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)

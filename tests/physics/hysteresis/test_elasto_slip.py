@@ -16,10 +16,10 @@ TRAVEL = 20.0
 
 def walk(path: Floats, loss: ElastoSlip = LOSS, p_g: float = P_G) -> Floats:
     """Torque at every point of a path that starts at an untouched hose."""
-    f, torques = Elements(0.0, 0.0, 0.0), [0.0]
+    f, torques = Elements((0.0, 0.0, 0.0)), [0.0]
     for turn in np.diff(path):
         f = slip_all(loss, f, turn, p_g, 1.0)
-        torques.append(sum(f))
+        torques.append(sum(f.torque))
     return np.array(torques)
 
 
@@ -36,10 +36,10 @@ def lost(path: Floats, torque: Floats) -> float:
 
 @given(st.lists(st.floats(-0.3, 0.3), min_size=1, max_size=30), st.floats(0.0, 6e5))
 def test_dissipation_is_never_negative(turns: list[float], p_g: float) -> None:
-    f = Elements(0.0, 0.0, 0.0)
+    f = Elements((0.0, 0.0, 0.0))
     for turn in turns:
         before, f = f, slip_all(LOSS, f, turn, p_g, 1.0)
-        work = sum(f) * turn
+        work = sum(f.torque) * turn
         assert work - (stored_energy(LOSS, f) - stored_energy(LOSS, before)) >= -1e-12
 
 
@@ -89,4 +89,4 @@ def test_an_element_never_carries_more_than_its_slip_torque(f: float, k: float, 
 
 
 def test_an_absent_element_stores_nothing() -> None:
-    assert stored_energy(ElastoSlip(*[0.0] * 9), Elements(0.0, 0.0, 0.0)) == 0.0
+    assert stored_energy(ElastoSlip(*[(0.0, 0.0, 0.0)] * 3), Elements((0.0, 0.0, 0.0))) == 0.0

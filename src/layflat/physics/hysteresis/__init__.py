@@ -1,15 +1,17 @@
-"""Losses inside hose and strap, of any kind. A new kind is one file and one line here; see docs/kinds.md."""
+"""Losses inside hose and strap: table.py has the kinds that are built in, docs/kinds.md shows how to add one."""
 
-from layflat.kinds import Table
-from layflat.physics.hysteresis import elasto_slip
 from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart
+from layflat.physics.hysteresis.parallel import ParallelPart
+from layflat.physics.hysteresis.table import HYSTERESIS, at_rest, loaded, stored, torques, turned
 
-HYSTERESIS: Table[HysteresisKind] = Table("hysteresis", elasto_slip.KIND)
-
-at_rest = HYSTERESIS.law("at_rest")
-turned = HYSTERESIS.law("turned")
-torques = HYSTERESIS.law("torques")
-stored = HYSTERESIS.law("stored")
-loaded = HYSTERESIS.law("loaded")
-
-__all__ = ["HYSTERESIS", "HysteresisKind", "LossesPart", "at_rest", "loaded", "stored", "torques", "turned"]
+__all__ = [
+    "HYSTERESIS",
+    "HysteresisKind",
+    "LossesPart",
+    "ParallelPart",
+    "at_rest",
+    "loaded",
+    "stored",
+    "torques",
+    "turned",
+]

@@ -8,62 +8,66 @@
 | p_g | gauge pressure in the hose | Pa |
 
 An element is a spring in series with a Coulomb slider (Prandtl-Ishlinskii model, Visintin 1994, key visintin1994). For
-a motion much smaller than Y/k it is a spring and loses nothing: the reason why such hysteresis damps little.
+a motion much smaller than Y/k it is a spring and loses nothing: the reason why such hysteresis damps little. A branch
+of a loop is the first way out at twice its size (Masing's rule), whatever the elements.
 """
 
-from typing import Literal, NamedTuple, Self
+from collections.abc import Sequence
+from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
 
 from layflat.description import units as u
 from layflat.jit import law
-from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart
+from layflat.lanes import each, in_lanes, total
+from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, over_pressure
 
 
 class ElastoSlip(NamedTuple):
-    """Three elements: stiffness, slip torque without pressure and slip torque per gauge pressure of each."""
+    """Of each element: stiffness, slip torque without pressure, and slip torque per gauge pressure."""
 
-    stiffness_1: float
-    stiffness_2: float
-    stiffness_3: float
-    base_1: float
-    base_2: float
-    base_3: float
-    slope_1: float
-    slope_2: float
-    slope_3: float
+    stiffness: tuple[float, ...]
+    base: tuple[float, ...]
+    slope: tuple[float, ...]
 
 
 class Elements(NamedTuple):
     """Torques of the elements, N m."""
 
-    f_1: float
-    f_2: float
-    f_3: float
+    torque: tuple[float, ...]
 
 
 class ElastoSlipPart(LossesPart):
     """How the losses of hose and strap depend on pressure and on the size of the motion."""
 
     kind: Literal["elasto-slip"] = "elasto-slip"
-    deflections: tuple[u.PositiveAngle, u.PositiveAngle, u.PositiveAngle] = Field(
-        description="turn after which each of three elements slips, at reference pressure"
+    deflections: Annotated[tuple[u.PositiveAngle, ...], Field(min_length=1)] = Field(
+        description="turn after which each of the elements slips, at reference pressure"
     )
-    weights: tuple[u.Share, u.Share, u.Share] = Field(description="share of each element in the loss")
+    weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
+        description="share of each element in the loss"
+    )
 
     @model_validator(mode="after")
     def _adds_up(self) -> Self:
+        if len(self.weights) != len(self.deflections):
+            raise ValueError("weights must be as many as deflections")
         if abs(sum(self.weights) - 1.0) > 1e-9:
             raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
         return self
 
 
+def elements(described: LossesPart, deflections: Sequence[float], weights: Sequence[float], limit: float) -> ElastoSlip:
+    """Elements that slip after `deflections` (rad) at their shares of `limit` (N m), both at the reference pressure."""
+    limits = [weight * limit for weight in weights]
+    stiffness = tuple(y / d for y, d in zip(limits, deflections, strict=True))
+    base, slope = zip(*(over_pressure(described, y) for y in limits), strict=True)
+    return ElastoSlip(stiffness, base, slope)
+
+
 def parameters(described: ElastoSlipPart, limit: float) -> ElastoSlip:
     """Elements that slip at `limit` (N m) in all at the reference pressure."""
-    limits = [weight * limit for weight in described.weights]
-    free, at = described.pressure_free, described.reference_pressure_gauge
-    stiffness = [y / d for y, d in zip(limits, described.deflections, strict=True)]
-    return ElastoSlip(*stiffness, *(free * y for y in limits), *((1.0 - free) * y / at for y in limits))
+    return elements(described, described.deflections, described.weights, limit)
 
 
 @law
@@ -73,46 +77,53 @@ def slip(f, k, Y, turn):
 
 
 @law
-def relaxed(loss):  # noqa: ARG001  (as of all kinds)
+def _slipped(f, k, Y_0, Y_1, turn, p_g):
+    return slip(f, k, Y_0 + Y_1 * p_g, turn)
+
+
+@law
+def _carrying(Y_0, Y_1, p_g, share):
+    return share * (Y_0 + Y_1 * p_g)
+
+
+@law
+def _nothing(k):
+    return in_lanes(0.0, k)
+
+
+@law
+def relaxed(loss):
     """Elements that carry nothing."""
-    return Elements(0.0, 0.0, 0.0)
+    return Elements(each(_nothing, loss.stiffness))
 
 
 @law
 def slip_all(loss, state, turn, p_g, h):  # noqa: ARG001
     """Elements after a turn at gauge pressure p_g, however long it took."""
-    p_g = max(p_g, 0.0)
-    return Elements(
-        slip(state.f_1, loss.stiffness_1, loss.base_1 + loss.slope_1 * p_g, turn),
-        slip(state.f_2, loss.stiffness_2, loss.base_2 + loss.slope_2 * p_g, turn),
-        slip(state.f_3, loss.stiffness_3, loss.base_3 + loss.slope_3 * p_g, turn),
-    )
+    return Elements(each(_slipped, state.torque, loss.stiffness, loss.base, loss.slope, turn, max(p_g, 0.0)))
 
 
 @law
 def element_torques(loss, state):  # noqa: ARG001
     """Torques of the elements, N m."""
-    return state.f_1, state.f_2, state.f_3
+    return state.torque
+
+
+@law
+def _energy(f, k):
+    return 0.5 * (f * f / k) if k > 0.0 else 0.0
 
 
 @law
 def stored_energy(loss, state):
     """Energy in the springs of the elements, J; zero for an element without stiffness, which carries no torque."""
-    e_1 = state.f_1 * state.f_1 / loss.stiffness_1 if loss.stiffness_1 > 0.0 else 0.0
-    e_2 = state.f_2 * state.f_2 / loss.stiffness_2 if loss.stiffness_2 > 0.0 else 0.0
-    e_3 = state.f_3 * state.f_3 / loss.stiffness_3 if loss.stiffness_3 > 0.0 else 0.0
-    return 0.5 * (e_1 + e_2 + e_3)
+    return total(each(_energy, state.torque, loss.stiffness))
 
 
 @law
 def loaded(loss, p_g, share):
     """Elements that all carry the same share of their limits."""
-    p_g = max(p_g, 0.0)
-    return Elements(
-        share * (loss.base_1 + loss.slope_1 * p_g),
-        share * (loss.base_2 + loss.slope_2 * p_g),
-        share * (loss.base_3 + loss.slope_3 * p_g),
-    )
+    return Elements(each(_carrying, loss.base, loss.slope, max(p_g, 0.0), share))
 
 
 KIND = HysteresisKind(

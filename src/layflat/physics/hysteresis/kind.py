@@ -19,6 +19,16 @@ class LossesPart(KindPart):
     pressure_free: u.Share = Field(
         description="part of the loss at reference pressure that does not grow with pressure"
     )
+    damping_time: u.TimeOrZero = Field(
+        default=0.0,
+        description="of a Kelvin-Voigt element beside the law: torque per velocity over the loss of a slow motion",
+    )
+
+
+def over_pressure(described: LossesPart, torque: float) -> tuple[float, float]:
+    """Split a torque at the reference pressure (N m) into what stands without pressure, and its growth (N m/Pa)."""
+    free = described.pressure_free
+    return free * torque, (1.0 - free) * torque / described.reference_pressure_gauge
 
 
 @dataclass(frozen=True, kw_only=True)

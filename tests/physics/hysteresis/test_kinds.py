@@ -1,0 +1,204 @@
+"""What holds for every kind of hysteresis, whatever its law."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from layflat.lanes import mapped
+from layflat.machine import Machine, changed, load
+from layflat.machine.parameters import hose
+from layflat.physics.hysteresis import HYSTERESIS, at_rest, loaded, stored, torques, turned
+from layflat.sim import rollout
+from layflat.sim.ensemble.parallel import traced
+from layflat.sim.scenario import Scenario
+
+Floats = NDArray[np.float64]
+LIMIT, P_G = 10.0, 3e5
+PRESSURE = {"reference_pressure_gauge": "3 bar", "pressure_free": 0.25}
+SLIP: dict[str, Any] = {"kind": "elasto-slip", "deflections": ["1 deg", "6 deg"], "weights": [0.4, 0.6]}
+CREEP: dict[str, Any] = {
+    "kind": "creep",
+    "deflection": "2 deg",
+    "per_decade": 0.1,
+    "first": "10 ms",
+    "last": "10 s",
+    "elements": 3,
+}
+DESCRIBED: dict[str, dict[str, Any]] = {
+    "elasto-slip": SLIP,
+    "elasto-slip-spectrum": {"first": "0.3 deg", "last": "12 deg", "elements": 6, "slope": 0.5},
+    "bouc-wen": {"deflection": "2 deg", "beta": 0.8, "exponent": 1.4},
+    "maxwell": {"deflection": "2 deg", "times": ["20 ms", "1 s"], "weights": [0.5, 0.2]},
+    "creep": CREEP,
+    "parallel": {"parts": {"slip": SLIP, "creep": CREEP, "smooth": {"kind": "bouc-wen", "deflection": "1 deg"}}},
+}
+RATE_INDEPENDENT = ("elasto-slip", "elasto-slip-spectrum", "bouc-wen")
+SMALL = "joint.small.losses"
+
+
+def described(kind: str, **changes: Any) -> Any:
+    return HYSTERESIS.named(kind).description.model_validate({"kind": kind, **PRESSURE, **DESCRIBED[kind], **changes})
+
+
+def losing(kind: str, **changes: Any) -> Any:
+    return HYSTERESIS.parameters(described(kind, **changes), LIMIT)
+
+
+def walk(loss: Any, path: Floats, h: float = 1e-3, p_g: float = P_G) -> Floats:
+    """Torque at every point of a path that starts at an untouched hose."""
+    state, found = at_rest(loss), [0.0]
+    for turn in np.diff(path):
+        state = turned(loss, state, float(turn), p_g, h)
+        found.append(sum(torques(loss, state)))
+    return np.array(found)
+
+
+each_kind = pytest.mark.parametrize("kind", DESCRIBED)
+
+
+def test_every_kind_is_tried_here() -> None:
+    assert {kind.name for kind in HYSTERESIS} >= set(DESCRIBED)
+    assert all(kind.name in DESCRIBED for kind in HYSTERESIS if kind.parameters.__module__.startswith("layflat."))
+
+
+@each_kind
+@given(
+    st.lists(st.tuples(st.floats(-0.05, 0.05), st.floats(0.0, 6e5), st.floats(1e-4, 1.0)), min_size=1, max_size=20),
+    st.floats(0.0, 1.0),
+)
+def test_no_energy_is_made(kind: str, steps: list[tuple[float, float, float]], share: float) -> None:
+    loss = losing(kind)
+    state = loaded(loss, P_G, share)
+    for turn, p_g, h in steps:
+        before, state = state, turned(loss, state, turn, p_g, h)
+        gained = stored(loss, state) - stored(loss, before)
+        assert sum(torques(loss, state)) * turn - gained >= -1e-9 * (1.0 + abs(gained))
+
+
+@each_kind
+def test_a_large_slow_motion_meets_the_loss_and_nothing_else(kind: str) -> None:
+    away = np.linspace(0.0, 2.0, 4001)
+    slowly = walk(losing(kind), away, np.inf)[-1]
+    shares = {"maxwell": 0.0, "creep": 0.0, "parallel": 2.0}
+    assert slowly == pytest.approx(shares.get(kind, 1.0) * LIMIT, rel=1e-3, abs=1e-6)
+    if kind in RATE_INDEPENDENT:
+        assert walk(losing(kind), away, p_g=0.0)[-1] == pytest.approx(0.25 * LIMIT, rel=1e-3)
+        assert walk(losing(kind), away, p_g=-1e5)[-1] == pytest.approx(0.25 * LIMIT, rel=1e-3)
+
+
+@each_kind
+def test_both_ways_are_alike(kind: str) -> None:
+    path = np.cumsum(np.sin(np.linspace(0.0, 9.0, 200)) * 0.004)
+    assert walk(losing(kind), -path) == pytest.approx(-walk(losing(kind), path), abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", RATE_INDEPENDENT)
+def test_speed_does_not_matter_where_the_law_has_no_time(kind: str) -> None:
+    path = np.cumsum(np.sin(np.linspace(0.0, 9.0, 50)) * 0.01)
+    assert np.array_equal(walk(losing(kind), path, 1e-4), walk(losing(kind), path, 10.0))
+
+
+@each_kind
+def test_a_hose_without_losses_has_parameters_that_are_zero(kind: str) -> None:
+    loss = mapped(losing(kind), lambda _: 0.0)
+    assert not walk(loss, np.array([0.0, 0.1, -0.2, 0.3])).any()
+    assert stored(loss, at_rest(loss)) == 0.0
+
+
+@each_kind
+def test_what_is_loaded_carries_a_share_of_what_it_can(kind: str) -> None:
+    loss = losing(kind)
+    carried = sum(torques(loss, loaded(loss, P_G, -0.5)))
+    assert carried == pytest.approx({"maxwell": 0.0, "creep": 0.0, "parallel": -LIMIT}.get(kind, -0.5 * LIMIT))
+
+
+def convergence(turning: Callable[[Any, int], float], loss: Any) -> float:
+    """Order at which the torque at the end of a smooth turn converges."""
+    errors = [abs(turning(loss, n) - turning(loss, 64 * 40)) for n in (40, 80)]
+    return float(np.log2(errors[0] / errors[1]))
+
+
+@pytest.mark.parametrize("kind", ["bouc-wen", "maxwell", "creep"])
+def test_a_step_is_of_second_order(kind: str) -> None:
+    def turning(loss: Any, n: int) -> float:
+        q = 0.1 * np.linspace(0.0, 1.0, n + 1) ** 2
+        return float(walk(loss, q, 1.0 / n)[-1])
+
+    assert convergence(turning, losing(kind)) > 1.7
+
+
+def machine(kind: str) -> Machine:
+    return changed(load("paper-small-joint"), SMALL, described(kind, damping_time="5 ms"))
+
+
+@pytest.mark.compiled
+@each_kind
+def test_a_run_closes_its_ledger_and_an_ensemble_repeats_it_bit_for_bit(kind: str) -> None:
+    case = Scenario(demand=[(0.0, -0.3), (0.1, 0.3)], duration=0.6, seed=3, brake=0.1)
+    run = rollout(machine(kind), scenario=case).isel(joint=0)
+    works = run["gas_work"] + run["load_work"] - run["hose_work"] - run["brake_heat"] - run["damping_heat"]
+    inertia = load("paper-small-joint").arm.payload * 0.4**2 + 0.001 + 0.0053 + 0.4 * 0.2**2
+    assert float(abs(works - 0.5 * inertia * run["velocity"] ** 2).max()) < 1e-3
+    assert float((run["hose_work"] - run["hose_stored"]).min()) >= -1e-4
+    assert float(run["damping_heat"][-1]) > 0.0
+    angles = traced(machine(kind), case, {"seed": np.array([3.0, 3.0])}, ("angle",))[:, :, 0, 0]
+    assert np.array_equal(angles[1], run["angle"].to_numpy()[: angles.shape[1]])
+
+
+def test_what_varies_from_run_to_run_may_be_any_number_of_any_kind() -> None:
+    base = changed(load("paper-small-joint"), SMALL, described("parallel"))
+    path = f"{SMALL}.parts.creep.per_decade"
+    alone = [
+        walk(HYSTERESIS.parameters(changed(base, path, one).joint["small"].losses, LIMIT), np.array([0.0, 0.1]))[-1]
+        for one in (0.05, 0.1)
+    ]
+    together = HYSTERESIS.parameters(changed(base, path, np.array([0.05, 0.1])).joint["small"].losses, LIMIT)
+    for i, torque in enumerate(alone):
+        one = mapped(together, lambda leaf: float(np.broadcast_to(leaf, 2)[i]))  # noqa: B023
+        assert walk(one, np.array([0.0, 0.1]))[-1] == torque
+
+
+@pytest.mark.parametrize(
+    ("kind", "changes", "said"),
+    [
+        ("elasto-slip", {"weights": [0.5, 0.6]}, "add up to 1"),
+        ("elasto-slip", {"weights": [1.0]}, "as many as deflections"),
+        ("elasto-slip-spectrum", {"last": "0.2 deg"}, "greater than first"),
+        ("bouc-wen", {"beta": 0.4}, "greater than or equal to 0.5"),
+        ("bouc-wen", {"exponent": 2.5}, "less than or equal to 2"),
+        ("maxwell", {"weights": [0.5]}, "as many as times"),
+        ("maxwell", {"weights": [0.5, -0.1]}, "greater than or equal to 0"),
+        ("creep", {"last": "1 ms"}, "greater than first"),
+        ("parallel", {"shares": {"other": 0.5}}, "no part 'other'"),
+        ("parallel", {"parts": {"slip": SLIP}}, "at least 2"),
+        ("parallel", {"parts": {"slip": SLIP, "creep": CREEP | {"damping_time": "1 ms"}}}, "give it to the whole"),
+        ("parallel", {"parts": {"slip": SLIP, "more": {"kind": "parallel", "parts": {}}}}, "parallel"),
+        ("bouc-wen", {"damping_time": "-1 ms"}, "0"),
+    ],
+)
+def test_impossible_parameters_are_refused(kind: str, changes: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValidationError) as error:
+        described(kind, **changes)
+    assert said in str(error.value)
+
+
+def test_a_part_has_the_pressure_of_the_whole_unless_it_says_otherwise() -> None:
+    own = {"parts": {"slip": SLIP, "creep": CREEP | {"pressure_free": 1.0}}}
+    parts = described("parallel", **own).parts
+    assert [part.pressure_free for part in parts.values()] == [0.25, 1.0]
+
+
+def test_a_kelvin_voigt_element_damps_by_the_loss() -> None:
+    joint = load("paper-small-joint").joint["small"]
+
+    plain = hose(joint)
+    assert plain.damping == (0.0, 0.0)
+    damped = hose(changed(load("paper-small-joint"), f"{SMALL}.damping_time", 0.01).joint["small"]).damping
+    slow = sum(torques(plain.loss, loaded(plain.loss, P_G, 1.0)))
+    assert damped.base + damped.slope * P_G == pytest.approx(0.01 * slow)
