@@ -1,5 +1,7 @@
 """The watch over the hoses' air against cases that can be told by hand."""
 
+from math import inf
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
 from layflat.physics.flow import laminar_slope
 
-PARTS = AirParts(2e-4, 2e-4, 0.9, 2e-8, 0.0, 0.3, float(laminar_slope(0.3)), 0.02, 0.0, 40.0, 0.05, 14.0)
+PARTS = AirParts(2e-4, 2e-4, 0.9, 2e-8, 0.0, inf, 0.3, float(laminar_slope(0.3)), 0.02, 0.0, 40.0, 0.05, 14.0)
 SUPPLY, EXHAUST, CYCLE = 5e5, 1e5, 0.005
 
 

@@ -54,10 +54,11 @@ def check(machine: MachineName) -> None:
     from layflat.design.rules import Finding  # noqa: PLC0415
     from layflat.design.summary import design_joint  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.machine.stale import stale_values  # noqa: PLC0415
+    from layflat.machine.stale import counted_twice, stale_values  # noqa: PLC0415
 
     described = load(machine)
     stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(described)]
+    stale += [Finding("note", "volume", one.path, one.what, one.right) for one in counted_twice(described)]
     findings = [f for name in described.joints for f in design_joint(described, name, through=stencils).findings]
     print_findings([*stale, *findings])
     count = len(described.joints)

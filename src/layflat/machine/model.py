@@ -14,6 +14,7 @@ from layflat.machine.gains import gains_of_law
 from layflat.machine.interface import Interface
 from layflat.machine.parts import Joint
 from layflat.machine.safety import Safety
+from layflat.machine.tube import Line, delay
 from layflat.physics.arms import ARMS, ArmPart
 from layflat.physics.delay import LONGEST
 from layflat.physics.valves import VALVES, ValvePart
@@ -61,6 +62,7 @@ class Machine(Described):
     joint: dict[Key, Joint]
     arm: Annotated[ArmPart, AnyOf(ARMS)]
     valve: Annotated[ValvePart, AnyOf(VALVES)] | None = None
+    line: Line | None = Field(default=None, description="tube from the valve to each hose, of joints without their own")
     angle_sensor: AngleSensor | None = None
     pressure_sensor: PressureSensor | None = None
     controller: Annotated[ControllerPart, AnyOf(CONTROL_LAWS)] | None = None
@@ -84,6 +86,16 @@ class Machine(Described):
             longest = LONGEST * self.cycle
             if self.valve.delay > longest:
                 raise ValueError(f"valve.delay is longer than three control cycles, {1000 * longest:g} ms")
+            for name, line in self.lines.items():
+                if line is not None and self.valve.delay + delay(line) > longest:
+                    raise ValueError(
+                        f"delays of valve and line of joint {name!r} are together longer than three control cycles, "
+                        f"{1000 * longest:g} ms; shorten the line, or give its delay"
+                    )
+        lines = set(map(type, self.lines.values()))
+        if len(lines) > 1:
+            lacking = next(name for name, line in self.lines.items() if line is None)
+            raise ValueError(f"joint {lacking!r} has no line, but others have; give all joints one, or none")
         return self
 
     def __reduce__(self) -> Any:
@@ -109,6 +121,11 @@ class Machine(Described):
     def cycle(self) -> float:
         """Control cycle, s; without a controller, the time between changes of the valves' voltages."""
         return self.controller.cycle if self.controller is not None else CYCLE
+
+    @property
+    def lines(self) -> dict[str, Line | None]:
+        """The tube from the valve to each hose, by joint; None where the valve sits on the hose."""
+        return {name: self.line if joint.line is None else joint.line for name, joint in self.joints.items()}
 
     @property
     def joints(self) -> dict[str, Joint]:

@@ -11,7 +11,7 @@ A number of the machine may be an array, an item a run (see sim/ensemble); then 
 
 from collections.abc import Sequence
 from functools import partial
-from math import degrees, pi, radians
+from math import degrees, inf, pi, radians
 from typing import Any
 
 import numpy as np
@@ -23,8 +23,9 @@ from layflat.control.paper.description import idle_gains
 from layflat.control.paper.gains import Settings
 from layflat.errors import MachineError
 from layflat.lanes import mapped
-from layflat.machine import parts
+from layflat.machine import parts, tube
 from layflat.machine.model import AngleSensor, Machine, PressureSensor
+from layflat.machine.tube import Line
 from layflat.physics.air_balance import AirParts
 from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.arrays import itemwise
@@ -134,7 +135,7 @@ def joints(machine: Machine) -> tuple[Joint, ...]:
     """All laws of every joint, from base to tip; all with strokes of one kind, so that they can go side by side."""
     even = all(described.output.kind == "cam" for described in machine.joints.values())
     rubbing = frictions(machine)
-    return tuple(_joint(machine, joint, rubbing[name], even=even) for name, joint in machine.joints.items())
+    return tuple(_joint(machine, name, rubbing[name], even=even) for name in machine.joints)
 
 
 def friction(joint: parts.Joint) -> Any:
@@ -174,16 +175,31 @@ def static_friction(joint: parts.Joint, gauge: float) -> float:
     return itemwise(partial(level, friction(joint)), joint.brake.torque, 0.0, pull)
 
 
-def _joint(machine: Machine, described: parts.Joint, rubbing: Any, *, even: bool) -> Joint:
-    valve_part, angle_sensor, pressure_sensor = drive_parts(machine)
+def _behind(line: Line, hose: Hose) -> Hose:
+    """A hose behind a tube."""
+    chamber = hose.chamber._replace(dead_volume=hose.chamber.dead_volume + 0.5 * tube.volume(line))
+    return hose._replace(chamber=chamber, line=tube.parameters(line))
+
+
+def _valve(machine: Machine, line: Line | None) -> Any:
+    """Parameters of the valve of a joint; its tube delays what it does."""
+    valve = VALVES.parameters(drive_parts(machine)[0])
+    return valve if line is None else valve._replace(delay=valve.delay + tube.delay(line))
+
+
+def _joint(machine: Machine, name: str, rubbing: Any, *, even: bool) -> Joint:
+    described, (_, angle_sensor, pressure_sensor) = machine.joint[name], drive_parts(machine)
     pulling = hose(described)
     pushing = pulling if described.acting == "double" else no_hose(pulling)
+    line = machine.lines[name]
+    if line is not None:
+        pulling, pushing = _behind(line, pulling), _behind(line, pushing)
     if not even:
         pulling, pushing = (h._replace(stroke=long_stroke(h.stroke)) for h in (pulling, pushing))
     return Joint(
         pulling,
         pushing,
-        VALVES.parameters(valve_part),
+        _valve(machine, line),
         stops(described),
         described.brake.viscous,
         described.brake.torque,
@@ -263,13 +279,14 @@ def air_parts(machine: Machine, name: str) -> AirParts:
         MachineError: the machine has no valve or sensors.
     """
     valve, _, _ = drive_parts(machine)
-    joint = machine.joint[name]
+    joint, line = machine.joint[name], machine.lines[name]
     return AirParts(
-        joint.hose.dead_volume,
+        joint.hose.dead_volume + (0.0 if line is None else tube.volume(line)),
         travel_volume(joint) / full_travel(joint),
         full_travel(joint) / 2,
         valve.conductance,
         valve.leakage,
+        inf if line is None else tube.conductance(line),
         valve.critical_ratio,
         float(laminar_slope(valve.critical_ratio)),
         valve.covered,

@@ -14,6 +14,7 @@ from layflat.description.wrong import INPUT, wrong
 from layflat.kinds import AnyOf
 from layflat.machine.gains import Gains
 from layflat.machine.mass import body_mass
+from layflat.machine.tube import Line
 from layflat.physics.friction import FRICTION, FrictionPart
 from layflat.physics.hysteresis import HYSTERESIS, LossesPart
 
@@ -33,7 +34,9 @@ class Hose(Part):
     )
     contact_end: u.PositiveAngle = Field(description="contact angle at full travel (alpha)")
     peel_ratio: u.Ratio = Field(description="roller angle per contact angle, in units of R/r")
-    dead_volume: u.Volume = Field(description="air in collapsed hose, fittings and tube")
+    dead_volume: u.Volume = Field(
+        description="air in collapsed hose and fittings; in the tube as well where no line is described"
+    )
     compliance: u.Compliance = Field(description="volume gained per pressure by the stretching wall")
     wall_conductance: u.HeatConductance = Field(description="heat flow from wall to air per kelvin")
     areal_mass: u.AreaDensity = Field(description="mass of one layer of hose per area")
@@ -176,6 +179,7 @@ class Joint(Part):
     body: Body
     deflecting_roller: DeflectingRoller | None = None
     friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
+    line: Line | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
     gains: Gains | None = None
 
     @model_validator(mode="after")

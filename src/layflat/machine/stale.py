@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from layflat.description.library import Layer
 from layflat.description.tables import laid_over, leaves
+from layflat.machine import tube
 from layflat.machine.libraries import MACHINES
 from layflat.machine.mass import body_mass
 from layflat.machine.model import Machine
@@ -53,6 +54,32 @@ def stale_values(machine: Machine) -> list[Stale]:
                 why = f"{changed} has changed" if changed else f"{' and '.join(sizes)} say otherwise"
                 right = f"give it anew, or leave it out (omits) for {now:.3g} {UNITS[key]}"
                 found.append(Stale(path, f"{given:.4g} {UNITS[key]} is from before: {why}", right))
+    return found
+
+
+def counted_twice(machine: Machine) -> list[Stale]:
+    """Return the dead volumes of a machine's hoses that seem to hold the air of a tube that is described as well.
+
+    A dead volume does if its note says so, or if it stands in a file below the one that describes the tube.
+
+    Raises:
+        MachineError: its files are missing or broken by now.
+    """
+    given = [dict(leaves(layer.plain)) for layer in MACHINES.layers(machine.origin)]
+    found = []
+    for name, line in machine.lines.items():
+        path = f"joint.{name}.hose.dead_volume"
+        if line is None:
+            continue
+        tubes = (f"joint.{name}.line.length", "line.length")
+        first = next((i for i, layer in enumerate(given) if any(tube in layer for tube in tubes)), 0)
+        source = machine.provenance.get(path)
+        noted = source is not None and "tube" in source.note
+        if noted or not any(path in layer for layer in given[first:]):
+            own = machine.joint[name].hose.dead_volume
+            more = f"the line has {1e6 * tube.volume(line):.3g} ml more"
+            what = f"{1e6 * own:.4g} ml seem to include the tube, of which {more}"
+            found.append(Stale(path, what, "give it without the tube"))
     return found
 
 

@@ -8,6 +8,7 @@
 | s | travel of a hose: neutral travel and angle | rad |
 | u | opening asked of the valve, -1..1 | 1 |
 | C | sonic conductance of a fully open path (ISO 6358-1) | m3/(s Pa) |
+| C_l | the same of the tube to the hose | m3/(s Pa) |
 | L | rate at which the estimate follows what is measured | 1/s |
 | d | residual: what the air does beyond what was asked, as an opening of the valve | 1 |
 
@@ -17,6 +18,7 @@ are sound, the opening that was asked for, turned round, while a spool sticks in
 hole's size while a hose loses air.
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 from layflat.jit import law
@@ -39,6 +41,7 @@ class AirParts(NamedTuple):
     neutral: float
     conductance: float
     leakage: float
+    line_conductance: float  # of the tube to the hose; infinite where there is none
     critical_ratio: float
     laminar_slope: float
     overlap: float
@@ -62,7 +65,10 @@ def _conductance(parts, u):
     # Mean over the dither of what a path lets through that opens with u.
     share = mean_above_zero(u - parts.dither - parts.overlap, u + parts.dither - parts.overlap)
     share = min(share / (1.0 - parts.overlap), 1.0)
-    return parts.leakage + (parts.conductance - parts.leakage) * share
+    through = parts.leakage + (parts.conductance - parts.leakage) * share
+    # Valve and tube in series (ISO 6358-3).
+    narrowed = through / parts.line_conductance
+    return through / sqrt(1.0 + narrowed * narrowed)
 
 
 @law

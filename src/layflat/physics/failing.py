@@ -29,4 +29,5 @@ def through_hole(hose, state, share, p_a):
         state.pressure_change,
         state.mass_change,
         state.loss,
+        state.line,
     )

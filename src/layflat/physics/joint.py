@@ -9,6 +9,7 @@ from layflat.jit import law
 from layflat.physics.chamber import Chamber, air_mass, energy
 from layflat.physics.hose import ConstantStroke, Stroke, swept_volume
 from layflat.physics.hysteresis import at_rest as relaxed
+from layflat.physics.line import NoLine, air_at
 from layflat.physics.sensor import Sensor
 from layflat.physics.stop import Stops
 from layflat.physics.valves import at_rest
@@ -25,13 +26,14 @@ class Damping(NamedTuple):
 
 
 class Hose(NamedTuple):
-    """Parameters of a hose in its joint; `neutral` is its travel at joint angle zero (rad)."""
+    """Parameters of a hose in its joint, with the line to its valve; `neutral` is the travel at angle zero, rad."""
 
     stroke: ConstantStroke | Stroke
     chamber: Chamber
     loss: Any
     neutral: float
     damping: Damping = Damping(0.0, 0.0)
+    line: Any = NoLine()
 
 
 class Joint(NamedTuple):
@@ -76,6 +78,7 @@ class HoseState(NamedTuple):
     pressure_change: float
     mass_change: float
     loss: Any  # of the hysteresis (see hysteresis/kind.py)
+    line: Any  # air between valve and hose (see line.py)
 
 
 class Motion(NamedTuple):
@@ -118,7 +121,8 @@ def hose_at_rest(hose, travel, p, T, p_a):
     """State of a hose at a travel (rad), pressure (Pa) and temperature (K)."""
     volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
     stored = energy(hose.chamber, p, volume, p_a)
-    return HoseState(stored, air_mass(hose.chamber, p, T, volume, p_a), volume, p, 0.0, 0.0, relaxed(hose.loss))
+    mass, loss, line = air_mass(hose.chamber, p, T, volume, p_a), relaxed(hose.loss), air_at(hose.line, p, T)
+    return HoseState(stored, mass, volume, p, 0.0, 0.0, loss, line)
 
 
 @law

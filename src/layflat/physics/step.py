@@ -19,12 +19,12 @@ from typing import Any, NamedTuple
 from layflat.jit import by_kind, composition, law
 from layflat.lanes import halves, join, total
 from layflat.physics.chamber import pressure_after_swelling, temperature_both_ways, wall_heat
-from layflat.physics.flow import root_temperature
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques, turned
 from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion
+from layflat.physics.line import exchange
 from layflat.physics.stop import stop_damping, stop_torque
-from layflat.physics.valves import chamber_flow, move
+from layflat.physics.valves import move
 
 STEP = 0.25e-3  # default step, s
 
@@ -77,17 +77,18 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     p = p_0 + 0.5 * state.pressure_change
     m = state.mass + 0.5 * state.mass_change
     T, per_T = temperature_both_ways(hose.chamber, p, m, volume, p_a)
-    supply = root_temperature(around.supply_temperature, 1.0 / around.supply_temperature)
-    inside = root_temperature(T, per_T)
-    flow, heat, taken = chamber_flow(valve, C_in, C_out, p, inside, around.supply_pressure, supply, p_a)
-    heat = heat + wall_heat(hose.chamber, T, around.ambient_temperature)
+    wall = wall_heat(hose.chamber, T, around.ambient_temperature)
+    flow, heat, taken, line = exchange(
+        hose.line, state.line, valve, C_in, C_out, p, p_0, stiffness, T, per_T, wall, around, h
+    )
+    heat = heat + wall
     stored = state.energy - p_0 * swell + h * heat
     p_1 = p_0 + h * heat * stiffness
     p_g = 0.5 * (p_0 + p_1) - p_a
     loss = turned(hose.loss, state.loss, turn, p_g, h)
     damping = hose.damping.base + hose.damping.slope * max(p_g, 0.0)
     change = h * flow
-    after = HoseState(stored, state.mass + change, volume, p_1, p_1 - p_0, change, loss)
+    after = HoseState(stored, state.mass + change, volume, p_1, p_1 - p_0, change, loss, line)
     return after, torque_per_pressure(hose.stroke, travel) * p_g, total(torques(hose.loss, loss)), damping, h * taken
 
 
@@ -103,6 +104,7 @@ def _swell(hose, state, travel):
         state.pressure_change,
         state.mass_change,
         state.loss,
+        state.line,
     )
 
 

@@ -21,7 +21,8 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.errors import MachineError
-from layflat.machine import Machine, parameters
+from layflat.machine import Machine, parameters, tube
+from layflat.machine.tube import Line
 from layflat.physics.air_balance import REFERENCE_PRESSURE
 from layflat.physics.flow import effective_pressure, laminar_slope
 from layflat.physics.joint import FILLED
@@ -78,12 +79,20 @@ def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
     volume = joint.hose.dead_volume + parameters.travel_volume(joint) / 2
     b, supply, outside = valve.critical_ratio, machine.supply.pressure, machine.supply.ambient_pressure
     slope, held = float(laminar_slope(b)), FILLED * supply
-    through = valve.conductance * REFERENCE_PRESSURE
+    volume, conductance = _with_line(machine.lines[name], volume, valve.conductance)
+    through = conductance * REFERENCE_PRESSURE
     filling = through * float(effective_pressure(supply, held, b, slope)) / volume
     venting = through * float(effective_pressure(held, outside, b, slope)) / volume
     hoses = filling + venting if joint.acting == "double" else min(filling, venting)
     gauge = machine.supply.pressure_gauge
     return through / K, K * gauge - parameters.static_friction(joint, gauge), K * hoses
+
+
+def _with_line(line: Line | None, volume: float, conductance: float) -> tuple[float, float]:
+    """Return the volume of a hose (m3) and the conductance of its valve, with those of the tube between them."""
+    if line is None:
+        return volume, conductance
+    return volume + tube.volume(line), float(1.0 / np.hypot(1.0 / conductance, 1.0 / tube.conductance(line)))
 
 
 def _together(inertia: Array, ability: Array) -> Array:

@@ -59,12 +59,16 @@ STRIBECK = (
     ParameterSpec("friction.velocity", "rad/s", factor_range(10.0), f"{SLOW}, with pauses"),
     ParameterSpec("friction.load_share", "1", fixed_range(0.0, 0.3), f"{SLOW}, at two supply pressures"),
 )
+LINE = (
+    ParameterSpec("line.length", "m", factor_range(3.0), f"{FILLING}, and chirps up to 3 Hz"),
+    ParameterSpec("line.bore", "m", factor_range(2.0), FILLING),
+)
 INERTIA = (ParameterSpec("link.inertia", "kg m^2", MASSES, "chirps up to 3 Hz without payload"),)
 PAYLOAD = ParameterSpec("arm.payload", "kg", from_zero(lambda _, guess: max(3.0 * guess, 2.0)), "chirps up to 3 Hz")
 SENSORS = ParameterSpec("pressure_sensor.offset", "Pa", OFFSETS, "both pressures by themselves")
 
 BY_JOINT = {"hose": HOSE, "losses": LOSSES, "friction": FRICTION, "inertia": INERTIA}
-BLOCKS = ("valve", *BY_JOINT, "payload", "sensors")  # what `--fit` takes for a machine that moves
+BLOCKS = ("valve", *BY_JOINT, "line", "payload", "sensors")  # what `--fit` takes for a machine that moves
 
 
 def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
@@ -79,4 +83,14 @@ def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
             for name, joint in machine.joints.items()
             for spec in (*of, *(STRIBECK if block == "friction" and isinstance(joint.friction, StribeckPart) else ()))
         ]
+    specs["line"] = _of_lines(machine)
+    if "line" in blocks and not specs["line"]:
+        raise InputError("has no line", where=machine.origin, right="describe its [line], or leave line out of --fit")
     return [spec.unknown(machine) for block in check_known(blocks, BLOCKS, "fit", "block") for spec in specs[block]]
+
+
+def _of_lines(machine: Machine) -> list[ParameterSpec]:
+    """The machine's own line, which all joints without theirs share, then those of joints."""
+    shared = machine.line is not None and any(joint.line is None for joint in machine.joints.values())
+    own = [f"joint.{name}." for name, joint in machine.joints.items() if joint.line is not None]
+    return [spec._replace(path=f"{at}{spec.path}") for at in ([""] if shared else []) + own for spec in LINE]
