@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,17 @@ def made(folder: Path, text: str, base: str = "paper-arm") -> Machine:
     file = folder / "mine.toml"
     file.write_text(f'extends = "{base}"\nname = "mine"\n{text}\n', encoding="utf-8")
     return load(file)
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "friction.md"
+
+
+def test_the_pages_example_is_a_description(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    machine = made(tmp_path, text)
+    assert parameters.joints(machine)[0].friction == pytest.approx(Stribeck(0.3, 100.0, 0.3, 0.01))
+    assert machine.valve is not None
+    assert machine.valve.stiction.static_ratio == 1.5
 
 
 def test_without_a_word_it_is_coulombs(tmp_path: Path) -> None:

@@ -1,3 +1,4 @@
+import re
 from math import inf, radians
 from pathlib import Path
 
@@ -22,6 +23,16 @@ def made(folder: Path, text: str, base: str = "paper-arm") -> Machine:
     file = folder / "mine.toml"
     file.write_text(f'extends = "{base}"\nname = "mine"\n{text}\n', encoding="utf-8")
     return load(file)
+
+
+PAGE = Path(__file__).parents[2] / "docs" / "lines.md"
+
+
+def test_the_pages_example_is_a_description(tmp_path: Path) -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    machine = made(tmp_path, text)
+    assert machine.lines["large"] == machine.line
+    assert machine.lines["small"] == machine.joint["small"].line
 
 
 def test_without_a_word_there_is_none() -> None:

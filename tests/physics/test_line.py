@@ -53,7 +53,7 @@ def fanno(length: float, bore: float) -> tuple[float, float]:
         reynolds = 4.0 * flow(mach) / (pi * bore * VISCOSITY)
         friction = 0.3164 / reynolds**0.25 if reynolds < 1e5 else 0.0032 + 0.221 / reynolds**0.237
         ways = (1.0 - mach**2) / (GAMMA * mach**2) + 2.4 / 2.8 * log(2.4 * mach**2 / (2.0 + 0.4 * mach**2))
-        return ways - friction * length / bore
+        return float(ways - friction * length / bore)
 
     mach = float(brentq(left, 1e-3, 1.0 - 1e-9))
     end = (1.0 + 0.2 * mach**2) ** -3.5 * mach * sqrt((2.0 + 0.4 * mach**2) / 2.4)
