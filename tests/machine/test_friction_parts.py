@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from layflat.errors import MachineError
+from layflat.identify.benches.moving.blocks import unknowns
 from layflat.machine import Machine, load, parameters
 from layflat.physics.friction.coulomb import Coulomb
 from layflat.physics.friction.stribeck import KIND, Stribeck
@@ -73,6 +74,13 @@ def test_a_slow_sweep_meets_static_friction(tmp_path: Path) -> None:
     assert more == pytest.approx(2.0 * (1.4 * kinetic - joint.brake.torque), rel=1e-9)
     assert parameters.static_friction(falling.joint["small"], 0.5 * pressure) == pytest.approx(1.4 * kinetic)
     assert parameters.static_friction(joint, pressure) == joint.brake.torque
+
+
+def test_the_fall_can_be_fitted_where_there_is_one(tmp_path: Path) -> None:
+    machine = made(tmp_path, f"[joint.small.friction]\n{FALLING}")
+    paths = [one.path.removeprefix("joint.") for one in unknowns(machine, ["friction"])]
+    fall = ["small.friction.static_ratio", "small.friction.velocity", "small.friction.load_share"]
+    assert paths == ["large.brake.torque", "large.brake.viscous", "small.brake.torque", "small.brake.viscous", *fall]
 
 
 @pytest.mark.compiled
