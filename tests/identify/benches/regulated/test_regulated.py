@@ -23,7 +23,10 @@ TRUTH = {
     "load.stiffness": 0.3,
     "friction.lower_end": 0.25,
     "friction.upper_end": 0.08,
+    "friction.change_angle": -0.3,
+    "friction.change_width": 0.15,
     "friction.lag": 3.0,
+    "friction.static_ratio": 1.25,
     "stroke.lower_stop": -1.15,
 }
 

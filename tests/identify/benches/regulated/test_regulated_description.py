@@ -1,13 +1,11 @@
 import tomllib
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from layflat.description.provenance import split
 from layflat.errors import MachineError
 from layflat.identify.benches.loader import load_bench
-from layflat.identify.benches.regulated.description import friction_law
 from layflat.machine.libraries import BENCHES
 
 TEXT = BENCHES.text("regulated-elbow")
@@ -32,6 +30,7 @@ def test_every_value_of_the_built_in_elbow_says_where_it_comes_from() -> None:
         ('value = "20 ml"', 'value = "5 ml"', "chamber.volume"),
         ('value = "-60 deg"', 'value = "-50 deg"', "stops lie inside"),
         ('"0.1 N m s/rad"', '"0.1 N m"', "load.damping"),
+        ("static_ratio = { value = 1.2", "static_ratio = { value = 0.9", "friction.static_ratio"),
         ("critical_ratio =", "critical =", "critical_ratio"),
         ("value = 0.3,", "value = 1.3,", "critical_ratio"),
     ],
@@ -43,7 +42,11 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path: Path, before: str, after: s
     assert "\n" not in str(error.value)
 
 
-def test_friction_is_given_at_both_ends() -> None:
-    reading = 2.0
-    torque, fade = friction_law(np.array([0.3]), np.array([0.05]), reading)
-    assert torque * np.exp(-fade * np.array([-1.0, 1.0])) == pytest.approx([0.3, 0.05])
+def test_a_file_without_the_newer_values_has_coulomb_friction(tmp_path: Path) -> None:
+    newer = ("mismatch", "change", "static_ratio")
+    path = tmp_path / "elbow.toml"
+    path.write_text("\n".join(line for line in TEXT.splitlines() if not line.startswith(newer)), encoding="utf-8")
+    described = load_bench(path)
+    assert described.valve.mismatch == 0.0
+    assert described.friction.lower_end == described.friction.upper_end
+    assert described.friction.static_ratio == 1.0

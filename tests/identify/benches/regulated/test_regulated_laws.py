@@ -18,12 +18,11 @@ from layflat.identify.benches.regulated.laws import (
     at_rest,
     chamber_at_rest,
     exchange_gas,
+    friction_level,
     lag_shares,
     move,
-    next_level,
     regulator_conductances,
     regulator_opening,
-    settled_level,
     share_in,
 )
 from layflat.physics.air import GAMMA
@@ -35,16 +34,17 @@ K = 6e-6
 
 
 def joint(*, conductance: float = 2e-10, friction: float = 0.1, damping: float = 0.1) -> RegulatedJoint:
-    valve = Regulator(1.0, 0.0, 0.03, conductance, conductance, 5e4, 5e4, 0.3, laminar_slope(0.3))
+    valve = Regulator(1.0, 0.0, 0.0, 0.03, conductance, conductance, 5e4, 5e4, 0.3, laminar_slope(0.3))
     chamber = Chamber(2e-5, 0.0, 0.0)
-    return RegulatedJoint(valve, chamber, K, 0.005, damping, 0.0, 0.0, LaggingFriction(friction, 0.0, 2.0), -1.0, 1.0)
+    rubs = LaggingFriction(friction, friction, 0.0, 0.2, 2.0, 1.0)
+    return RegulatedJoint(valve, chamber, K, 0.005, damping, 0.0, 0.0, rubs, -1.0, 1.0)
 
 
 def run(
     made: RegulatedJoint, q: float, p: tuple[float, float], asked: tuple[float, float], h: float, seconds: float
 ) -> Iterator[tuple[JointState, ChamberState, ChamberState]]:
     shares = lag_shares(made, h)
-    motion, a, b = at_rest(made, q), chamber_at_rest(made, q, p[0], AIR), chamber_at_rest(made, -q, p[1], AIR)
+    motion, a, b = at_rest(q), chamber_at_rest(made, q, p[0], AIR), chamber_at_rest(made, -q, p[1], AIR)
     yield motion, a, b
     for _ in range(round(seconds / h)):
         motion = move(made, motion, a.pressure, b.pressure, shares, h)
@@ -107,7 +107,7 @@ def test_motion_between_shut_chambers_is_that_of_an_adiabatic_spring() -> None:
     assert errors[0] > 1.6 * errors[1] > 1.6**2 * errors[2]
 
 
-VALVE = Regulator(1.05, -2e4, 0.04, 2e-10, 3e-10, 5e4, 8e4, 0.3, laminar_slope(0.3))
+VALVE = Regulator(1.05, -2e4, -2e4, 0.04, 2e-10, 3e-10, 5e4, 8e4, 0.3, laminar_slope(0.3))
 pressures = st.floats(1e5, 8e5)
 
 
@@ -127,8 +127,8 @@ def test_it_opens_in_proportion_to_the_error_up_to_its_bands(error: float, openi
 
 
 def test_its_gain_and_offset_count_from_ambient_pressure() -> None:
-    assert asked_set_point(VALVE, 1e5, 1e5) == pytest.approx(1e5 - 2e4)
-    assert asked_set_point(VALVE, 5e5, 1e5) == pytest.approx(1e5 + 1.05 * 4e5 - 2e4)
+    assert asked_set_point(VALVE, -2e4, 1e5, 1e5) == pytest.approx(1e5 - 2e4)
+    assert asked_set_point(VALVE, 3e4, 5e5, 1e5) == pytest.approx(1e5 + 1.05 * 4e5 + 3e4)
 
 
 @given(st.floats(1e-5, 0.1), st.floats(1e-3, 1.0))
@@ -137,23 +137,35 @@ def test_two_half_steps_of_a_lag_make_a_whole_one(h: float, lag: float) -> None:
     assert 1.0 - (1.0 - half) ** 2 == pytest.approx(share_in(h, lag), rel=1e-9)
 
 
-angles = st.floats(-1.5, 1.5)
+RUBS = LaggingFriction(0.3, 0.1, -0.6, 0.15, 3.0, 1.3)
 
 
-@given(angles, st.floats(-3.0, 3.0))
-def test_friction_is_positive_wherever_the_joint_is(q: float, fade: float) -> None:
-    assert settled_level(LaggingFriction(0.2, fade, 3.0), q) > 0.0
+def test_friction_goes_from_one_level_to_the_other_around_an_angle() -> None:
+    assert [friction_level(RUBS, Q, 1.0) for Q in (-20.0, -0.6, 20.0)] == pytest.approx([0.3, 0.2, 0.1], rel=1e-9)
+    below, above = (friction_level(RUBS, -0.6 + way * 0.1, 1.0) for way in (-1.0, 1.0))
+    assert below + above == pytest.approx(0.4, rel=1e-12)
+    within = [friction_level(RUBS, -0.6 + way * 2.0 * RUBS.change_width, 1.0) for way in (-1.0, 1.0)]
+    assert within[0] - within[1] == pytest.approx(0.75 * 0.2, rel=0.03)
 
 
-def test_without_fade_it_is_coulomb_friction() -> None:
-    friction = LaggingFriction(0.2, 0.0, 3.0)
-    assert next_level(friction, 0.2, 1.2, 0.5) == 0.2
+@given(st.floats(-1e3, 1e3), st.floats(-20.0, 20.0), st.floats(1e-6, 10.0))
+def test_levels_that_are_alike_make_coulomb_friction(Q: float, v: float, width: float) -> None:
+    assert friction_level(LaggingFriction(0.2, 0.2, 0.0, width, 3.0, 1.0), Q, v) == pytest.approx(0.2, rel=1e-12)
 
 
-@given(angles)
-def test_a_joint_that_stays_settles_exponentially(q: float) -> None:
-    friction, h, F = LaggingFriction(0.2, 0.9, 2.0), 1e-3, 0.5
-    for _ in range(3000):
-        F = next_level(friction, F, q, share_in(h, friction.lag))
-    settled = settled_level(friction, q)
-    assert pytest.approx(settled + (0.5 - settled) * exp(-3.0 / 2.0), rel=1e-9) == F
+def test_a_joint_that_is_held_elsewhere_is_remembered_exponentially() -> None:
+    made, h = joint(friction=10.0), 1e-2
+    shares, state = lag_shares(made, h), at_rest(0.5)._replace(angle=-0.2)
+    for _ in range(200):
+        state = move(made, state, 4e5, 4e5, shares, h)
+    assert state.angle == -0.2
+    assert state.remembered == pytest.approx(-0.2 + 0.7 * exp(-2.0 / made.friction.lag), rel=1e-9)
+
+
+def test_a_joint_at_rest_takes_more_to_slip_than_to_slide_on() -> None:
+    made = joint()._replace(friction=LaggingFriction(0.1, 0.1, 0.0, 0.2, 2.0, 1.3))
+    shares, p = lag_shares(made, 1e-3), 4e5 + 0.12 / K
+    rest = at_rest(0.0)
+    assert move(made, rest, p, 4e5, shares, 1e-3) == rest
+    assert move(made, rest._replace(velocity=0.1), p, 4e5, shares, 1e-3).velocity > 0.0
+    assert move(made, rest, p + 0.02 / K, 4e5, shares, 1e-3).velocity > 0.0

@@ -4,22 +4,22 @@ The torque per pressure is held: pressures and angles identify all torques and v
 supply is known from its gauge.
 """
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
-from layflat.identify.model import ParameterSpec, around, factor_range, from_zero
+from layflat.identify.model import ParameterSpec, around, factor_range, fixed_range, from_zero
 
 
 class RegulatingValve(Part):
-    """A valve that regulates a chamber's pressure to a set-point; both are alike."""
+    """A valve that regulates a chamber's pressure to a set-point; both are alike but for their offsets."""
 
     gain: u.Ratio = Field(description="set-point that it goes for over the one commanded, both above ambient pressure")
-    offset: u.AnyPressure = Field(default=0.0, description="what it adds to that")
+    offset: u.AnyPressure = Field(default=0.0, description="what they add to that, on average")
+    mismatch: u.AnyPressure = Field(default=0.0, description="how much more that of chamber A adds than that of B")
     delay: u.TimeOrZero = Field(description="from a command to when anything happens")
     lag: u.Time = Field(description="of first order, from the command to the set-point that it works towards")
     conductance_in: u.Conductance = Field(description="ISO 6358 sonic conductance towards the supply, fully open")
@@ -46,12 +46,17 @@ class Load(Part):
     stiffness: u.AnyStiffness = Field(default=0.0, description="by how much this grows with the angle")
 
 
-class EndFriction(Part):
-    """Coulomb friction that settles slowly at a level between those of the two ends of the stroke."""
+class LaggingFriction(Part):
+    """Friction whose level follows the angle with a lag; equal levels at both ends leave Coulomb friction."""
 
-    lower_end: u.PositiveTorque = Field(description="torque at which it slips after a long rest at the lower end")
-    upper_end: u.PositiveTorque = Field(description="the same at the upper end; in between it is exponential")
-    lag: u.Time = Field(description="how long it takes to settle")
+    lower_end: u.PositiveTorque = Field(description="torque at which it slides after a long rest at low angles")
+    upper_end: u.PositiveTorque = Field(description="the same at high angles")
+    change_angle: u.Angle = Field(default=0.0, description="where it is midway between")
+    change_width: u.PositiveAngle = Field(
+        default=0.2, description="three quarters of this change lie within twice that"
+    )
+    lag: u.Time = Field(description="with which it forgets where it was")
+    static_ratio: Annotated[u.Ratio, Field(ge=1.0)] = Field(default=1.0, description="static over sliding friction")
 
 
 class Stroke(Part):
@@ -84,7 +89,7 @@ class RegulatedJointBench(BenchDescription):
     valve: RegulatingValve
     chamber: AirChamber
     load: Load
-    friction: EndFriction
+    friction: LaggingFriction
     stroke: Stroke
     supply: Supply
 
@@ -100,14 +105,11 @@ def least_volume(bench: RegulatedJointBench) -> float:
     return bench.chamber.torque_per_pressure * max(-bench.stroke.lower_stop, bench.stroke.upper_stop)
 
 
-def friction_law(lower_end: Any, upper_end: Any, reading: float) -> tuple[Any, Any]:
-    """Torque in the middle (N m), and fade (1/rad), of frictions at both ends of a reading (rad); numbers or arrays."""
-    return np.sqrt(lower_end * upper_end), np.log(lower_end / upper_end) / reading
-
-
 GAIN, OFFSET, DELAY = 1.5, 100e3, 0.15  # farthest gain (either way), offset (Pa) and delay (s) of a valve
+MISMATCH = 50e3  # greatest difference of the valves' offsets, Pa, either way
 FAR, FARTHER = factor_range(20.0), factor_range(50.0)  # what a person knows within about a factor of four, and all else
 LOADS = 400e3  # load torques are searched up to this pressure, Pa, on the torque per pressure
+STATIC = 3.0  # greatest static over sliding friction
 BEYOND = 0.3  # stops are searched this far beyond the reading, as a share of it
 
 STEPS = "changes of the set-point, up and down"
@@ -115,6 +117,7 @@ LARGE = "large steps of the set-point"
 MOVES = "moves of different size and speed"
 HOLDS = "moves that begin from rest at several angles, both ways"
 RESTS = "rests at several set-points"
+PAUSES = "rests of different length, followed by moves"
 AT_STOP = "moves that leave the end of the reading"
 
 C = "m^3/s/Pa"
@@ -132,6 +135,11 @@ def _volumes(bench: RegulatedJointBench, volume: float) -> tuple[float, float, b
     return min(volume, max(low, 1.02 * least)), high, log
 
 
+def _inside(bench: RegulatedJointBench, angle: float) -> tuple[float, float, bool]:
+    half = 0.5 * bench.stroke.reading
+    return min(-half, angle), max(half, angle), False
+
+
 def _stops(bench: RegulatedJointBench, stop: float) -> tuple[float, float, bool]:
     half = 0.5 * bench.stroke.reading
     far = half + 2.0 * BEYOND * half
@@ -142,6 +150,7 @@ BLOCKS = {
     "valve": (
         ParameterSpec("valve.gain", "1", factor_range(GAIN), RESTS),
         ParameterSpec("valve.offset", "Pa", around(lambda _: OFFSET), RESTS),
+        ParameterSpec("valve.mismatch", "Pa", around(lambda _: MISMATCH), RESTS),
         ParameterSpec("valve.delay", "s", from_zero(lambda _, delay: max(DELAY, 2.0 * delay)), STEPS),
         ParameterSpec("valve.lag", "s", FAR, STEPS),
         ParameterSpec("valve.conductance_in", C, FARTHER, f"{LARGE}, upwards"),
@@ -160,7 +169,10 @@ BLOCKS = {
         ParameterSpec("load.stiffness", "N*m/rad", around(lambda b: _load(b) / (0.5 * b.stroke.reading)), HOLDS),
         ParameterSpec("friction.lower_end", "N*m", FARTHER, HOLDS),
         ParameterSpec("friction.upper_end", "N*m", FARTHER, HOLDS),
-        ParameterSpec("friction.lag", "s", FAR, "rests of different length, followed by moves"),
+        ParameterSpec("friction.change_angle", "rad", _inside, HOLDS),
+        ParameterSpec("friction.change_width", "rad", FAR, HOLDS),
+        ParameterSpec("friction.lag", "s", FAR, PAUSES),
+        ParameterSpec("friction.static_ratio", "1", fixed_range(1.0, STATIC), HOLDS, floor=True),
         ParameterSpec("stroke.lower_stop", "rad", _stops, AT_STOP, floor=True),
         ParameterSpec("stroke.upper_stop", "rad", _stops, AT_STOP, floor=True),
     ),

@@ -11,20 +11,21 @@
 | V_0 | volume of a chamber in the middle of the stroke | m3 |
 | I, c | moment of inertia, damping | kg m2, N m s/rad |
 | T_0, k | load torque in the middle of the stroke, and stiffness | N m, N m/rad |
-| F, tau | level of the friction: the torque at which the joint slips; and how long it takes to settle | N m, s |
-| F_s, F_0 | level that F settles at while the angle stays, and that at angle zero | N m |
-| f | fade: how fast F_s falls with the angle | 1/rad |
+| Q, tau | remembered angle, and the lag with which it follows q | rad, s |
+| F_l, F_u | level of the friction well below Q = a, and well above it | N m |
+| a, b | angle in the middle of the change from F_l to F_u, and how wide this is | rad |
+| r | static over sliding friction | 1 |
 | h | step | s |
 
 What is inside a valve (a pilot stage, two switching valves, an amplifier) shows as a lag of first order from the
 command to the set-point, and as an opening in proportion to the error.
 
-I v' = K (p_a - p_b) - c v - T_0 - k q - friction, V_a = V_0 + K q, V_b = V_0 - K q. One K for torque and volume, so
-that the air does no other work than on the joint. Chamber A turns the joint forward.
+I v' = K (p_a - p_b) - c v - T_0 - k q - friction, V_a = V_0 + K q, V_b = V_0 - K q. One K for torque
+and volume, so that the air does no other work than on the joint. Chamber A turns the joint forward.
 
-F_s = F_0 exp(-f q) is positive everywhere, and F' = (F_s - F)/tau. Empirical: the friction of the elbow of a pneumatic
-android is told by where it was in the seconds before, not by where it is (see docs/derivations.md). With f = 0 it is
-Coulomb friction.
+friction = F_u + (F_l - F_u)/(1 + exp((Q - a)/b)) against the motion, and r times as much at rest. Q' = (q - Q)/tau is
+empirical: what the elbow of a pneumatic android rubs depends on where it was in the seconds before, not on where it is
+(see docs/derivations.md). With F_l = F_u and r = 1 it is Coulomb friction.
 """
 
 from math import exp
@@ -37,12 +38,15 @@ from layflat.physics.flow import root_temperature
 from layflat.physics.friction.box import brake_one
 from layflat.physics.valves import chamber_flow
 
+FAR = 40.0  # so many widths from its change a friction stays as it is; exp would overflow
+
 
 class Regulator(NamedTuple):
     """Parameters; the set-point is gain (command - ambient pressure) + offset above the ambient pressure."""
 
     gain: float
-    offset: float
+    offset_a: float
+    offset_b: float
     lag: float
     conductance_in: float
     conductance_out: float
@@ -59,9 +63,9 @@ def share_in(h, lag):
 
 
 @law
-def asked_set_point(regulator, command, p_ambient):
-    """Set-point that a command (absolute, Pa) asks for in the end, Pa."""
-    return p_ambient + regulator.gain * (command - p_ambient) + regulator.offset
+def asked_set_point(regulator, offset, command, p_ambient):
+    """Set-point that a command (absolute, Pa) asks for in the end, of a valve with this offset, Pa."""
+    return p_ambient + regulator.gain * (command - p_ambient) + offset
 
 
 @law
@@ -79,23 +83,23 @@ def regulator_conductances(regulator, s, p):
 
 
 class LaggingFriction(NamedTuple):
-    """Level at angle zero (N m), fade (1/rad) and lag (s)."""
+    """Friction whose level goes by the angle that it remembers."""
 
-    torque: float
-    fade: float
-    lag: float
-
-
-@law
-def settled_level(friction, q):
-    """Level that the friction settles at, N m."""
-    return friction.torque * exp(-friction.fade * q)
+    lower: float  # N m
+    upper: float  # N m
+    change_angle: float  # rad
+    change_width: float  # rad
+    lag: float  # s
+    static_ratio: float
 
 
 @law
-def next_level(friction, F, q, share):
-    """Level after a step at angle q in which the lag goes a share of the way, N m."""
-    return F + share * (settled_level(friction, q) - F)
+def friction_level(friction, Q, v):
+    """Torque at which a joint that remembers the angle Q slides at velocity v, or slips where it is 0, N m."""
+    x = (Q - friction.change_angle) / friction.change_width
+    share = 1.0 / (1.0 + exp(min(max(x, -FAR), FAR)))
+    level = friction.upper + share * (friction.lower - friction.upper)
+    return select(v == 0.0, friction.static_ratio, 1.0) * level
 
 
 class Air(NamedTuple):
@@ -125,7 +129,7 @@ class Shares(NamedTuple):
     """How far each lag goes in a step."""
 
     set_point: float
-    friction: float
+    memory: float
 
 
 class ChamberState(NamedTuple):
@@ -139,11 +143,11 @@ class ChamberState(NamedTuple):
 
 
 class JointState(NamedTuple):
-    """Angle (rad), velocity (rad/s) and level of the friction (N m)."""
+    """Angle (rad), velocity (rad/s) and the angle that the friction remembers (rad)."""
 
     angle: float
     velocity: float
-    friction: float
+    remembered: float
 
 
 @law
@@ -162,21 +166,22 @@ def chamber_at_rest(joint, travel, p, air):
 
 
 @law
-def at_rest(joint, q):
+def at_rest(q):
     """A joint that has been at rest at q for long."""
-    return JointState(q, 0.0, settled_level(joint.friction, q))
+    return JointState(q, 0.0, q)
 
 
 @law
 def move(joint, state, p_a, p_b, shares, h):
     """State of the joint after a step at these pressures; a held joint has velocity 0.0."""
-    F = next_level(joint.friction, state.friction, state.angle, shares.friction)
+    Q = state.remembered + shares.memory * (state.angle - state.remembered)
     load = joint.load_torque + joint.stiffness * state.angle
     momentum = joint.inertia * state.velocity + h * (joint.torque_per_pressure * (p_a - p_b) - load)
+    F = friction_level(joint.friction, Q, state.velocity)
     v, _ = brake_one(joint.inertia + h * joint.damping, momentum, h * F)
     q = state.angle + h * v
     held = min(max(q, joint.lower_stop), joint.upper_stop)
-    return JointState(held, select(held == q, v, 0.0), F)
+    return JointState(held, select(held == q, v, 0.0), Q)
 
 
 @law

@@ -19,7 +19,7 @@ from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, chosen, fitted_share_of, simulated, with_columns
 from layflat.identify.benches.regulated import run
-from layflat.identify.benches.regulated.description import BLOCKS, RegulatedJointBench, friction_law
+from layflat.identify.benches.regulated.description import BLOCKS, RegulatedJointBench
 from layflat.identify.benches.regulated.laws import Air, LaggingFriction, RegulatedJoint, Regulator
 from layflat.identify.model import Model, Output
 from layflat.physics.chamber import Chamber
@@ -98,15 +98,19 @@ class RegulatedModel(Model):
 def parameters(bench: RegulatedJointBench, log: Log) -> run.Setup:
     """What the laws take of a description; a reading at its end is that of a joint at its stop."""
     valve, chamber, load, stroke, supply = bench.valve, bench.chamber, bench.load, bench.stroke, bench.supply
-    torque, fade = friction_law(bench.friction.lower_end, bench.friction.upper_end, stroke.reading)
+    rubs = bench.friction
+    friction = LaggingFriction(
+        rubs.lower_end, rubs.upper_end, rubs.change_angle, rubs.change_width, rubs.lag, rubs.static_ratio
+    )
+    regulator = Regulator(
+        valve.gain, valve.offset + 0.5 * valve.mismatch, valve.offset - 0.5 * valve.mismatch, valve.lag,
+        valve.conductance_in, valve.conductance_out, valve.band_in, valve.band_out, valve.critical_ratio,
+        laminar_slope(valve.critical_ratio),
+    )  # fmt: skip
     joint = RegulatedJoint(
-        Regulator(
-            valve.gain, valve.offset, valve.lag, valve.conductance_in, valve.conductance_out, valve.band_in,
-            valve.band_out, valve.critical_ratio, laminar_slope(valve.critical_ratio),
-        ),
-        Chamber(chamber.volume, 0.0, chamber.wall_conductance),
-        chamber.torque_per_pressure, load.inertia, load.damping, load.torque, load.stiffness,
-        LaggingFriction(torque, fade, bench.friction.lag), stroke.lower_stop, stroke.upper_stop,
+        regulator, Chamber(chamber.volume, 0.0, chamber.wall_conductance), chamber.torque_per_pressure,
+        load.inertia, load.damping, load.torque, load.stiffness, friction,
+        stroke.lower_stop, stroke.upper_stop,
     )  # fmt: skip
     start = getattr(stroke, log.stop) if log.stop else log.course.angle[0]
     return run.Setup(joint, Air(supply.pressure, supply.ambient_pressure, supply.temperature), valve.delay, start)

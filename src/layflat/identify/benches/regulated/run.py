@@ -17,7 +17,7 @@ from layflat.identify.benches.regulated.laws import (
 )
 from layflat.jit import kernel, law
 
-STEP = 1e-3  # longest step, s
+STEP = 2e-3  # longest step, s
 NOTHING, MOTION, PRESSURES = 0, 1, 2  # what of the log is given besides the commands
 
 
@@ -42,12 +42,12 @@ class Course(NamedTuple):
 
 
 @law
-def _asked(valve, commands, j, share, before, p_a):
+def _asked(valve, offset, commands, j, share, before, p_a):
     # Mean over a step of what is asked: command j, after a share of the step the next one; before the first one came
     # the valve goes on as it was.
     last = len(commands) - 1
-    now = asked_set_point(valve, commands[j], p_a) if j >= 0 else before
-    after = asked_set_point(valve, commands[min(j + 1, last)], p_a)
+    now = asked_set_point(valve, offset, commands[j], p_a) if j >= 0 else before
+    after = asked_set_point(valve, offset, commands[min(j + 1, last)], p_a)
     return now + share * (after - now)
 
 
@@ -64,8 +64,8 @@ def run_regulated(setup, course, given, step, out):
     sample, (samples, 3), left not a number from where it diverged.
     """
     time, samples = course.time, len(course.time)
-    joint, air = setup.joint, setup.air
-    motion = at_rest(joint, setup.start_angle)
+    joint, valve, air = setup.joint, setup.joint.valve, setup.air
+    motion = at_rest(setup.start_angle)
     a = chamber_at_rest(joint, motion.angle, course.pressure_a[0], air)
     b = chamber_at_rest(joint, -motion.angle, course.pressure_b[0], air)
     delay, j = setup.delay, -1
@@ -84,7 +84,7 @@ def run_regulated(setup, course, given, step, out):
             share = (n + 1.0) / count
             if given == MOTION:
                 q = _between(course.angle, k, share)
-                motion = JointState(q, (q - motion.angle) / h, motion.friction)
+                motion = JointState(q, (q - motion.angle) / h, motion.remembered)
             elif given == PRESSURES:
                 p_a, p_b = _between(course.pressure_a, k, share), _between(course.pressure_b, k, share)
                 motion = move(joint, motion, p_a, p_b, shares, h)
@@ -98,7 +98,7 @@ def run_regulated(setup, course, given, step, out):
             late = (end - time[j + 1]) / h if j + 1 < samples else 0.0
             late = min(max(late, 0.0), 1.0)
             p_out = air.ambient_pressure
-            asked_a = _asked(joint.valve, course.setpoint_a, j, late, a.set_point, p_out)
-            asked_b = _asked(joint.valve, course.setpoint_b, j, late, b.set_point, p_out)
+            asked_a = _asked(valve, valve.offset_a, course.setpoint_a, j, late, a.set_point, p_out)
+            asked_b = _asked(valve, valve.offset_b, course.setpoint_b, j, late, b.set_point, p_out)
             a = exchange_gas(joint, a, motion.angle, asked_a, air, shares, h)
             b = exchange_gas(joint, b, -motion.angle, asked_b, air, shares, h)
