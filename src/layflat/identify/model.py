@@ -32,6 +32,8 @@ class Unknown:
     excitation: str = ""  # what a log has to contain to identify it, in one clause
     nuisance: bool = False  # fitted only because the rest depends on it, as the state that a log begins in
     floor: bool = False  # whether the lower bound is physical, such as zero delay, where a value may well lie
+    ceiling: bool = False  # the same of the upper bound
+    prior: tuple[float, float] | None = None  # mean and standard deviation before any log (SI), not of logarithmic ones
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Model(ABC):
 
     unknowns: tuple[Unknown, ...]  # as the outputs fixed once it is made
     outputs: tuple[Output, ...]
+    remarks: tuple[str, ...] = ()  # what the logs say of the model's structure, in sentences for the report
 
     @abstractmethod
     def simulate(self, values: Array) -> Array:

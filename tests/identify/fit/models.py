@@ -43,6 +43,21 @@ class Product(Model):
         return np.asarray(values[:, 0, None] * values[:, 1, None] * TIME)
 
 
+class Level(Model):
+    """y = level + shift, where little but nothing sure is known of the shift before."""
+
+    def __init__(self, shifted: tuple[float, float], most: float = 10.0) -> None:
+        self.unknowns = (
+            Unknown("level", "V", 0.0, -10.0, most, log=False, ceiling=True),
+            Unknown("shift", "V", 0.0, -10.0, 10.0, log=False, prior=shifted),
+        )
+        measured = 3.0 + 0.5 * np.random.default_rng(0).standard_normal(len(TIME))
+        self.outputs = (Output("y", "V", "log", TIME, measured, np.ones(len(TIME), bool), 0.5),)
+
+    def simulate(self, values: Array) -> Array:
+        return np.asarray(values.sum(axis=1)[:, None] * np.ones(len(TIME)))
+
+
 class TwoTones(Model):
     """y = sin(w t): many minima over w; the guess lies in a wrong one."""
 

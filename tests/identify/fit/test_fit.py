@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, Decay, Product, TwoTones
+from models import TIME, Decay, Level, Product, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -53,6 +53,22 @@ def test_a_product_is_told_but_not_its_factors() -> None:
     assert a.value * b.value == pytest.approx(2.0, rel=1e-3)
     assert not a.identified
     assert a.partner == "b"
+
+
+@pytest.mark.parametrize("shifted", [(0.0, 0.1), (1.0, 0.2), (-0.5, 0.05)])
+def test_a_prior_of_its_own_is_kept_where_logs_say_nothing_against_it(shifted: tuple[float, float]) -> None:
+    found = fit(Level(shifted), starts=0)
+    mean, spread = shifted
+    # The level's own prior is wide but not without weight: it takes a little of the shift.
+    assert found.of("shift").value == pytest.approx(mean, abs=0.05 * spread)
+    assert found.of("level").value == pytest.approx(3.0 - mean, abs=0.1)
+    assert found.of("shift").high - found.of("shift").low == pytest.approx(2 * 1.96 * spread, rel=0.2)
+
+
+def test_a_physical_upper_bound_is_no_fault() -> None:
+    found = fit(Level((0.0, 0.1), most=2.5), starts=0)
+    assert found.of("level").value == pytest.approx(2.5, abs=0.05)
+    assert not found.of("level").at_bound
 
 
 def test_a_value_at_its_bound_is_said_to_be() -> None:

@@ -4,7 +4,7 @@
 |---|---|
 | r, J | residuals at the optimum, their Jacobian by the unknowns |
 | H_k, g_k | sum of J'J and of J'r over block k |
-| P | inverse covariance of the prior |
+| P | inverse covariance of the prior: of independent unknowns with standard deviations `widths`, in shares |
 
 White residuals of known size have the covariance (J'J + P)^-1. Measured ones are neither: quantisation at rest and what
 a model leaves out stay the same for many samples. Blocks longer than this memory are drawn with replacement, and each
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.identify.fit.residuals import PRIOR_WIDTH, STEP
+from layflat.identify.fit.residuals import STEP
 from layflat.identify.model import Model
 
 DRAWS = 1000  # bootstrap samples
@@ -24,13 +24,13 @@ MEMORIES = 5.0  # length of a block over the residuals' memory
 NORMAL = 1.959964  # standard deviations in 95 %
 
 
-def covariance(jacobian: Array, residuals: Array) -> Array:
+def covariance(jacobian: Array, residuals: Array, widths: Array) -> Array:
     """Of the shares, from residuals as large as they are, but not smaller than their scale says."""
     size = max(1.0, float(residuals @ residuals) / max(len(residuals) - jacobian.shape[1], 1))
-    return _inverse(jacobian.T @ jacobian / size)
+    return _inverse(jacobian.T @ jacobian / size, widths)
 
 
-def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed: int) -> Array:
+def bootstrap(jacobian: Array, residuals: Array, widths: Array, blocks: NDArray[np.int64], seed: int) -> Array:
     """Moves of the optimum, (draws, unknowns), from blocks (the number of each sample's) drawn with replacement."""
     count, n = int(blocks.max()) + 1, jacobian.shape[1]
     order = np.argsort(blocks, kind="stable")
@@ -44,7 +44,7 @@ def bootstrap(jacobian: Array, residuals: Array, blocks: NDArray[np.int64], seed
     drawn = np.random.default_rng(seed).multinomial(count, np.full(count, 1.0 / count), size=DRAWS)
     moves = np.empty((DRAWS, n))
     for i, times in enumerate(drawn):
-        moves[i] = -_inverse(np.tensordot(times, H, 1)) @ (times @ g)
+        moves[i] = -_inverse(np.tensordot(times, H, 1), widths) @ (times @ g)
     return moves
 
 
@@ -90,7 +90,9 @@ def _memory(residuals: Array, period: float) -> float:
     return float(below[0] if len(below) else n) * period
 
 
-def _inverse(H: Array) -> Array:
+def _inverse(H: Array, widths: Array) -> Array:
     """Inverse of what the data say, clipped to be positive, plus the prior."""
-    values, vectors = np.linalg.eigh(H)
-    return np.asarray((vectors / (np.maximum(values, 0.0) + PRIOR_WIDTH**-2)) @ vectors.T, dtype=np.float64)
+    # In units of the prior its own part is 1 in all directions.
+    values, vectors = np.linalg.eigh(H * np.outer(widths, widths))
+    known = (vectors / (np.maximum(values, 0.0) + 1.0)) @ vectors.T
+    return np.asarray(known * np.outer(widths, widths), dtype=np.float64)

@@ -14,7 +14,8 @@ NOTICED = 2.0  # a difference is as wide as it takes to change the residuals by 
 PRIOR_WIDTH = 0.5
 """Standard deviation of the prior of an unknown, as a share of the way between its bounds.
 
-It is worth less than one good sample, and keeps what the log does not identify near the description.
+It is worth less than one good sample, and keeps what the log does not identify near the description. An unknown may
+bring a prior of its own.
 """
 
 DIVERGED = 1e4  # what stands for a residual where a candidate diverged, in units of the scale
@@ -53,7 +54,13 @@ class Residuals:
 
     def __init__(self, model: Model) -> None:
         self.model, self.scaled = model, Scaled(model.unknowns)
-        self.prior = self.scaled.shares(model.guess)
+        self.begun = self.scaled.shares(model.guess)
+        known = [one.prior or (one.guess, PRIOR_WIDTH * (one.high - one.low)) for one in model.unknowns]
+        own = np.array([one.prior is not None for one in model.unknowns], dtype=bool)
+        means, widths = np.array(known, dtype=np.float64).reshape(-1, 2).T
+        reach = self.scaled.high - self.scaled.low
+        self.prior = np.where(own, (means - self.scaled.low) / reach, self.begun)
+        self.widths = np.where(own, widths / reach, PRIOR_WIDTH)
         self.scales = [output.scale for output in model.outputs]
         self.axes, self.strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
@@ -70,7 +77,7 @@ class Residuals:
 
     def prior_rows(self, shares: Array) -> Array:
         """The rows of the prior."""
-        return (shares - self.prior) / PRIOR_WIDTH
+        return np.asarray((shares - self.prior) / self.widths)
 
     def costs(self, shares: Array) -> Array:
         """Half the sum of squares of each candidate."""
@@ -92,13 +99,13 @@ class Residuals:
         )
         found = self.data(np.vstack([up, down]))
         jacobian = np.linalg.lstsq(up - down, found[: len(up)] - found[len(up) :])[0].T
-        known = np.eye(len(shares)) / PRIOR_WIDTH
+        known = np.diag(1.0 / self.widths)
         _, self.strengths, self.axes = np.linalg.svd(np.vstack([jacobian, known]), full_matrices=False)
         return np.asarray(jacobian)
 
     def jacobian(self, shares: Array) -> Array:
         """How the residuals change, (rows, unknowns)."""
-        return np.vstack([self.data_jacobian(shares), np.eye(len(shares)) / PRIOR_WIDTH])
+        return np.vstack([self.data_jacobian(shares), np.diag(1.0 / self.widths)])
 
 
 def _within(shares: Array, ways: Array, widths: Array) -> Array:

@@ -75,7 +75,7 @@ class _Search:
     def take(self, model: Model) -> None:
         """Go on with a model of the same unknowns."""
         self.model, self.residuals = model, Residuals(model)
-        self.best, self.least = self.residuals.prior, np.inf
+        self.best, self.least = self.residuals.begun, np.inf
 
     def tell(self, share: float, text: str) -> None:
         self.done = max(self.done, share)
@@ -107,7 +107,7 @@ class _Search:
 
     def begin(self, starts: int, seed: int) -> Array:
         """The best of several starts after a few steps."""
-        guess, given = self.residuals.prior, self.residuals.scaled.shares(self.model.starts())
+        guess, given = self.residuals.begun, self.residuals.scaled.shares(self.model.starts())
         tried = np.vstack([guess, np.clip(given, 0.0, 1.0), self._drawn(starts, seed)])
         self.simulations += len(tried)
         self.tell(0.02, f"{len(tried)} starts")
@@ -126,7 +126,7 @@ class _Search:
         if starts == 0:
             return np.empty((0, n))
         drawn = qmc.Sobol(n, rng=np.random.default_rng(seed)).random(1 << (starts - 1).bit_length())[:starts]
-        drawn[::2] = np.clip(self.residuals.prior + SPREAD * (2.0 * drawn[::2] - 1.0), 0.0, 1.0)
+        drawn[::2] = np.clip(self.residuals.begun + SPREAD * (2.0 * drawn[::2] - 1.0), 0.0, 1.0)
         return np.asarray(drawn)
 
     def basin_hop(self, shares: Array, converged: bool, seed: int) -> tuple[Array, bool]:
@@ -187,8 +187,8 @@ class _Search:
             J = self.residuals.data_jacobian(shares)
         r = self.residuals.data(shares[None])[0]
         self.simulations += 2 * passes * len(shares) + 2
-        spread = covariance(J, r)
-        low, high = interval(shares, spread, bootstrap(J, r, blocks_of(model, r), seed))
+        spread = covariance(J, r, self.residuals.widths)
+        low, high = interval(shares, spread, bootstrap(J, r, self.residuals.widths, blocks_of(model, r), seed))
         values, lows, highs = scaled.values(shares), scaled.values(low), scaled.values(high)
         sizes = np.sqrt(np.diag(spread))
         alike = np.abs(spread / np.outer(sizes, sizes)) - 2.0 * np.eye(len(shares))
@@ -196,7 +196,11 @@ class _Search:
         for i, unknown in enumerate(model.unknowns):
             partner = int(np.argmax(alike[i]))
             together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
-            at_bound = bool(shares[i] > 1.0 - EDGE or (shares[i] < EDGE and not unknown.floor))
-            estimates.append(Estimate(unknown, float(values[i]), float(lows[i]), float(highs[i]), at_bound, together))
+            low_end, high_end = shares[i] < EDGE and not unknown.floor, shares[i] > 1.0 - EDGE and not unknown.ceiling
+            estimates.append(
+                Estimate(
+                    unknown, float(values[i]), float(lows[i]), float(highs[i]), bool(low_end or high_end), together
+                )
+            )
         simulated = self.free.simulate(values[None])[0]
         return Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)

@@ -61,10 +61,20 @@ class CurveModel(Model, Generic[Described]):
 
 
 def within(
-    path: str, unit: str, guess: float, low: float, high: float, excitation: str, *, log: bool = False
+    path: str,
+    unit: str,
+    guess: float,
+    low: float,
+    high: float,
+    excitation: str,
+    *,
+    log: bool = False,
+    floor: bool = False,
+    ceiling: bool = False,
 ) -> Unknown:
     """An unknown with bounds that come from the logs; the search begins at the guess as far as it lies inside."""
-    return Unknown(path, unit, float(np.clip(guess, low, high)), low, high, log=log, excitation=excitation)
+    inside = float(np.clip(guess, low, high))
+    return Unknown(path, unit, inside, low, high, log=log, excitation=excitation, floor=floor, ceiling=ceiling)
 
 
 def element_unknowns(

@@ -2,6 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
+from annotated_types import Ge, Le
 from pydantic import Field, model_validator
 
 from layflat.description import Part
@@ -14,12 +15,18 @@ class Piston(Part):
 
     area: u.Area = Field(description="force per gauge pressure at position zero")
     area_slope: u.AreaPerLength = Field(default=0.0, description="growth of the area with position")
+    area_growth: u.AreaPerPressure = Field(
+        default=0.0, description="growth of the area with gauge pressure: of a seal that changes its shape"
+    )
+    area_slope_growth: u.AreaSlopePerPressure = Field(
+        default=0.0, description="growth of area_slope with gauge pressure: of a seal that changes its shape"
+    )
     spring: u.SpringRate = Field(default=0.0, description="force per position without pressure: a spring, or a tilt")
     offset: u.Force = Field(default=0.0, description="force at position zero without pressure: weight, sensor's zero")
 
 
 class Friction(Part):
-    """Elasto-slip elements side by side, as in the losses of a joint: they slip one after the other."""
+    """Elasto-slip elements side by side, as in the losses of a joint, and a film of lubricant that follows speed."""
 
     base: u.ForceOrZero = Field(description="friction without pressure")
     slope: u.ForcePerPressure = Field(description="friction added per gauge pressure")
@@ -28,8 +35,15 @@ class Friction(Part):
         description="travel after which each element slips, at reference pressure"
     )
     weights: Annotated[tuple[u.Share, ...], Field(min_length=1)] = Field(
-        description="share of each element in the friction"
+        description="share of each element in the friction without the film"
     )
+    film_share: u.Share = Field(default=0.0, description="share of the friction that follows the speed")
+    film_speed: u.LinearSpeed = Field(default=0.005, description="speed at which the film has 76 % of its friction")
+    profile: tuple[Annotated[float, Ge(-0.9), Le(9.0)], ...] = Field(
+        default=(), description="friction added along the stroke, as a share of it, at positions evenly apart"
+    )
+    profile_from: u.Coordinate = Field(default=0.0, description="position of the first of them")
+    profile_to: u.Coordinate = Field(default=0.0, description="position of the last of them")
     viscous: u.LinearDamping = Field(default=0.0, description="force per speed")
 
     @model_validator(mode="after")
@@ -38,6 +52,8 @@ class Friction(Part):
             raise ValueError("weights must be as many as deflections")
         if abs(sum(self.weights) - 1.0) > 1e-9:
             raise ValueError("weights must add up to 1, for example [0.4, 0.3, 0.3]")
+        if self.profile and not (len(self.profile) > 1 and self.profile_to > self.profile_from):
+            raise ValueError("profile must have two items or more, and profile_to lie beyond profile_from")
         return self
 
 
