@@ -158,7 +158,7 @@ def test_gaps_in_what_was_measured_do_no_harm() -> None:
 def test_every_block_has_a_range_around_the_description_in_every_machine() -> None:
     for name in ("paper-arm", "paper-small-joint", "paper-arm-switching"):
         machine = load(name)
-        for unknown in unknowns(machine, BLOCKS):
+        for unknown in unknowns(machine, [block for block in BLOCKS if block != "line"]):
             assert unknown.low <= unknown.guess <= unknown.high, unknown.path
             assert unknown.low < unknown.high, unknown.path
             assert unknown.guess == value_at(machine, unknown.path)
