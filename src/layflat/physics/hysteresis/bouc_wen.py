@@ -2,7 +2,8 @@
 
 | symbol | meaning | unit |
 |---|---|---|
-| f | torque of the losses | N m |
+| f | torque of the losses, without that of the spring beside them | N m |
+| s, c | torque of that spring, its stiffness | N m, N m/rad |
 | k | its slope where it carries nothing | N m/rad |
 | Y | the torque that it approaches, Y = Y_0 + Y_1 p_g | N m |
 | beta | share of the law that depends on the way of the motion; the rest, gamma = 1 - beta, does not | 1 |
@@ -12,8 +13,8 @@
 
 df/dq = k (1 - (beta sign(f v) + gamma) |f/Y|^n), by Bouc and Wen (key wen1976). It dissipates whatever the motion if
 beta >= |gamma| (key ismail2009), here beta >= 1/2. Between 1 and 2 the power is a blend of both, (2 - n) |f/Y| +
-(n - 1) (f/Y)^2. The spring's energy is f^2 / 2k. After a small cycle the torque does not come back to where it began,
-unlike Masing's: a load that ripples about a mean creeps.
+(n - 1) (f/Y)^2. The energy stored is f^2 / 2k + s^2 / 2c. After a small cycle the torque does not come back to where
+it began, unlike Masing's: a load that ripples about a mean creeps.
 """
 
 from typing import Annotated, Literal, NamedTuple
@@ -36,12 +37,14 @@ class BoucWen(NamedTuple):
     slope: float
     unloading: float
     exponent: float
+    spring: float
 
 
-class Torque(NamedTuple):
-    """Torque of the losses, N m."""
+class Torques(NamedTuple):
+    """Torque of the losses, and of the spring beside them, N m."""
 
     torque: float
+    spring: float
 
 
 class BoucWenPart(LossesPart):
@@ -57,12 +60,17 @@ class BoucWenPart(LossesPart):
     exponent: Annotated[float, Field(ge=1.0, le=2.0)] = Field(
         default=1.0, description="n: how suddenly the curve bends"
     )
+    hardening: u.Share = Field(
+        default=0.0, description="stiffness of a spring beside the losses, over the curve's first slope"
+    )
 
 
 def parameters(described: BoucWenPart, limit: float) -> BoucWen:
     """A curve that approaches `limit` (N m) at the reference pressure."""
     base, slope = over_pressure(described, limit)
-    return BoucWen(limit / described.deflection, base, slope, 2.0 * described.beta - 1.0, described.exponent)
+    stiffness = limit / described.deflection
+    unloading, spring = 2.0 * described.beta - 1.0, described.hardening * stiffness
+    return BoucWen(stiffness, base, slope, unloading, described.exponent, spring)
 
 
 @law
@@ -77,7 +85,7 @@ def _steepness(n, z):
 
 @law
 def turned(loss, state, turn, p_g, h):  # noqa: ARG001
-    """Torque after a turn at gauge pressure p_g, however long it took.
+    """Torques after a turn at gauge pressure p_g, however long it took.
 
     A turn back first brings the torque to zero, and what is left of it builds it up the other way; each part is one
     linearly implicit step, of second order, that never makes energy.
@@ -97,31 +105,34 @@ def turned(loss, state, turn, p_g, h):  # noqa: ARG001
     z = along / Y
     on = x - back
     gained = on * k * (1.0 - _bend(n, z)) / (1.0 + on * 0.5 * k / Y * _steepness(n, z))
-    return Torque(way * min(along + gained - max(left, 0.0), Y))
+    return Torques(way * min(along + gained - max(left, 0.0), Y), state.spring + loss.spring * turn)
 
 
 @law
 def torques(loss, state):  # noqa: ARG001
-    """The torque, N m."""
-    return (state.torque,)
+    """Both torques, N m."""
+    return state.torque, state.spring
 
 
 @law
 def relaxed(loss):
     """A hose that carries nothing."""
-    return Torque(in_lanes(0.0, loss.stiffness))
+    nothing = in_lanes(0.0, loss.stiffness)
+    return Torques(nothing, nothing)
 
 
 @law
 def stored_energy(loss, state):
-    """Energy of the spring, J."""
-    return 0.5 * (state.torque * state.torque / loss.stiffness) if loss.stiffness > 0.0 else 0.0
+    """Energy of both springs, J."""
+    inside = state.torque * state.torque / loss.stiffness if loss.stiffness > 0.0 else 0.0
+    return 0.5 * (inside + (state.spring * state.spring / loss.spring if loss.spring > 0.0 else 0.0))
 
 
 @law
 def loaded(loss, p_g, share):
-    """A share of what it approaches."""
-    return Torque(share * (loss.base + loss.slope * max(p_g, 0.0)))
+    """A share of what it approaches, the spring at rest."""
+    carried = share * (loss.base + loss.slope * max(p_g, 0.0))
+    return Torques(carried, 0.0 * carried)
 
 
 KIND = HysteresisKind(
