@@ -17,6 +17,7 @@ from layflat.identify.benches.loader import bench_of, chosen_blocks, described_t
 from layflat.identify.fit import Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
+from layflat.identify.kinds import Candidate, compared
 from layflat.identify.logs import check, read_log, read_table, refuse
 from layflat.identify.logs.checks.alive import NOTHING_MOVES
 from layflat.identify.logs.checks.channels import checked_log
@@ -38,12 +39,30 @@ class Identification:
     validation: Logs  # logs that are only predicted
     issues: Mapping[str, Sequence[Issue]]  # what is doubtful in each log
     blocks: Sequence[str]  # what is fitted
-    model: Model  # that is fitted
+    candidates: Sequence[Candidate]  # what is fitted: the description, or several that differ in a law
     path: Path  # where the description that is found is put
 
+    @property
+    def model(self) -> Model:
+        """The model of the description that was given."""
+        return next(one.model for one in self.candidates if not one.replaces)
+
     def fit(self, *, starts: int = STARTS, seed: int = 0, progress: Progress | None = None) -> Fit:
-        """Fit the model: see `layflat.identify.fit`."""
-        return fit(self.model, starts=starts, seed=seed, progress=progress)
+        """Fit the model, or several and take the one that predicts best: see `layflat.identify.fit` and `compared`."""
+        count = len(self.candidates)
+
+        def one(number: int, candidate: Candidate) -> Fit:
+            def tell(share: float, text: str) -> None:
+                if progress is not None:
+                    progress((number + share) / count, f"{candidate.name}: {text}" if count > 1 else text)
+
+            return fit(candidate.model, starts=starts, seed=seed, progress=tell)
+
+        return compared(self.candidates, one)
+
+    def taken(self, found: Fit) -> Candidate:
+        """The candidate that a fit is of."""
+        return next(one for one in self.candidates if one.model is found.model)
 
     @cached_property
     def checksums(self) -> dict[str, str]:
@@ -56,7 +75,9 @@ class Identification:
 
     def keep(self, found: Fit) -> Machine | BenchDescription:
         """Write the description, and beside it all figures as JSON; raise OutputError if they can't be written."""
-        kept = write_identified(self.given, self.described, found, self.checksums, self.path)
+        kept = write_identified(
+            self.given, self.described, found, self.checksums, self.path, self.taken(found).replaces
+        )
         write_text(self.path.with_suffix(".json"), json.dumps(self.figures(found), indent=2))
         return kept
 
@@ -124,8 +145,12 @@ def begin(
         issues[name] = ordered([*found, *late])
     of_fit = {name: log for name, log in taken.items() if name in fitted}
     others = {name: log for name, log in taken.items() if name not in fitted}
-    model = bench.model(start, of_fit, others, blocks=chosen)
-    return Identification(str(described), start, of_fit, others, issues, chosen, model, path)
+    kinds = bench.kinds(start, of_fit, chosen) or {"": (start, {})}
+    candidates = [
+        Candidate(name, of, bench.model(of, of_fit, others, blocks=chosen), replaces)
+        for name, (of, replaces) in kinds.items()
+    ]
+    return Identification(str(described), start, of_fit, others, issues, chosen, candidates, path)
 
 
 def _named(files: Sequence[Path]) -> dict[str, Path]:

@@ -65,7 +65,12 @@ def written_values(found: Fit, plain: Plain) -> list[Written]:
 
 
 def write_identified(
-    given: str, described: Machine | BenchDescription, found: Fit, logs: Mapping[str, str], path: Path
+    given: str,
+    described: Machine | BenchDescription,
+    found: Fit,
+    logs: Mapping[str, str],
+    path: Path,
+    replaces: Mapping[str, Any] | None = None,
 ) -> Machine | BenchDescription:
     """Write what was found over a description, and load what was written; raise OutputError if it can't be written.
 
@@ -75,6 +80,7 @@ def write_identified(
         found: the fit.
         logs: checksums of the fitted logs by name.
         path: from `identified_path`.
+        replaces: whole parts of a machine that stand there instead, by path.
     """
     plain, known = described_tables(given)
     origin = ", ".join(f"{name} (sha256 {checksum[:16]})" for name, checksum in logs.items())
@@ -82,7 +88,9 @@ def write_identified(
     sources = {row.path: _source(row, origin) for row in rows}
     title = f"{PARTIAL if found.partial else '' if found.trusted else UNTRUSTED}{described.title}, identified"
     if isinstance(described, Machine):
-        return write_derived(given, title, {row.path: row.value for row in rows}, sources, path)
+        whole = dict(replaces or {})
+        sources |= {part: Provenance("identified", f"the kind that predicts best, from {origin}") for part in whole}
+        return write_derived(given, title, whole | {row.path: row.value for row in rows}, sources, path)
     for row in rows:
         known[with_value(plain, plain, row.path, row.value)] = sources[row.path]
     write_text(path, to_toml(plain | {"name": path.stem, "title": title}, known))

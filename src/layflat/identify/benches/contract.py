@@ -28,6 +28,11 @@ class BenchDescription(Part):
     title: str
 
 
+def no_kinds(described: Any, logs: Logs, blocks: Sequence[str]) -> Mapping[str, tuple[Any, Mapping[str, Any]]]:  # noqa: ARG001
+    """Of most benches there is one law."""
+    return {}
+
+
 class Bench(NamedTuple):
     """How the logs of a kind of bench are fitted.
 
@@ -40,6 +45,9 @@ class Bench(NamedTuple):
     default_blocks: Sequence[str]
     model: Callable[..., Model]
     even: bool  # logs are those that a simulation steps through; otherwise every sample stays at its own stamp
+    kinds: Callable[..., Mapping[str, tuple[Any, Mapping[str, Any]]]] = no_kinds
+    """Descriptions with other laws that the logs are compared by, of a description, logs and blocks: by name, the
+    simplest first, each with the whole parts that it replaces. None: logs are fitted by the description's own law."""
 
 
 def has_samples(log: Dataset, signal: str, joint: str) -> bool:

@@ -14,7 +14,8 @@ from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, chosen, has_samples, require_samples, simulated
 from layflat.identify.benches.hysteresis import logs as curves
-from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, element_unknowns, within
+from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, within
+from layflat.identify.benches.joint_loops.kinds import STARTS, loss_unknowns, replaced_losses, with_kind
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
 from layflat.identify.model import Output, Unknown
 from layflat.machine import Joint, Machine, parameters
@@ -70,6 +71,10 @@ class LoopModel(CurveModel[Machine]):
         reach, most = max(float(np.ptp(one)) for one in known), max(float(np.abs(one).max()) for one in known)
         apart = "loops at two pressures or more, the higher the further apart"
         hose, losses = described.hose, described.losses
+        own = loss_unknowns(f"{at}.losses", losses, travel)
+        if own is None:
+            what, right = f"losses of kind {losses.kind!r} can't be fitted to loops", f"use {', '.join(STARTS)}"
+            raise InputError(what, where=self.origin.origin, right=right)
         return {
             "torque": [
                 within(f"{at}.hose.torque_factor", "1", hose.torque_factor, 1.0 / SCALES, SCALES, apart, log=True)
@@ -77,7 +82,7 @@ class LoopModel(CurveModel[Machine]):
             "losses": [
                 within(f"{at}.hose.loss_share", "1", hose.loss_share, LEAST_SHARE, 1.0, "motion to and fro", log=True),
                 within(f"{at}.losses.pressure_free", "1", losses.pressure_free, 0.0, 1.0, apart),
-                *element_unknowns(f"{at}.losses", "rad", losses.deflections, losses.weights, travel),
+                *own,
             ],
             "brake": [within(f"{at}.brake.torque", "N*m", described.brake.torque, 0.0, reach, apart)],
             "offset": [Unknown(OFFSET, "N*m", 0.0, -most, most, log=False, excitation=apart, nuisance=True)],
@@ -96,13 +101,33 @@ class LoopModel(CurveModel[Machine]):
         return TurnedLog(angle, gauge[0], gauge[1], brake, curves.first_of(out), give)
 
 
-def _model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequence[str]) -> LoopModel:
+def _moved(machine: Machine, logs: Logs) -> list[str]:
+    """Joints whose torques the logs hold; raise InputError if there are several."""
     moved = [joint for joint in machine.joints if any(has_samples(log, "torque", joint) for log in logs.values())]
     if len(moved) > 1:
         right = f"give logs of one of them: {', '.join(moved)}"
         raise InputError(f"hold torques of {len(moved)} joints", where="logs", right=right)
+    return moved
+
+
+def _model(machine: Machine, logs: Logs, validation: Logs, *, blocks: Sequence[str]) -> LoopModel:
+    moved = _moved(machine, logs)
     require_samples({**logs, **validation}, ("torque", "angle", "pressure_a"), moved[:1])
     return LoopModel(machine, logs, validation, joint=moved[0], blocks=blocks)
 
 
-BENCH = Bench(BLOCKS, ("torque", "losses"), _model, even=False)
+def _kinds(machine: Machine, logs: Logs, blocks: Sequence[str]) -> dict[str, tuple[Machine, dict[str, Any]]]:
+    """The machine with each kind of losses that loops are compared by; with its own as they are described."""
+    (joint,) = _moved(machine, logs)
+    own = machine.joint[joint].losses.kind
+    if "losses" not in blocks or own not in STARTS:
+        return {}
+    angles = [curves.moving(log, "angle", name, joint) for name, log in logs.items()]
+    found = {}
+    for kind in STARTS:
+        tried = machine if kind == own else with_kind(machine, joint, kind, max(float(np.ptp(one)) for one in angles))
+        found[kind] = tried, {} if kind == own else replaced_losses(tried, joint)
+    return found
+
+
+BENCH = Bench(BLOCKS, ("torque", "losses"), _model, even=False, kinds=_kinds)
