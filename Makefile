@@ -42,7 +42,7 @@ bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json
 
 calibrate: $(READY)  ## find again what the machine files mark as calibrated
-	$(BIN)/python -m layflat.experiments.calibrate
+	$(BIN)/python -m layflat.experiments.calibration --write
 
 clean:  ## remove what was built, but not the virtual environment
 	rm -rf build .mypy_cache .ruff_cache .pytest_cache .import_linter_cache

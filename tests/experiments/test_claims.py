@@ -10,10 +10,11 @@ import pytest
 import xarray
 
 from layflat.errors import DivergedError, InputError, MachineError
-from layflat.experiments.axis_one import AT, DURATION, AxisOne
+from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, followed, frequency_response
+from layflat.experiments.limits import AT, DURATION, WINDOWS, Carried, is_sustained
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import MEASURED, PRINTED_MEAN, Statics
 from layflat.experiments.two_axis import END, REPEATS, TwoAxis, final_settling
@@ -110,38 +111,87 @@ def test_a_run_that_diverges_unseen_ends_the_work() -> None:
         Rule(Claim("x", "", "", ""), evaluate).evaluated(Made(None))  # type: ignore[arg-type]
 
 
+def swinging(until: float, size: float = 3.0, left: float = 0.1, period: float = 0.5) -> xarray.Dataset:
+    """A run that reaches its demand in half a second, and swings by `size` (deg) until some time, then by `left`."""
+    since = TIME - AT
+    swing = np.where(since < until, size, left) * np.cos(2 * np.pi * since / period)
+    return one_joint(np.where(since < 0.5, -20.0, 20.0 + swing))
+
+
 @pytest.mark.parametrize(
-    ("new", "earlier", "agrees"),
-    [(5.0, 1.0, True), (inf, 1.0, True), (1.5, 0.5, False), (3.0, 2.0, False), (5.0, inf, False)],
+    ("unbraked", "earlier", "agrees"),
+    [
+        (swinging(5.0), 1.0, True),
+        (swinging(5.0), 3.0, False),
+        (swinging(5.0), inf, False),
+        (swinging(1.5), 0.5, False),
+        (swinging(8.6), 1.0, False),
+        (swinging(5.0, left=0.6), 1.0, False),
+        (swinging(5.0, size=21.0), 1.0, False),
+    ],
+    ids=["agrees", "earlier is slow", "earlier never settles", "too soon", "too late", "swings on", "overshoots"],
 )
-def test_the_unbraked_joint_takes_long_and_the_earlier_does_not(new: float, earlier: float, agrees: bool) -> None:
-    found, said = evaluated(AxisOne.unbraked_joint, unbraked=arriving(new), earlier=arriving(earlier))
-    assert (found["new joint settles in"], found["earlier actuator settles in"]) == pytest.approx((new, earlier))
+def test_the_unbraked_joint_takes_long_and_the_earlier_does_not(
+    unbraked: xarray.Dataset, earlier: float, agrees: bool
+) -> None:
+    found, said = evaluated(AxisOne.unbraked_joint, unbraked=unbraked, earlier=arriving(earlier))
+    assert found["earlier actuator settles in"] == pytest.approx(earlier)
     assert said is agrees
 
 
-def test_an_unbraked_joint_that_leaves_its_stroke_or_diverges_does_not_agree() -> None:
-    far = one_joint(np.where(TIME > 6.0, 20.0, 80.0))
-    assert evaluated(AxisOne.unbraked_joint, unbraked=far, earlier=arriving(1.0))[1] is False
+def test_what_the_unbraked_joint_does_is_measured_against_its_own_end() -> None:
+    found, _ = evaluated(AxisOne.unbraked_joint, unbraked=swinging(5.0), earlier=arriving(1.0))
+    assert found["new joint arrives in"] == pytest.approx(5.0, abs=0.25)
+    assert found["oscillation left"] == pytest.approx(0.2, rel=0.01)
+    assert found["overshoot"] == pytest.approx(3.0, rel=0.01)
+
+
+def test_an_oscillation_that_grows_does_not_agree() -> None:
+    since = TIME - AT
+    growing = 0.02 * np.exp(since / 4.0) * np.cos(12.0 * since)
+    late = one_joint(np.where(since < 3.0, -20.0, 20.0 + growing))
+    assert evaluated(AxisOne.unbraked_joint, unbraked=late, earlier=arriving(1.0))[0]["oscillation left"] < 1.0
+    assert not evaluated(AxisOne.unbraked_joint, unbraked=late, earlier=arriving(1.0))[1]
+
+
+def test_an_unbraked_joint_that_diverges_does_not_agree() -> None:
     short = arriving(9.0, TIME[TIME < 1.2])
     found, said = evaluated(AxisOne.unbraked_joint, unbraked=short, earlier=arriving(1.0))
-    assert found["new joint settles in"] == inf
+    assert found == {"diverged after": pytest.approx(1.2 - AT, abs=0.006)}
     assert said is False
 
 
-def test_the_braked_joint_is_compared_by_its_limits() -> None:
+def carrying(times: tuple[float, ...], stable: int) -> Carried:
+    """A joint that settles in these times with more and more inertia, and swings on from the `stable`th on."""
     ratios = (0.01, 0.02, 0.04, 0.08)
-    braked = dict(zip(ratios, (0.5, 1.0, 1.4, 3.0), strict=True))
-    earlier = dict(zip(ratios, (0.5, 1.0, 2.0, 9.0), strict=True))
-    found, said = evaluated(AxisOne.braked_joint, braked=arriving(0.8), times_braked=braked, times_earlier=earlier)
+    return Carried(dict(zip(ratios, times, strict=True)), {ratio: i >= stable for i, ratio in enumerate(ratios)})
+
+
+def test_the_braked_joint_is_compared_by_its_limits() -> None:
+    braked, earlier = carrying((0.5, 1.0, 1.4, inf), 3), carrying((0.5, 1.0, inf, inf), 2)
+
+    def compared(run: xarray.Dataset, new: Carried, old: Carried) -> tuple[dict[str, float], bool]:
+        return evaluated(AxisOne.braked_joint, braked=run, carried_braked=new, carried_earlier=old)
+
+    found, said = compared(arriving(0.8), braked, earlier)
     assert said
-    assert found == pytest.approx({
-        "settling": 0.8, "limit with brake": 0.04, "limit of earlier": 0.02, "ratio": 2.0,
-        "ratio if 4 s are allowed": 2.0,
-    })  # fmt: skip
-    assert not evaluated(AxisOne.braked_joint, braked=arriving(0.8), times_braked=earlier, times_earlier=earlier)[1]
-    swinging = one_joint(np.where(TIME < 1.0, -20.0, 20.0 + 0.29 * np.sign(np.sin(20.0 * TIME))))
-    assert not evaluated(AxisOne.braked_joint, braked=swinging, times_braked=braked, times_earlier=earlier)[1]
+    assert found["settling"] == pytest.approx(0.8)
+    assert (found["limit with brake"], found["limit of earlier"]) == (0.04, 0.02)
+    assert {value for name, value in found.items() if name.startswith("ratio")} == {2.0}
+    assert len(found) == 3 + len(WINDOWS) + 1
+    assert not compared(arriving(0.8), earlier, earlier)[1]
+    # One window, or the limit of oscillation, that is off is enough.
+    assert not compared(arriving(0.8), braked, carrying((0.5, 1.0, 5.0, inf), 2))[1]
+    assert not compared(arriving(0.8), braked, carrying((0.5, 1.0, inf, inf), 3))[1]
+    assert not compared(swinging(20.0, size=0.4), braked, earlier)[1]
+
+
+def test_an_oscillation_is_sustained_unless_it_is_small_or_fades() -> None:
+    time = np.arange(0.0, 12.0, 0.005)
+    swing = np.sin(8.0 * time)
+    assert is_sustained(time, np.radians(1.0) * swing)
+    assert not is_sustained(time, np.radians(0.2) * swing)
+    assert not is_sustained(time, np.radians(30.0) * np.exp(-0.3 * time) * swing)
 
 
 def two_joints(pushed: float, off: float = 0.0) -> xarray.Dataset:

@@ -1,74 +1,64 @@
 """Axis one: the small joint alone with and without its brake, against the earlier actuator (Fig. 13)."""
 
-from dataclasses import replace
 from functools import cached_property
-from itertools import takewhile
 from math import inf, radians
 
 import numpy as np
 import xarray
 
+from layflat.arrays import Array
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
+from layflat.experiments.limits import (
+    AT,
+    DURATION,
+    STEP,
+    SWING,
+    WINDOWS,
+    Carried,
+    carried,
+    is_sustained,
+    oscillation,
+    stepped,
+)
 from layflat.machine import Machine
-from layflat.sim import Scenario
-from layflat.sim.metrics import BAND, move, settling_time
-from layflat.sim.run import Prepared, prepare, rollout_as_far
+from layflat.sim.metrics import move, settling_time
+from layflat.sim.run import rollout_as_far
 
-STEP = radians(40)
-AT = 0.5  # the step comes at this time, s, after the joint has come to rest
-DURATION, SCAN = 8.0, 4.0
-"""How long a joint is watched after the step, s: in the runs that are shown, and when its limit is sought."""
-GOOD_TIME = 1.5  # a joint carries an inertia if it settles within this time, s: what the paper gives for the arm
-SEEDS = 5  # runs with other noise at each inertia; their median counts
-RATIOS = tuple(float(ratio) for ratio in np.geomspace(INERTIA_PER_TORQUE, 1e-1, 25))
-"""Inertia per torque over which the limit is sought, from the paper's comparison on, kg m2 per N m."""
+GOOD_TIME, SCAN = 1.5, 4.0  # allowed where one or two times are looked at, s: what the paper gives for the arm; more
+CLOSE = radians(1.5)  # a joint that oscillates a little has come to its end within this
+LITTLE = radians(1.0)  # a small oscillation, peak to peak
+GROWS, FINE = 1.1, radians(0.1)  # an oscillation grows that gets larger than so many times what it was, and this more
+SLOW = (2.0, 8.0)  # several seconds, s
+TWICE = (1.4, 2.8)  # about twice
 PER_TORQUE = "kg m2/(N m)"
-
-
-def _case(payload: float, brake: float, duration: float, seed: int) -> Scenario:
-    """A joint that rests at -20 deg and is asked for +20 deg."""
-    demand: list[tuple[str | float, float]] = [(0.0, -STEP / 2), (AT, STEP / 2)]
-    return Scenario(demand=demand, duration=AT + duration, payload=payload, brake=brake, seed=seed)
 
 
 def settling(run: xarray.Dataset) -> float:
     """Return the time from the step until the joint stays within 0.3 deg of its demand, s."""
-    if float(run["time"][-1]) < AT + 1.0:
+    if not _is_whole(run):
         return inf
     return move(run, "small", since=AT).settling
 
 
-def settling_times(machine: Machine, brake: float) -> dict[float, float]:
-    """Return settling times (s) by inertia per torque, kg m2 per N m."""
-    torque = maximum_torque(machine, "small")
-    payloads = {ratio: payload_for_inertia(machine, "small", ratio * torque) for ratio in RATIOS}
-    runs = [prepare(machine, _case(0.0, brake, SCAN, seed)) for seed in range(SEEDS)]
-    return {ratio: float(np.median([_settled(run, payload) for run in runs])) for ratio, payload in payloads.items()}
+def _is_whole(run: xarray.Dataset) -> bool:
+    return float(run["time"][-1]) >= AT + DURATION - 0.01
 
 
-def limit_within(times: dict[float, float], allowed: float) -> float:
-    """Return the largest inertia per torque up to which all settle within the time allowed (s); 0 where none does."""
-    return max((ratio for ratio, _ in takewhile(lambda found: found[1] <= allowed, times.items())), default=0.0)
-
-
-def _settled(prepared: Prepared, payload: float) -> float:
-    """Settling time of a prepared step with another payload (kg), s."""
-    signals = prepared.signals._replace(payload=np.full_like(prepared.signals.payload, payload))
-    rows, _, diverged = replace(prepared, signals=signals).run()
-    cycle = prepared.timing.cycle
-    error = rows[round(AT / cycle) :, 0, 0] - STEP / 2
-    return inf if diverged >= 0 else settling_time(cycle * np.arange(len(error)), error, BAND)
+def _course(run: xarray.Dataset) -> tuple[Array, Array]:
+    """Time since the step (s), and angle (rad)."""
+    part = run.sel(joint="small", time=slice(AT, None))
+    return part["time"].to_numpy() - AT, part["angle"].to_numpy()
 
 
 class AxisOne(Experiment):
-    """Runs of a 40 deg step, and the settling times of both joints by the inertia per torque that they carry."""
+    """Runs of a 40 deg step, and what both joints do with every inertia per torque."""
 
     def _step(self, machine: Machine, brake: float, payload: float | None = None) -> xarray.Dataset:
         """A step, up to where it diverged if it did; usually at the inertia per torque of the paper's comparison."""
         inertia = INERTIA_PER_TORQUE * maximum_torque(machine, "small")
-        carried = payload_for_inertia(machine, "small", inertia) if payload is None else payload
-        return rollout_as_far(machine, scenario=_case(carried, brake, DURATION, seed=1))
+        carries = payload_for_inertia(machine, "small", inertia) if payload is None else payload
+        return rollout_as_far(machine, scenario=stepped(brake, 1, carries))
 
     @cached_property
     def unbraked(self) -> xarray.Dataset:
@@ -86,39 +76,43 @@ class AxisOne(Experiment):
         return self._step(self.bench.axis_one, self.bench.brake, self.bench.axis_one.arm.payload)
 
     @cached_property
-    def times_braked(self) -> dict[float, float]:
-        """Settling times of the new joint with its brake, s, by inertia per torque."""
-        return settling_times(self.bench.axis_one, self.bench.brake)
+    def carried_braked(self) -> Carried:
+        """What the new joint with its brake does with every inertia."""
+        return carried(self.bench.axis_one, self.bench.brake)
 
     @cached_property
-    def times_earlier(self) -> dict[float, float]:
-        """The same of the earlier actuator."""
-        return settling_times(self.bench.earlier_scaled, 0.0)
+    def carried_earlier(self) -> Carried:
+        """What the earlier actuator does with every inertia."""
+        return carried(self.bench.earlier_scaled, 0.0)
 
     @claim("unbraked-joint")
     def unbraked_joint(self) -> Evaluated:
         """Compare both joints without brake."""
-        new, earlier = settling(self.unbraked), settling(self.earlier)
-        reach = float(np.degrees(np.abs(self.unbraked["angle"]).max()))
-        whole = float(self.unbraked["time"][-1]) >= AT + DURATION - 0.01
+        if not _is_whole(self.unbraked):
+            return [Quantity("diverged after", float(self.unbraked["time"][-1]) - AT, "s")], False
+        time, angle = _course(self.unbraked)
+        last, before = oscillation(time, angle)
+        arrives = settling_time(time, angle - angle[time > time[-1] - SWING].mean(), CLOSE)
+        overshoot, earlier = float(angle.max()) - STEP / 2, settling(self.earlier)
+        calm = last <= LITTLE and last <= GROWS * before + FINE and overshoot <= STEP / 2
         return [
-            Quantity("new joint settles in", new, "s", "several seconds"),
+            Quantity("new joint arrives in", arrives, "s", "several seconds"),
+            Quantity("oscillation left", float(np.degrees(last)), "deg", "small"),
+            Quantity("overshoot", float(np.degrees(overshoot)), "deg"),
             Quantity("earlier actuator settles in", earlier, "s", "good"),
-        ], whole and reach <= 70.0 and new > 2.0 and 2.0 * earlier <= new and earlier < inf
+        ], calm and SLOW[0] <= arrives <= SLOW[1] and 2.0 * earlier <= arrives
 
     @claim("braked-joint")
     def braked_joint(self) -> Evaluated:
-        """Settle with the brake, and compare the greatest inertias that settle."""
-        time = settling(self.braked)
-        last = self.braked["angle"].sel(time=slice(AT + DURATION - 2.0, None))
-        calm = float(last.max() - last.min()) <= BAND
-        braked, earlier = (limit_within(times, GOOD_TIME) for times in (self.times_braked, self.times_earlier))
-        late_braked, late_earlier = (limit_within(times, SCAN) for times in (self.times_braked, self.times_earlier))
-        ratio = braked / earlier if earlier > 0.0 else inf
+        """Settle with the brake, and compare the greatest inertias that settle, whatever the time allowed."""
+        time, calm = settling(self.braked), not is_sustained(*_course(self.braked))
+        new, earlier = self.carried_braked, self.carried_earlier
+        pairs = {f"within {allowed:g} s": (new.within(allowed), earlier.within(allowed)) for allowed in WINDOWS}
+        pairs["without sustained oscillation"] = new.stable, earlier.stable
+        ratios = {name: ours / theirs if theirs > 0.0 else inf for name, (ours, theirs) in pairs.items()}
         return [
             Quantity("settling", time, "s", "stable"),
-            Quantity("limit with brake", braked, PER_TORQUE),
-            Quantity("limit of earlier", earlier, PER_TORQUE),
-            Quantity("ratio", ratio, paper="about 2"),
-            Quantity("ratio if 4 s are allowed", late_braked / late_earlier if late_earlier > 0.0 else inf),
-        ], time < inf and calm and earlier > 0.0 and ratio >= 1.6
+            Quantity("limit with brake", new.stable, PER_TORQUE),
+            Quantity("limit of earlier", earlier.stable, PER_TORQUE),
+            *(Quantity(f"ratio {name}", ratio, paper="about 2") for name, ratio in ratios.items()),
+        ], time < inf and calm and all(TWICE[0] <= ratio <= TWICE[1] for ratio in ratios.values())

@@ -5,17 +5,26 @@ from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 import layflat
-from layflat.experiments.axis_one import AT, SCAN
+from layflat.experiments.axis_one import TWICE
 from layflat.experiments.claim import Claim, texts_of
+from layflat.experiments.limits import AT, DURATION, WINDOWS
 from layflat.experiments.open_loop import RIG_PRESSURE
 from layflat.experiments.questions import Answer
 from layflat.experiments.reproduction import Reproduction
 from layflat.files import write_text
 from layflat.machine.listing import Line
-from layflat.plot.curves import average_response, cam_procedure, hysteresis_curves, settling_over_inertia, valve_sweeps
+from layflat.plot.curves import (
+    average_response,
+    cam_procedure,
+    hysteresis_curves,
+    ratio_over_window,
+    settling_over_inertia,
+    valve_sweeps,
+)
 from layflat.plot.page import Drawn, page
 from layflat.plot.runs import angles, arm_steps
 from layflat.plot.style import to_svg
@@ -95,8 +104,16 @@ def _steps(found: Reproduction) -> Figure:
         "without brake": found.axis_one.unbraked,
         "earlier actuator": found.axis_one.earlier,
     }
-    part = {label: run.sel(time=slice(0, AT + 4)) for label, run in runs.items()}
+    part = {label: run.sel(time=slice(0, AT + WINDOWS[-1])) for label, run in runs.items()}
     return angles(part, "small", since=AT, band=BAND)
+
+
+def _ratio(found: Reproduction) -> Figure:
+    new, earlier = found.axis_one.carried_braked, found.axis_one.carried_earlier
+    window = np.linspace(WINDOWS[0], WINDOWS[-1], 131)
+    limits = np.array([(new.within(allowed), earlier.within(allowed)) for allowed in window])
+    ratio = limits[:, 0] / np.where(limits[:, 1] > 0.0, limits[:, 1], np.nan)
+    return ratio_over_window(window, ratio, new.stable / earlier.stable if earlier.stable else np.nan, TWICE)
 
 
 def _valve(found: Reproduction) -> Figure:
@@ -118,8 +135,13 @@ DRAWN: dict[str, Callable[[Reproduction], Figure]] = {
     ),
     "fig-13": _steps,
     "fig-13b": lambda found: settling_over_inertia(
-        {"new joint with brake": found.axis_one.times_braked, "earlier actuator": found.axis_one.times_earlier}, SCAN
+        {
+            "new joint with brake": found.axis_one.carried_braked.times,
+            "earlier actuator": found.axis_one.carried_earlier.times,
+        },
+        DURATION,
     ),
+    "fig-13c": _ratio,
     "fig-14": lambda found: arm_steps(found.two_axis.steps, band=BAND),
     "fig-valve": _valve,
     "fig-average": lambda found: average_response(found.dither.frequency, found.dither.response, 50.0),

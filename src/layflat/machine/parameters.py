@@ -181,10 +181,11 @@ def _behind(line: Line, hose: Hose) -> Hose:
     return hose._replace(chamber=chamber, line=tube.parameters(line))
 
 
-def _valve(machine: Machine, line: Line | None) -> Any:
-    """Parameters of the valve of a joint; its tube delays what it does."""
-    valve = VALVES.parameters(drive_parts(machine)[0])
-    return valve if line is None else valve._replace(delay=valve.delay + tube.delay(line))
+def _valve(machine: Machine, name: str) -> Any:
+    """Parameters of the valve of a joint, of its size; its tube delays what it does."""
+    law, size, line = VALVES.parameters(drive_parts(machine)[0]), machine.joint[name].valve_size, machine.lines[name]
+    delay = law.delay + (0.0 if line is None else tube.delay(line))
+    return law._replace(conductance=size * law.conductance, leakage=size * law.leakage, delay=delay)
 
 
 def _joint(machine: Machine, name: str, rubbing: Any, *, even: bool) -> Joint:
@@ -199,7 +200,7 @@ def _joint(machine: Machine, name: str, rubbing: Any, *, even: bool) -> Joint:
     return Joint(
         pulling,
         pushing,
-        _valve(machine, line),
+        _valve(machine, name),
         stops(described),
         described.brake.viscous,
         described.brake.torque,
@@ -284,8 +285,8 @@ def air_parts(machine: Machine, name: str) -> AirParts:
         joint.hose.dead_volume + (0.0 if line is None else tube.volume(line)),
         travel_volume(joint) / full_travel(joint),
         full_travel(joint) / 2,
-        valve.conductance,
-        valve.leakage,
+        joint.valve_size * valve.conductance,
+        joint.valve_size * valve.leakage,
         inf if line is None else tube.conductance(line),
         valve.critical_ratio,
         float(laminar_slope(valve.critical_ratio)),

@@ -181,6 +181,9 @@ class Joint(Part):
     friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
     line: Line | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
     gains: Gains | None = None
+    valve_size: u.Ratio = Field(
+        default=1.0, description="flow of this joint's valve over that of `valve`, open or shut"
+    )
 
     @model_validator(mode="after")
     def _derive(self) -> Self:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from layflat.arrays import Array
-from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
+from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure, mark
 
 Curve = tuple[Array, Array]
 SHOWN = 25  # strap lines of a cam that are drawn
@@ -77,6 +77,22 @@ def settling_over_inertia(found: Mapping[str, Mapping[float, float]], limit: flo
         axes.set_ylim(bottom=0)
         axes.set_xlabel("Inertia per maximum torque (kg m$^2$ per N m)")
         axes.set_ylabel("Time to settle within 0.3 deg (s)")
+        axes.legend()
+    return made
+
+
+def ratio_over_window(window: Array, ratio: Array, oscillation: float, wanted: tuple[float, float]) -> Figure:
+    """Draw how many times as much one joint carries as another against the time allowed (s), and the wanted range.
+
+    `oscillation` is the same of the inertias at which oscillation is sustained.
+    """
+    with figure() as (made, (axes,)):
+        axes.axhspan(*wanted, color=SHADE)
+        axes.plot(window, ratio, label="settled within the time allowed", **LINES[0])
+        axes.axhline(oscillation, label="no sustained oscillation", **LINES[1])
+        axes.set_ylim(0.0, 1.5 * wanted[1])
+        axes.set_xlabel("Time allowed to settle within 0.3 deg (s)")
+        axes.set_ylabel("Ratio of the limits (1)")
         axes.legend()
     return made
 

@@ -68,10 +68,10 @@ def sweep_joint(hose_a, hose_b, friction, q, p_a, p_b, brake):
 
 @kernel
 def sweep_many(like, numbers, forward, found):
-    """Loop height over greatest torque of many joints swept to and fro, a joint in each lane.
+    """Loop height and greatest torque (N m) of many joints swept to and fro, a joint in each lane.
 
     Args: any one case (hose A, hose B, friction, brake torque, gauge pressure, stroke); the numbers of all, a column a
-    joint; room for the torques of a way, (points, lanes). Writes into `found` (1, joints).
+    joint; room for the torques of a way, (points, lanes). Writes into `found` (2, joints).
     """
     points = len(forward)
     for first in range(0, len(found[0]), width()):
@@ -90,4 +90,4 @@ def sweep_many(like, numbers, forward, found):
             if lap == 3:
                 there = read_lanes(0.0, forward[points - 1 - k : points - k])
                 height = max(height, abs(there - slow.torque))
-        write_lanes(found[:, first:], height / most)
+        write_lanes(found[:, first:], (height, most))

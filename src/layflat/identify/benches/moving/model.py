@@ -54,10 +54,10 @@ class ArmModel(Model):
             raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
         require_samples({**logs, **(validation or {})}, ("angle", "voltage"), list(machine.joints))
         self.machine, self.stage = machine, FREE
-        flow = machine.valve.conductance * REFERENCE_PRESSURE / FILLED
+        flow = machine.valve.conductance * REFERENCE_PRESSURE / FILLED  # of a valve of size 1
         # Voltage per error of the angle that makes each joint follow at 1/s, V/rad.
         self.feedback_gains = {
-            name: machine.valve.volts_to_full * parameters.torque_constant(joint) / flow
+            name: machine.valve.volts_to_full * parameters.torque_constant(joint) / (flow * joint.valve_size)
             for name, joint in machine.joints.items()
         }
         found = unknowns(machine, blocks)

@@ -1,0 +1,189 @@
+"""What the paper leaves open of its arm and of the earlier actuator: values, their ranges, and why these.
+
+The paper says how its controller was tuned (section 3): from phase to phase the gain of the error rises, markedly so
+in the third, and that of the pressure falls, possibly to zero. So a gain is a multiple of that in the phase before.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.description.change import changed_all, value_at
+from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_of
+from layflat.machine import Machine
+from layflat.tune.knobs import PER_BAR, PER_DEG
+
+DEG = 1.0 / PER_DEG
+BOTH = ("large", "small")
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A value that is open: its range in a unit, that unit in SI, and why it is no wider."""
+
+    name: str
+    low: float
+    high: float
+    why: str
+    unit: str = ""
+    si: float = 1.0
+    paths: tuple[str, ...] = ()  # what it is put in place of
+    times: str = ""  # name of another unknown; where there is one, the value is a multiple of it
+
+
+PHASES = "section 3: it rises from phase to phase"
+PHASES_PRESSURE = "section 3: it falls from phase to phase"
+
+
+def gains(joint: str) -> tuple[Unknown, ...]:
+    """Return the gains of a joint's controller."""
+
+    def one(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, times: str = "") -> Unknown:
+        over = f"{joint} {times}" if times else ""
+        return Unknown(f"{joint} {key}", low, high, why, unit, si, (f"joint.{joint}.gains.{key}",), over)
+
+    opens = "an error of 40 deg opens the valve by a tenth, or far beyond all of it"
+    return (
+        one("far.error", 0.01, 1.0, opens, "V/deg", PER_DEG),
+        one("near.error", 1.0, 5.0, PHASES, times="far.error"),
+        one("close.error", 1.2, 6.0, f"{PHASES}, markedly", times="near.error"),
+        one("far.pressure", 0.03, 10.0, "4 bar move the valve by a fortieth, or far beyond its end", "V/bar", PER_BAR),
+        one("near.pressure", 0.1, 1.0, PHASES_PRESSURE, times="far.pressure"),
+        one("close.pressure", 0.02, 1.0, f"{PHASES_PRESSURE}, possibly to zero", times="near.pressure"),
+        one("near_below.error", 3.0, 30.0, "less than the step of 40 deg", "deg", DEG),
+        one("near_below.speed", 5.0, 200.0, "moderately low, beside up to 300 deg/s on the way", "deg/s", DEG),
+        one("close_below.error", 0.4, 6.0, "almost settled", "deg", DEG),
+        one("close_below.speed", 1.0, 60.0, "almost settled; one count of the converter is 1.8 deg/s", "deg/s", DEG),
+        one("integral", 0.05, 40.0, "from no effect within a move to that of the error's gain", "V/(deg s)", PER_DEG),
+    )
+
+
+def losses(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0) -> Unknown:
+    """Return what is open of the losses, the same for both joints and the earlier actuator."""
+    return Unknown(f"losses {key}", low, high, why, unit, si, tuple(f"joint.{joint}.losses.{key}" for joint in BOTH))
+
+
+TURNS = "from one that turns the small joint by 40 deg in a second to one of 1/4 in"
+DITHER = "from the spool's friction to where the valve opens either way"
+C, AMPLITUDE = "valve.conductance", "valve.dither.amplitude"
+VALVE = (
+    Unknown(C, 0.06, 2.5, TURNS, "dm^3/(s bar)", 1e-8, (C,)),
+    Unknown("large valve", 1.0, 5.0, "valves are alike, or follow the hoses", paths=("joint.large.valve_size",)),
+    Unknown(AMPLITUDE, 0.05, 0.2, DITHER, paths=(AMPLITUDE,)),
+)
+
+DAMPING = losses("damping_time", 5e-4, 0.3, "from nothing to what a sweep of 20 s would show", "s")
+WITHIN = "a small motion of 6 deg is opposed less (section 4.1)"
+LOSSES: Mapping[str, tuple[Unknown, ...]] = {
+    "elasto-slip": (
+        losses("deflections.0", 0.1, 2.0, WITHIN, "deg", DEG),
+        losses("deflections.1", 0.3, 10.0, WITHIN, "deg", DEG),
+        losses("deflections.2", 5.0, 30.0, WITHIN, "deg", DEG),
+        losses("split.0", 0.05, 0.6, "no element has nearly all"),
+        losses("split.1", 0.1, 0.9, "no element has nearly all"),
+    ),
+    "elasto-slip-spectrum": (
+        losses("first", 0.1, 2.0, WITHIN, "deg", DEG),
+        losses("last", 5.0, 60.0, WITHIN, "deg", DEG),
+        losses(
+            "slope", 0.05, 1.5, "the share of an element grows with its deflection, at most in proportion and a half"
+        ),
+    ),
+    "bouc-wen": (
+        losses("deflection", 0.5, 20.0, WITHIN, "deg", DEG),
+        losses("beta", 0.5, 1.5, "from straight to steep on the way back"),
+        losses("exponent", 1.0, 2.0, "what the law allows"),
+    ),
+}
+"""What each kind of losses has to assume; `damping_time` comes with any of them."""
+
+STARTS: Mapping[str, dict[str, Any]] = {
+    "elasto-slip": {"deflections": ("0.3 deg", "2 deg", "12 deg"), "weights": (0.3, 0.3, 0.4)},
+    "elasto-slip-spectrum": {"first": "0.3 deg", "last": "20 deg", "elements": 6},
+    "bouc-wen": {"deflection": "3 deg"},
+}
+"""A description of each kind; what is sought takes the place of its numbers."""
+
+
+def with_losses(machine: Machine, kind: str) -> Machine:
+    """Return a machine whose joints have a kind of losses, all else about their losses as before."""
+    values = {}
+    for name, joint in machine.joint.items():
+        kept = {"reference_pressure_gauge": joint.losses.reference_pressure_gauge}
+        kept["pressure_free"] = joint.losses.pressure_free
+        values[f"joint.{name}.losses"] = {"kind": kind, **kept, **STARTS[kind]}
+    return changed_all(machine, values)
+
+
+def to_values(unknowns: Sequence[Unknown], shares: Array) -> Array:
+    """Return values in the unknowns' units from where they lie in their ranges, 0 to 1, counted in factors."""
+    low, high = np.array([(one.low, one.high) for one in unknowns]).T
+    return np.asarray(low * (high / low) ** np.clip(shares, 0.0, 1.0))
+
+
+def to_shares(unknowns: Sequence[Unknown], values: Array) -> Array:
+    """Return where values in the unknowns' units lie in their ranges."""
+    low, high = np.array([(one.low, one.high) for one in unknowns]).T
+    return np.asarray(np.log(np.clip(values, low, high) / low) / np.log(high / low))
+
+
+def by_path(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
+    """Return what stands at every path (SI), of one machine (unknowns,) or of many (machines, unknowns)."""
+    found: dict[str, Any] = {}
+    named: dict[str, Any] = {}
+    for one, column in zip(unknowns, np.moveaxis(values, -1, 0), strict=True):
+        named[one.name] = column * (named[one.times] if one.times else one.si)
+        found |= dict.fromkeys(one.paths, named[one.name])
+    return _weighed(found)
+
+
+def _weighed(found: dict[str, Any]) -> dict[str, Any]:
+    """Paths with weights of elements in place of how these split the loss."""
+    plain = {path: value for path, value in found.items() if ".split." not in path}
+    for losses in sorted({path.partition(".split.")[0] for path in found} - set(plain)):
+        weights = shares_of(np.stack([found[f"{losses}.split.{i}"] for i in range(2)], axis=-1))
+        if weights.ndim == 1:
+            plain[f"{losses}.weights"] = rounded(weights)
+        else:
+            plain |= {f"{losses}.weights.{i}": weights[:, i] for i in range(weights.shape[-1])}
+    return plain
+
+
+def known_to(machine: Machine, found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return those paths that lie in a machine: not those of joints that it has not."""
+    others = tuple(f"joint.{name}." for name in BOTH if name not in machine.joint)
+    return {path: value for path, value in found.items() if not (others and path.startswith(others))}
+
+
+def values_of(machine: Machine, unknowns: Sequence[Unknown]) -> Array:
+    """Return the values that a machine has now, in the unknowns' units."""
+    named = {one.name: _now(machine, one.paths[0]) for one in unknowns}
+    return np.array([named[one.name] / (named[one.times] if one.times else one.si) for one in unknowns])
+
+
+def _now(machine: Machine, path: str) -> float:
+    losses, _, place = path.partition(".split.")
+    if place:
+        return float(split_of(np.array(value_at(machine, f"{losses}.weights")))[int(place)])
+    return float(value_at(machine, path))
+
+
+def as_text(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
+    """Return what stands in a description for values of the unknowns, to three digits, by path."""
+    named = {one.name: one for one in unknowns}
+    units: dict[str, Unknown] = {}
+    for one in unknowns:
+        root = one
+        while root.times:
+            root = named[root.times]
+        units |= dict.fromkeys(one.paths, root)
+    found = by_path(unknowns, values)
+    return {path: _text(value, units[path]) if path in units else list(value) for path, value in found.items()}
+
+
+def _text(value: float, unit: Unknown) -> str | float:
+    number = float(f"{value / unit.si:.3g}")
+    return f"{number:g} {unit.unit}" if unit.unit else number
