@@ -83,8 +83,7 @@ def calibrated(kind: str, seed: int, minutes: float, *, anew: bool) -> tuple[Ben
 
         best = None
         for best, left in search(lacks, first, many, seed=seed, seconds=60.0 * minutes * stage.share):
-            sys.stderr.write(f"\r{stage.name}: {best.cost:.3f} short, {left / 60:.1f} min left ")
-        sys.stderr.write("\n")
+            sys.stderr.write(f"{stage.name}, {left / 60:.1f} min left: {best.cost:.2f} short: {told(best.lacks)}\n")
         if best is None:
             raise SystemExit(f"{minutes:g} minutes are too short for a first trial")
         own = as_text(stage.unknowns, to_values(stage.unknowns, best.shares))

@@ -20,9 +20,9 @@ from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.loops import heights
 from layflat.sim.ensemble.parallel import traced
 
-COARSE = 0.5e-3  # step of the plant while searching, s: it ranks machines as well as the default does
-WATCHED = 11.0  # how long a joint is watched after its step, s
-RATIOS: Array = np.geomspace(INERTIA_PER_TORQUE, 1e-1, 19)
+COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
+WATCHED = 9.5  # how long a joint is watched after its step, s
+RATIOS: Array = np.geomspace(INERTIA_PER_TORQUE, 1e-1, 15)
 """Inertia per torque at which joints are compared, kg m2 per N m."""
 UNBRAKED = 2  # runs of the new joint without brake, with other noise
 LOST = radians(1e3)  # error of a joint that diverged, rad

@@ -10,7 +10,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.extras import module
 
-POPULATION, WIDTH = 40, 0.3
+POPULATION, WIDTH, NARROW = 40, 0.3, 0.06  # candidates, and their spread at first, and near what was found
 KEEPS = 12  # candidates that were best by luck or merit, to be tried again with other noise
 EVERY = 25  # generations from one such trial to the next
 TRIALS = 3  # noises of a trial
@@ -49,11 +49,10 @@ def search(
     """
     until = time.monotonic() + seconds
     rng, done = np.random.default_rng(seed), 0
-    best = Best(np.full(count, 0.5), {"nothing found yet": np.inf}, 0)
-    start = first
+    best, start, width = Best(np.full(count, 0.5), {"nothing found yet": np.inf}, 0), first, WIDTH
     while time.monotonic() < until and best.cost > ENOUGH:
-        strategy = _strategy(rng.uniform(0.15, 0.85, count) if start is None else start, rng)
-        start, kept, better = None, list[tuple[float, Array]](), done
+        strategy = _strategy(rng.uniform(0.15, 0.85, count) if start is None else start, width, rng)
+        kept, better, found = list[tuple[float, Array]](), done, False
         while time.monotonic() < until and not strategy.stop() and done - better < STALE:
             asked = strategy.ask()
             costs = _total(shortfalls(np.array(asked), seed * 100_003 + done, False))
@@ -64,16 +63,18 @@ def search(
                 tried = _tried(shortfalls, [share for _, share in kept], seed, done)
                 kept = []
                 if tried.cost < best.cost:
-                    best, better = tried, done
+                    best, better, found = tried, done, True
                 yield best, until - time.monotonic()
                 if best.cost <= ENOUGH:
                     return
+        # What was found is looked at more closely, as long as that helps; then it begins anywhere.
+        start, width = (best.shares, NARROW) if found else (None, WIDTH)
 
 
-def _strategy(first: Array, rng: np.random.Generator) -> Any:
+def _strategy(first: Array, width: float, rng: np.random.Generator) -> Any:
     cma = module("tune", "cma", where="calibration")
     options = {"seed": int(rng.integers(1, 2**31)), "popsize": POPULATION, "bounds": [0.0, 1.0], "verbose": -9}
-    return cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), WIDTH, options)
+    return cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), width, options)
 
 
 def _total(parts: dict[str, Array]) -> Array:

@@ -23,6 +23,7 @@ PROMPT = 1.35  # when braked joints and the earlier actuator have settled, s
 LIMITS: Array = np.geomspace(1.12e-2, 2.8e-2, 8)  # where the earlier actuator's limit may lie, kg m2 per N m
 SHARP = 1.25  # from its limit to so many times as much a joint may do as it likes
 BRAKED = (1.9, 2.6)  # a braked joint settles up to so many times that limit, and no more from so many times on
+FORGETS = 3.0  # power with which what happens beyond a limit counts less
 SWINGS = 0.5  # amplitude that counts as an oscillation, deg
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
 STEADY = 1.3  # until when the arm has settled, s
@@ -76,10 +77,19 @@ def _limits(steps: Steps) -> Array:
     new, earlier = (_settles_and_swings(one, steps.cycle) for one in (steps.carried_braked, steps.carried_earlier))
     least = np.full(len(steps.braked), np.inf)
     for limit in LIMITS:
-        asked = [(earlier[0], limit >= RATIOS), (earlier[1], SHARP * limit <= RATIOS)]
-        asked += [(new[0], BRAKED[0] * limit >= RATIOS), (new[1], BRAKED[1] * limit <= RATIOS)]
-        least = np.minimum(least, 3.0 * sum(wrong[:, where].mean(axis=1) for wrong, where in asked))
+        wrong = _beside(earlier, limit, SHARP * limit) + _beside(new, BRAKED[0] * limit, BRAKED[1] * limit)
+        least = np.minimum(least, 3.0 * wrong)
     return least
+
+
+def _beside(found: tuple[Array, Array], low: float, high: float) -> Array:
+    """What is wrong with a joint that is to settle up to an inertia, and to oscillate from another one on.
+
+    Far beyond its limit it counts less what a joint does: the paper looked for the limit from below.
+    """
+    settles, swings = found
+    weights = np.where(high <= RATIOS, (high / RATIOS) ** FORGETS, 0.0)
+    return settles[:, low >= RATIOS].mean(axis=1) + swings @ weights / weights.sum()
 
 
 def _settles_and_swings(error: Array, cycle: float) -> tuple[Array, Array]:
