@@ -67,25 +67,24 @@ class Library:
         with told_as(self.error):
             return parsed(self.text(where), str(where), self.example)
 
-    def layers(self, where: str | Path) -> list[Layer]:
+    def layers(self, where: str | Path, above: tuple[str, ...] = ()) -> list[Layer]:
         """Return what a description and those that it extends say, the lowest first.
+
+        Args:
+            where: a built-in name or a file.
+            above: those that extend it.
 
         Raises:
             InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle.
         """
-        found: list[Layer] = []
-        place, seen = str(where), list[str]()
-        while True:
-            layer, base = self._layer(place, found[-1].where if found else "")
-            key = place if place in self.names else str(Path(place).resolve())
-            if key in seen or len(seen) > LONGEST_CHAIN:
-                chain = " -> ".join([*(layer.where for layer in found), place])
-                raise self.error(f"extends itself through {chain}", where=str(where), right="break the circle")
-            seen.append(key)
-            found.append(layer)
-            if base is None:
-                return found[::-1]
-            place = self.beside(place, base)
+        place = str(where)
+        layer, base = self._layer(place, above[-1] if above else "")
+        key = self._key(place)
+        if key in map(self._key, above) or len(above) > LONGEST_CHAIN:
+            chain = " -> ".join([*above, place])
+            raise self.error(f"extends itself through {chain}", where=above[0], right="break the circle")
+        below = [] if base is None else self.layers(self.beside(place, base), (*above, place))
+        return [*below, layer]
 
     def tables(self, where: str | Path) -> tuple[Plain, Sources]:
         """Return the plain values of a description as they are written, what it extends included, and their sources.
@@ -107,6 +106,9 @@ class Library:
     def beside(self, where: str, name: str) -> str:
         """Return a name as seen from a description: built-in names as they are, files from its own folder."""
         return name if name in self.names else str(Path(where).parent / name)
+
+    def _key(self, place: str) -> str:
+        return place if place in self.names else str(Path(place).resolve())
 
     def _layer(self, where: str, extended_by: str) -> tuple[Layer, str | None]:
         """Read one description, and name the one that it extends."""

@@ -1,6 +1,7 @@
 """Where descriptions of machines and of test benches are found."""
 
 from dataclasses import replace
+from functools import reduce
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from layflat.description.text import exists
 from layflat.errors import MachineError
 from layflat.jit.outside import load_kinds
 from layflat.kinds import Table
+from layflat.machine.cloud import cloud, parted
 from layflat.physics.arms import ARMS
 from layflat.physics.friction import FRICTION
 from layflat.physics.hysteresis import HYSTERESIS
@@ -24,6 +26,26 @@ _SHOWN = "`layflat machines` lists them"
 
 class MachineLibrary(Library):
     """Machines: a file and those that it extends may each name files of kinds, relative to their own folders."""
+
+    def layers(self, where: str | Path, above: tuple[str, ...] = ()) -> list[Layer]:
+        """As of any library; `NAME@17` are those of a description, with what a cloud's member lays over them."""
+        if (member := parted(str(where))) is None:
+            return super().layers(where, above)
+        name, file, number = member
+        members, found = cloud(file), list[Layer]()
+        nothing: tuple[Plain, Sources] = ({}, {})
+        for layer in super().layers(name, above):
+            own = members.layer(number, layer, reduce(self.laid, [*found, layer], nothing)[0])
+            found += [layer, own] if own else [layer]
+        if not any(layer.where in members.bases for layer in found):
+            known = ", ".join(members.bases)
+            raise MachineError(f"{name!r} is no machine of this cloud", where=members.where, right=f"it has {known}")
+        return found
+
+    def beside(self, where: str, name: str) -> str:
+        """As of any library; members of clouds are named as the machines are."""
+        member = parted(name)
+        return name if member and member[0] in self.names else super().beside(where, name)
 
     def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
         """As in any library; but of a part below that is of another kind only what both kinds know is kept."""

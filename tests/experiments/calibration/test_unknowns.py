@@ -5,7 +5,7 @@ from layflat.description.change import changed_all
 from layflat.experiments.calibration import unknowns as u
 from layflat.machine import load
 
-ALL = (*u.gains("small"), *u.gains("large"), *u.VALVE, *u.LOSSES["elasto-slip"], u.DAMPING)
+ALL = (*u.gains("small"), *u.gains("large"), *u.AIR, *u.LOSSES["elasto-slip"], u.DAMPING)
 MIDDLE = np.full(len(ALL), 0.4)
 
 

@@ -17,9 +17,9 @@ from layflat.experiments.calibration import shortfall
 from layflat.experiments.calibration.evidence import COARSE, Evidence
 from layflat.experiments.calibration.search import Best, search
 from layflat.experiments.calibration.unknowns import (
+    AIR,
     DAMPING,
     LOSSES,
-    VALVE,
     Unknown,
     as_text,
     by_path,
@@ -55,11 +55,11 @@ class Stage:
 
 def stages(kind: str) -> tuple[Stage, ...]:
     """Both parts of the search, with losses of a kind."""
-    size = next(one for one in VALVE if one.name == "large valve")
-    shared = tuple(one for one in VALVE if one is not size)
+    large = tuple(one for one in AIR if one.name.startswith("large "))
+    shared = tuple(one for one in AIR if one not in large)
     return (
         Stage("axis one", (*gains("small"), *shared, *LOSSES[kind], DAMPING), arm=False, share=0.8),
-        Stage("the arm", (size, *gains("large")), arm=True, share=0.2),
+        Stage("the arm", (*large, *gains("large")), arm=True, share=0.2),
     )
 
 
@@ -120,8 +120,6 @@ def main() -> None:
     lines += [f"{path} = {text}" for path, text in texts.items()]
     sys.stdout.write("\n".join(lines) + "\n")
     if given.write:
-        own = {path: text for path, text in texts.items() if path.startswith("joint.small.gains.")}
-        put_into("paper-small-joint", own)
         put_into("paper-arm", texts)
 
 

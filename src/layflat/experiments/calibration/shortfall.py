@@ -3,13 +3,13 @@
 Margins keep noise from deciding: what is asked for here lies inside what a claim allows (claims.toml).
 """
 
-from math import radians
+from math import log, radians
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.experiments.calibration.evidence import RATIOS, Steps
-from layflat.experiments.limits import SWING
+from layflat.experiments.limits import SWING, WINDOWS
 from layflat.experiments.two_axis import END, FINAL_BAND, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
 
@@ -20,11 +20,9 @@ LEFT = 0.8  # oscillation that it may keep, peak to peak, deg
 OVERSHOOTS = 17.0  # deg
 SOON = 0.45  # when the earlier actuator has settled, over when the new joint comes to its end
 PROMPT = 1.35  # when braked joints and the earlier actuator have settled, s
-LIMITS: Array = np.geomspace(1.12e-2, 2.8e-2, 8)  # where the earlier actuator's limit may lie, kg m2 per N m
-SHARP = 1.25  # from its limit to so many times as much a joint may do as it likes
-BRAKED = (1.9, 2.6)  # a braked joint settles up to so many times that limit, and no more from so many times on
-FORGETS = 3.0  # power with which what happens beyond a limit counts less
-SWINGS = 0.5  # amplitude that counts as an oscillation, deg
+TWICE, NEAR = 1.98, 0.22  # how many times as much the new joint carries, and how far off its log may be
+LEAST, MOST, MOST_BRAKED = log(1.1e-2), log(3e-2), log(8e-2)  # where the limits may lie, log of kg m2 per N m
+BEYOND = 0.3  # logs of inertia by which a limit lies outside the range looked at, for each log of the time to settle
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
 STEADY = 1.3  # until when the arm has settled, s
 
@@ -73,33 +71,38 @@ def axis_one(steps: Steps) -> dict[str, Array]:
 
 
 def _limits(steps: Steps) -> Array:
-    """What is wrong with both joints over inertia, with the limit of the earlier actuator wherever it fits best."""
-    new, earlier = (_settles_and_swings(one, steps.cycle) for one in (steps.carried_braked, steps.carried_earlier))
-    least = np.full(len(steps.braked), np.inf)
-    for limit in LIMITS:
-        wrong = _beside(earlier, limit, SHARP * limit) + _beside(new, BRAKED[0] * limit, BRAKED[1] * limit)
-        least = np.minimum(least, 3.0 * wrong)
-    return least
+    """What is wrong with how much inertia both joints carry: with the brake about twice as much, however it is asked.
 
-
-def _beside(found: tuple[Array, Array], low: float, high: float) -> Array:
-    """What is wrong with a joint that is to settle up to an inertia, and to oscillate from another one on.
-
-    Far beyond its limit it counts less what a joint does: the paper looked for the limit from below.
+    A limit lies where the time to settle grows beyond what is allowed, or where an oscillation is sustained.
     """
-    settles, swings = found
-    weights = np.where(high <= RATIOS, (high / RATIOS) ** FORGETS, 0.0)
-    return settles[:, low >= RATIOS].mean(axis=1) + swings @ weights / weights.sum()
+    new, earlier = (_limits_of(error, steps.cycle) for error in (steps.carried_braked, steps.carried_earlier))
+    off = _over(np.abs(new - earlier - log(TWICE)), NEAR)
+    outside = _over(LEAST, earlier) + _over(earlier, MOST) + _over(new, MOST_BRAKED)
+    return np.asarray(6.0 * off.mean(axis=1) + 3.0 * outside.mean(axis=1))
 
 
-def _settles_and_swings(error: Array, cycle: float) -> tuple[Array, Array]:
-    """By inertia: what is wrong with a joint that is to settle, and with one that is to go on oscillating."""
-    time, amplitude = settled(error, BAND, cycle), 0.5 * _swing(error, cycle)
-    comes = np.isfinite(time)
-    late = np.minimum(_over(np.where(comes, time, 0.0), PROMPT) / 3.0, 1.0)
-    settles = np.where(comes, late, 1.0 + np.minimum(amplitude / 10.0, 1.0))
-    too_soon = np.where(comes, 0.2 + _over(6.0 - np.where(comes, time, 0.0), 0.0) / 20.0, 0.0)
-    return settles, _over(1.0 - amplitude / SWINGS, 0.0) + too_soon
+def _limits_of(error: Array, cycle: float) -> Array:
+    """Logs of the greatest inertia per torque that a joint carries, (machines, windows and without oscillation)."""
+    time, swing = _finite(settled(error, BAND, cycle), error, cycle), _swing(error, cycle)
+    sustained = np.array([2.0 * np.degrees(BAND)])
+    return np.concatenate([_passes(time, np.array(WINDOWS)), _passes(swing, sustained)], axis=1)
+
+
+def _passes(values: Array, levels: Array) -> Array:
+    """Return the logs of inertia at which values (machines, inertias) first pass levels, (machines, levels).
+
+    Outside the range it goes on with the log of the value, so that a search finds its way there.
+    """
+    logs, top = np.log(RATIOS), np.maximum.accumulate(np.log(np.maximum(values, 1e-3)), axis=1)[:, None]
+    level = np.log(levels)[:, None]
+    after = np.clip((top <= level).sum(axis=2, keepdims=True), 1, len(RATIOS) - 1)
+    low, high = (np.take_along_axis(top, place, axis=2) for place in (after - 1, after))
+    share = np.where(high > low, (level - low) / np.where(high > low, high - low, 1.0), level >= low)
+    between = logs[after - 1] + (logs[after] - logs[after - 1]) * np.clip(share, 0.0, 1.0)
+    first, last = top[..., :1], top[..., -1:]
+    return np.asarray(between - BEYOND * np.maximum(first - level, 0.0) + BEYOND * np.maximum(level - last, 0.0))[
+        ..., 0
+    ]
 
 
 def two_axes(angles: Array, cycle: float) -> dict[str, Array]:

@@ -50,11 +50,18 @@ def gains(joint: str) -> tuple[Unknown, ...]:
         one("far.error", 0.01, 1.0, opens, "V/deg", PER_DEG),
         one("near.error", 1.0, 5.0, PHASES, times="far.error"),
         one("close.error", 1.2, 6.0, f"{PHASES}, markedly", times="near.error"),
-        one("far.pressure", 0.03, 10.0, "4 bar move the valve by a fortieth, or far beyond its end", "V/bar", PER_BAR),
+        one("far.pressure", 0.25, 10.0, "high: 4 bar move the valve by a fifth, or far beyond its end", "V/bar", PER_BAR),
         one("near.pressure", 0.1, 1.0, PHASES_PRESSURE, times="far.pressure"),
         one("close.pressure", 0.02, 1.0, f"{PHASES_PRESSURE}, possibly to zero", times="near.pressure"),
         one("near_below.error", 3.0, 30.0, "less than the step of 40 deg", "deg", DEG),
-        one("near_below.speed", 5.0, 200.0, "moderately low, beside up to 300 deg/s on the way", "deg/s", DEG),
+        one(
+            "near_below.speed",
+            2.0,
+            200.0,
+            "moderately low, from a count on",
+            "deg/s",
+            DEG,
+        ),
         one("close_below.error", 0.4, 6.0, "almost settled", "deg", DEG),
         one("close_below.speed", 1.0, 60.0, "almost settled; one count of the converter is 1.8 deg/s", "deg/s", DEG),
         one("integral", 0.05, 40.0, "from no effect within a move to that of the error's gain", "V/(deg s)", PER_DEG),
@@ -67,21 +74,24 @@ def losses(key: str, low: float, high: float, why: str, unit: str = "", si: floa
 
 
 TURNS = "from one that turns the small joint by 40 deg in a second to one of 1/4 in"
-DITHER = "from the spool's friction to where the valve opens either way"
+DITHER = "from the spool's friction to where the valve opens by a third either way"
+VOLUME = "from tubes and fittings alone to what a full stroke displaces"
 C, AMPLITUDE = "valve.conductance", "valve.dither.amplitude"
-VALVE = (
+AIR = (
     Unknown(C, 0.06, 2.5, TURNS, "dm^3/(s bar)", 1e-8, (C,)),
+    Unknown("small dead volume", 10.0, 120.0, VOLUME, "ml", 1e-6, ("joint.small.hose.dead_volume",)),
+    Unknown("large dead volume", 30.0, 360.0, VOLUME, "ml", 1e-6, ("joint.large.hose.dead_volume",)),
     Unknown("large valve", 1.0, 5.0, "valves are alike, or follow the hoses", paths=("joint.large.valve_size",)),
-    Unknown(AMPLITUDE, 0.05, 0.2, DITHER, paths=(AMPLITUDE,)),
+    Unknown(AMPLITUDE, 0.05, 0.3, DITHER, paths=(AMPLITUDE,)),
 )
 
-DAMPING = losses("damping_time", 5e-4, 0.3, "from nothing to what a sweep of 20 s would show", "s")
+DAMPING = losses("damping_time", 5e-4, 0.5, "from nothing to what a sweep of 20 s would show", "s")
 WITHIN = "a small motion of 6 deg is opposed less (section 4.1)"
 LOSSES: Mapping[str, tuple[Unknown, ...]] = {
     "elasto-slip": (
         losses("deflections.0", 0.1, 2.0, WITHIN, "deg", DEG),
         losses("deflections.1", 0.3, 10.0, WITHIN, "deg", DEG),
-        losses("deflections.2", 5.0, 30.0, WITHIN, "deg", DEG),
+        losses("deflections.2", 2.0, 30.0, WITHIN, "deg", DEG),
         losses("split.0", 0.05, 0.6, "no element has nearly all"),
         losses("split.1", 0.1, 0.9, "no element has nearly all"),
     ),
