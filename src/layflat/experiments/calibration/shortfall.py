@@ -46,8 +46,8 @@ def _swing(error: Array, cycle: float) -> Array:
     return np.asarray(np.degrees(np.ptp(error[..., -round(SWING / cycle) :], axis=-1)))
 
 
-def _over(value: Array, most: float | Array) -> Array:
-    return np.maximum(0.0, value - most)
+def _over(value: Array | float, most: float | Array) -> Array:
+    return np.maximum(0.0, np.subtract(value, most))
 
 
 def axis_one(steps: Steps) -> dict[str, Array]:

@@ -50,7 +50,7 @@ def gains(joint: str) -> tuple[Unknown, ...]:
         one("far.error", 0.01, 1.0, opens, "V/deg", PER_DEG),
         one("near.error", 1.0, 5.0, PHASES, times="far.error"),
         one("close.error", 1.2, 6.0, f"{PHASES}, markedly", times="near.error"),
-        one("far.pressure", 0.25, 10.0, "high: 4 bar move the valve by a fifth, or far beyond its end", "V/bar", PER_BAR),
+        one("far.pressure", 0.25, 10.0, "high: 4 bar move it by a fifth, or far beyond its end", "V/bar", PER_BAR),
         one("near.pressure", 0.1, 1.0, PHASES_PRESSURE, times="far.pressure"),
         one("close.pressure", 0.02, 1.0, f"{PHASES_PRESSURE}, possibly to zero", times="near.pressure"),
         one("near_below.error", 3.0, 30.0, "less than the step of 40 deg", "deg", DEG),
