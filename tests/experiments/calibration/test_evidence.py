@@ -18,6 +18,7 @@ GAIN = "joint.small.gains.far.pressure"
 @pytest.fixture
 def evidence(monkeypatch: pytest.MonkeyPatch) -> e.Evidence:
     monkeypatch.setattr(e, "RATIOS", np.array([0.01, 0.03]))
+    monkeypatch.setattr(e, "EARLIER", np.array([0.01]))
     monkeypatch.setattr(e, "WATCHED", 1.0)
     return e.Evidence(bench())
 
@@ -26,7 +27,8 @@ def test_every_machine_has_its_values_and_every_run_its_payload(evidence: e.Evid
     values = {GAIN: np.array([1e-5, 4e-5]), "joint.large.valve_size": np.array([1.0, 2.0])}
     steps = evidence.steps(values, seed=7, step=FINE)
     assert steps.unbraked.shape[:2] == (2, 2)
-    assert steps.carried_braked.shape == steps.carried_earlier.shape == (2, 2, steps.braked.shape[2])
+    assert steps.carried_braked.shape == (2, 2 * e.REPEATS, steps.braked.shape[2])
+    assert steps.carried_earlier.shape == (2, e.REPEATS, steps.braked.shape[2])
     machine = changed(evidence.bench.axis_one, GAIN, 4e-5)
     case = stepped(1.0, 7 + 2, machine.arm.payload)
     case = case.__class__(**{**case.__dict__, "duration": AT + 1.0})

@@ -22,9 +22,12 @@ from layflat.sim.ensemble.parallel import traced
 
 COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 WATCHED = 9.5  # how long a joint is watched after its step, s
-RATIOS: Array = np.geomspace(INERTIA_PER_TORQUE, 1e-1, 15)
-"""Inertia per torque at which joints are compared, kg m2 per N m."""
-UNBRAKED = 2  # runs of the new joint without brake, with other noise
+RATIOS: Array = np.geomspace(INERTIA_PER_TORQUE, 1e-1, 11)
+"""Inertia per torque with which the braked joint moves, kg m2 per N m."""
+EARLIER: Array = np.geomspace(INERTIA_PER_TORQUE, 4e-2, 8)
+"""The same of the earlier actuator, whose limit is to be half as large."""
+REPEATS = 3  # runs with each, with other noise
+UNBRAKED = 2  # runs of the new joint without brake
 LOST = radians(1e3)  # error of a joint that diverged, rad
 
 
@@ -35,9 +38,8 @@ class Steps:
     cycle: float
     unbraked: Array  # the new joint without brake, at the inertia of the paper's comparison
     braked: Array  # with its brake and the paper's 2 kg: one run
-    carried_braked: Array  # with its brake, a run for each of `RATIOS`
-    earlier: Array  # the earlier actuator at the inertia of the comparison: one run
-    carried_earlier: Array  # a run for each of `RATIOS`
+    carried_braked: Array  # with its brake, `REPEATS` runs with each of `RATIOS`, one after the other
+    carried_earlier: Array  # the earlier actuator with each of `EARLIER`, the first of them that of the comparison
 
 
 @dataclass(frozen=True)
@@ -60,15 +62,16 @@ class Evidence:
             step: of the plant, s.
         """
         new, earlier = self.bench.axis_one, self.bench.earlier
-        compared, many = self._payloads(new, [INERTIA_PER_TORQUE] * UNBRAKED), len(RATIOS)
-        payloads = np.concatenate([compared, [new.arm.payload], self._payloads(new, RATIOS)])
-        brakes = np.concatenate([np.zeros(UNBRAKED), np.ones(1 + many)])
+        compared = self._payloads(new, [INERTIA_PER_TORQUE] * UNBRAKED)
+        carried = np.repeat(self._payloads(new, RATIOS), REPEATS)
+        payloads = np.concatenate([compared, [new.arm.payload], carried])
+        brakes = np.concatenate([np.zeros(UNBRAKED), np.ones(1 + len(carried))])
         found = _stepped(new, values, payloads, brakes, seed, step)
-        payloads = self._payloads(earlier, [INERTIA_PER_TORQUE, *RATIOS])
+        payloads = np.repeat(self._payloads(earlier, EARLIER), REPEATS)
         scaled = {path: self.scale * one if _is_pressure_gain(path) else one for path, one in values.items()}
-        old = _stepped(earlier, scaled, payloads, np.zeros(1 + many), seed + 1, step)
+        old = _stepped(earlier, scaled, payloads, np.zeros(len(payloads)), seed + 1, step)
         at = UNBRAKED + 1
-        return Steps(new.cycle, found[:, :UNBRAKED], found[:, UNBRAKED:at], found[:, at:], old[:, :1], old[:, 1:])
+        return Steps(new.cycle, found[:, :UNBRAKED], found[:, UNBRAKED:at], found[:, at:], old)
 
     def arm_moves(self, values: Mapping[str, Array], seed: int, step: float = COARSE) -> Array:
         """Let the arm make a step of each joint in turn, either way, as in Fig. 14.

@@ -8,7 +8,7 @@ from math import log, radians
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.evidence import RATIOS, Steps
+from layflat.experiments.calibration.evidence import EARLIER, RATIOS, REPEATS, Steps
 from layflat.experiments.limits import SWING, WINDOWS
 from layflat.experiments.two_axis import END, FINAL_BAND, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
@@ -35,8 +35,9 @@ def settled(error: Array, band: float, cycle: float) -> Array:
     return np.where(count * cycle > records * cycle - REST, np.inf, count * cycle)
 
 
-def _finite(time: Array, error: Array, cycle: float) -> Array:
-    """Times; in place of infinite ones the whole, and a second for each degree of rms error near the end."""
+def _times(error: Array, band: float, cycle: float) -> Array:
+    """Times to settle; in place of infinite ones the whole, and a second for each degree of rms error near the end."""
+    time = settled(error, band, cycle)
     late = np.degrees(np.sqrt(np.mean(np.square(error[..., -round(2 * SWING / cycle) :]), axis=-1)))
     return np.where(np.isfinite(time), time, error.shape[-1] * cycle + late)
 
@@ -55,10 +56,10 @@ def axis_one(steps: Steps) -> dict[str, Array]:
     cycle = steps.cycle
     end = steps.unbraked[..., -round(SWING / cycle) :].mean(axis=-1, keepdims=True)
     away = steps.unbraked - end
-    arrives = _finite(settled(away, CLOSE, cycle), away, cycle)
+    arrives = _times(away, CLOSE, cycle)
     swing, overshoot = _swing(steps.unbraked, cycle), np.degrees(steps.unbraked.max(axis=-1))
-    earlier = _finite(settled(steps.earlier, BAND, cycle), steps.earlier, cycle)[:, 0]
-    braked = _finite(settled(steps.braked, BAND, cycle), steps.braked, cycle)[:, 0]
+    earlier = _middle(_times(steps.carried_earlier[:, :REPEATS], BAND, cycle))[:, 0]
+    braked = _times(steps.braked, BAND, cycle)[:, 0]
     return {
         "unbraked joint arrives too soon": 1.5 * _over(ARRIVES[0] - arrives, 0.0).mean(axis=1),
         "unbraked joint arrives too late": 0.5 * _over(arrives, ARRIVES[1]).mean(axis=1),
@@ -75,34 +76,38 @@ def _limits(steps: Steps) -> Array:
 
     A limit lies where the time to settle grows beyond what is allowed, or where an oscillation is sustained.
     """
-    new, earlier = (_limits_of(error, steps.cycle) for error in (steps.carried_braked, steps.carried_earlier))
+    new = _limits_of(steps.carried_braked, RATIOS, steps.cycle)
+    earlier = _limits_of(steps.carried_earlier, EARLIER, steps.cycle)
     off = _over(np.abs(new - earlier - log(TWICE)), NEAR)
     outside = _over(LEAST, earlier) + _over(earlier, MOST) + _over(new, MOST_BRAKED)
     return np.asarray(6.0 * off.mean(axis=1) + 3.0 * outside.mean(axis=1))
 
 
-def _limits_of(error: Array, cycle: float) -> Array:
+def _limits_of(error: Array, ratios: Array, cycle: float) -> Array:
     """Logs of the greatest inertia per torque that a joint carries, (machines, windows and without oscillation)."""
-    time, swing = _finite(settled(error, BAND, cycle), error, cycle), _swing(error, cycle)
+    time, swing = _middle(_times(error, BAND, cycle)), _middle(_swing(error, cycle))
     sustained = np.array([2.0 * np.degrees(BAND)])
-    return np.concatenate([_passes(time, np.array(WINDOWS)), _passes(swing, sustained)], axis=1)
+    return np.concatenate([_passes(time, np.array(WINDOWS), ratios), _passes(swing, sustained, ratios)], axis=1)
 
 
-def _passes(values: Array, levels: Array) -> Array:
+def _middle(found: Array) -> Array:
+    """The median over the runs with each inertia, (machines, inertias)."""
+    return np.asarray(np.median(found.reshape(len(found), -1, REPEATS), axis=2))
+
+
+def _passes(values: Array, levels: Array, ratios: Array) -> Array:
     """Return the logs of inertia at which values (machines, inertias) first pass levels, (machines, levels).
 
     Outside the range it goes on with the log of the value, so that a search finds its way there.
     """
-    logs, top = np.log(RATIOS), np.maximum.accumulate(np.log(np.maximum(values, 1e-3)), axis=1)[:, None]
+    logs, top = np.log(ratios), np.maximum.accumulate(np.log(np.maximum(values, 1e-3)), axis=1)[:, None]
     level = np.log(levels)[:, None]
-    after = np.clip((top <= level).sum(axis=2, keepdims=True), 1, len(RATIOS) - 1)
+    after = np.clip((top <= level).sum(axis=2, keepdims=True), 1, len(ratios) - 1)
     low, high = (np.take_along_axis(top, place, axis=2) for place in (after - 1, after))
     share = np.where(high > low, (level - low) / np.where(high > low, high - low, 1.0), level >= low)
     between = logs[after - 1] + (logs[after] - logs[after - 1]) * np.clip(share, 0.0, 1.0)
-    first, last = top[..., :1], top[..., -1:]
-    return np.asarray(between - BEYOND * np.maximum(first - level, 0.0) + BEYOND * np.maximum(level - last, 0.0))[
-        ..., 0
-    ]
+    beyond = np.maximum(level - top[..., -1:], 0.0) - np.maximum(top[..., :1] - level, 0.0)
+    return np.asarray(between + BEYOND * beyond)[..., 0]
 
 
 def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
@@ -114,8 +119,8 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
         tail = part[:, :, round(0.9 * part.shape[2]) :].mean(axis=2, keepdims=True)
         for joint, goal in enumerate(goals):
             error, own = part[..., joint] - goal, (part - tail)[..., joint]
-            demand.append(_finite(settled(error, 0.7 * BAND, cycle), error, cycle))
-            final.append(_finite(settled(own, 0.8 * FINAL_BAND, cycle), own, cycle))
+            demand.append(_times(error, 0.7 * BAND, cycle))
+            final.append(_times(own, 0.8 * FINAL_BAND, cycle))
         pushed.append(np.abs(part - part[:, :, :1]).max(axis=2))
     # The small joint's step pushes the large joint, and the reverse.
     large, small = np.degrees(pushed[1][..., 0]), np.degrees(pushed[0][..., 1])

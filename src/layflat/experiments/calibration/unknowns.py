@@ -53,15 +53,8 @@ def gains(joint: str) -> tuple[Unknown, ...]:
         one("far.pressure", 0.25, 10.0, "high: 4 bar move it by a fifth, or far beyond its end", "V/bar", PER_BAR),
         one("near.pressure", 0.1, 1.0, PHASES_PRESSURE, times="far.pressure"),
         one("close.pressure", 0.02, 1.0, f"{PHASES_PRESSURE}, possibly to zero", times="near.pressure"),
-        one("near_below.error", 3.0, 30.0, "less than the step of 40 deg", "deg", DEG),
-        one(
-            "near_below.speed",
-            2.0,
-            200.0,
-            "moderately low, from a count on",
-            "deg/s",
-            DEG,
-        ),
+        one("near_below.error", 3.0, 40.0, "at most the step of 40 deg", "deg", DEG),
+        one("near_below.speed", 1.0, 200.0, "moderately low, from a count on", "deg/s", DEG),
         one("close_below.error", 0.4, 6.0, "almost settled", "deg", DEG),
         one("close_below.speed", 1.0, 60.0, "almost settled; one count of the converter is 1.8 deg/s", "deg/s", DEG),
         one("integral", 0.05, 40.0, "from no effect within a move to that of the error's gain", "V/(deg s)", PER_DEG),
@@ -73,12 +66,14 @@ def losses(key: str, low: float, high: float, why: str, unit: str = "", si: floa
     return Unknown(f"losses {key}", low, high, why, unit, si, tuple(f"joint.{joint}.losses.{key}" for joint in BOTH))
 
 
-TURNS = "from one that turns the small joint by 40 deg in a second to one of 1/4 in"
+TURNS = "from one that turns the small joint by 40 deg in 1.3 s to one of 1/4 in"
 DITHER = "from the spool's friction to where the valve opens by a third either way"
+LEAKS = "a spool with little lap leaks 0.2 to 5 % of what it lets through when open"
 VOLUME = "from tubes and fittings alone to what a full stroke displaces"
 C, AMPLITUDE = "valve.conductance", "valve.dither.amplitude"
 AIR = (
-    Unknown(C, 0.06, 2.5, TURNS, "dm^3/(s bar)", 1e-8, (C,)),
+    Unknown(C, 0.04, 2.5, TURNS, "dm^3/(s bar)", 1e-8, (C,)),
+    Unknown("leakage", 0.002, 0.05, LEAKS, paths=("valve.leakage",), times=C),
     Unknown("small dead volume", 10.0, 120.0, VOLUME, "ml", 1e-6, ("joint.small.hose.dead_volume",)),
     Unknown("large dead volume", 30.0, 360.0, VOLUME, "ml", 1e-6, ("joint.large.hose.dead_volume",)),
     Unknown("large valve", 1.0, 5.0, "valves are alike, or follow the hoses", paths=("joint.large.valve_size",)),
