@@ -5,12 +5,13 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.experiments.calibration import shortfall as s
-from layflat.experiments.calibration.evidence import EARLIER, RATIOS, REPEATS, WATCHED, Steps
+from layflat.experiments.calibration.evidence import REPEATS, WATCHED, Steps
 from layflat.experiments.limits import STEP
 from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
 
 CYCLE = 0.005
+RATIOS, EARLIER = np.geomspace(1e-2, 1e-1, 11), np.geomspace(1e-2, 4e-2, 8)
 Floats = NDArray[np.float64]
 TIME = CYCLE * np.arange(round(WATCHED / CYCLE))
 
@@ -32,6 +33,8 @@ def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> Floa
 
 def steps(**changes: Floats) -> Steps:
     right = {
+        "ratios": RATIOS,
+        "ratios_earlier": EARLIER,
         "unbraked": np.array([[unbraked(4.0), unbraked(4.5)]]),
         "braked": arrives(1.0)[None, None],
         "carried_braked": carried(0.036),

@@ -14,7 +14,7 @@ from layflat.arrays import Array
 from layflat.description.change import changed_all
 from layflat.experiments.bench import Bench, bench
 from layflat.experiments.calibration import shortfall
-from layflat.experiments.calibration.evidence import COARSE, Evidence
+from layflat.experiments.calibration.evidence import Evidence
 from layflat.experiments.calibration.search import Best, search
 from layflat.experiments.calibration.unknowns import (
     AIR,
@@ -32,7 +32,6 @@ from layflat.experiments.calibration.unknowns import (
 )
 from layflat.experiments.calibration.written import loss_shares, put_into, put_loss_shares
 from layflat.experiments.reproduction import reproduce
-from layflat.physics.step import STEP
 
 
 @dataclass(frozen=True)
@@ -46,11 +45,13 @@ class Stage:
 
     def lacks(self, evidence: Evidence, shares: Array, seed: int, *, fine: bool) -> dict[str, Array]:
         """Shortfalls of machines (machines, unknowns) by name."""
-        values, step = by_path(self.unknowns, to_values(self.unknowns, shares)), STEP if fine else COARSE
+        values = by_path(self.unknowns, to_values(self.unknowns, shares))
+        on = evidence.bench
+        shows = shortfall.dither(evidence.ripple(on.arm if self.arm else on.axis_one, values))
         if self.arm:
-            return shortfall.two_axes(evidence.arm_moves(values, seed, step), evidence.bench.arm.cycle)
+            return shortfall.two_axes(evidence.arm_moves(values, seed, fine=fine), on.arm.cycle) | shows
         kept = shortfall.small_motions(evidence.small_motion(values))
-        return shortfall.axis_one(evidence.steps(values, seed, step)) | kept
+        return shortfall.axis_one(evidence.steps(values, seed, fine=fine)) | kept | shows
 
 
 def stages(kind: str) -> tuple[Stage, ...]:
@@ -59,7 +60,7 @@ def stages(kind: str) -> tuple[Stage, ...]:
     shared = tuple(one for one in AIR if one not in large)
     return (
         Stage("axis one", (*gains("small"), *shared, *LOSSES[kind], DAMPING), arm=False, share=0.8),
-        Stage("the arm", (*large, *gains("large")), arm=True, share=0.2),
+        Stage("the arm", (*large, *gains("large"), *gains("small")), arm=True, share=0.2),
     )
 
 

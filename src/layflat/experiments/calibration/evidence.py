@@ -15,6 +15,8 @@ from layflat.experiments.limits import AT, STEP
 from layflat.experiments.open_loop import SMALL_SWEEP
 from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
 from layflat.machine import Machine
+from layflat.physics.step import STEP as STEP_FINE
+from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.loops import heights
@@ -22,12 +24,11 @@ from layflat.sim.ensemble.parallel import traced
 
 COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 WATCHED = 9.5  # how long a joint is watched after its step, s
-RATIOS: Array = np.geomspace(INERTIA_PER_TORQUE, 1e-1, 11)
-"""Inertia per torque with which the braked joint moves, kg m2 per N m."""
-EARLIER: Array = np.geomspace(INERTIA_PER_TORQUE, 4e-2, 8)
-"""The same of the earlier actuator, whose limit is to be half as large."""
+MOST, MOST_EARLIER = 1e-1, 4e-2  # largest inertia per torque with which a joint moves, kg m2 per N m
+COUNTS, FINE_COUNTS = (11, 8), (25, 16)  # inertias of the braked joint and of the earlier actuator, while searching too
 REPEATS = 3  # runs with each, with other noise
 UNBRAKED = 2  # runs of the new joint without brake
+LISTENS = 0.4  # for how long dither is looked at, s
 LOST = radians(1e3)  # error of a joint that diverged, rad
 
 
@@ -38,8 +39,10 @@ class Steps:
     cycle: float
     unbraked: Array  # the new joint without brake, at the inertia of the paper's comparison
     braked: Array  # with its brake and the paper's 2 kg: one run
-    carried_braked: Array  # with its brake, `REPEATS` runs with each of `RATIOS`, one after the other
-    carried_earlier: Array  # the earlier actuator with each of `EARLIER`, the first of them that of the comparison
+    ratios: Array  # inertia per torque with which the braked joint moves, kg m2 per N m
+    carried_braked: Array  # with its brake, `REPEATS` runs with each ratio, one after the other
+    ratios_earlier: Array  # the same of the earlier actuator, the first of them that of the comparison
+    carried_earlier: Array
 
 
 @dataclass(frozen=True)
@@ -53,27 +56,33 @@ class Evidence:
         """Maximum torque of the earlier actuator over that of the new joint: its pressure gains follow it."""
         return self._torque(self.bench.earlier) / self._torque(self.bench.axis_one)
 
-    def steps(self, values: Mapping[str, Array], seed: int, step: float = COARSE) -> Steps:
+    def steps(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Steps:
         """Let joints alone make a step of 40 deg, as in Fig. 13 and with other inertias.
 
         Args:
             values: numbers (SI) by path, an item a machine.
-            seed: of the noise.
-            step: of the plant, s.
+            seed: of the noise, and of where between its neighbours each inertia lies while searching.
+            fine: whether with the default step and with as many inertias as the claims are judged by.
         """
+        step, counts = (STEP_FINE, FINE_COUNTS) if fine else (COARSE, COUNTS)
+        shift = 0.0 if fine else float(np.random.default_rng(seed).uniform(-0.5, 0.5))
+        ratios, ratios_earlier = (
+            _spread(most, count, shift) for most, count in zip((MOST, MOST_EARLIER), counts, strict=True)
+        )
         new, earlier = self.bench.axis_one, self.bench.earlier
         compared = self._payloads(new, [INERTIA_PER_TORQUE] * UNBRAKED)
-        carried = np.repeat(self._payloads(new, RATIOS), REPEATS)
+        carried = np.repeat(self._payloads(new, ratios), REPEATS)
         payloads = np.concatenate([compared, [new.arm.payload], carried])
         brakes = np.concatenate([np.zeros(UNBRAKED), np.ones(1 + len(carried))])
         found = _stepped(new, values, payloads, brakes, seed, step)
-        payloads = np.repeat(self._payloads(earlier, EARLIER), REPEATS)
+        payloads = np.repeat(self._payloads(earlier, ratios_earlier), REPEATS)
         scaled = {path: self.scale * one if _is_pressure_gain(path) else one for path, one in values.items()}
         old = _stepped(earlier, scaled, payloads, np.zeros(len(payloads)), seed + 1, step)
         at = UNBRAKED + 1
-        return Steps(new.cycle, found[:, :UNBRAKED], found[:, UNBRAKED:at], found[:, at:], old)
+        parts = found[:, :UNBRAKED], found[:, UNBRAKED:at], ratios, found[:, at:]
+        return Steps(new.cycle, *parts, ratios_earlier, old)
 
-    def arm_moves(self, values: Mapping[str, Array], seed: int, step: float = COARSE) -> Array:
+    def arm_moves(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Array:
         """Let the arm make a step of each joint in turn, either way, as in Fig. 14.
 
         Returns angles, rad, (machines, ways, records, joints), the second way with the opposite sign.
@@ -87,9 +96,26 @@ class Evidence:
             ]
             count = len(next(iter(values.values())))
             vary = dict(values) | {"seed": np.full(count, float(seed))}
-            angles = traced(self.bench.arm, Scenario(demand=demand, duration=END), vary, ("angle",), step=step)[..., 0]
+            angles = traced(
+                self.bench.arm,
+                Scenario(demand=demand, duration=END),
+                vary,
+                ("angle",),
+                step=STEP_FINE if fine else COARSE,
+            )[..., 0]
             ways.append(np.sign(half) * np.nan_to_num(angles, nan=LOST))
         return np.stack(ways, axis=1)
+
+    def ripple(self, machine: Machine, values: Mapping[str, Array]) -> Array:
+        """Return the amplitude of dither in the differential pressure of a machine at rest, Pa, (machines, joints)."""
+        own, valve = known_to(machine, values), machine.valve
+        assert isinstance(valve, SpoolValvePart)
+        rest = Scenario(opening=0.0, duration=2.0 * LISTENS, noise=False)
+        both = traced(machine, rest, own, ("pressure_a", "pressure_b"), step=COARSE)[
+            :, -round(LISTENS / machine.cycle) :
+        ]
+        turns = np.exp(-2j * np.pi * valve.dither.frequency * machine.cycle * np.arange(both.shape[1]))
+        return np.asarray(2.0 * np.abs(np.mean((both[..., 0] - both[..., 1]) * turns[:, None], axis=1)))
 
     def small_motion(self, values: Mapping[str, Array]) -> Array:
         """Return the share of its curve's height that the earlier actuator keeps in a small motion, (machines,)."""
@@ -106,6 +132,13 @@ class Evidence:
     @staticmethod
     def _torque(machine: Machine) -> float:
         return maximum_torque(machine, "small")
+
+
+def _spread(most: float, count: int, shift: float) -> Array:
+    """Inertias per torque in geometric progression, those between both ends shifted by a share of their distance."""
+    places = np.arange(count, dtype=float)
+    places[1:-1] += shift
+    return np.asarray(INERTIA_PER_TORQUE * (most / INERTIA_PER_TORQUE) ** (places / (count - 1)))
 
 
 def _is_pressure_gain(path: str) -> bool:

@@ -13,9 +13,9 @@ from layflat.extras import module
 
 POPULATION, WIDTH, NARROW = 40, 0.3, 0.06  # candidates, and their spread at first, and near what was found
 STARTS, HEAD = 4, 75  # places where a search begins, and generations before the worse half of them ends
-KEEPS = 12  # candidates that were best by luck or merit, to be tried again with other noise
+KEEPS = 10  # candidates that were best by luck or merit, to be tried again with other noise
 EVERY = 25  # generations from one such trial to the next
-TRIALS = 3  # noises of a trial
+TRIALS = 2  # noises of a trial
 ENOUGH = 0.02  # what is left of all shortfalls where a search may end
 STALE = 200  # generations without a better trial after which a search begins anew
 

@@ -8,7 +8,7 @@ from math import log, radians
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.evidence import EARLIER, RATIOS, REPEATS, Steps
+from layflat.experiments.calibration.evidence import REPEATS, Steps
 from layflat.experiments.limits import SWING, WINDOWS
 from layflat.experiments.two_axis import END, FINAL_BAND, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
@@ -24,6 +24,7 @@ TWICE, NEAR = 1.98, 0.22  # how many times as much the new joint carries, and ho
 LEAST, MOST, MOST_BRAKED = log(1.1e-2), log(3e-2), log(8e-2)  # where the limits may lie, log of kg m2 per N m
 BEYOND = 0.3  # logs of inertia by which a limit lies outside the range looked at, for each log of the time to settle
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
+RIPPLE = 600.0  # dither in the differential pressure that a converter of 2.4 mbar a count shows beyond doubt, Pa
 STEADY = 1.3  # until when the arm has settled, s
 
 
@@ -76,8 +77,8 @@ def _limits(steps: Steps) -> Array:
 
     A limit lies where the time to settle grows beyond what is allowed, or where an oscillation is sustained.
     """
-    new = _limits_of(steps.carried_braked, RATIOS, steps.cycle)
-    earlier = _limits_of(steps.carried_earlier, EARLIER, steps.cycle)
+    new = _limits_of(steps.carried_braked, steps.ratios, steps.cycle)
+    earlier = _limits_of(steps.carried_earlier, steps.ratios_earlier, steps.cycle)
     off = _over(np.abs(new - earlier - log(TWICE)), NEAR)
     outside = _over(LEAST, earlier) + _over(earlier, MOST) + _over(new, MOST_BRAKED)
     return np.asarray(6.0 * off.mean(axis=1) + 3.0 * outside.mean(axis=1))
@@ -134,3 +135,8 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
 def small_motions(kept: Array) -> dict[str, Array]:
     """Return what the earlier actuator lacks in a small motion, which its losses are to oppose less, (machines,)."""
     return {"earlier actuator opposes small motions too much": 10.0 * _over(kept, KEPT)}
+
+
+def dither(ripple: Array) -> dict[str, Array]:
+    """Return what dither lacks in the pressure, by which the controller knows that there is air, (machines,)."""
+    return {"dither does not show in the pressure": _over(np.log(RIPPLE / np.maximum(ripple, 1.0)), 0.0).mean(axis=1)}
