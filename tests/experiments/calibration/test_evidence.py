@@ -5,10 +5,12 @@ import pytest
 
 from layflat.description.change import value_at
 from layflat.experiments import bench
+from layflat.experiments.bench import INERTIA_PER_TORQUE
 from layflat.experiments.calibration import evidence as e
 from layflat.experiments.dither import ripple
 from layflat.experiments.limits import AT, STEP, stepped
 from layflat.experiments.open_loop import SMALL_SWEEP
+from layflat.experiments.two_axis import HALF
 from layflat.machine import changed
 from layflat.sim import rollout
 
@@ -40,16 +42,14 @@ def test_every_machine_has_its_values_and_every_run_its_payload(evidence: e.Evid
 def test_inertias_lie_elsewhere_with_every_seed_while_searching(evidence: e.Evidence) -> None:
     values = {GAIN: np.array([1e-5])}
     one, other = evidence.steps(values, seed=1), evidence.steps(values, seed=2)
-    assert one.ratios[[0, -1]] == pytest.approx([e.INERTIA_PER_TORQUE, e.MOST])
+    assert one.ratios[[0, -1]] == pytest.approx([INERTIA_PER_TORQUE, e.MOST])
     assert np.all(np.diff(one.ratios) > 0.0)
     assert not np.isin(one.ratios[1:-1], other.ratios).any()
 
 
 def test_the_earlier_actuators_pressure_gains_follow_its_torque(evidence: e.Evidence) -> None:
-    assert evidence.scale == pytest.approx(
-        evidence.bench.earlier_scaled.joint["small"].gains.far.pressure
-        / evidence.bench.earlier.joint["small"].gains.far.pressure
-    )
+    scaled, plain = (value_at(one, GAIN) for one in (evidence.bench.earlier_scaled, evidence.bench.earlier))
+    assert evidence.scale == pytest.approx(scaled / plain)
 
 
 def test_what_a_small_motion_keeps_is_what_a_sweep_shows(evidence: e.Evidence) -> None:
@@ -62,7 +62,7 @@ def test_what_a_small_motion_keeps_is_what_a_sweep_shows(evidence: e.Evidence) -
 def test_the_arm_moves_either_way(evidence: e.Evidence) -> None:
     angles = evidence.arm_moves({GAIN: np.array([2e-5])}, seed=1)
     assert angles.shape[:2] == (1, 2)
-    assert angles[0, :, 0] == pytest.approx(np.full((2, 2), -e.HALF), abs=1e-6)
+    assert angles[0, :, 0] == pytest.approx(np.full((2, 2), -HALF), abs=1e-6)
 
 
 def test_dither_shows_in_the_pressure_as_the_papers_experiment_finds_it(evidence: e.Evidence) -> None:

@@ -1,23 +1,23 @@
-"""Where nothing is short: CMA-ES over what is open, from several places, of which the better half goes on each time."""
+"""Where nothing is short: a population is annealed over all that is open, and CMA-ES goes on from its best machines."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import repeat
 from typing import Any
 
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.experiments.calibration.annealing import Population, anneal
 from layflat.extras import module
 
-POPULATION, WIDTH, NARROW = 40, 0.3, 0.06  # candidates, and their spread at first, and near what was found
-STARTS, HEAD = 4, 75  # places where a search begins, and generations before the worse half of them ends
+MACHINES, WARM = 200, 0.4  # of the population, and the temperature at which the best of them are taken
+CANDIDATES, WIDTH = 40, 0.06  # of a generation, and their spread at first
 KEEPS = 10  # candidates that were best by luck or merit, to be tried again with other noise
 EVERY = 25  # generations from one such trial to the next
 TRIALS = 2  # noises of a trial
 ENOUGH = 0.02  # what is left of all shortfalls where a search may end
-STALE = 200  # generations without a better trial after which a search begins anew
+STALE = 150  # generations without a better trial after which a climb ends
 
 Shortfalls = Callable[[Array, int, bool], dict[str, Array]]
 """From shares (machines, unknowns), a seed of the noise, and whether to take fine steps, to shortfalls by name."""
@@ -66,16 +66,6 @@ class _Climb:
         return bool(self.strategy.stop()) or self.generations - self.better >= STALE
 
 
-def _turns(climbs: list[_Climb]) -> Iterator[_Climb]:
-    """Which climb goes on, generation by generation: all of them at first, then the better half, at last the best."""
-    while len(climbs) > 1:
-        for climb in climbs:
-            yield from repeat(climb, HEAD)
-        climbs = sorted(climbs, key=lambda one: one.best.cost)[: len(climbs) // 2]
-    while not climbs[0].ended:
-        yield climbs[0]
-
-
 def search(
     shortfalls: Shortfalls, first: Array | None, count: int, *, seed: int, seconds: float
 ) -> Iterator[tuple[Best, float]]:
@@ -89,28 +79,49 @@ def search(
         seconds: after which it ends.
     """
     until, rng, done = time.monotonic() + seconds, np.random.default_rng(seed), 0
-    best = nothing = Best(np.full(count, 0.5), {"nothing found yet": np.inf}, 0)
-    start = first
-    while True:
-        places = list(rng.uniform(0.15, 0.85, (STARTS, count))) if start is None else [start]
-        width, before = WIDTH if start is None else NARROW, best
-        for climb in _turns([_Climb(_strategy(place, width, rng), nothing) for place in places]):
-            if time.monotonic() > until:
-                return
+    starts = [first] if first is not None else list[Array]()
+    for population in _annealed(shortfalls, count, seed) if first is None else ():
+        starts, done = _best_first(population), population.moves
+        yield Best(starts[0], _parts(shortfalls(starts[0][None], seed, False), 0), done), until - time.monotonic()
+        if time.monotonic() > until:
+            return
+    best = nothing = Best(starts[0], {"nothing tried yet": np.inf}, done)
+    while starts:
+        climb = _Climb(_strategy(starts.pop(0), rng), nothing)
+        before = best.cost
+        while not climb.ended:
             climb.goes_on(shortfalls, seed, done := done + 1)
             if climb.generations % EVERY == 0:
                 best = min(best, climb.best, key=lambda one: one.cost)
                 yield best, until - time.monotonic()
-            if best.cost <= ENOUGH:
+            if best.cost <= ENOUGH or time.monotonic() > until:
                 return
-        # What was found is looked at more closely, as long as that helps; then it begins anywhere.
-        start = best.shares if best.cost < before.cost else None
+        # What was found is looked at again, as long as that helps.
+        starts = [best.shares, *starts] if best.cost < before else starts
 
 
-def _strategy(first: Array, width: float, rng: np.random.Generator) -> Any:
+def _annealed(shortfalls: Shortfalls, count: int, seed: int) -> Iterator[Population]:
+    """Populations until one is warm."""
+
+    def costs(shares: Array, noise: int) -> Array:
+        return _total(shortfalls(shares, noise, False))
+
+    for population in anneal(costs, count, machines=MACHINES, seed=seed, coldest=WARM):
+        yield population
+        if population.temperature <= WARM:
+            return
+
+
+def _best_first(population: Population) -> list[Array]:
+    """Machines of a population by what they lack, each once."""
+    _, places = np.unique(population.costs, return_index=True)
+    return list(population.shares[places])
+
+
+def _strategy(first: Array, rng: np.random.Generator) -> Any:
     cma = module("tune", "cma", where="calibration")
-    options = {"seed": int(rng.integers(1, 2**31)), "popsize": POPULATION, "bounds": [0.0, 1.0], "verbose": -9}
-    return cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), width, options)
+    options = {"seed": int(rng.integers(1, 2**31)), "popsize": CANDIDATES, "bounds": [0.0, 1.0], "verbose": -9}
+    return cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), WIDTH, options)
 
 
 def _total(parts: dict[str, Array]) -> Array:
@@ -122,4 +133,8 @@ def _tried(shortfalls: Shortfalls, shares: Sequence[Array], seed: int, done: int
     found = [shortfalls(np.array(shares), 1_000_003 * seed + trial, True) for trial in range(TRIALS)]
     mean = {name: np.mean([one[name] for one in found], axis=0) for name in found[0]}
     least = int(np.argmin(_total(mean)))
-    return Best(np.asarray(shares[least]), {name: float(parts[least]) for name, parts in mean.items()}, done)
+    return Best(np.asarray(shares[least]), _parts(mean, least), done)
+
+
+def _parts(found: dict[str, Array], machine: int) -> dict[str, float]:
+    return {name: float(parts[machine]) for name, parts in found.items()}
