@@ -1,7 +1,8 @@
 """Many machines at once, drawn towards where little is short: all over the ranges at first, then ever closer together.
 
 Sequential Monte Carlo (key delmoral2006): the temperature falls so that most machines stay worth keeping; these are
-drawn again by what they are worth, and moved by differential evolution (key terbraak2006; emcee, key foremanmackey2013).
+drawn again by what they are worth, and moved by differential evolution (key terbraak2006) with emcee (key
+foremanmackey2013).
 """
 
 from collections.abc import Callable, Iterator
