@@ -21,6 +21,7 @@ WORST = 100.0  # shortfalls count up to this
 KEPT = 0.7  # effective share of machines that a new temperature leaves
 MOVES = (4, 16)  # fewest and most moves at a temperature
 MOVED = 1.2  # moves that are accepted at a temperature, for each machine
+APART = 1e-6  # deviates by which machines that are drawn several times differ
 SNOOKER = 0.2  # share of moves along a line to another machine
 
 Costs = Callable[[Array, int], Array]
@@ -76,7 +77,8 @@ def anneal(costs: Costs, count: int, *, machines: int, seed: int, coldest: float
     found, steps, accepted = target.of(deviates)[:, 1], 0, 0.3
     while True:
         drawn, target.temperature = _cooled(found, target.temperature, coldest, rng)
-        deviates, found = deviates[drawn], found[drawn]
+        # No two at one place: a line through both is what a move needs.
+        deviates, found = deviates[drawn] + APART * rng.standard_normal(deviates.shape), found[drawn]
         begin = emcee.State(deviates, log_prob=target.log(deviates, found), blobs=found)
         sampler.reset()
         asked = int(np.clip(MOVED / max(accepted, 0.02), *MOVES))
