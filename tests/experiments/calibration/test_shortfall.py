@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.experiments.calibration import shortfall as s
-from layflat.experiments.calibration.evidence import REPEATS, WATCHED, Steps
+from layflat.experiments.calibration.evidence import BACK, REPEATS, WATCHED, Steps
 from layflat.experiments.limits import STEP
 from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
@@ -82,15 +82,22 @@ def test_limits_lack_less_the_nearer_they_are() -> None:
     assert by_limit[0] < by_limit[2]
 
 
-def arm(late: float = 0.8, pushed: float = 1.0) -> Floats:
+def arm(late: float = 0.8, pushed: float = 1.0, apart: float = 0.0) -> Floats:
     """Angles of an arm that makes both steps after so many seconds; the small joint's pushes the large one (deg)."""
-    time = CYCLE * np.arange(round(END / CYCLE))
+    time = CYCLE * np.arange(round(BACK / CYCLE))
     large = np.where(time < FIRST + late, -HALF, HALF) + np.radians(pushed) * ((time > SECOND) & (time < SECOND + 0.3))
     small = np.where(time < SECOND + late, -HALF, HALF) + np.radians(10.0) * ((time > FIRST) & (time < FIRST + 0.3))
-    return np.repeat(np.stack([large, small], axis=-1)[None, None], 2, axis=1)
+    both = np.where(time[:, None] < END + 0.8, np.stack([large, small], axis=-1), np.radians(apart) / 2)
+    return np.repeat(both[None, None], 2, axis=1)
 
 
 def test_an_arm_settles_and_is_pushed_little() -> None:
     assert all(lack[0] == 0.0 for lack in s.two_axes(arm(), CYCLE).values())
     assert s.two_axes(arm(late=2.0), CYCLE)["arm settles too late"][0] > 0.5
     assert s.two_axes(arm(pushed=6.0), CYCLE)["large joint is pushed"][0] > 0.5
+    assert s.two_axes(arm(apart=0.3), CYCLE)["arm does not come back"][0] == pytest.approx(0.9)
+
+
+def test_dither_shows_or_not() -> None:
+    lacks = s.dither(np.array([[800.0, 700.0], [300.0, 700.0]]))["dither does not show in the pressure"]
+    assert lacks == pytest.approx([0.0, 0.5 * np.log(2.0)])

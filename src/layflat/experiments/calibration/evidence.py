@@ -13,7 +13,7 @@ from layflat.experiments.bench import INERTIA_PER_TORQUE, Bench, maximum_torque,
 from layflat.experiments.calibration.unknowns import known_to
 from layflat.experiments.limits import AT, STEP
 from layflat.experiments.open_loop import SMALL_SWEEP
-from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
+from layflat.experiments.two_axis import END, FIRST, HALF, REPEAT_TIME, SECOND
 from layflat.machine import Machine
 from layflat.physics.step import STEP as STEP_FINE
 from layflat.physics.valves.spool import SpoolValvePart
@@ -28,6 +28,7 @@ MOST, MOST_EARLIER = 1e-1, 4e-2  # largest inertia per torque with which a joint
 COUNTS, FINE_COUNTS = (11, 8), (25, 16)  # inertias of the braked joint and of the earlier actuator, while searching too
 REPEATS = 3  # runs with each, with other noise
 UNBRAKED = 2  # runs of the new joint without brake
+BACK = END + REPEAT_TIME  # when the arm has come back to the middle, s
 LISTENS = 0.4  # for how long dither is looked at, s
 LOST = radians(1e3)  # error of a joint that diverged, rad
 
@@ -83,7 +84,7 @@ class Evidence:
         return Steps(new.cycle, *parts, ratios_earlier, old)
 
     def arm_moves(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Array:
-        """Let the arm make a step of each joint in turn, either way, as in Fig. 14.
+        """Let the arm make a step of each joint in turn, either way, as in Fig. 14; then it comes back to the middle.
 
         Returns angles, rad, (machines, ways, records, joints), the second way with the opposite sign.
         """
@@ -93,12 +94,13 @@ class Evidence:
                 (0.0, (-half, -half)),
                 (FIRST, (half, -half)),
                 (SECOND, (half, half)),
+                (END, (0.0, 0.0)),
             ]
             count = len(next(iter(values.values())))
             vary = dict(values) | {"seed": np.full(count, float(seed))}
             angles = traced(
                 self.bench.arm,
-                Scenario(demand=demand, duration=END),
+                Scenario(demand=demand, duration=BACK),
                 vary,
                 ("angle",),
                 step=STEP_FINE if fine else COARSE,

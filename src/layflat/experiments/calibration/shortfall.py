@@ -25,6 +25,7 @@ LEAST, MOST, MOST_BRAKED = log(1.1e-2), log(3e-2), log(8e-2)  # where the limits
 BEYOND = 0.3  # logs of inertia by which a limit lies outside the range looked at, for each log of the time to settle
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
 RIPPLE = 600.0  # dither in the differential pressure that a converter of 2.4 mbar a count shows beyond doubt, Pa
+RESTS, APART = 0.2, 0.12  # over which the arm is at rest, s, and how far apart it may be from either side, deg
 STEADY = 1.3  # until when the arm has settled, s
 
 
@@ -123,11 +124,14 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
             demand.append(_times(error, 0.7 * BAND, cycle))
             final.append(_times(own, 0.8 * FINAL_BAND, cycle))
         pushed.append(np.abs(part - part[:, :, :1]).max(axis=2))
+    # Both ways end in the middle, from either side; the second has the opposite sign.
+    apart = np.degrees(np.abs(angles[:, :, -round(RESTS / cycle) :].mean(axis=2).sum(axis=1)))
     # The small joint's step pushes the large joint, and the reverse.
     large, small = np.degrees(pushed[1][..., 0]), np.degrees(pushed[0][..., 1])
     return {
         "arm settles too late": _over(np.max(demand, axis=0), STEADY).mean(axis=1),
         "arm does not come to rest": _over(np.max(final, axis=0), STEADY).mean(axis=1),
+        "arm does not come back": 5.0 * _over(apart, APART).mean(axis=1),
         "large joint is pushed": 2.0 * _over(large / np.maximum(small, 1e-9), 0.3).mean(axis=1),
     }
 

@@ -34,6 +34,7 @@ class Unknown:
     times: str = ""  # name of another unknown; where there is one, the value is a multiple of it
 
 
+FADES = "from an effect within some seconds to that of the error's gain"
 PHASES = "section 3: it rises from phase to phase"
 PHASES_PRESSURE = "section 3: it falls from phase to phase"
 
@@ -57,7 +58,7 @@ def gains(joint: str) -> tuple[Unknown, ...]:
         one("near_below.speed", 1.0, 200.0, "moderately low, from a count on", "deg/s", DEG),
         one("close_below.error", 0.4, 6.0, "almost settled", "deg", DEG),
         one("close_below.speed", 1.0, 60.0, "almost settled; one count of the converter is 1.8 deg/s", "deg/s", DEG),
-        one("integral", 0.05, 40.0, "from no effect within a move to that of the error's gain", "V/(deg s)", PER_DEG),
+        one("integral", 0.3, 40.0, FADES, "V/(deg s)", PER_DEG),
     )
 
 
