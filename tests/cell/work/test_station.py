@@ -11,7 +11,7 @@ from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.sim.plant import SteppedPlant
 
-MACHINE = load("paper-arm-tuned")
+MACHINE = load("paper-arm-fast-tuned")
 
 
 def arm_of(seed: int = 0) -> tuple[Arm, VirtualDevice]:

@@ -1,11 +1,13 @@
 """Many machines at once do what each does by itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from layflat.description.change import value_at
 from layflat.experiments import bench
-from layflat.experiments.bench import INERTIA_PER_TORQUE
+from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
 from layflat.experiments.calibration import evidence as e
 from layflat.experiments.dither import ripple
 from layflat.experiments.limits import AT, STEP, stepped
@@ -13,6 +15,7 @@ from layflat.experiments.open_loop import SMALL_SWEEP
 from layflat.experiments.two_axis import HALF
 from layflat.machine import changed
 from layflat.sim import rollout
+from layflat.sim.metrics import BAND
 
 pytestmark = pytest.mark.compiled
 GAIN = "joint.small.gains.far.pressure"
@@ -28,23 +31,33 @@ def evidence(monkeypatch: pytest.MonkeyPatch) -> e.Evidence:
 def test_every_machine_has_its_values_and_every_run_its_payload(evidence: e.Evidence) -> None:
     values = {GAIN: np.array([1e-5, 4e-5]), "joint.large.valve_size": np.array([1.0, 2.0])}
     steps = evidence.steps(values, seed=7, fine=True)
-    assert steps.unbraked.shape[:2] == (2, 2)
-    assert steps.carried_braked.shape == (2, 3 * e.REPEATS, steps.braked.shape[2])
-    assert steps.carried_earlier.shape == (2, 2 * e.REPEATS, steps.braked.shape[2])
+    assert steps.unbraked.shape[:2] == (2, e.UNBRAKED)
+    assert steps.carried_braked.time.shape == (2, 3 * e.REPEATS)
+    assert steps.carried_earlier.time.shape == (2, 2 * e.REPEATS)
     machine = changed(evidence.bench.axis_one, GAIN, 4e-5)
-    case = stepped(1.0, 7 + 2, machine.arm.payload)
-    case = case.__class__(**{**case.__dict__, "duration": AT + 1.0})
-    run = rollout(machine, scenario=case)["angle"].to_numpy()[:, 0]
-    since = round(AT / machine.cycle)
-    assert np.array_equal(steps.braked[1, 0], run[since : since + steps.braked.shape[2]] - STEP / 2)
+    payload = payload_for_inertia(machine, "small", INERTIA_PER_TORQUE * maximum_torque(machine, "small"))
+    run = rollout(machine, scenario=replace(stepped(0.0, 7 + 1, payload), duration=AT + 1.0))
+    error = run["angle"].to_numpy()[round(AT / machine.cycle) : -1, 0] - STEP / 2
+    assert np.array_equal(steps.unbraked[1, 1], error)
+
+
+def test_what_a_run_comes_to() -> None:
+    time = 0.005 * np.arange(1000)
+    error = np.where(time < 1.0, 1.0, 0.5 * BAND * np.sin(8.0 * np.pi * time))
+    lost = np.where(time < 4.0, 0.0, np.nan)
+    found = e.carried(np.stack([error, lost])[None], np.array([0.01, 0.02]), 0.005)
+    assert found.time[0] == pytest.approx([1.0, np.inf])
+    assert found.swing[0, 0] == pytest.approx(BAND, rel=5e-3)
+    assert found.late[0, 0] == pytest.approx(0.5 * BAND / np.sqrt(2.0), rel=1e-2)
+    assert found.swing[0, 1] == e.LOST
 
 
 def test_inertias_lie_elsewhere_with_every_seed_while_searching(evidence: e.Evidence) -> None:
     values = {GAIN: np.array([1e-5])}
     one, other = evidence.steps(values, seed=1), evidence.steps(values, seed=2)
-    assert one.ratios[[0, -1]] == pytest.approx([INERTIA_PER_TORQUE, e.MOST])
-    assert np.all(np.diff(one.ratios) > 0.0)
-    assert not np.isin(one.ratios[1:-1], other.ratios).any()
+    assert one.carried_braked.ratios[[0, -1]] == pytest.approx([INERTIA_PER_TORQUE, e.MOST])
+    assert np.all(np.diff(one.carried_braked.ratios) > 0.0)
+    assert not np.isin(one.carried_braked.ratios[1:-1], other.carried_braked.ratios).any()
 
 
 def test_the_earlier_actuators_pressure_gains_follow_its_torque(evidence: e.Evidence) -> None:

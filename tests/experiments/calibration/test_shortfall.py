@@ -1,11 +1,14 @@
 """What made-up joints lack."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from layflat.experiments.calibration import shortfall as s
-from layflat.experiments.calibration.evidence import BACK, REPEATS, WATCHED, Steps
+from layflat.experiments.calibration.evidence import BACK, REPEATS, WATCHED, Carried, Steps
+from layflat.experiments.calibration.evidence import carried as came_to
 from layflat.experiments.limits import STEP
 from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
@@ -25,18 +28,20 @@ def unbraked(until: float) -> Floats:
     return np.where(TIME < 0.4, -STEP, np.radians(np.where(until > TIME, 4.0, 0.2)) * np.sin(8.0 * TIME))
 
 
-def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> Floats:
-    """Errors with each inertia; one of its runs goes wrong by bad luck."""
+def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> Carried:
+    """What comes of each inertia; one of its runs goes wrong by bad luck."""
     each = [[arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (REPEATS - 1) + [arrives(2.5)] for ratio in ratios]
-    return np.concatenate(each)[None]
+    return came_to(np.concatenate(each)[None], ratios, CYCLE)
 
 
-def steps(**changes: Floats) -> Steps:
-    right = {
-        "ratios": RATIOS,
-        "ratios_earlier": EARLIER,
+def alone(after: float, swings: float = 0.0) -> Carried:
+    return came_to(arrives(after, swings)[None, None], np.zeros(1), CYCLE)
+
+
+def steps(**changes: Any) -> Steps:
+    right: dict[str, Any] = {
         "unbraked": np.array([[unbraked(4.0), unbraked(4.5)]]),
-        "braked": arrives(1.0)[None, None],
+        "braked": alone(1.0),
         "carried_braked": carried(0.036),
         "carried_earlier": carried(0.018, EARLIER),
     }
@@ -64,12 +69,12 @@ def test_machines_that_do_what_the_paper_says_lack_nothing() -> None:
         ("unbraked joint swings on", {"unbraked": np.array([[unbraked(20.0)] * 2])}),
         ("unbraked joint overshoots", {"unbraked": np.array([[6.0 * unbraked(4.0)] * 2])}),
         ("earlier actuator settles too late", {"carried_earlier": carried(0.018, EARLIER, 3.0)}),
-        ("braked joint settles too late", {"braked": arrives(1.0, 2.0)[None, None]}),
+        ("braked joint settles too late", {"braked": alone(1.0, 2.0)}),
         ("limits are not as one to two", {"carried_braked": carried(0.0165)}),
         ("limits are not as one to two", {"carried_earlier": carried(0.09, EARLIER), "carried_braked": carried(0.09)}),
     ],
 )
-def test_what_a_machine_lacks_is_named(lacks: str, changes: dict[str, Floats]) -> None:
+def test_what_a_machine_lacks_is_named(lacks: str, changes: dict[str, Any]) -> None:
     found = s.axis_one(steps(**changes))
     assert found[lacks][0] > 0.05
 

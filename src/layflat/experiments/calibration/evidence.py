@@ -11,7 +11,8 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.experiments.bench import INERTIA_PER_TORQUE, Bench, maximum_torque, payload_for_inertia
 from layflat.experiments.calibration.unknowns import known_to
-from layflat.experiments.limits import AT, STEP
+from layflat.experiments.kernels import looked_at
+from layflat.experiments.limits import AT, STEP, SWING
 from layflat.experiments.open_loop import SMALL_SWEEP
 from layflat.experiments.two_axis import END, FIRST, HALF, REPEAT_TIME, SECOND
 from layflat.machine import Machine
@@ -21,6 +22,7 @@ from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.loops import heights
 from layflat.sim.ensemble.parallel import traced
+from layflat.sim.metrics import BAND
 
 COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 WATCHED = 9.5  # how long a joint is watched after its step, s
@@ -30,20 +32,39 @@ REPEATS = 3  # runs with each, with other noise
 UNBRAKED = 2  # runs of the new joint without brake
 BACK = END + REPEAT_TIME  # when the arm has come back to the middle, s
 LISTENS = 0.4  # for how long dither is looked at, s
+REST = 1.0  # a joint has settled if it stays inside for so long, s
 LOST = radians(1e3)  # error of a joint that diverged, rad
 
 
 @dataclass(frozen=True)
+class Carried:
+    """What runs with a brake's share come to, (machines, runs): `REPEATS` with each inertia, one after the other."""
+
+    ratios: Array  # inertia per torque, kg m2 per N m
+    time: Array  # until the joint stays within the band, s; infinite unless a second is left
+    swing: Array  # peak to peak over the last two seconds, rad
+    late: Array  # rms of the error over the last four seconds, rad
+
+
+def carried(error: Array, ratios: Array, cycle: float) -> Carried:
+    """Return what errors (machines, runs, records), rad, come to."""
+    machines, runs, records = error.shape
+    found = looked_at(error.reshape(-1, records), BAND, round(SWING / cycle), LOST).reshape(machines, runs, 3)
+    time = found[..., 0] * cycle
+    return Carried(ratios, np.where(time > records * cycle - REST, np.inf, time), found[..., 1], found[..., 2])
+
+
+@dataclass(frozen=True)
 class Steps:
-    """Errors after a step of a joint alone, rad, (machines, runs, records); records are a cycle (s) apart."""
+    """What joints alone do after a step; records are a cycle (s) apart."""
 
     cycle: float
-    unbraked: Array  # the new joint without brake, at the inertia of the paper's comparison
-    braked: Array  # with its brake and the paper's 2 kg: one run
-    ratios: Array  # inertia per torque with which the braked joint moves, kg m2 per N m
-    carried_braked: Array  # with its brake, `REPEATS` runs with each ratio, one after the other
-    ratios_earlier: Array  # the same of the earlier actuator, the first of them that of the comparison
-    carried_earlier: Array
+    unbraked: (
+        Array  # errors of the new joint without brake, rad, (machines, runs, records), with the comparison's inertia
+    )
+    braked: Carried  # the new joint with its brake and the paper's 2 kg: one run
+    carried_braked: Carried  # the new joint with its brake
+    carried_earlier: Carried  # the earlier actuator; the first of the inertias is that of the comparison
 
 
 @dataclass(frozen=True)
@@ -72,16 +93,17 @@ class Evidence:
         )
         new, earlier = self.bench.axis_one, self.bench.earlier
         compared = self._payloads(new, [INERTIA_PER_TORQUE] * UNBRAKED)
-        carried = np.repeat(self._payloads(new, ratios), REPEATS)
-        payloads = np.concatenate([compared, [new.arm.payload], carried])
-        brakes = np.concatenate([np.zeros(UNBRAKED), np.ones(1 + len(carried))])
+        own = np.repeat(self._payloads(new, ratios), REPEATS)
+        payloads = np.concatenate([compared, [new.arm.payload], own])
+        brakes = np.concatenate([np.zeros(UNBRAKED), np.ones(1 + len(own))])
         found = _stepped(new, values, payloads, brakes, seed, step)
         payloads = np.repeat(self._payloads(earlier, ratios_earlier), REPEATS)
         scaled = {path: self.scale * one if _is_pressure_gain(path) else one for path, one in values.items()}
         old = _stepped(earlier, scaled, payloads, np.zeros(len(payloads)), seed + 1, step)
         at = UNBRAKED + 1
-        parts = found[:, :UNBRAKED], found[:, UNBRAKED:at], ratios, found[:, at:]
-        return Steps(new.cycle, *parts, ratios_earlier, old)
+        lost = np.nan_to_num(found[:, :UNBRAKED], nan=LOST)
+        braked, both = carried(found[:, UNBRAKED:at], np.zeros(1), new.cycle), carried(found[:, at:], ratios, new.cycle)
+        return Steps(new.cycle, lost, braked, both, carried(old, ratios_earlier, new.cycle))
 
     def arm_moves(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Array:
         """Let the arm make a step of each joint in turn, either way, as in Fig. 14; then it comes back to the middle.
@@ -150,7 +172,10 @@ def _is_pressure_gain(path: str) -> bool:
 def _stepped(
     machine: Machine, values: Mapping[str, Array], payloads: Array, brakes: Array, seed: int, step: float
 ) -> Array:
-    """Errors from the step on, rad, (machines, runs, records): each machine with each payload and its brake."""
+    """Errors from the step on, rad, (machines, runs, records): each machine with each payload and its brake.
+
+    They are not numbers from where a run diverged.
+    """
     own = known_to(machine, values)
     machines, runs = len(next(iter(own.values()))), len(payloads)
     vary = {path: np.repeat(one, runs) for path, one in own.items()}
@@ -158,4 +183,4 @@ def _stepped(
     vary["seed"] = np.tile(seed + np.arange(runs, dtype=float), machines)
     scenario = Scenario(demand=[(0.0, -STEP / 2), (AT, STEP / 2)], duration=AT + WATCHED)
     angles = traced(machine, scenario, vary, ("angle",), step=step)[:, round(AT / machine.cycle) :, 0, 0]
-    return np.asarray(np.nan_to_num(angles - STEP / 2, nan=LOST).reshape(machines, runs, -1))
+    return np.asarray((angles - STEP / 2).reshape(machines, runs, -1))

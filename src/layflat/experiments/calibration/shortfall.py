@@ -8,13 +8,12 @@ from math import log, radians
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.evidence import REPEATS, Steps
+from layflat.experiments.calibration.evidence import REPEATS, REST, WATCHED, Carried, Steps
 from layflat.experiments.limits import SWING, WINDOWS
 from layflat.experiments.two_axis import END, FINAL_BAND, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
 
 CLOSE = radians(1.5)  # the unbraked joint has come to its end within this
-REST = 1.0  # a joint has settled if it stays inside for so long, s
 ARRIVES = (2.3, 6.5)  # when the unbraked joint comes to its end, s
 LEFT = 0.8  # oscillation that it may keep, peak to peak, deg
 OVERSHOOTS = 17.0  # deg
@@ -22,6 +21,7 @@ SOON = 0.45  # when the earlier actuator has settled, over when the new joint co
 PROMPT = 1.35  # when braked joints and the earlier actuator have settled, s
 TWICE, NEAR = 1.98, 0.22  # how many times as much the new joint carries, and how far off its log may be
 LEAST, MOST, MOST_BRAKED = log(1.1e-2), log(3e-2), log(8e-2)  # where the limits may lie, log of kg m2 per N m
+LITTLE = 1e-4  # values are not told apart below this, s or rad
 BEYOND = 0.3  # logs of inertia by which a limit lies outside the range looked at, for each log of the time to settle
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
 RIPPLE = 600.0  # dither in the differential pressure that a converter of 2.4 mbar a count shows beyond doubt, Pa
@@ -60,8 +60,8 @@ def axis_one(steps: Steps) -> dict[str, Array]:
     away = steps.unbraked - end
     arrives = _times(away, CLOSE, cycle)
     swing, overshoot = _swing(steps.unbraked, cycle), np.degrees(steps.unbraked.max(axis=-1))
-    earlier = _middle(_times(steps.carried_earlier[:, :REPEATS], BAND, cycle))[:, 0]
-    braked = _times(steps.braked, BAND, cycle)[:, 0]
+    earlier = _middle(_in_all(steps.carried_earlier, cycle))[:, 0]
+    braked = _in_all(steps.braked, cycle)[:, 0]
     return {
         "unbraked joint arrives too soon": 1.5 * _over(ARRIVES[0] - arrives, 0.0).mean(axis=1),
         "unbraked joint arrives too late": 0.5 * _over(arrives, ARRIVES[1]).mean(axis=1),
@@ -78,18 +78,22 @@ def _limits(steps: Steps) -> Array:
 
     A limit lies where the time to settle grows beyond what is allowed, or where an oscillation is sustained.
     """
-    new = _limits_of(steps.carried_braked, steps.ratios, steps.cycle)
-    earlier = _limits_of(steps.carried_earlier, steps.ratios_earlier, steps.cycle)
+    new, earlier = (_limits_of(one, steps.cycle) for one in (steps.carried_braked, steps.carried_earlier))
     off = _over(np.abs(new - earlier - log(TWICE)), NEAR)
     outside = _over(LEAST, earlier) + _over(earlier, MOST) + _over(new, MOST_BRAKED)
     return np.asarray(6.0 * off.mean(axis=1) + 3.0 * outside.mean(axis=1))
 
 
-def _limits_of(error: Array, ratios: Array, cycle: float) -> Array:
+def _limits_of(carried: Carried, cycle: float) -> Array:
     """Logs of the greatest inertia per torque that a joint carries, (machines, windows and without oscillation)."""
-    time, swing = _middle(_times(error, BAND, cycle)), _middle(_swing(error, cycle))
-    sustained = np.array([2.0 * np.degrees(BAND)])
-    return np.concatenate([_passes(time, np.array(WINDOWS), ratios), _passes(swing, sustained, ratios)], axis=1)
+    time, swing = _middle(_in_all(carried, cycle)), _middle(carried.swing)
+    by_time = _passes(time, np.array(WINDOWS), carried.ratios)
+    return np.concatenate([by_time, _passes(swing, np.array([2.0 * BAND]), carried.ratios)], axis=1)
+
+
+def _in_all(carried: Carried, cycle: float) -> Array:
+    """Times; in place of infinite ones the whole, and a second for each degree of rms error near the end."""
+    return np.where(np.isfinite(carried.time), carried.time, round(WATCHED / cycle) * cycle + np.degrees(carried.late))
 
 
 def _middle(found: Array) -> Array:
@@ -102,7 +106,7 @@ def _passes(values: Array, levels: Array, ratios: Array) -> Array:
 
     Outside the range it goes on with the log of the value, so that a search finds its way there.
     """
-    logs, top = np.log(ratios), np.maximum.accumulate(np.log(np.maximum(values, 1e-3)), axis=1)[:, None]
+    logs, top = np.log(ratios), np.maximum.accumulate(np.log(np.maximum(values, LITTLE)), axis=1)[:, None]
     level = np.log(levels)[:, None]
     after = np.clip((top <= level).sum(axis=2, keepdims=True), 1, len(ratios) - 1)
     low, high = (np.take_along_axis(top, place, axis=2) for place in (after - 1, after))
