@@ -27,7 +27,7 @@ from layflat.sim.metrics import BAND
 COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 WATCHED = 9.5  # how long a joint is watched after its step, s
 MOST, MOST_EARLIER = 1e-1, 4e-2  # largest inertia per torque with which a joint moves, kg m2 per N m
-COUNTS, FINE_COUNTS = (11, 8), (25, 16)  # inertias of the braked joint and of the earlier actuator, while searching too
+COUNTS, FINE_COUNTS = (8, 6), (25, 16)  # inertias of the braked joint and of the earlier actuator, while searching too
 REPEATS = 3  # runs with each, with other noise
 UNBRAKED = 2  # runs of the new joint without brake
 BACK = END + REPEAT_TIME  # when the arm has come back to the middle, s
