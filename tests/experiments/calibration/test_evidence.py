@@ -74,8 +74,8 @@ def test_what_a_small_motion_keeps_is_what_a_sweep_shows(evidence: e.Evidence) -
 
 def test_the_arm_moves_either_way(evidence: e.Evidence) -> None:
     angles = evidence.arm_moves({GAIN: np.array([2e-5])}, seed=1)
-    assert angles.shape[:2] == (1, 2)
-    assert angles[0, :, 0] == pytest.approx(np.full((2, 2), -HALF), abs=1e-6)
+    assert angles.shape[:2] == (1, 2 * e.REPEATS)
+    assert angles[0, :, 0] == pytest.approx(np.full((2 * e.REPEATS, 2), -HALF), abs=1e-6)
 
 
 def test_dither_shows_in_the_pressure_as_the_papers_experiment_finds_it(evidence: e.Evidence) -> None:

@@ -108,9 +108,12 @@ class Evidence:
     def arm_moves(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Array:
         """Let the arm make a step of each joint in turn, either way, as in Fig. 14; then it comes back to the middle.
 
-        Returns angles, rad, (machines, ways, records, joints), the second way with the opposite sign.
+        Returns angles, rad, (machines, ways, records, joints): half of the ways one way with other noise each, half the
+        other way, with the opposite sign.
         """
-        ways = []
+        ways, machines, step = [], len(next(iter(values.values()))), STEP_FINE if fine else COARSE
+        noise = np.tile(seed + np.arange(REPEATS, dtype=float), machines)
+        vary = {path: np.repeat(one, REPEATS) for path, one in values.items()} | {"seed": noise}
         for half in (HALF, -HALF):
             demand: list[tuple[str | float, Any]] = [
                 (0.0, (-half, -half)),
@@ -118,17 +121,10 @@ class Evidence:
                 (SECOND, (half, half)),
                 (END, (0.0, 0.0)),
             ]
-            count = len(next(iter(values.values())))
-            vary = dict(values) | {"seed": np.full(count, float(seed))}
-            angles = traced(
-                self.bench.arm,
-                Scenario(demand=demand, duration=BACK),
-                vary,
-                ("angle",),
-                step=STEP_FINE if fine else COARSE,
-            )[..., 0]
-            ways.append(np.sign(half) * np.nan_to_num(angles, nan=LOST))
-        return np.stack(ways, axis=1)
+            angles = traced(self.bench.arm, Scenario(demand=demand, duration=BACK), vary, ("angle",), step=step)[..., 0]
+            found = np.sign(half) * np.nan_to_num(angles, nan=LOST)
+            ways.append(found.reshape(machines, REPEATS, *found.shape[1:]))
+        return np.concatenate(ways, axis=1)
 
     def ripple(self, machine: Machine, values: Mapping[str, Array]) -> Array:
         """Return the amplitude of dither in the differential pressure of a machine at rest, Pa, (machines, joints)."""

@@ -15,7 +15,7 @@ from layflat.sim.metrics import BAND
 
 CLOSE = radians(1.5)  # the unbraked joint has come to its end within this
 ARRIVES = (2.3, 6.5)  # when the unbraked joint comes to its end, s
-LEFT = 0.8  # oscillation that it may keep, peak to peak, deg
+LEFT = 0.9  # oscillation that it may keep, peak to peak, deg
 OVERSHOOTS = 17.0  # deg
 SOON = 0.45  # when the earlier actuator has settled, over when the new joint comes to its end
 PROMPT = 1.35  # when braked joints and the earlier actuator have settled, s
@@ -25,7 +25,7 @@ LITTLE = 1e-4  # values are not told apart below this, s or rad
 BEYOND = 0.3  # logs of inertia by which a limit lies outside the range looked at, for each log of the time to settle
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
 RIPPLE = 600.0  # dither in the differential pressure that a converter of 2.4 mbar a count shows beyond doubt, Pa
-RESTS, APART = 0.2, 0.12  # over which the arm is at rest, s, and how far apart it may be from either side, deg
+RESTS, APART = 0.2, 0.12  # over which the arm is at rest, s, and how far apart that may be, deg
 STEADY = 1.3  # until when the arm has settled, s
 
 
@@ -128,8 +128,10 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
             demand.append(_times(error, 0.7 * BAND, cycle))
             final.append(_times(own, 0.8 * FINAL_BAND, cycle))
         pushed.append(np.abs(part - part[:, :, :1]).max(axis=2))
-    # Both ways end in the middle, from either side; the second has the opposite sign.
-    apart = np.degrees(np.abs(angles[:, :, -round(RESTS / cycle) :].mean(axis=2).sum(axis=1)))
+    # All ways end in the middle; those of the second half come from the other side, with the opposite sign.
+    ways = np.where(np.arange(angles.shape[1]) < angles.shape[1] // 2, 1.0, -1.0)
+    rest = ways[:, None] * np.degrees(angles[:, :, -round(RESTS / cycle) :].mean(axis=2))
+    apart = np.ptp(rest, axis=1)
     # The small joint's step pushes the large joint, and the reverse.
     large, small = np.degrees(pushed[1][..., 0]), np.degrees(pushed[0][..., 1])
     return {
