@@ -25,6 +25,7 @@ LITTLE = 1e-4  # values are not told apart below this, s or rad
 BEYOND = 0.3  # logs of inertia by which a limit lies outside the range looked at, for each log of the time to settle
 KEPT = 0.56  # share of the earlier actuator's curve that a small motion may keep
 RIPPLE = 600.0  # dither in the differential pressure that a converter of 2.4 mbar a count shows beyond doubt, Pa
+BEYOND_GOAL = 2.0  # overshoot that who tunes an arm by hand leaves, deg
 RESTS, APART = 0.2, 0.12  # over which the arm is at rest, s, and how far apart that may be, deg
 STEADY = 1.3  # until when the arm has settled, s
 
@@ -119,8 +120,8 @@ def _passes(values: Array, levels: Array, ratios: Array) -> Array:
 def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
     """Return what the findings of section 4.2 lack, (machines,), by name; angles as of `Evidence.arm_moves`."""
     moves = [(FIRST, SECOND, (HALF, -HALF)), (SECOND, END, (HALF, HALF))]
-    demand, final, pushed = [], [], []
-    for begin, until, goals in moves:
+    demand, final, pushed, beyond = [], [], [], []
+    for moved, (begin, until, goals) in enumerate(moves):
         part = angles[:, :, round(begin / cycle) : round(until / cycle)]
         tail = part[:, :, round(0.9 * part.shape[2]) :].mean(axis=2, keepdims=True)
         for joint, goal in enumerate(goals):
@@ -128,6 +129,7 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
             demand.append(_times(error, 0.7 * BAND, cycle))
             final.append(_times(own, 0.8 * FINAL_BAND, cycle))
         pushed.append(np.abs(part - part[:, :, :1]).max(axis=2))
+        beyond.append(np.degrees(part[..., moved].max(axis=2) - goals[moved]))
     # All ways end in the middle; those of the second half come from the other side, with the opposite sign.
     ways = np.where(np.arange(angles.shape[1]) < angles.shape[1] // 2, 1.0, -1.0)
     rest = ways[:, None] * np.degrees(angles[:, :, -round(RESTS / cycle) :].mean(axis=2))
@@ -137,6 +139,7 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
     return {
         "arm settles too late": _over(np.max(demand, axis=0), STEADY).mean(axis=1),
         "arm does not come to rest": _over(np.max(final, axis=0), STEADY).mean(axis=1),
+        "arm overshoots": 0.1 * _over(np.max(beyond, axis=0), BEYOND_GOAL).mean(axis=1),
         "arm does not come back": 5.0 * _over(apart, APART).mean(axis=1),
         "large joint is pushed": 2.0 * _over(large / np.maximum(small, 1e-9), 0.3).mean(axis=1),
     }
