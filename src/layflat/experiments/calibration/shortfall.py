@@ -137,8 +137,8 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
     # The small joint's step pushes the large joint, and the reverse.
     large, small = np.degrees(pushed[1][..., 0]), np.degrees(pushed[0][..., 1])
     return {
-        "arm settles too late": _over(np.max(demand, axis=0), STEADY).mean(axis=1),
-        "arm does not come to rest": _over(np.max(final, axis=0), STEADY).mean(axis=1),
+        "arm settles too late": _over(np.max(demand, axis=0), STEADY).max(axis=1),
+        "arm does not come to rest": _over(np.max(final, axis=0), STEADY).max(axis=1),
         "arm overshoots": 0.1 * _over(np.max(beyond, axis=0), BEYOND_GOAL).mean(axis=1),
         "arm does not come back": 5.0 * _over(apart, APART).mean(axis=1),
         "large joint is pushed": 2.0 * _over(large / np.maximum(small, 1e-9), 0.3).mean(axis=1),
