@@ -46,7 +46,7 @@ def examples(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for block in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
         (folder / block.split("\n")[0].removeprefix("# ")).write_text(block, encoding="utf-8")
     for name, part in DESCRIBED.items():
-        head = f'extends = "paper-small-joint"\nname = "{name}"\nkinds = ["{name}.py"]'
+        head = f'extends = "paper-small-joint-fast"\nname = "{name}"\nkinds = ["{name}.py"]'
         (folder / f"{name}.toml").write_text(f"{head}\n\n{part}\n", encoding="utf-8")
     return folder
 
@@ -163,7 +163,7 @@ def test_viscous_losses_vanish_when_slow_and_a_spring_draws_back(examples: Path)
 def test_a_brake_that_fades_only_takes_energy(examples: Path) -> None:
     run = rollout(load(examples / "fading.toml"), scenario=MOVE)
     assert np.all(np.diff(run["brake_heat"], axis=0) >= -1e-12)
-    assert not np.array_equal(run["angle"], rollout(load("paper-small-joint"), scenario=MOVE)["angle"])
+    assert not np.array_equal(run["angle"], rollout(load("paper-small-joint-fast"), scenario=MOVE)["angle"])
 
 
 def test_other_processes_find_a_machines_kinds(examples: Path) -> None:
@@ -228,14 +228,14 @@ def test_files_of_kinds_that_can_not_be_run(examples: Path) -> None:
         ('"relay.py"', "is not a list of files"),
         ('["relay.toml"]', "is not a Python file"),
     ):
-        place.write_text(f'extends = "paper-small-joint"\nname = "bad"\nkinds = {named}\n', encoding="utf-8")
+        place.write_text(f'extends = "paper-small-joint-fast"\nname = "bad"\nkinds = {named}\n', encoding="utf-8")
         with pytest.raises(LayflatError, match=said):
             load(place)
 
 
 def test_an_unknown_kind_names_the_known_ones_and_the_nearest(examples: Path) -> None:
     place = examples / "unknown.toml"
-    text = 'extends = "paper-small-joint"\nname = "unknown"\n[controller]\nkind = "papper"\n'
+    text = 'extends = "paper-small-joint-fast"\nname = "unknown"\n[controller]\nkind = "papper"\n'
     place.write_text(text, encoding="utf-8")
     with pytest.raises(LayflatError, match=r'controller\.kind: .papper. .*did you mean "paper"'):
         load(place)

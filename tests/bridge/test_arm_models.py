@@ -13,7 +13,7 @@ from layflat.physics.arms.planar import OneLink, one_link_mass, two_link_gravity
 
 mujoco: Any = pytest.importorskip("mujoco")
 
-ARM, SMALL = load("paper-arm"), load("paper-small-joint")
+ARM, SMALL = load("paper-arm-fast"), load("paper-small-joint-fast")
 TILTED = changed(changed(ARM, "arm.gravity", 4.0), "arm.gravity_direction", radians(-70.0))
 POSTURE = (0.3, -0.7)
 

@@ -24,7 +24,7 @@ from layflat.sim.plant import SteppedPlant
 mujoco: Any = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.compiled
 
-ARM = load("paper-arm")
+ARM = load("paper-arm-fast")
 AMBIENT = ARM.supply.ambient_pressure
 EMPTY, FULL = (AMBIENT, AMBIENT), (3e5, 3e5)
 CYCLE = 0.005

@@ -15,11 +15,11 @@ from layflat.sim.plant import SteppedPlant
 mujoco: Any = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.compiled
 
-ARM, SMALL = load("paper-arm"), load("paper-small-joint")
+ARM, SMALL = load("paper-arm-fast"), load("paper-small-joint-fast")
 
 
 def machine_with(friction: dict[str, Any]) -> Machine:
-    plain, sources = tables("paper-arm")
+    plain, sources = tables("paper-arm-fast")
     for joint in plain["joint"].values():
         joint["friction"] = friction
     return build(plain, sources, "rubbing-arm")
@@ -260,7 +260,7 @@ def test_the_wall_is_felt_without_islands_too() -> None:
     [
         ({"elbow": "small"}, "joints: 'elbow' is not a hinge of the model; hinges are a, b, c"),
         ({"slide": "small"}, "joints: 'slide' is not a hinge of the model; hinges are a, b, c"),
-        ({"a": "large"}, "joints: 'large' is not a joint of paper-small-joint; joints are small"),
+        ({"a": "large"}, "joints: 'large' is not a joint of paper-small-joint-fast; joints are small"),
         (None, "joints: 'small' is not a hinge of the model; hinges are a, b, c"),
     ],
 )

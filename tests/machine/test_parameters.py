@@ -11,7 +11,7 @@ from layflat.machine import changed, load, parameters
 from layflat.physics.arms.planar import LevelTwoLink, OneLink, TwoLink
 from layflat.physics.hose import Stroke, roller_torque
 
-ARM = load("paper-arm")
+ARM = load("paper-arm-fast")
 
 
 def test_a_roller_follows_equation_1_closely() -> None:
@@ -109,7 +109,7 @@ def test_angles_outside_the_stroke() -> None:
         parameters.check_inside_stroke(ARM, "large", float("nan"), "x")
 
 
-@pytest.mark.parametrize("name", ["rig-polyester", "paper-small-joint"])
+@pytest.mark.parametrize("name", ["rig-polyester", "paper-small-joint-fast"])
 def test_a_torque_factor_that_differs_from_run_to_run(name: str) -> None:
     factors = np.array([0.8, 1.0, 1.3])
     many = changed(load(name), "joint.small.hose.torque_factor", factors)

@@ -19,7 +19,7 @@ from layflat.sim.ensemble import ensemble
 LINE = 'length = "1 m"\nbore = "4 mm"'
 
 
-def made(folder: Path, text: str, base: str = "paper-arm") -> Machine:
+def made(folder: Path, text: str, base: str = "paper-arm-fast") -> Machine:
     file = folder / "mine.toml"
     file.write_text(f'extends = "{base}"\nname = "mine"\n{text}\n', encoding="utf-8")
     return load(file)
@@ -36,14 +36,14 @@ def test_the_pages_example_is_a_description(tmp_path: Path) -> None:
 
 
 def test_without_a_word_there_is_none() -> None:
-    arm = load("paper-arm")
+    arm = load("paper-arm-fast")
     assert all(joint.hose_a.line == joint.hose_b.line == NoLine() for joint in parameters.joints(arm))
     assert parameters.air_parts(arm, "small").line_conductance == inf
     assert counted_twice(arm) == []
 
 
 def test_a_tube_has_volume_resistance_and_delay(tmp_path: Path) -> None:
-    plain, machine = load("paper-arm"), made(tmp_path, f"[line]\n{LINE}")
+    plain, machine = load("paper-arm-fast"), made(tmp_path, f"[line]\n{LINE}")
     for before, joint in zip(parameters.joints(plain), parameters.joints(machine), strict=True):
         line = joint.hose_a.line
         assert joint.hose_b.line == line
@@ -102,8 +102,8 @@ def test_a_line_can_be_fitted_where_there_is_one(tmp_path: Path) -> None:
     own = made(tmp_path, f"[line]\n{LINE}\n[joint.small.line]\n{LINE}")
     paths = [one.path for one in unknowns(own, ["line"])]
     assert paths == ["line.length", "line.bore", "joint.small.line.length", "joint.small.line.bore"]
-    with pytest.raises(InputError, match=r"paper-arm: has no line; describe its \[line\]"):
-        unknowns(load("paper-arm"), ["line"])
+    with pytest.raises(InputError, match=r"paper-arm-fast: has no line; describe its \[line\]"):
+        unknowns(load("paper-arm-fast"), ["line"])
 
 
 MOVES = Scenario(demand=[("0 s", ("-10 deg", "0 deg")), ("0.2 s", ("20 deg", "15 deg"))], duration="0.8 s")
@@ -145,4 +145,4 @@ def test_the_watch_over_the_air_knows_the_tube(tmp_path: Path) -> None:
     assert np.ptp(run["angle"].sel(joint="small").values) > radians(10.0)
     knowing = parameters.air_parts(machine, "small")
     assert most_amiss(run, machine, knowing) < machine.safety.air_residual
-    assert most_amiss(run, machine, parameters.air_parts(load("paper-arm"), "small")) > machine.safety.air_residual
+    assert most_amiss(run, machine, parameters.air_parts(load("paper-arm-fast"), "small")) > machine.safety.air_residual

@@ -26,7 +26,7 @@ LIMITS = joint.Limits(
     SPEED,
     1.2,
     doubt.Limits(6e-4, 1.0, 0.25, 0.0125),
-    angle_frozen.Limits(6e-4, 1e5, 0.0375, 0.09),
+    angle_frozen.patient(1e5, 0.01, 6e-4, 0.0375, 0.09),
     valve_unresponsive.Limits(1000.0, 0.17),
     pressure_frozen.Limits(0.09, 0.0375),
     following.Limits(0.6, 0.1, 1.0, 0.09),

@@ -15,7 +15,7 @@ from layflat.sim.kernel import Signals
 from layflat.sim.plant import SteppedPlant
 from layflat.sim.run import prepare
 
-SMALL, ARM = load("paper-small-joint"), load("paper-arm")
+SMALL, ARM = load("paper-small-joint-fast"), load("paper-arm-fast")
 AMBIENT = SMALL.supply.ambient_pressure
 EMPTY, FULL = (AMBIENT, AMBIENT), (3e5, 3e5)
 CYCLE = 0.005

@@ -11,7 +11,7 @@ from layflat.cell.reach import Reach
 from layflat.machine import load
 
 CYCLE = 0.005
-REACH = Reach(load("paper-arm"))
+REACH = Reach(load("paper-arm-fast"))
 
 
 def _tip(angles: tuple[float, ...]) -> tuple[float, float]:

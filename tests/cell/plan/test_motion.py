@@ -13,7 +13,7 @@ from layflat.machine import Machine, changed, load, parameters
 from layflat.rig.safety.demands import Demand, Gate, followed, margin
 from layflat.sim import rollout
 
-ARM = load("paper-arm")
+ARM = load("paper-arm-fast")
 CYCLE = 0.005
 DEGREES = st.tuples(st.floats(-58, 58), st.floats(-58, 58)).map(np.radians)
 
@@ -111,11 +111,11 @@ def test_the_papers_arm_follows_and_swings_less_than_after_a_step(ends: tuple[tu
     assert (way * path).max() < (way * step).max()
 
 
-@pytest.mark.parametrize("name", ["paper-small-joint", "paper-large-joint"])
+@pytest.mark.parametrize("name", ["paper-small-joint-fast", "paper-large-joint"])
 def test_limits_are_about_what_a_joint_does_with_its_valve_fully_open(name: str) -> None:
     machine = load(name)
     limits = arm_limits(machine, np.array([-0.7]), np.array([0.7]))
-    run = rollout(machine, opening=1.0, start="-40 deg", duration="0.5 s", noise=False, records=5)
+    run = rollout(machine, opening=1.0, start="-40 deg", duration="1.5 s", noise=False, records=5)
     before_stops = run.sel(joint=machine.arm.joints[0], time=run.time < float(run.time[_first_at(run, 40.0)]))
     time, v = before_stops["time"].to_numpy(), before_stops["velocity"].to_numpy()
     # For a moment the hose that is emptied gives way to being squeezed.
@@ -136,7 +136,7 @@ def _first_at(run: object, degrees: float) -> int:
 
 
 def test_an_arm_that_can_not_hold_itself_is_refused() -> None:
-    hanging = changed(changed(load("paper-small-joint"), "arm.gravity", 9.81), "arm.payload", 20.0)
+    hanging = changed(changed(load("paper-small-joint-fast"), "arm.gravity", 9.81), "arm.payload", 20.0)
     with pytest.raises(MachineError, match=r"can't hold 20 kg"):
         arm_limits(hanging, np.zeros(1), np.array([0.5]))
 

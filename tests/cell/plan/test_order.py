@@ -11,7 +11,7 @@ from layflat.cell.plan.order import cup_room, lift_room, next_pick
 from layflat.cell.reach import Angles, Reach
 from layflat.machine import load
 
-REACH = Reach(load("paper-arm"))
+REACH = Reach(load("paper-arm-fast"))
 PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3)))
 CUP = 0.012  # radius, m
 HOME = (0.0, 0.0)

@@ -6,7 +6,7 @@ from layflat.machine import load
 
 
 def test_the_papers_arm_places_fruit_within_its_tolerance() -> None:
-    bench = Bench(load("paper-arm"), np.zeros(2))
+    bench = Bench(load("paper-arm-fast"), np.zeros(2))
     tasks = [
         Task((0.5, 0.2), (-0.3, -0.3), 0.06, 0.055, 0.05, 0.15, 0.15),
         Task((0.4, -0.4), (-0.4, 0.3), 0.06, 0.055, 0.05, 0.15, 0.15),

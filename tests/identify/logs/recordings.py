@@ -19,12 +19,12 @@ MOVES = [("0 s", "0 deg"), ("0.4 s", "35 deg"), ("1.4 s", "-40 deg"), ("2.2 s", 
 
 
 @cache
-def run(machine: str = "paper-small-joint", **changes: Any) -> xarray.Dataset:
+def run(machine: str = "paper-small-joint-fast", **changes: Any) -> xarray.Dataset:
     """A run with moves that excite a joint."""
     return rollout(machine, MOVES, duration="3 s", **changes)
 
 
-def recorded(machine: str = "paper-small-joint", joint: str = "small", **changes: Any) -> dict[str, Array]:
+def recorded(machine: str = "paper-small-joint-fast", joint: str = "small", **changes: Any) -> dict[str, Array]:
     """Columns as a rig's data logger writes them: ms, deg, bar gauge, V."""
     simulated = run(machine, **changes).sel(joint=joint)
     ambient = 101325.0

@@ -14,7 +14,7 @@ from layflat.identify.logs.issue import Issue
 from layflat.identify.logs.mapping import mapping_of
 from layflat.machine import load
 
-SMALL = load("paper-small-joint")
+SMALL = load("paper-small-joint-fast")
 Change = Callable[[Array], Array]
 
 
@@ -33,8 +33,8 @@ def test_a_good_log_passes_without_a_word(tmp_path: Path, changes: dict[str, Any
 def test_a_simulated_run_passes(tmp_path: Path) -> None:
     assert check(read_log(save(run(), tmp_path / "run.nc")), SMALL) == []
     assert [f for f in check(run(), SMALL) if f.severity == "error"] == []
-    arm = run("paper-arm")
-    assert check(read_log(save(arm, tmp_path / "arm.nc")), load("paper-arm")) == []
+    arm = run("paper-arm-fast")
+    assert check(read_log(save(arm, tmp_path / "arm.nc")), load("paper-arm-fast")) == []
 
 
 def scaled(factor: float) -> Change:
@@ -202,7 +202,7 @@ def test_missing_samples(tmp_path: Path) -> None:
 def test_missing_channels_and_joints(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "rig.csv", recorded())
     log = read_log(path, mapping("theta", "valve", "ref"), joints=["large", "small"])
-    issues = check(log, load("paper-arm"))
+    issues = check(log, load("paper-arm-fast"))
     assert told(issues, "warning", "large").startswith("has no channel in this log")
     assert "has no angle; map its angle" in told(issues, "warning", "small")
     assert "has no command; map voltage" in told(issues, "warning", "small")
@@ -246,4 +246,4 @@ def test_a_log_of_one_joint_is_checked_beside_others(tmp_path: Path) -> None:
         {"from": "ref", "signal": "demand", "joint": "large", "unit": "deg"},
     ]})  # fmt: skip
     log = read_log(write_csv(tmp_path / "x.csv", columns), plan, joints=["large", "small"])
-    assert not [f for f in check(log, load("paper-arm")) if f.severity == "error"]
+    assert not [f for f in check(log, load("paper-arm-fast")) if f.severity == "error"]

@@ -39,7 +39,7 @@ def test_a_guess_from_units_in_headers_reads_as_the_right_mapping_would(tmp_path
     log = read_log(path, read_mapping(write_mapping(guess.mapping, tmp_path / "m.toml", guess.notes)), joints=["small"])
     for name in right.data_vars:
         assert log[name].values == pytest.approx(right[name].values, rel=1e-12), name
-    assert not check(log, load("paper-small-joint"))
+    assert not check(log, load("paper-small-joint-fast"))
     assert "its name says nothing that is known here" in guess.notes["comment"]
     assert guess.notes["theta_deg"] == "angle by its name; unit as in the header"
 

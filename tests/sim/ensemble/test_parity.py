@@ -16,7 +16,7 @@ from layflat.sim.ensemble.parallel import BLOCK
 from layflat.sim.metrics import air_used, moves_of, peak_tip_acceleration, tip_settling
 from layflat.sim.sweep import sweep
 
-ARM = load("paper-arm")
+ARM = load("paper-arm-fast")
 MOVES = Scenario(demand=[(0.0, (-0.3, -0.3)), (0.2, (0.3, -0.3)), (0.9, (0.3, 0.3))], duration="1.5 s")
 
 
@@ -86,9 +86,9 @@ def test_valves_that_switch() -> None:
         assert_same(run, many.isel(run=i))
 
 
-@pytest.mark.parametrize("name", ["paper-small-joint", "earlier-actuator"])
+@pytest.mark.parametrize("name", ["paper-small-joint-fast", "earlier-actuator"])
 def test_joints_alone(name: str) -> None:
-    machine = load("paper-small-joint") if name == "paper-small-joint" else with_gains(load(name))
+    machine = load("paper-small-joint-fast") if name == "paper-small-joint-fast" else with_gains(load(name))
     case = Scenario(demand=[(0.0, -0.3), (0.2, 0.3)], duration="1 s")
     many = ensemble(machine, case, {"arm.payload": [0.5, 1.5]})
     assert_same(rollout(changed(machine, "arm.payload", 1.5), scenario=case), many.isel(run=1))
@@ -109,7 +109,7 @@ def test_a_scenario_s_supply_has_filled_the_hoses() -> None:
 
 
 def test_one_joint_starts_at_its_own_pressure() -> None:
-    machine = load("paper-small-joint")
+    machine = load("paper-small-joint-fast")
     case = Scenario(demand=[(0.0, -0.3), (0.2, 0.3)], duration="1 s")
     many = ensemble(machine, case, {"supply.pressure_gauge": [4e5, 3.5e5, 3e5]})
     for i, gauge in enumerate([4e5, 3.5e5, 3e5]):

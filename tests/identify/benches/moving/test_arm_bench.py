@@ -18,7 +18,7 @@ from layflat.machine.parameters import arm
 from layflat.physics.arms.planar import OneLink
 from layflat.sim import rollout
 
-SMALL, ARM = load("paper-small-joint"), load("paper-arm")
+SMALL, ARM = load("paper-small-joint-fast"), load("paper-arm-fast")
 TRUTH = {
     "valve.conductance": 2.3e-8,
     "valve.overlap": 0.04,
@@ -156,7 +156,7 @@ def test_gaps_in_what_was_measured_do_no_harm() -> None:
 
 
 def test_every_block_has_a_range_around_the_description_in_every_machine() -> None:
-    for name in ("paper-arm", "paper-small-joint", "paper-arm-switching"):
+    for name in ("paper-arm-fast", "paper-small-joint-fast", "paper-arm-switching"):
         machine = load(name)
         for unknown in unknowns(machine, [block for block in BLOCKS if block != "line"]):
             assert unknown.low <= unknown.guess <= unknown.high, unknown.path

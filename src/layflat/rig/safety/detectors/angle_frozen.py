@@ -14,8 +14,11 @@ BRISK = 5.5  # counts from one sample to the next after which no joint stands st
 # without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour.
 BEYOND = 1.9
 DRIVEN = 0.09  # error of a joint that is driven, rad; by less friction may hold it
-ASLEEP = 0.29  # a driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s
-HELD = 0.6  # the same by more than noise, which may go to and fro by a count, s
+# A driven joint moves by a count within this time (s): sound ones, shaken by another, took 0.2 s, and with a small
+# valve twice as long as this takes, fully open, to build up what friction holds. By more than noise, which may go to
+# and fro by a count, it moves in twice the time.
+ASLEEP, SHAKEN, BUILDS = 0.29, 0.2, 2.0
+HELD = 0.6
 
 
 class Limits(NamedTuple):
@@ -25,6 +28,14 @@ class Limits(NamedTuple):
     friction_band: float  # change of the differential pressure that friction of brake, hose and strap can hide, Pa
     sure: float  # time of the same sample after which a sensor that does not fit the valve is frozen, s
     patience: float  # the same of one that bears too much, s
+    asleep: float  # time within which a driven joint moves by a count, s
+    held: float  # the same by more than noise, s
+
+
+def patient(friction_band: float, builds: float, lsb: float, sure: float, patience: float) -> Limits:
+    """Limits of a joint whose valve, fully open, builds up the friction band within so many seconds."""
+    asleep = max(ASLEEP, SHAKEN + BUILDS * builds)
+    return Limits(lsb, friction_band, sure, patience, asleep, max(HELD, 2.0 * asleep))
 
 
 class Memory(NamedTuple):
@@ -65,8 +76,8 @@ def find(limits, memory, doubts, before, now, sample):
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))
-        or asleep >= ASLEEP
-        or held >= HELD
+        or asleep >= limits.asleep
+        or held >= limits.held
         or (now.same_angle >= limits.patience and borne > BEYOND * limits.friction_band)
     )
     return after, FAULT if frozen else 0
