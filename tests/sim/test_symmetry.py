@@ -14,7 +14,7 @@ from layflat.sim import rollout
 
 pytestmark = pytest.mark.compiled
 
-MACHINES = ("paper-small-joint", "paper-arm")
+MACHINES = ("paper-small-joint-fast", "paper-arm-fast")
 
 
 def calm(name: str) -> Machine:

@@ -68,7 +68,7 @@ def anneal(costs: Costs, count: int, *, machines: int, seed: int, coldest: float
         seed: of all draws and of the noise.
         coldest: temperature.
     """
-    emcee = module("tune", "emcee", where="calibration")
+    emcee = module("calibrate", "emcee", where="calibration")
     rng, target = np.random.default_rng(seed), _Target(costs, seed)
     moves = [(emcee.moves.DEMove(), 1.0 - SNOOKER), (emcee.moves.DESnookerMove(), SNOOKER)]
     sampler = emcee.EnsembleSampler(machines, count, target.of, moves=moves, vectorize=True, blobs_dtype=float)

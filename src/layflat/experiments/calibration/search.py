@@ -119,7 +119,7 @@ def _best_first(population: Population) -> list[Array]:
 
 
 def _strategy(first: Array, rng: np.random.Generator) -> Any:
-    cma = module("tune", "cma", where="calibration")
+    cma = module("calibrate", "cma", where="calibration")
     options = {"seed": int(rng.integers(1, 2**31)), "popsize": CANDIDATES, "bounds": [0.0, 1.0], "verbose": -9}
     return cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), WIDTH, options)
 
