@@ -26,7 +26,7 @@ pytestmark = pytest.mark.realtime
 LAYFLAT = [sys.executable, "-c", "from layflat.cli import main; main()"]
 
 PATIENT = """
-extends = "paper-arm"
+extends = "paper-arm-fast"
 name = "arm"
 [interface]
 watchdog_cycles = 40

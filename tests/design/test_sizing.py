@@ -92,7 +92,7 @@ def test_every_written_value_says_where_it_comes_from() -> None:
 
 def test_the_models_joint_scales_to_itself() -> None:
     """Asked for what the paper's small joint gives, the rest stays near the paper's."""
-    base = load("paper-small-joint")
+    base = load("paper-small-joint-fast")
     sized = size_joint(SMALL).machine
     old, new = base.joint["small"], sized.joint["small"]
     assert new.hose.dead_volume == pytest.approx(old.hose.dead_volume, rel=0.05)
@@ -120,7 +120,7 @@ def test_what_is_given_is_kept() -> None:
 
 def gains_of(request: SizingRequest) -> tuple[PaperGainsPart, PaperGainsPart]:
     """Gains of the model, and of what is sized."""
-    model, own = load("paper-small-joint").joint["small"].gains, size_joint(request).design.joint.gains
+    model, own = load("paper-small-joint-fast").joint["small"].gains, size_joint(request).design.joint.gains
     assert model is not None
     assert own is not None
     return model, own

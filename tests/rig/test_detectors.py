@@ -26,8 +26,8 @@ LIMITS = joint.Limits(
     SPEED,
     1.2,
     doubt.Limits(6e-4, 1.0, 0.25, 0.0125),
-    angle_frozen.patient(1e5, 0.01, 6e-4, 0.0375, 0.09),
-    valve_unresponsive.Limits(1000.0, 0.17),
+    angle_frozen.Limits(6e-4, 1e5, CYCLE, 0.0375, 0.09),
+    valve_unresponsive.Limits(1000.0, 0.17, 2.4e5, 0.8),
     pressure_frozen.Limits(0.09, 0.0375),
     following.Limits(0.6, 0.1, 1.0, 0.09),
 )
@@ -36,7 +36,7 @@ SWING = (2000.0, 0.0, -2000.0, 0.0)
 
 def follow(
     samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
-    residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
+    opening: float = 0.5, residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
 ) -> tuple[joint.Memory, list[Fault]]:  # fmt: skip
     """Memory after a signal, and the worst fault in each cycle."""
     memory, found = joint.FRESH, []
@@ -44,7 +44,7 @@ def follow(
         x = angle[k % len(angle)]
         p = pressure[k % len(pressure)] if pressure else SWING[k % 4] + 0.3 * k
         wanted = x if demand is None else demand
-        sample = Sample(x, p, averaged * k, others * k, 0.0, residual, wanted, 0.0, CYCLE, level, 1.0)
+        sample = Sample(x, p, averaged * k, others * k, 0.0, opening, residual, wanted, 0.0, CYCLE, level, 1.0)
         memory, fault = joint.find(LIMITS, memory, sample)
         found.append(Fault(fault))
     return memory, found
@@ -126,6 +126,8 @@ def test_a_driven_joint_that_stays_where_it_is_but_for_noise_is_blocked() -> Non
     assert found[first] == Fault.ANGLE_FROZEN
     assert first * CYCLE == pytest.approx(0.6, abs=0.02)
     assert not any(follow(200, noise, demand=0.05)[1])
+    assert not any(follow(200, noise, demand=0.15, opening=0.01)[1]), "friction may hold one whose valve is centred"
+    assert any(follow(200, noise, demand=0.25, opening=0.01)[1])
 
 
 def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:

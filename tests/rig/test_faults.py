@@ -12,7 +12,7 @@ from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import CENTRED
 from layflat.rig.safety.states import State, ValveMode
 
-ARM = load("paper-arm")
+ARM = load("paper-arm-fast")
 VENT = 10.0
 CENTRE = 5.0
 

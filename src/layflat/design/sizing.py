@@ -24,7 +24,7 @@ from layflat.machine import Joint, Machine, load
 from layflat.machine.loader import build, tables
 from layflat.machine.mass import part_masses
 
-MODEL = "paper-small-joint"  # the machine that a sized joint is laid over
+MODEL = "paper-small-joint-fast"  # the machine that a sized joint is laid over: its valve leaves room to move
 WIDER = 4  # how many hoses beyond the narrowest are tried before the strap is called too weak
 LARGEST_ROLLER = 0.8  # roller radius over the cylinder's beyond which a cam doesn't fit
 # Shaft offset over cylinder radius: the first at which the strap clears the cylinder's free edge is taken.

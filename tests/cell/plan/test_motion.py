@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from layflat.cell.plan.limits import MotionLimits, arm_limits
 from layflat.cell.plan.motion import LEAD, Path, move_arm, tip_peaks, travel
+from layflat.description.change import changed_all
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.rig.safety.demands import Demand, Gate, followed, margin
@@ -111,9 +112,13 @@ def test_the_papers_arm_follows_and_swings_less_than_after_a_step(ends: tuple[tu
     assert (way * path).max() < (way * step).max()
 
 
-@pytest.mark.parametrize("name", ["paper-small-joint-fast", "paper-large-joint"])
-def test_limits_are_about_what_a_joint_does_with_its_valve_fully_open(name: str) -> None:
-    machine = load(name)
+QUICK = {"valve.conductance": "2 dm^3/(s bar)", "joint.large.valve_size": 1.5, "joint.large.hose.dead_volume": "0.1 l"}
+
+
+@pytest.mark.parametrize(
+    "machine", [load("paper-small-joint-fast"), changed_all(load("paper-large-joint"), QUICK)], ids=["small", "large"]
+)
+def test_limits_are_about_what_a_joint_does_with_its_valve_fully_open(machine: Machine) -> None:
     limits = arm_limits(machine, np.array([-0.7]), np.array([0.7]))
     run = rollout(machine, opening=1.0, start="-40 deg", duration="1.5 s", noise=False, records=5)
     before_stops = run.sel(joint=machine.arm.joints[0], time=run.time < float(run.time[_first_at(run, 40.0)]))
@@ -129,6 +134,13 @@ def test_limits_are_about_what_a_joint_does_with_its_valve_fully_open(name: str)
     torque = K * machine.supply.pressure_gauge - machine.joint[machine.arm.joints[0]].brake.torque
     planned = limits.jerk[0] / limits.acceleration[0] * torque / K
     assert 0.9 * planned < rate < 1.5 * planned  # air is warmed by what comes in: up to 1.4 times as fast
+
+
+def test_a_larger_valve_turns_its_joint_faster() -> None:
+    machine = load("paper-large-joint")
+    ends = np.array([-0.7]), np.array([0.7])
+    twice = changed(machine, "joint.large.valve_size", 2.0 * machine.joint["large"].valve_size)
+    assert arm_limits(twice, *ends).speed[0] == pytest.approx(2.0 * arm_limits(machine, *ends).speed[0])
 
 
 def _first_at(run: object, degrees: float) -> int:

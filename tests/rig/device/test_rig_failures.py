@@ -15,7 +15,7 @@ from layflat.rig.driver import Command, DeviceState, LinkError, Reading
 from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.sim.plant import SteppedPlant
 
-ARM = load("paper-arm")
+ARM = load("paper-arm-fast")
 JOINT = 1
 
 

@@ -18,7 +18,7 @@ from layflat.sim.plant import SteppedPlant
 
 Array = NDArray[np.float64]
 
-SMALL, ARM = load("paper-small-joint"), load("paper-arm")
+SMALL, ARM = load("paper-small-joint-fast"), load("paper-arm-fast")
 AMBIENT, FULL = ARM.supply.ambient_pressure, ARM.supply.pressure
 MS = SECOND // 1000
 CENTRE, OPEN = [5.0], [10.0]

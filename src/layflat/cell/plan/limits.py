@@ -79,7 +79,7 @@ def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
     volume = joint.hose.dead_volume + parameters.travel_volume(joint) / 2
     b, supply, outside = valve.critical_ratio, machine.supply.pressure, machine.supply.ambient_pressure
     slope, held = float(laminar_slope(b)), FILLED * supply
-    volume, conductance = _with_line(machine.lines[name], volume, valve.conductance)
+    volume, conductance = _with_line(machine.lines[name], volume, joint.valve_size * valve.conductance)
     through = conductance * REFERENCE_PRESSURE
     filling = through * float(effective_pressure(supply, held, b, slope)) / volume
     venting = through * float(effective_pressure(held, outside, b, slope)) / volume

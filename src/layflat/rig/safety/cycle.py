@@ -103,11 +103,16 @@ IN_MEMORY, IN_INPUTS, IN_GIVEN = places(MEMORY), places(INPUTS), places(JOINT)
 
 
 @law
-def _air(rig, settings, memory, came, supply_pressure, elapsed):
+def _opening(rig, memory):
+    """Opening that the valve was last asked for."""
+    return (memory.voltage - (memory.neutral + rig.centre)) * rig.per_volt
+
+
+@law
+def _air(rig, settings, memory, came, opening, supply_pressure, elapsed):
     """What is known of the air after this cycle; where something is not a number, what was before."""
     if not (isfinite(came.angle) and isfinite(came.pressure) and isfinite(supply_pressure)):
         return memory.air
-    opening = (memory.voltage - (memory.neutral + rig.centre)) * rig.per_volt
     return follow_air(
         settings.air, memory.air, opening, came.angle, came.pressure, supply_pressure, rig.ambient, elapsed
     )
@@ -160,10 +165,11 @@ def judge(rig_numbers, settings, inputs, given, memory):
             turning = read_numbers(MEMORY, memory[i]).estimate
             felt = given[j, JOINT_INPUTS + i] * turning.averaged_pressure
             others += felt if abs(turning.averaged_velocity) > TURNS else 0.0
-        air = _air(rig, own, before, came, now.supply, now.elapsed)
+        opening = _opening(rig, before)
+        air = _air(rig, own, before, came, opening, now.supply, now.elapsed)
         taken = sample.Sample(
             came.angle, came.pressure, before.estimate.averaged_pressure, others, before.estimate.averaged_velocity,
-            air.residual, before.demand.demand, lead, now.elapsed, now.level, alone,
+            opening, air.residual, before.demand.demand, lead, now.elapsed, now.level, alone,
         )  # fmt: skip
         detectors, fault = joint.find(own.detectors, before.detectors, taken)
         write_numbers(memory[j, IN_MEMORY.detectors :], detectors)

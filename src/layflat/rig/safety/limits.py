@@ -8,7 +8,6 @@ from math import inf
 from layflat.machine import Machine, parameters
 from layflat.machine.parameters import drive_parts
 from layflat.machine.parameters import sensor as sensor_law
-from layflat.physics.air_balance import REFERENCE_PRESSURE
 from layflat.rig.safety.cycle import Rig, Settings
 from layflat.rig.safety.demands import Gate
 from layflat.rig.safety.detectors import (
@@ -90,12 +89,12 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             safety.air_residual if part.acting == "double" else inf,
             DOUBTFUL * cycle,
         ),
-        angle_frozen.patient(
-            friction, _builds(machine, name, friction), angle.lsb, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle
-        ),
+        angle_frozen.Limits(angle.lsb, friction, cycle, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle),
         valve_unresponsive.Limits(
             getattr(machine.controller, "air_ripple", 0.0) if seen else 0.0,
             Fault.VALVE_UNRESPONSIVE.seconds - (SPARE + RIPPLE_AFTER) * cycle,
+            valve_unresponsive.SHOWS * gauge,
+            1.0 - (dither.amplitude if dither is not None else 0.0),
         ),
         pressure_frozen.Limits(Fault.PRESSURE_FROZEN.seconds - SPARE * cycle, sure),
         following.Limits(
@@ -105,10 +104,3 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             Fault.FOLLOWING_ERROR.seconds - SPARE * cycle,
         ),
     )
-
-
-def _builds(machine: Machine, name: str, pressure: float) -> float:
-    """Time in which a fully open valve brings a hose in the middle of its stroke to a pressure (Pa), s."""
-    air = parameters.air_parts(machine, name)
-    volume = air.dead_volume + air.torque_constant * air.neutral
-    return pressure * volume / (REFERENCE_PRESSURE * air.conductance * machine.supply.pressure)

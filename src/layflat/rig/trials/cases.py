@@ -62,7 +62,9 @@ class FaultCase(NamedTuple):
     since: Callable[[TrialRig, int], bool] | None = None  # where time counts only as long as a limit is passed in truth
     brief: bool = False  # whether it ends by itself when it is found: who pushes a joint lets go of it
     way_to_go: float = 0.35  # a joint that has to be on its way is asked to go at least so far, rad
-    pushed: bool = False  # whether somebody, or a valve that stays open, pushes it into its stop, which alone holds it
+    # Whether somebody, a valve that stays open, or a hose that a small valve empties too slowly, pushes it into its
+    # stop, which alone holds it.
+    pushed: bool = False
 
 
 def fail(device: VirtualDevice, name: str, joint: int, on: bool, size: float | None = None) -> None:
@@ -154,7 +156,7 @@ ROWS: dict[str, tuple[FaultCase, ...]] = {
     ),
     "valve driven, pressure does not answer": (
         _of_rig("stuck-spool", ANSWER, ALL_VENTED, seconds=0.2, moving=True, pushed=True),
-        _of_rig("burst-hose", ANSWER, ALL_VENTED, seconds=0.2),
+        _of_rig("burst-hose", ANSWER, ALL_VENTED, seconds=0.2, pushed=True),
         _of_rig("kinked-hose", (*ANSWER, Fault.ANGLE_FROZEN), OTHERS_VENTED, seconds=0.2, moving=True),
     ),
     "over-pressure, over-speed, outside the stroke": (

@@ -9,16 +9,15 @@ from layflat.rig.safety.detectors.sample import AIR, lasted, unchanged
 from layflat.rig.safety.faults import Fault
 
 FAULT = int(Fault.ANGLE_FROZEN)
-BRISK = 5.5  # counts from one sample to the next after which no joint stands still at once: 40 deg/s as built in
+BRISK = 5.5  # counts in a cycle after which no joint stands still at once: 40 deg/s as built in
 # Of the differential pressure that friction can hide: so much, what others hold off left out, a joint never bears
 # without a motion of one count. Sound ones at rest, shaken by another, bear 1.6 in an hour.
 BEYOND = 1.9
-DRIVEN = 0.09  # error of a joint that is driven, rad; by less friction may hold it
-# A driven joint moves by a count within this time (s): sound ones, shaken by another, took 0.2 s, and with a small
-# valve twice as long as this takes, fully open, to build up what friction holds. By more than noise, which may go to
-# and fro by a count, it moves in twice the time.
-ASLEEP, SHAKEN, BUILDS = 0.29, 0.2, 2.0
-HELD = 0.6
+# Errors of a joint that is driven, while its valve is open (so far at least) and while it is centred, rad: by less
+# friction may hold it. A centre may be off by 8 % of full opening.
+DRIVEN, PARKED, OPEN = 0.09, 0.2, 0.12
+ASLEEP = 0.29  # a driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s
+HELD = 0.6  # the same by more than noise, which may go to and fro by a count, s
 
 
 class Limits(NamedTuple):
@@ -26,16 +25,9 @@ class Limits(NamedTuple):
 
     lsb: float  # one count of the angle's converter, rad
     friction_band: float  # change of the differential pressure that friction of brake, hose and strap can hide, Pa
+    cycle: float  # time between two samples that are in time, s
     sure: float  # time of the same sample after which a sensor that does not fit the valve is frozen, s
     patience: float  # the same of one that bears too much, s
-    asleep: float  # time within which a driven joint moves by a count, s
-    held: float  # the same by more than noise, s
-
-
-def patient(friction_band: float, builds: float, lsb: float, sure: float, patience: float) -> Limits:
-    """Limits of a joint whose valve, fully open, builds up the friction band within so many seconds."""
-    asleep = max(ASLEEP, SHAKEN + BUILDS * builds)
-    return Limits(lsb, friction_band, sure, patience, asleep, max(HELD, 2.0 * asleep))
 
 
 class Memory(NamedTuple):
@@ -67,17 +59,21 @@ def find(limits, memory, doubts, before, now, sample):
     net_most = max(memory.net_most, net) if same else net
     borne = min(most - least, net_most - net_least)
     driven = sample.level >= AIR and abs(sample.demand - sample.angle) > DRIVEN
-    asleep = lasted(memory.asleep, same and driven, sample.elapsed)
+    drives = driven and (abs(sample.opening) > OPEN or abs(sample.demand - sample.angle) > PARKED)
+    counts = sample.elapsed if drives else 0.0
+    asleep = lasted(memory.asleep, same and driven, counts)
     near = abs(sample.angle - memory.anchor) <= MOVING * limits.lsb
     anchor = memory.anchor if near else sample.angle
-    held = lasted(memory.held, anchor == memory.anchor and driven, sample.elapsed)
+    held = lasted(memory.held, anchor == memory.anchor and driven, counts)
     after = Memory(least, most, net_least, net_most, asleep, anchor, held)
-    stays, brisk = now.same_angle > limits.sure, now.step > BRISK * limits.lsb
+    stays = now.same_angle > limits.sure
+    # By both: a sample after a late one is further from it, and what came late was sampled some time before.
+    brisk = min(now.step, now.speed * limits.cycle) > BRISK * limits.lsb
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))
-        or asleep >= limits.asleep
-        or held >= limits.held
+        or asleep >= ASLEEP
+        or held >= HELD
         or (now.same_angle >= limits.patience and borne > BEYOND * limits.friction_band)
     )
     return after, FAULT if frozen else 0

@@ -17,6 +17,7 @@ class Sample(NamedTuple):
     averaged_pressure: float  # the same over a dither period, Pa
     others: float  # what joints that turn would hold off of it, Pa
     velocity: float  # rad/s
+    opening: float  # of the valve as asked for, 1
     residual: float  # air that the valve was not asked for, as an opening of it (see `physics/air_balance.py`)
     demand: float  # rad
     lead: float  # the greatest lead of any demand, rad
@@ -35,6 +36,7 @@ class Trace(NamedTuple):
     swing: float = nan
     ripple: float = inf  # amplitude of the pressure at a quarter of the loop's rate; infinite at first, Pa
     step: float = 0.0  # by which the angle last changed, rad
+    speed: float = 0.0  # with which it did, rad/s
     same_angle: float = 0.0  # for which the angle has not changed, s
 
 
@@ -70,5 +72,8 @@ def followed(trace, sample):
     swing, ripple = swung(trace, sample.pressure)
     same = unchanged(trace, sample)
     step = trace.step if same else abs(sample.angle - trace.angle)
+    speed = trace.speed if same else step / sample.elapsed
     same_angle = lasted(trace.same_angle, same, sample.elapsed)
-    return Trace(sample.angle, sample.pressure, trace.pressure_1, trace.pressure_2, swing, ripple, step, same_angle)
+    return Trace(
+        sample.angle, sample.pressure, trace.pressure_1, trace.pressure_2, swing, ripple, step, speed, same_angle
+    )
