@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from layflat.experiments.calibration import shortfall as s
-from layflat.experiments.calibration.evidence import BACK, REPEATS, WATCHED, Carried, Steps
+from layflat.experiments.calibration.evidence import BACK, CAREFUL, WATCHED, Carried, Steps
 from layflat.experiments.calibration.evidence import carried as came_to
 from layflat.experiments.limits import STEP
 from layflat.experiments.two_axis import END, FIRST, HALF, SECOND
@@ -30,7 +30,7 @@ def unbraked(until: float) -> Floats:
 
 def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> Carried:
     """What comes of each inertia; one of its runs goes wrong by bad luck."""
-    each = [[arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (REPEATS - 1) + [arrives(2.5)] for ratio in ratios]
+    each = [[arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (CAREFUL.repeats - 1) + [arrives(2.5)] for ratio in ratios]
     return came_to(np.concatenate(each)[None], ratios, CYCLE)
 
 

@@ -9,13 +9,15 @@ import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 from layflat.arrays import Array
 from layflat.description.change import changed_all
+from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench, bench
 from layflat.experiments.calibration import shortfall
-from layflat.experiments.calibration.evidence import Evidence
+from layflat.experiments.calibration.evidence import Effort, Evidence
 from layflat.experiments.calibration.search import Best, search
 from layflat.experiments.calibration.unknowns import (
     AIR,
@@ -32,9 +34,13 @@ from layflat.experiments.calibration.unknowns import (
     with_losses,
 )
 from layflat.experiments.calibration.written import loss_shares, put_into, put_loss_shares
+from layflat.experiments.controller import Controller
+from layflat.experiments.dither import Dither
+from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.reproduction import reproduce
+from layflat.experiments.two_axis import TwoAxis
 
-SHARES = (0.85, 1.0)  # of the time that is left, for each stage
+SHARES = (0.75, 1.0)  # of the time that is left, for each stage
 
 
 @dataclass(frozen=True)
@@ -45,14 +51,23 @@ class Stage:
     unknowns: tuple[Unknown, ...]
     arm: bool  # whether it is the arm's findings, or axis one's
 
-    def lacks(self, evidence: Evidence, shares: Array, seed: int, *, fine: bool) -> dict[str, Array]:
+    def lacks(self, evidence: Evidence, shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
         """Shortfalls of machines (machines, unknowns) by name."""
         values, on = by_path(self.unknowns, to_values(self.unknowns, shares)), evidence.bench
         shows = shortfall.dither(evidence.ripple(on.arm if self.arm else on.axis_one, values))
         if self.arm:
-            return shortfall.two_axes(evidence.arm_moves(values, seed, fine=fine), on.arm.cycle) | shows
+            return shortfall.two_axes(evidence.arm_moves(values, seed, effort), on.arm.cycle) | shows
         kept = shortfall.small_motions(evidence.small_motion(values))
-        return shortfall.axis_one(evidence.steps(values, seed, fine=fine)) | kept | shows
+        return shortfall.axis_one(evidence.steps(values, seed, effort)) | kept | shows
+
+    def agrees(self, on: Bench) -> bool:
+        """Whether all claims agree that this stage decides."""
+        experiments = (TwoAxis(on), Dither(on), Controller(on)) if self.arm else (OpenLoop(on), AxisOne(on))
+        return all(rule.evaluated(one).agrees is not False for one in experiments for rule in one.rules())
+
+    def texts(self, shares: Array) -> dict[str, Any]:
+        """Return what a description says of a machine (unknowns,), by path."""
+        return as_text(self.unknowns, to_values(self.unknowns, shares))
 
     def put_into(self, on: Bench, texts: Mapping[str, Any]) -> Bench:
         """Return the machines with what a description may say in place; the earlier actuator keeps out of the arm's."""
@@ -80,15 +95,15 @@ def calibrated(kind: str, seed: int, minutes: float, *, anew: bool) -> tuple[Ben
         now = values_of(on.arm if stage.arm else on.axis_one, stage.unknowns)
         first = None if anew else to_shares(stage.unknowns, now)
 
-        def lacks(shares: Array, noise: int, fine: bool, stage: Stage = stage, evidence: Evidence = evidence) -> Any:
-            return stage.lacks(evidence, shares, noise, fine=fine)
+        def agrees(shares: Array, stage: Stage = stage, on: Bench = on) -> bool:
+            return stage.agrees(stage.put_into(on, stage.texts(shares)))
 
         best, seconds = None, share * (until - time.monotonic())
-        for best, left in search(lacks, first, many, seed=seed, seconds=seconds):
+        for best, left in search(partial(stage.lacks, evidence), agrees, first, many, seed=seed, seconds=seconds):
             sys.stderr.write(f"{stage.name}, {left / 60:.1f} min left: {best.cost:.2f} short: {told(best.lacks)}\n")
         if best is None:
             raise SystemExit(f"{minutes:g} minutes are too short for a first trial")
-        texts.append(as_text(stage.unknowns, to_values(stage.unknowns, best.shares)))
+        texts.append(stage.texts(best.shares))
         on = stage.put_into(on, texts[-1])
         found.append(best)
     return on, texts, found

@@ -27,8 +27,6 @@ from layflat.sim.metrics import BAND
 COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 WATCHED = 9.5  # how long a joint is watched after its step, s
 MOST, MOST_EARLIER = 1e-1, 4e-2  # largest inertia per torque with which a joint moves, kg m2 per N m
-COUNTS, FINE_COUNTS = (8, 6), (25, 16)  # inertias of the braked joint and of the earlier actuator, while searching too
-REPEATS = 3  # runs with each, with other noise
 UNBRAKED = 2  # runs of the new joint without brake
 BACK = END + REPEAT_TIME  # when the arm has come back to the middle, s
 LISTENS = 0.4  # for how long dither is looked at, s
@@ -37,19 +35,37 @@ LOST = radians(1e3)  # error of a joint that diverged, rad
 
 
 @dataclass(frozen=True)
-class Carried:
-    """What runs with a brake's share come to, (machines, runs): `REPEATS` with each inertia, one after the other."""
+class Effort:
+    """How closely machines are looked at."""
 
-    ratios: Array  # inertia per torque, kg m2 per N m
+    counts: tuple[int, int]  # inertias of the braked joint and of the earlier actuator
+    repeats: int  # runs with each of them, and of the arm's moves each way, with other noise
+    step: float  # of the plant, s
+    elsewhere: bool = False  # whether inertias lie elsewhere between their neighbours with each seed
+
+
+ROUGH, CAREFUL, FINE = (
+    Effort((8, 6), 1, COARSE, elsewhere=True),
+    Effort((8, 6), 3, COARSE, elsewhere=True),
+    Effort((25, 16), 3, STEP_FINE),  # as the claims are judged
+)
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What runs with a brake's share come to, (machines, runs, repeats)."""
+
+    ratios: Array  # inertia per torque of each run, kg m2 per N m
     time: Array  # until the joint stays within the band, s; infinite unless a second is left
     swing: Array  # peak to peak over the last two seconds, rad
     late: Array  # rms of the error over the last four seconds, rad
 
 
 def carried(error: Array, ratios: Array, cycle: float) -> Carried:
-    """Return what errors (machines, runs, records), rad, come to."""
-    machines, runs, records = error.shape
-    found = looked_at(error.reshape(-1, records), BAND, round(SWING / cycle), LOST).reshape(machines, runs, 3)
+    """Return what errors (machines, runs times repeats, records), rad, come to."""
+    machines, _, records = error.shape
+    found = looked_at(error.reshape(-1, records), BAND, round(SWING / cycle), LOST)
+    found = found.reshape(machines, len(ratios), -1, 3)
     time = found[..., 0] * cycle
     return Carried(ratios, np.where(time > records * cycle - REST, np.inf, time), found[..., 1], found[..., 2])
 
@@ -78,42 +94,41 @@ class Evidence:
         """Maximum torque of the earlier actuator over that of the new joint: its pressure gains follow it."""
         return self._torque(self.bench.earlier) / self._torque(self.bench.axis_one)
 
-    def steps(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Steps:
+    def steps(self, values: Mapping[str, Array], seed: int, effort: Effort) -> Steps:
         """Let joints alone make a step of 40 deg, as in Fig. 13 and with other inertias.
 
         Args:
             values: numbers (SI) by path, an item a machine.
-            seed: of the noise, and of where between its neighbours each inertia lies while searching.
-            fine: whether with the default step and with as many inertias as the claims are judged by.
+            seed: of the noise, and of where between its neighbours each inertia lies.
+            effort: how closely they are looked at.
         """
-        step, counts = (STEP_FINE, FINE_COUNTS) if fine else (COARSE, COUNTS)
-        shift = 0.0 if fine else float(np.random.default_rng(seed).uniform(-0.5, 0.5))
+        shift = float(np.random.default_rng(seed).uniform(-0.5, 0.5)) if effort.elsewhere else 0.0
         ratios, ratios_earlier = (
-            _spread(most, count, shift) for most, count in zip((MOST, MOST_EARLIER), counts, strict=True)
+            _spread(most, count, shift) for most, count in zip((MOST, MOST_EARLIER), effort.counts, strict=True)
         )
         new, earlier = self.bench.axis_one, self.bench.earlier
         compared = self._payloads(new, [INERTIA_PER_TORQUE] * UNBRAKED)
-        own = np.repeat(self._payloads(new, ratios), REPEATS)
+        own = np.repeat(self._payloads(new, ratios), effort.repeats)
         payloads = np.concatenate([compared, [new.arm.payload], own])
         brakes = np.concatenate([np.zeros(UNBRAKED), np.ones(1 + len(own))])
-        found = _stepped(new, values, payloads, brakes, seed, step)
-        payloads = np.repeat(self._payloads(earlier, ratios_earlier), REPEATS)
+        found = _stepped(new, values, payloads, brakes, seed, effort.step)
+        payloads = np.repeat(self._payloads(earlier, ratios_earlier), effort.repeats)
         scaled = {path: self.scale * one if _is_pressure_gain(path) else one for path, one in values.items()}
-        old = _stepped(earlier, scaled, payloads, np.zeros(len(payloads)), seed + 1, step)
+        old = _stepped(earlier, scaled, payloads, np.zeros(len(payloads)), seed + 1, effort.step)
         at = UNBRAKED + 1
         lost = np.nan_to_num(found[:, :UNBRAKED], nan=LOST)
         braked, both = carried(found[:, UNBRAKED:at], np.zeros(1), new.cycle), carried(found[:, at:], ratios, new.cycle)
         return Steps(new.cycle, lost, braked, both, carried(old, ratios_earlier, new.cycle))
 
-    def arm_moves(self, values: Mapping[str, Array], seed: int, *, fine: bool = False) -> Array:
+    def arm_moves(self, values: Mapping[str, Array], seed: int, effort: Effort) -> Array:
         """Let the arm make a step of each joint in turn, either way, as in Fig. 14; then it comes back to the middle.
 
         Returns angles, rad, (machines, ways, records, joints): half of the ways one way with other noise each, half the
         other way, with the opposite sign.
         """
-        ways, machines, step = [], len(next(iter(values.values()))), STEP_FINE if fine else COARSE
-        noise = np.tile(seed + np.arange(REPEATS, dtype=float), machines)
-        vary = {path: np.repeat(one, REPEATS) for path, one in values.items()} | {"seed": noise}
+        ways, machines, repeats = [], len(next(iter(values.values()))), effort.repeats
+        noise = np.tile(seed + np.arange(repeats, dtype=float), machines)
+        vary = {path: np.repeat(one, repeats) for path, one in values.items()} | {"seed": noise}
         for half in (HALF, -HALF):
             demand: list[tuple[str | float, Any]] = [
                 (0.0, (-half, -half)),
@@ -121,9 +136,10 @@ class Evidence:
                 (SECOND, (half, half)),
                 (END, (0.0, 0.0)),
             ]
-            angles = traced(self.bench.arm, Scenario(demand=demand, duration=BACK), vary, ("angle",), step=step)[..., 0]
+            scenario = Scenario(demand=demand, duration=BACK)
+            angles = traced(self.bench.arm, scenario, vary, ("angle",), step=effort.step)[..., 0]
             found = np.sign(half) * np.nan_to_num(angles, nan=LOST)
-            ways.append(found.reshape(machines, REPEATS, *found.shape[1:]))
+            ways.append(found.reshape(machines, repeats, *found.shape[1:]))
         return np.concatenate(ways, axis=1)
 
     def ripple(self, machine: Machine, values: Mapping[str, Array]) -> Array:

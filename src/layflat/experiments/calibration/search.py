@@ -9,6 +9,7 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.experiments.calibration.annealing import Population, anneal
+from layflat.experiments.calibration.evidence import CAREFUL, FINE, ROUGH, Effort
 from layflat.extras import module
 
 MACHINES, WARM = 200, 0.4  # of the population, and the temperature at which the best of them are taken
@@ -16,11 +17,14 @@ CANDIDATES, WIDTH = 40, 0.06  # of a generation, and their spread at first
 KEEPS = 10  # candidates that were best by luck or merit, to be tried again with other noise
 EVERY = 25  # generations from one such trial to the next
 TRIALS = 2  # noises of a trial
-ENOUGH = 0.02  # what is left of all shortfalls where a search may end
+NEARLY = 0.5  # all shortfalls, margins included, below which a machine may have all findings
 STALE = 150  # generations without a better trial after which a climb ends
 
-Shortfalls = Callable[[Array, int, bool], dict[str, Array]]
-"""From shares (machines, unknowns), a seed of the noise, and whether to take fine steps, to shortfalls by name."""
+Shortfalls = Callable[[Array, int, Effort], dict[str, Array]]
+"""From shares (machines, unknowns), a seed of the noise, and how closely to look, to shortfalls by name."""
+
+Agrees = Callable[[Array], bool]
+"""Whether a machine (unknowns,) has all findings."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,7 @@ class _Climb:
     def goes_on(self, shortfalls: Shortfalls, seed: int, done: int) -> None:
         """Try one generation, and now and then the best candidates again."""
         asked = self.strategy.ask()
-        costs = _total(shortfalls(np.array(asked), seed * 100_003 + done, False)).tolist()
+        costs = _total(shortfalls(np.array(asked), seed * 100_003 + done, CAREFUL)).tolist()
         self.strategy.tell(asked, costs)
         self.generations += 1
         self.kept = sorted([*self.kept, *zip(costs, asked, strict=True)], key=lambda one: one[0])[:KEEPS]
@@ -67,12 +71,15 @@ class _Climb:
 
 
 def search(
-    shortfalls: Shortfalls, first: Array | None, count: int, *, seed: int, seconds: float
+    shortfalls: Shortfalls, agrees: Agrees, first: Array | None, count: int, *, seed: int, seconds: float
 ) -> Iterator[tuple[Best, float]]:
-    """Seek the least shortfall over a cube of `count` unknowns; yields the best so far, and the time left (s).
+    """Seek a machine that lacks nothing in a cube of `count` unknowns; yields the best so far, and the time left (s).
+
+    It ends where the best has all findings.
 
     Args:
         shortfalls: what machines lack.
+        agrees: whether a machine has all findings; asked where nearly nothing is short.
         first: where to begin; None: anywhere.
         count: of the unknowns.
         seed: of the search and of the noise: the same machine finds the same.
@@ -82,7 +89,7 @@ def search(
     starts = [first] if first is not None else list[Array]()
     for population in _annealed(shortfalls, count, seed) if first is None else ():
         starts, done = _best_first(population), population.moves
-        yield Best(starts[0], _parts(shortfalls(starts[0][None], seed, False), 0), done), until - time.monotonic()
+        yield Best(starts[0], _parts(shortfalls(starts[0][None], seed, CAREFUL), 0), done), until - time.monotonic()
         if time.monotonic() > until:
             return
     best = nothing = Best(starts[0], {"nothing tried yet": np.inf}, done)
@@ -92,9 +99,11 @@ def search(
         while not climb.ended:
             climb.goes_on(shortfalls, seed, done := done + 1)
             if climb.generations % EVERY == 0:
-                best = min(best, climb.best, key=lambda one: one.cost)
+                better, best = climb.best.cost < best.cost, min(best, climb.best, key=lambda one: one.cost)
                 yield best, until - time.monotonic()
-            if best.cost <= ENOUGH or time.monotonic() > until:
+                if better and best.cost <= NEARLY and agrees(best.shares):
+                    return
+            if time.monotonic() > until:
                 return
         # What was found is looked at again, as long as that helps.
         starts = [best.shares, *starts] if best.cost < before else starts
@@ -104,7 +113,7 @@ def _annealed(shortfalls: Shortfalls, count: int, seed: int) -> Iterator[Populat
     """Populations until one is warm."""
 
     def costs(shares: Array, noise: int) -> Array:
-        return _total(shortfalls(shares, noise, False))
+        return _total(shortfalls(shares, noise, ROUGH))
 
     for population in anneal(costs, count, machines=MACHINES, seed=seed, coldest=WARM):
         yield population
@@ -130,7 +139,7 @@ def _total(parts: dict[str, Array]) -> Array:
 
 def _tried(shortfalls: Shortfalls, shares: Sequence[Array], seed: int, done: int) -> Best:
     """Return the best of some candidates over noises that the search has not met, with the default step."""
-    found = [shortfalls(np.array(shares), 1_000_003 * seed + trial, True) for trial in range(TRIALS)]
+    found = [shortfalls(np.array(shares), 1_000_003 * seed + trial, FINE) for trial in range(TRIALS)]
     mean = {name: np.mean([one[name] for one in found], axis=0) for name in found[0]}
     least = int(np.argmin(_total(mean)))
     return Best(np.asarray(shares[least]), _parts(mean, least), done)

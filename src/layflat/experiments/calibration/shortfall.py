@@ -8,7 +8,7 @@ from math import log, radians
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.evidence import REPEATS, REST, WATCHED, Carried, Steps
+from layflat.experiments.calibration.evidence import REST, WATCHED, Carried, Steps
 from layflat.experiments.limits import SWING, WINDOWS
 from layflat.experiments.two_axis import END, FINAL_BAND, FIRST, HALF, SECOND
 from layflat.sim.metrics import BAND
@@ -62,7 +62,7 @@ def axis_one(steps: Steps) -> dict[str, Array]:
     arrives = _times(away, CLOSE, cycle)
     swing, overshoot = _swing(steps.unbraked, cycle), np.degrees(steps.unbraked.max(axis=-1))
     earlier = _middle(_in_all(steps.carried_earlier, cycle))[:, 0]
-    braked = _in_all(steps.braked, cycle)[:, 0]
+    braked = _middle(_in_all(steps.braked, cycle))[:, 0]
     return {
         "unbraked joint arrives too soon": 1.5 * _over(ARRIVES[0] - arrives, 0.0).mean(axis=1),
         "unbraked joint arrives too late": 0.5 * _over(arrives, ARRIVES[1]).mean(axis=1),
@@ -99,7 +99,7 @@ def _in_all(carried: Carried, cycle: float) -> Array:
 
 def _middle(found: Array) -> Array:
     """The median over the runs with each inertia, (machines, inertias)."""
-    return np.asarray(np.median(found.reshape(len(found), -1, REPEATS), axis=2))
+    return np.asarray(np.median(found, axis=2))
 
 
 def _passes(values: Array, levels: Array, ratios: Array) -> Array:
