@@ -29,7 +29,7 @@ LIMITS = joint.Limits(
     angle_frozen.Limits(6e-4, 1e5, CYCLE, 0.0375, 0.09),
     valve_unresponsive.Limits(1000.0, 0.17, 2.4e5, 0.8),
     pressure_frozen.Limits(0.09, 0.0375),
-    following.Limits(0.6, 0.1, 1.0, 0.09),
+    following.Limits(0.6, 0.1, 1.0, 0.09, 2.4e5),
 )
 SWING = (2000.0, 0.0, -2000.0, 0.0)
 
@@ -37,6 +37,7 @@ SWING = (2000.0, 0.0, -2000.0, 0.0)
 def follow(
     samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
     opening: float = 0.5, residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
+    velocity: float = 0.0,
 ) -> tuple[joint.Memory, list[Fault]]:  # fmt: skip
     """Memory after a signal, and the worst fault in each cycle."""
     memory, found = joint.FRESH, []
@@ -44,7 +45,7 @@ def follow(
         x = angle[k % len(angle)]
         p = pressure[k % len(pressure)] if pressure else SWING[k % 4] + 0.3 * k
         wanted = x if demand is None else demand
-        sample = Sample(x, p, averaged * k, others * k, 0.0, opening, residual, wanted, 0.0, CYCLE, level, 1.0)
+        sample = Sample(x, p, averaged * k, others * k, velocity, opening, residual, wanted, 0.0, CYCLE, level, 1.0)
         memory, fault = joint.find(LIMITS, memory, sample)
         found.append(Fault(fault))
     return memory, found
@@ -138,6 +139,15 @@ def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:
     first = int(np.flatnonzero(found)[0])
     assert found[first] == Fault.FOLLOWING_ERROR
     assert first * CYCLE == pytest.approx(0.6 + 0.09, abs=0.02)
+
+
+def test_a_joint_that_hardly_moves_with_most_of_the_pressure_there_is_is_held_back() -> None:
+    creeping, swift = ([v * CYCLE * k for k in range(100)] for v in (0.2, 0.5))
+    found = follow(100, creeping, demand=0.4, averaged=1e5, velocity=0.2)[1]
+    first = int(np.flatnonzero(found)[0])
+    assert found[first] == Fault.FOLLOWING_ERROR
+    assert first * CYCLE == pytest.approx(0.3, abs=0.02)
+    assert not any(follow(30, swift, demand=0.4, averaged=1e5, velocity=0.5)[1])
 
 
 def test_a_ripple_that_is_gone_is_a_valve_that_does_not_respond() -> None:

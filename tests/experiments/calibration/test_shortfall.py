@@ -30,7 +30,9 @@ def unbraked(until: float) -> Floats:
 
 def carried(limit: float, ratios: Floats = RATIOS, arrival: float = 1.0) -> Carried:
     """What comes of each inertia; one of its runs goes wrong by bad luck."""
-    each = [[arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (CAREFUL.repeats - 1) + [arrives(2.5)] for ratio in ratios]
+    each = [
+        [arrives(arrival, 0.0 if ratio <= limit else 3.0)] * (CAREFUL.repeats - 1) + [arrives(2.5)] for ratio in ratios
+    ]
     return came_to(np.concatenate(each)[None], ratios, CYCLE)
 
 

@@ -102,5 +102,6 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             safety.following_time,
             safety.demand_speed,
             Fault.FOLLOWING_ERROR.seconds - SPARE * cycle,
+            following.STRAINS * gauge,
         ),
     )

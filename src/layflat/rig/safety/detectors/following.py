@@ -1,4 +1,4 @@
-"""A joint that is left behind by its demand."""
+"""A joint that is left behind by its demand, or that hardly moves although it has most of the pressure there is."""
 
 from math import nan
 from typing import NamedTuple
@@ -8,6 +8,9 @@ from layflat.rig.safety.detectors.sample import AIR, lasted
 from layflat.rig.safety.faults import Fault
 
 FAULT = int(Fault.FOLLOWING_ERROR)
+# Beside its goal by so much (rad), with so much of the supply's gauge pressure and slower than this (rad/s) for so long
+# (s), something holds a joint back: alone it would have left all of that within hundredths of a second.
+BESIDE, STRAINS, SLOW, LONG = 0.09, 0.6, 0.35, 0.3
 
 
 class Limits(NamedTuple):
@@ -17,13 +20,15 @@ class Limits(NamedTuple):
     time: float  # what the error may grow by with speed, s
     demand_speed: float  # at which demands may go on for long, rad/s
     patience: float  # s
+    strained: float  # differential pressure with which no joint is slow, Pa
 
 
 class Memory(NamedTuple):
-    """Where the joint should be by now (rad; not a number at first), and for how long it has been too far from it."""
+    """Where the joint should be by now, and for how long it has not been there."""
 
-    reach: float = nan
-    off: float = 0.0
+    reach: float = nan  # rad; not a number at first
+    off: float = 0.0  # time for which it has been too far from there, s
+    strained: float = 0.0  # time for which it has been slow in spite of its pressure, s
 
 
 @law
@@ -50,4 +55,7 @@ def find(limits, memory, sample):
     reach = reached(limits, memory.reach, sample.angle, sample.demand, sample.elapsed) if airy else nan
     error = abs(sample.angle - reach)
     off = lasted(memory.off, airy and error > allowed(limits, sample.velocity, sample.lead), sample.elapsed)
-    return Memory(reach, off), FAULT if off >= limits.patience else 0
+    beside = airy and abs(sample.angle - sample.demand) > BESIDE
+    strains = beside and abs(sample.averaged_pressure) > limits.strained and abs(sample.velocity) < SLOW
+    strained = lasted(memory.strained, strains, sample.elapsed)
+    return Memory(reach, off, strained), FAULT if off >= limits.patience or strained >= LONG else 0
