@@ -122,9 +122,10 @@ def test_a_torque_factor_that_differs_from_run_to_run(name: str) -> None:
 
 
 def test_a_joint_may_have_a_larger_valve_than_the_others() -> None:
-    arm = changed(ARM, "joint.large.valve_size", 3.0)
+    arm, valve = changed(ARM, "joint.large.valve_size", 3.0), ARM.valve
+    assert valve is not None
     large, small = (joint.valve for joint in parameters.joints(arm))
-    assert large.conductance == 3.0 * small.conductance == 3.0 * ARM.valve.conductance
+    assert large.conductance == 3.0 * small.conductance == 3.0 * valve.conductance
     assert large.leakage == 3.0 * small.leakage
     assert large._replace(conductance=0.0, leakage=0.0) == small._replace(conductance=0.0, leakage=0.0)
     air = parameters.air_parts(arm, "large"), parameters.air_parts(ARM, "large")
