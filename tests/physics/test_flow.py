@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.physics.air import CP, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
-from layflat.physics.flow import LAMINAR_RATIO, effective_pressure, laminar_slope, orifice
+from layflat.physics.flow import LAMINAR_RATIO, effective_area, effective_pressure, laminar_slope, orifice
 
 C, B = 1.2e-8, 0.3
 SLOPE = laminar_slope(B)
@@ -16,6 +16,11 @@ temperatures = st.floats(200.0, 400.0)
 
 def flow(p_a: float, p_b: float, T_a: float = 293.15, T_b: float = 293.15) -> float:
     return float(orifice(C, B, SLOPE, p_a, T_a, p_b, T_b)[0])
+
+
+def test_a_conductance_is_that_of_an_area_that_chokes() -> None:
+    # S = 5.02 C, of C in dm3/(s bar) and S in mm2 (ISO 6358).
+    assert effective_area(1e-8) == pytest.approx(5.02e-6, rel=4e-3)
 
 
 @given(pressures, st.floats(0.0, B), temperatures)

@@ -3,6 +3,7 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray
@@ -24,19 +25,21 @@ def dataset(machine: Machine, scenario: Scenario, prepared: Prepared, rows: Arra
     """Name the columns of a run, those of the control law's report among them, and lay demand and tip beside them."""
     acting, timing, law = prepared.signals, prepared.timing, CONTROL_LAWS.of(prepared.settings)
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
-    names = list(machine.joints)
-    run = xarray.Dataset(coords={"time": ("time", time, {"units": "s"}), "joint": names})
-    for column, name in enumerate(Sample._fields):
-        run[name] = (("time", "joint"), rows[:, :, column], attributes(name))
+    both = ("time", "joint")
+    said: dict[str, Any] = {
+        name: (both, rows[:, :, column], attributes(name)) for column, name in enumerate(Sample._fields)
+    }
     for column, name in enumerate(law.report._fields):  # type: ignore[attr-defined]  # a named tuple
         unit, meaning = law.signals[name]
-        run[name] = (("time", "joint"), shown[:, :, column], {"units": unit, "long_name": meaning})
+        said[name] = (both, shown[:, :, column], {"units": unit, "long_name": meaning})
     cycle = np.minimum(np.arange(len(rows)) // timing.records, len(acting.demand) - 1)
-    run["demand"] = (("time", "joint"), acting.demand[cycle], attributes("demand"))
-    run["payload"] = (("time",), acting.payload[cycle], attributes("payload"))
-    run["supply"] = (("time",), acting.supply[cycle], attributes("supply"))
-    run["tip"] = (("time", "axis"), tip_position(machine, run["angle"].to_numpy()), attributes("tip"))
-    run = run.assign_coords(axis=["x", "y"])
+    said["demand"] = (both, acting.demand[cycle], attributes("demand"))
+    said["payload"] = ("time", acting.payload[cycle], attributes("payload"))
+    said["supply"] = ("time", acting.supply[cycle], attributes("supply"))
+    said["tip"] = (("time", "axis"), tip_position(machine, said["angle"][1]), attributes("tip"))
+    coords = {"time": ("time", time, {"units": "s"}), "joint": list(machine.joints), "axis": ["x", "y"]}
+    # All at once: laid into a dataset one by one, they would be merged with all others each time.
+    run = xarray.Dataset(said, coords)
     run.attrs = {
         "machine": machine.model_dump_json(),
         "machine_name": machine.name,

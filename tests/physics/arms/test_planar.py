@@ -1,4 +1,5 @@
 from math import cos, degrees, radians, sin
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -8,10 +9,12 @@ from hypothesis import strategies as st
 from plants import CYCLE, PASSIVE, Floats, kinetic_energy, run, signals
 
 from layflat.physics.arms.planar import (
+    LevelTwoLink,
     OneLink,
     TwoLink,
     one_link_gravity,
     one_link_mass,
+    parameters,
     two_link_coriolis,
     two_link_gravity,
     two_link_mass,
@@ -56,6 +59,25 @@ MODEL = f"""
 </mujoco>
 """
 POSED = (mujoco.MjModel.from_xml_string(MODEL), mujoco.MjData(mujoco.MjModel.from_xml_string(MODEL)))
+
+
+def test_moments_of_both_links_are_those_of_their_masses() -> None:
+    def joint(i: int, carried: float) -> Any:
+        link = SimpleNamespace(
+            mass=MASSES[i], centre=CENTRES[i], length=LENGTH, inertia=0.6 * INERTIAS[i], rotor_inertia=0.4 * INERTIAS[i]
+        )
+        return SimpleNamespace(link=link, body=SimpleNamespace(mass=carried))
+
+    size, way = float(np.hypot(*GRAVITY)), float(np.arctan2(GRAVITY[1], GRAVITY[0]))
+    described: Any = SimpleNamespace(gravity=size, gravity_direction=way, elbow=ELBOW)
+    assert parameters(described, [joint(0, 9.0), joint(1, 0.0)]) == pytest.approx(ARM)
+    heavier = ARM._replace(a=ARM.a + 2.0 * LENGTH**2, moment_1=ARM.moment_1 + 2.0 * LENGTH)
+    assert parameters(described, [joint(0, 9.0), joint(1, 2.0)]) == pytest.approx(heavier)
+    alone = OneLink(INERTIAS[0] + MASSES[0] * CENTRES[0] ** 2, MASSES[0] * CENTRES[0], LENGTH, *GRAVITY)
+    assert parameters(described, [joint(0, 9.0)]) == pytest.approx(alone)
+    level = parameters(SimpleNamespace(gravity=0.0, gravity_direction=way, elbow=ELBOW), [joint(0, 0.0), joint(1, 0.0)])  # type: ignore[arg-type]
+    assert level == pytest.approx(LevelTwoLink(*ARM[:3], LENGTH, LENGTH, ELBOW))
+
 
 angles = st.floats(-1.2, 1.2)
 speeds = st.floats(-5.0, 5.0)

@@ -4,9 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plants import VALVE
 
+from layflat.machine import load
 from layflat.physics.flow import orifice, root_temperature
 from layflat.physics.valves import chamber_flow, commanded_opening
-from layflat.physics.valves.spool import mean_conductance, path_conductance
+from layflat.physics.valves.spool import SpoolValvePart, Stiction, mean_conductance, parameters, path_conductance
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 
@@ -17,6 +18,18 @@ def flows(x: float, p: float) -> tuple[float, float, float]:
         VALVE, path_conductance(VALVE, x), path_conductance(VALVE, -x), p, warm, SUPPLY, warm, AMBIENT
     )
     return mass, heat, taken
+
+
+def test_a_spool_valve_is_what_its_description_says() -> None:
+    described = load("paper-arm").valve
+    assert isinstance(described, SpoolValvePart)
+    valve = parameters(described)
+    assert valve.spool.natural_frequency == pytest.approx(described.natural_frequency * 2.0 * np.pi)
+    assert (valve.spool.damping_ratio, valve.spool.friction) == (described.damping_ratio, described.friction)
+    assert (valve.conductance, valve.overlap) == (described.conductance, described.overlap)
+    stuck = parameters(described.model_copy(update={"stiction": Stiction(static_ratio=1.5, velocity="2 Hz")})).spool
+    assert tuple(stuck)[:3] == pytest.approx(tuple(valve.spool)[:3])
+    assert tuple(stuck)[3:] == pytest.approx((0.5, 0.25))
 
 
 def test_volts_to_opening() -> None:
