@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 BENCH_LAWS := tests/identify/benches/*/test_*_laws.py tests/identify/benches/vessel/test_real_gas.py
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel reproduce questions test test-nojit lint bench calibrate clean
+.PHONY: help install wheel reproduce questions test test-nojit lint bench mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -40,6 +40,10 @@ lint: $(READY)  ## style, types, import contracts
 
 bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json
+
+mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mutants.json (half an hour)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[mutants]'
+	$(BIN)/python -m benchmarks.mutants --out build/mutants.json
 
 calibrate: $(READY)  ## find again what the machine files mark as calibrated
 	$(BIN)/python -m layflat.experiments.calibration --write

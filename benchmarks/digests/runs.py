@@ -13,8 +13,8 @@ Arrays = dict[str, Any]
 """Results by name; anything that becomes an array of float64."""
 
 MOVING = (
-    "earlier-actuator", "paper-arm", "paper-arm-switching", "paper-arm-tuned", "paper-large-joint",
-    "paper-small-joint", "paper-small-joint-switching",
+    "earlier-actuator", "paper-arm", "paper-arm-fast", "paper-arm-fast-tuned", "paper-arm-switching",
+    "paper-large-joint", "paper-small-joint", "paper-small-joint-switching",
 )  # fmt: skip
 TURNED = (
     "paper-arm", "rig-kevlar", "rig-kevlar-plate", "rig-polyester", "rig-polyester-plate", "rig-polyester-polythene",

@@ -11,7 +11,6 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
     "drawing": {"ezdxf": "ezdxf"},
     "bench": {"mujoco": "mujoco"},
     "tune": {"cma": "cma"},
-    "calibrate": {"cma": "cma", "emcee": "emcee"},
     "study": {"pyarrow": "pyarrow", "pandas": "pandas"},
     "logs": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "pyarrow": "pyarrow"},
     "rig": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "pyarrow": "pyarrow", "pymodbus": "pymodbus",

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from commands import LAYFLAT, layflat, refused
 
+from layflat.machine.members import members
 from layflat.sim.dataset import open_run
 
 LEFT = 1 << 14
@@ -139,6 +140,13 @@ def test_tables_fit_100_columns() -> None:
         done = layflat(*words)
         assert done.returncode == 0
         assert max(map(len, done.stdout.splitlines())) <= 100
+
+
+def test_machines_lists_the_members_of_the_cloud() -> None:
+    last = len(members("paper-arm")) - 1
+    words = " ".join(layflat("machines").stdout.split())
+    for name in ("paper-arm", "paper-small-joint", "earlier-actuator"):
+        assert f"{name}@0 to {name}@{last}" in words
 
 
 def test_show_toml_can_be_started_from(tmp_path: Path) -> None:

@@ -85,8 +85,8 @@ STOPPED = """\
 import os, signal, sys, threading
 from layflat.cell.work import study
 
-def stop_after_the_first(*asked):
-    runs = study_repeated(*asked)
+def stop_after_the_first(*asked, **named):
+    runs = study_repeated(*asked, **named)
     yield next(runs)
     threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
     yield from runs
@@ -147,6 +147,8 @@ def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path:
         (["--cell", "paking"], "paking: no such cell; did you mean 'packing'?"),
         (["--study", "--film", "gif"], "--film: cannot be combined with --study"),
         (["--seeds", "4"], "--seeds: is the number of a study's seeds; add --study"),
+        (["--study", "--over", "sky"], "--over: 'sky' is nothing to pack over; give cloud"),
+        (["--over", "cloud"], "--over: is for a study; add --study"),
         (["--calibration", "nowhere.toml"], "nowhere.toml: can't be read"),
     ],
 )

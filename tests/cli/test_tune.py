@@ -62,6 +62,7 @@ def test_an_interrupt_keeps_the_best_so_far(tmp_path: Path) -> None:
         (["nowhere"], "nowhere: no such machine"),
         (["rig-kevlar"], "rig-kevlar: has no controller to be tuned"),
         (["paper-arm", "--method", "guess"], "--method: unknown method 'guess'"),
+        (["paper-arm", "--over", "sky"], "--over: 'sky' is nothing to tune over; give cloud"),
         (["paper-arm", "--generations", "0"], "--generations: 0 is out of range"),
         (["paper-arm", "--out", "/proc/here"], "can't write here"),
     ],

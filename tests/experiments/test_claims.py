@@ -11,11 +11,13 @@ import xarray
 
 from layflat.errors import DivergedError, InputError, MachineError
 from layflat.experiments.axis_one import AxisOne
+from layflat.experiments.bench import bench
 from layflat.experiments.claim import Claim, Evaluated, Experiment, Quantity, Rule
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither, ValveSweep, amplitude_at, followed, frequency_response
 from layflat.experiments.limits import AT, DURATION, WINDOWS, Carried, is_sustained
 from layflat.experiments.open_loop import OpenLoop
+from layflat.experiments.reproduction import disagreeing
 from layflat.experiments.statics import MEASURED, PRINTED_MEAN, Statics
 from layflat.experiments.two_axis import END, REPEATS, TwoAxis, final_settling
 from layflat.machine import load, parameters
@@ -73,6 +75,21 @@ def test_rules_are_found_and_judged_in_order() -> None:
     assert (first.verdict, second.verdict, third.verdict) == ("agrees", "does not agree", "not evaluated")
     assert third.reason == "not applicable: mine.toml: has no arm"
     assert third.quantities == ()
+
+
+def test_what_comes_after_a_claim_that_does_not_agree_is_not_evaluated() -> None:
+    class Applies(Made):
+        @claim("three", "3", "says", "criterion")
+        def three(self) -> Evaluated:
+            raise AssertionError
+
+        one, lacking = Made.one, Made.lacking
+
+    class Fits(Made):
+        one, lacking = Made.one, Made.lacking
+
+    assert disagreeing(bench(), [Fits]) == ""
+    assert disagreeing(bench(), [Fits, Made, Applies]) == "two"
 
 
 def test_records_keep_numbers_units_and_what_the_paper_gives() -> None:

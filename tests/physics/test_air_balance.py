@@ -2,6 +2,7 @@
 
 from math import inf
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -49,3 +50,56 @@ def test_a_pause_leaves_pressures_that_can_be(elapsed: float, opening: float, me
     after = follow_air(PARTS, before, opening, 0.0, measured, SUPPLY, EXHAUST, elapsed)
     assert 0.5 * EXHAUST <= after.pressure_a <= 1.5 * SUPPLY
     assert 0.5 * EXHAUST <= after.pressure_b <= 1.5 * SUPPLY
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_pressures_stay_above_half_of_the_exhausts(side: float) -> None:
+    estimate = cycles(400, 0.0, side * 3e6, AirEstimate(3e5, 3e5, 0.0, 0.0))
+    assert min(estimate.pressure_a, estimate.pressure_b) == 0.5 * EXHAUST
+
+
+def rate(parts: AirParts, opening: float, angle: float = 0.0) -> tuple[float, float]:
+    """How fast the estimates of both hoses change at first, Pa/s."""
+    elapsed, before = 1e-6, AirEstimate(3e5, 2.5e5, 0.0, 0.0)
+    after = follow_air(parts, before, opening, elapsed * angle, 5e4, SUPPLY, EXHAUST, elapsed)
+    return (after.pressure_a - 3e5) / elapsed, (after.pressure_b - 2.5e5) / elapsed
+
+
+@pytest.mark.parametrize("opening", [-0.3, 0.01, 0.25])
+def test_dither_lets_through_what_its_openings_do_in_the_mean(opening: float) -> None:
+    dither = 0.15
+    dithered = rate(PARTS._replace(dither=dither), opening)
+    places = opening + dither * (np.arange(2000) + 0.5 - 1000) / 1000
+    mean = np.mean([rate(PARTS, place) for place in places], axis=0)
+    assert dithered == pytest.approx(mean, rel=1e-3)
+
+
+def test_a_tube_lets_through_what_two_resistances_in_series_do() -> None:
+    through = PARTS.conductance
+    narrowed = rate(PARTS._replace(line_conductance=0.5 * through), 1.0)
+    assert narrowed == pytest.approx(np.array(rate(PARTS, 1.0)) / np.sqrt(5.0), rel=1e-3)
+
+
+def test_a_leak_is_there_with_the_valve_shut() -> None:
+    leaks = PARTS._replace(leakage=0.1 * PARTS.conductance)
+    # Both paths of both hoses: what comes from the supply less what goes to the exhaust.
+    whole = np.add(rate(PARTS, 1.0), rate(PARTS, -1.0))
+    assert rate(leaks, 0.0) == pytest.approx(0.1 * whole, rel=1e-3)
+
+
+def test_a_joint_that_turns_expands_the_air_of_one_hose_and_compresses_the_other() -> None:
+    velocity = 2.0
+    volume = PARTS.dead_volume + PARTS.torque_constant * PARTS.neutral
+    turning = np.array([-3e5, 2.5e5]) * PARTS.torque_constant * velocity / volume
+    assert rate(PARTS, 0.0, velocity) == pytest.approx(turning, rel=1e-3)
+    assert rate(PARTS, 0.0, 10.0 * PARTS.fastest) == pytest.approx(turning * PARTS.fastest / velocity, rel=1e-3)
+
+
+def test_the_residual_is_the_pull_of_the_measured_difference_over_what_an_open_valve_lets_in() -> None:
+    elapsed, angle, difference = 1e-6, 0.4, 2e4
+    parts = PARTS._replace(smoothing=elapsed)
+    after = follow_air(parts, AirEstimate(3e5, 3e5, angle, 0.0), 0.0, angle, difference, SUPPLY, EXHAUST, elapsed)
+    volumes = parts.dead_volume + parts.torque_constant * (parts.neutral + np.array([angle, -angle]))
+    # Air that comes in at the speed of sound raises the pressure by p_0 C p_s / V a second (ISO 6358).
+    full = np.mean(1.185 * 287.05 * 293.15 * parts.conductance * SUPPLY / volumes)
+    assert after.residual == pytest.approx(parts.follow * difference / full, rel=1e-4)

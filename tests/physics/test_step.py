@@ -6,6 +6,7 @@ from plants import AROUND, LARGE, PAIR, SMALL, VALVE
 
 from layflat.jit import composition, kernel
 from layflat.lanes import halves, join
+from layflat.physics.chamber import pressure
 from layflat.physics.dither import Dither
 from layflat.physics.joint import joint_at_rest
 from layflat.physics.step import finish, midpoint, pack, unpack
@@ -51,16 +52,16 @@ def test_joints_side_by_side_are_bit_for_bit_joints_alone(valve: Any) -> None:
 
 
 @composition
-def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, around: Any) -> Any:
+def stepped(joint: Any, state: Any, v: float, impulse: float, load: float, opening: float, around: Any) -> Any:
     """One step with the velocity prescribed: the state after it, and the torques in its middle."""
     running = pack(state)
-    mid = midpoint(joint, running, 0.0, STILL, around, H)
+    mid = midpoint(joint, running, opening, STILL, around, H)
     return unpack(finish(joint, running, mid, v, impulse, load, H)), mid.torque, mid.gas_torque
 
 
 def test_a_step_drifts_and_books_what_it_did() -> None:
     state = joint_at_rest(LARGE, 0.1, 4e5, 3e5, AROUND)
-    after, torque, gas_torque = stepped(LARGE, state, 0.02, -0.5, 1.5, AROUND)
+    after, torque, gas_torque = stepped(LARGE, state, 0.02, -0.5, 1.5, 0.0, AROUND)
     assert torque == gas_torque == pytest.approx(2.05e-4 * 1e5, rel=1e-3)
     assert after.motion.angle == pytest.approx(0.1 + 0.5 * H * 0.02)
     turn = H * 0.01
@@ -79,13 +80,24 @@ def test_parting_undoes_joining() -> None:
     assert joined_and_parted(state) == state
 
 
+def test_pressure_stays_that_of_the_air_that_is_there() -> None:
+    after = joint_at_rest(LARGE, 0.0, 3e5, 3e5, AROUND)
+    for _ in range(40):
+        after, _, _ = stepped(LARGE, after, 1.0, 0.0, 0.0, 0.8, AROUND)
+    assert after.hose_a.mass > 1.03 * after.hose_b.mass
+    for hose, own in ((LARGE.hose_a, after.hose_a), (LARGE.hose_b, after.hose_b)):
+        told = pressure(hose.chamber, own.energy, own.volume, AROUND.ambient_pressure)
+        assert own.pressure == pytest.approx(told, rel=3e-4)
+
+
 def test_moving_the_joint_moves_air_as_its_volume_says() -> None:
     state = joint_at_rest(LARGE, 0.0, 3e5, 3e5, AROUND)
     # Ports covered and no leak to speak of: what hose A gains in volume it loses in pressure.
     shut = LARGE._replace(valve=VALVE._replace(leakage=0.0, dither_amplitude=0.0))
     after = state
     for _ in range(40):
-        after, _, _ = stepped(shut, after, 1.0, 0.0, 0.0, AROUND)
+        after, _, _ = stepped(shut, after, 1.0, 0.0, 0.0, 0.0, AROUND)
+    assert after.motion.angle == pytest.approx(39.5 * H)
     assert after.hose_a.mass == state.hose_a.mass
     assert after.hose_a.pressure < 3e5 < after.hose_b.pressure
     swept = after.hose_a.volume - state.hose_a.volume

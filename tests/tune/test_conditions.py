@@ -38,6 +38,18 @@ def test_no_spread_is_nominal_everywhere() -> None:
         assert np.ptp(found.vary[path]) == pytest.approx(0.0, abs=1e-9)
 
 
+def test_runs_have_members_of_a_cloud_and_nominal_ones_the_machine_itself() -> None:
+    size, overlap = np.array([1e-9, 2e-9, 3e-9]), np.array([0.01, 0.02, 0.03])
+    found = conditions(ARM, 64, Spread(members={"valve.conductance": size, "valve.overlap": overlap}), seed=1)
+    assert ARM.valve is not None
+    own = found.vary["valve.conductance"]
+    assert np.all(own[: found.nominal] == ARM.valve.conductance)
+    assert set(own[found.nominal :]) == set(size)
+    assert found.vary["valve.overlap"][found.nominal :] == pytest.approx(own[found.nominal :] * 1e7)
+    usual = conditions(ARM, 64, seed=1).vary
+    assert all(np.array_equal(found.vary[path], usual[path]) for path in usual)
+
+
 def test_every_candidate_meets_the_same_runs() -> None:
     found = conditions(ARM, 16)
     vary = found.of(3)

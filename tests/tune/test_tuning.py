@@ -54,6 +54,18 @@ def test_what_is_written_is_what_was_found(bare: Path, tmp_path: Path) -> None:
     )
 
 
+def test_gains_are_judged_over_members_of_the_cloud_where_asked(bare: Path, tmp_path: Path) -> None:
+    tuning = begin(str(bare), tmp_path / "out", generations=1, over="cloud")
+    tuning.seek()
+    tuned = tuning.keep()
+    assert tuning.spread is not None
+    assert "valve.conductance" in tuning.spread.members
+    assert "--over cloud" in tuned.provenance["joint.small.gains.far.error"].note
+    over, alone = validate(tuned, tuning.spread), validate(tuned)
+    assert over.cost != alone.cost
+    assert np.array_equal(over.nominal, alone.nominal)
+
+
 def test_the_same_seed_writes_the_same_file_and_another_does_not(bare: Path, tmp_path: Path) -> None:
     def gains(seed: int, out: str) -> bytes:
         tuning = begin(str(bare), tmp_path / out, method="phases", generations=3, seed=seed)

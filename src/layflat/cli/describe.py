@@ -11,12 +11,19 @@ from layflat.errors import InputError
 
 @app.command()
 def machines() -> None:
-    """List the built-in machines and test benches."""
+    """List the built-in machines, the members of their cloud, and the test benches."""
     from layflat.identify.benches.loader import load_bench  # noqa: PLC0415
     from layflat.machine import load, names  # noqa: PLC0415
+    from layflat.machine.cloud import cloud  # noqa: PLC0415
     from layflat.machine.libraries import BENCHES  # noqa: PLC0415
 
     print_table(["machine", "what it is"], [[name, load(name).title] for name in names()])
+    last = len(cloud().members) - 1
+    members = [
+        [f"{name}@0 to {name}@{last}", f"{load(name).title}: machines that the paper allows"] for name in cloud().bases
+    ]
+    typer.echo()
+    print_table(["member of the cloud", "what it is"], members)
     typer.echo()
     print_table(["test bench", "what it is"], [[name, load_bench(name).title] for name in BENCHES.names])
 

@@ -33,6 +33,8 @@ CAMERA_HELP = "of the camera [default: calibrate it first]"
 CalibrationFile = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help=CAMERA_HELP)]
 FilmKind = Annotated[str | None, typer.Option(help="mp4, gif or none [default: mp4]")]
 Study = Annotated[bool, typer.Option("--study", help="repeat with many seeds, on all cores, without films")]
+OVER_HELP = "cloud: with --study, each seed packs with another machine that the paper allows"
+Over = Annotated[str, typer.Option(metavar="cloud", help=OVER_HELP)]
 Seeds = Annotated[int | None, typer.Option(min=1, max=MOST, help=f"number of seeds with --study [default: {SEEDS}]")]
 
 
@@ -61,6 +63,7 @@ def pack(
     film: FilmKind = None,
     study: Study = False,
     seeds: Seeds = None,
+    over: Over = "",
 ) -> None:
     """Pack produce in a physical scene; needs the extra `cell`.
 
@@ -71,6 +74,7 @@ def pack(
     """
     from layflat.cell import load  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
+    from layflat.machine.members import members  # noqa: PLC0415
 
     if film is not None and film not in FILMS:
         raise InputError(f"unknown kind of film {film!r}", where="--film", right=f"give {', '.join(FILMS)}")
@@ -78,11 +82,16 @@ def pack(
         raise InputError("cannot be combined with --study", where="--film", right="leave one of them out")
     if not study and seeds is not None:
         raise InputError("is the number of a study's seeds", where="--seeds", right="add --study, or give --seed")
+    if over not in {"", "cloud"}:
+        raise InputError(f"{over!r} is nothing to pack over", where="--over", right="give cloud, or leave it out")
+    if over and not study:
+        raise InputError("is for a study", where="--over", right="add --study, or leave it out")
     described = load(cell)
+    machines = members(described.machine.origin) if over else []
     check_folder(out)
     known = _calibration(described, calibration, out)
     if study:
-        _study(described, known, range(seed, seed + (seeds or SEEDS)), picks or STUDY_PICKS, out)
+        _study(described, known, range(seed, seed + (seeds or SEEDS)), picks or STUDY_PICKS, out, machines)
     else:
         run, written = _run(described, known, seed, picks or PICKS, out, film or "mp4")
         _report(described, [run], out, written)
@@ -128,7 +137,9 @@ def _run(
         return run, [sheet] if path is None else [path, sheet]
 
 
-def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int, out: Path) -> None:
+def _study(
+    cell: Cell, calibration: Calibration | None, seeds: range, picks: int, out: Path, machines: list[str]
+) -> None:
     """Report a run with each seed; what was done before an error or Ctrl-C is kept and marked as partial."""
     from layflat.cell.work.study import repeated  # noqa: PLC0415
 
@@ -136,7 +147,7 @@ def _study(cell: Cell, calibration: Calibration | None, seeds: range, picks: int
     error: LayflatError | None = None
     with steps_bar(f"picks with {len(seeds)} seeds", len(seeds) * picks) as advance:
         try:
-            for run in repeated(cell, seeds, picks, calibration, advance):
+            for run in repeated(cell, seeds, picks, calibration, advance, machines=machines):
                 runs.append(run)  # noqa: PERF402  # one by one: those before a Ctrl-C are kept
         except KeyboardInterrupt:
             error = StoppedError(f"{len(runs)} of {len(seeds)} seeds", out / "results.json" if runs else "")

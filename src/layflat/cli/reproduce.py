@@ -2,13 +2,16 @@
 
 from pathlib import Path
 from textwrap import fill
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from layflat.cli.app import WIDTH, Out, app, print_table
 from layflat.cli.bars import steps_bar
 from layflat.errors import StoppedError
+
+if TYPE_CHECKING:
+    from layflat.experiments import Reproduction
 
 
 @app.command()
@@ -17,6 +20,9 @@ def reproduce(
         str, typer.Option("--machine", "-m", metavar="NAME|FILE", help="the arm under test")
     ] = "paper-arm",
     out: Out = Path("build/reproduce"),
+    cloud: Annotated[
+        bool, typer.Option("--cloud", help="with every member of the machine's cloud, too: tells spreads (minutes)")
+    ] = False,
     questions: Annotated[
         bool, typer.Option("--questions", help="run the studies of the paper's open questions, too (minutes)")
     ] = False,
@@ -24,6 +30,9 @@ def reproduce(
     """Reproduce the paper: its experiments and claims.
 
     Performs the experiments, evaluates the claims, writes report.html and claims.json.
+
+    With --cloud it does so with every machine that the paper allows, and writes cloud.json: what each number spreads
+    over.
 
     Claims that need what the machine lacks are listed as not evaluated, with the reason. Ctrl-C ends it; what was
     evaluated until then is kept. The report shows the open questions whose studies are done below the folder.
@@ -52,6 +61,31 @@ def reproduce(
     typer.echo(f"{found.summary}; wrote {report}")
     for one in answered:
         typer.echo(f"\n{one.title}\n{fill(one.finding, WIDTH)}")
+    if cloud and not found.stopped:
+        _over_cloud(machine, found, out)
     if found.stopped:
         raise StoppedError(f"{len(found.evaluated)} of {len(ORDER)} claims", out)
     return 0 if found.agrees else 1
+
+
+def _over_cloud(machine: str, found: "Reproduction", out: Path) -> None:
+    """Repeat the experiments with every member of a cloud, and show what each number spreads over."""
+    from layflat.experiments.cloud.spread import over, spread_table, spreads, write_spreads  # noqa: PLC0415
+    from layflat.machine.members import members  # noqa: PLC0415
+
+    names, claims = members(machine), []
+    try:
+        with steps_bar("members of the cloud", len(names)) as advance:
+            for one in over(names):
+                claims.append(one)
+                advance(len(claims))
+    except KeyboardInterrupt:
+        if not claims:
+            raise StoppedError(f"0 of {len(names)} members", out) from None
+    told = spreads(claims)
+    print_table(
+        ["claim", "quantity", "simulated", "5 to 95 % of the cloud", "unit", "agree"], spread_table(found, told)
+    )
+    typer.echo(f"{len(claims)} of {len(names)} members; wrote {write_spreads(told, len(claims), out / 'cloud.json')}")
+    if len(claims) < len(names):
+        raise StoppedError(f"{len(claims)} of {len(names)} members", out)

@@ -24,6 +24,9 @@ def tune(
     generations: Annotated[
         int | None, typer.Option(help="of the search, in all; default: as many as the method needs")
     ] = None,
+    over: Annotated[
+        str, typer.Option(metavar="cloud", help="conditions with every machine that the paper allows, not one alone")
+    ] = "",
     seed: Annotated[int, typer.Option(help="of the search; the same seed finds the same gains")] = 1,
     out: Out = Path("build/tune"),
 ) -> None:
@@ -38,7 +41,7 @@ def tune(
     from layflat.tune.conditions import STATEMENT  # noqa: PLC0415
     from layflat.tune.validation import validate, warnings  # noqa: PLC0415
 
-    tuning = begin(machine, out, method=method, start=start, seed=seed, generations=generations)
+    tuning = begin(machine, out, method=method, start=start, seed=seed, generations=generations, over=over)
     from layflat.tune.page import figures_of, write_page  # noqa: PLC0415  # figures; what is asked was checked before
 
     with steps_bar("generations", tuning.generations) as advance:
@@ -46,8 +49,8 @@ def tune(
     tuned = tuning.keep()
     done = f"{len(tuning.history) - 1} of {tuning.generations} generations in {tuning.seconds:.1f} s"
     typer.echo(f"{done}\nwrote {tuning.path}")
-    before = validate(tuning.base) if tuning.has_gains else None
-    after = validate(tuned)
+    before = validate(tuning.base, tuning.spread) if tuning.has_gains else None
+    after = validate(tuned, tuning.spread)
     columns = ["settling within 0.3 deg, coupling", "before", "after"]
     print_table(columns, figures_of(tuning.machine, before, after), tuned.name)
     for line in (*warnings(before, after), STATEMENT):

@@ -19,6 +19,8 @@ from layflat.sim import rollout
 
 SETTLED = 1.0  # ripple is measured from this time on, s
 SMALL_SIGNAL = 0.05  # commands up to this are small, share of full opening
+FAR, CLOSELY = 0.2, 0.005  # how far commands are swept, and by what
+SWEPT_BY = (1e-4, 800)  # step of the spool, s, and steps at each command
 HIGH_FREQUENCY = 400.0  # a dither too fast for the spool, Hz
 OPENING = "of full opening"
 
@@ -39,7 +41,11 @@ class ValveSweep:
     @property
     def gain(self) -> float:
         """Steepest slope of opening against command for small commands, where a valve works that holds a joint."""
-        return float(np.max(np.gradient(self.up, self.command)[np.abs(self.command) <= SMALL_SIGNAL]))
+        return _steepest(self.up, self.command)
+
+
+def _steepest(opening: Array, command: Array) -> float:
+    return float(np.max(np.gradient(opening, command)[np.abs(command) <= SMALL_SIGNAL + 1e-9]))
 
 
 def amplitude_at(time: Array, signal: Array, frequency: float) -> float:
@@ -62,11 +68,20 @@ def ripple(machine: Machine, brake: float, frequency: float) -> tuple[dict[str, 
 def sweep_valve(valve: SpoolValvePart, amplitude: float, frequency: float) -> ValveSweep:
     """Sweep a valve's command slowly up and down over a fifth of its stroke."""
     law = VALVES.parameters(valve)
-    command = np.linspace(-0.2, 0.2, 81)
+    command = np.linspace(-FAR, FAR, 1 + round(2.0 * FAR / CLOSELY))
     both = np.concatenate([command, command[::-1]])
     lap = np.concatenate([both, both])
-    opening = sweep_spool(law, lap, amplitude, frequency, 1e-4, 800)
-    return ValveSweep(command, opening[162:243], opening[243:][::-1])
+    opening = sweep_spool(law, lap, amplitude, frequency, *SWEPT_BY)
+    up, down = np.split(opening[len(both) :], 2)
+    return ValveSweep(command, up, down[::-1])
+
+
+def small_gain(valve: SpoolValvePart, amplitude: float, frequency: float) -> float:
+    """Return the gain of a valve alone (`ValveSweep.gain`), swept where it counts."""
+    # Friction of the spool holds it below where it is going, so it comes from below.
+    command = np.arange(-2.0 * SMALL_SIGNAL, SMALL_SIGNAL + 1.5 * CLOSELY, CLOSELY)
+    opening = sweep_spool(VALVES.parameters(valve), np.append(-FAR, command), amplitude, frequency, *SWEPT_BY)
+    return _steepest(opening[1:], command)
 
 
 def frequency_response(frequency: Array, cycle: float) -> Array:

@@ -1,11 +1,11 @@
 """All experiments of the paper on one bench, and all its claims."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench
-from layflat.experiments.claim import CLAIMS, Claim
+from layflat.experiments.claim import CLAIMS, Claim, Experiment
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither
 from layflat.experiments.open_loop import OpenLoop
@@ -56,6 +56,19 @@ class Reproduction:
         lacking = len(self.claims) - len(self.evaluated) - left
         said += f"; {lacking} do not apply to this machine" if lacking else ""
         return said + (f"; partial: stopped before {left} were evaluated" if left else "")
+
+
+EXPERIMENTS: tuple[Callable[[Bench], Experiment], ...] = (TwoAxis, OpenLoop, AxisOne, Dither, Controller, Statics)
+"""Those that disagree most often first, dearer ones later."""
+
+
+def disagreeing(bench: Bench, experiments: Sequence[Callable[[Bench], Experiment]] = EXPERIMENTS) -> str:
+    """Return the first claim of some experiments that disagrees, by its id; empty if none does.
+
+    What comes after it is not evaluated.
+    """
+    claims = (rule.evaluated(one) for one in (experiment(bench) for experiment in experiments) for rule in one.rules())
+    return next((claim.id for claim in claims if claim.agrees is False), "")
 
 
 def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: None) -> Reproduction:

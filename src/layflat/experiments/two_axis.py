@@ -18,10 +18,19 @@ HALF = radians(20.0)  # half of a step, rad
 FIRST, SECOND, END = 0.5, 4.0, 7.5  # times of the large joint's step, of the small joint's, and of the end, s
 MOVES = {"large": (FIRST, SECOND - 0.005), "small": (SECOND, END)}  # from when to when each joint's move lasts, s
 REPEATS = 20
-REPEAT_TIME = 2.5
+REPEAT_TIME, RESTS = 2.5, 0.2  # of a move when approaches are repeated, and over how much of it the arm is at rest, s
 FINAL_BAND = radians(0.1)
 
 Steps = list[tuple[str | float, tuple[float, float]]]
+
+
+def approaches() -> tuple[Steps, Array]:
+    """Return demands of approaches to mid-stroke from -20 and +20 deg by turns, and when each of them ends, s."""
+    demand: Steps = []
+    for i in range(REPEATS):
+        away = HALF if i % 2 else -HALF
+        demand += [(2 * i * REPEAT_TIME, (away, away)), ((2 * i + 1) * REPEAT_TIME, (0.0, 0.0))]
+    return demand, np.asarray(2 * REPEAT_TIME * (1.0 + np.arange(REPEATS)))
 
 
 def final_settling(run: xarray.Dataset, joint: str, since: float, until: float) -> float:
@@ -47,15 +56,11 @@ class TwoAxis(Experiment):
 
         The approaches come from -20 and +20 deg by turns.
         """
-        demand: Steps = []
-        for i in range(REPEATS):
-            away = HALF if i % 2 else -HALF
-            demand += [(2 * i * REPEAT_TIME, (away, away)), ((2 * i + 1) * REPEAT_TIME, (0.0, 0.0))]
-        run = self._run(demand, 2 * REPEATS * REPEAT_TIME, seed=3)
-        ends = 2 * REPEAT_TIME * (1 + np.arange(REPEATS))
+        demand, ends = approaches()
+        run = self._run(demand, float(ends[-1]), seed=3)
         return np.array(
             [
-                run["angle"].sel(time=slice(end - 0.2, end)).mean("time").to_numpy()
+                run["angle"].sel(time=slice(end - RESTS, end)).mean("time").to_numpy()
                 for end in ends
                 if end <= run.time[-1] + 1.0
             ]

@@ -175,6 +175,11 @@ def static_friction(joint: parts.Joint, gauge: float) -> float:
     return itemwise(partial(level, friction(joint)), joint.brake.torque, 0.0, pull)
 
 
+def held_pressure(joint: parts.Joint, gauge: float) -> float:
+    """Differential pressure (Pa) to which friction and losses hold the shaft, hoses being at a gauge pressure (Pa)."""
+    return static_friction(joint, gauge) / torque_constant(joint) + 0.5 * loss_share(joint) * gauge
+
+
 def _behind(line: Line, hose: Hose) -> Hose:
     """A hose behind a tube."""
     chamber = hose.chamber._replace(dead_volume=hose.chamber.dead_volume + 0.5 * tube.volume(line))

@@ -1,6 +1,6 @@
 """Whether all runs of a study can be: asked before the first of them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -21,8 +21,18 @@ SAME_THING = {"scenario.payload": "arm.payload", "scenario.supply": "supply.pres
 """Settings of a scenario that stand in for a number of the machine."""
 
 
-def check(machine: Machine, scenarios: Sequence[Scenario], drawn: Samples, step: float, where: str) -> None:
-    """Refuse scenarios that do not fit the machine, and samples that make no sense or do not matter."""
+def check(
+    machine: Machine,
+    scenarios: Sequence[Scenario],
+    drawn: Samples,
+    step: float,
+    where: str,
+    along: Collection[str] = (),
+) -> None:
+    """Refuse scenarios that do not fit the machine, and samples that make no sense or do not matter.
+
+    What comes `along` with a member of a cloud need not matter: nobody asked for it by itself.
+    """
     first = np.array([0])
     for i, scenario in enumerate(scenarios):
         with _inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
@@ -33,7 +43,8 @@ def check(machine: Machine, scenarios: Sequence[Scenario], drawn: Samples, step:
     _check_bounds(machine, drawn, where)
     # Numbers that are right alone can contradict each other.
     changed_all(machine, {key: own for key, own in drawn.items() if not key.startswith("scenario.")}, f"{where}: vary")
-    for path, values in drawn.items():
+    for path in (path for path in drawn if path not in along):
+        values = drawn[path]
         ends = [
             cases(machine, list(scenarios), {path: [end]}, None, together=False).runs(first)
             for end in (values.min(), values.max())

@@ -68,6 +68,7 @@ class Kind:
         return f"{value!r} {self.unit}" if self.quantity else value
 
 
+NUMBER = Kind(Annotated[int, Ge(0)])  # of something in a list
 FACTOR = Kind(Annotated[float, Ge(0)])  # of what is given relative to what the machine says
 
 

@@ -146,8 +146,9 @@ def read(path: str | Path) -> Study:
 def check_samples(study: Study, where: str) -> None:
     """Refuse a study whose runs can't all be, or in which something varies that does not matter."""
     drawn = samples(study.varied, study.file)
+    along = [path for one in study.varied for path in one.members]
     for one in study.variants:
-        check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where)
+        check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where, along)
 
 
 def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None:

@@ -1,7 +1,7 @@
 """One thing that varies: its values over the unit interval, or on a grid."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any
 
@@ -10,10 +10,13 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.machine import Machine
+from layflat.machine.members import differing
 from layflat.study.description import Range, refuse
-from layflat.study.kinds import FACTOR, Kind, kind
+from layflat.study.kinds import FACTOR, NUMBER, Kind, kind
 
 EDGE = 1e-12  # a normal distribution is cut off where less than this share of it lies beyond
+
+MEMBER = "member"  # in place of a path: a member of the machine's cloud, by its number
 
 WHOLE = "is a whole number; give values, such as values = [10, 12]"
 
@@ -34,11 +37,13 @@ class Varied:
     also: tuple[str, ...] = ()  # paths that vary along with it
     relative: bool = False  # whether its values are factors on what the machine says
     group: str | None = None  # what it belongs to, where sensitivity is asked for
+    # Of a number of a cloud's member: what each member sets, by path (SI).
+    members: Mapping[str, Array] = field(default_factory=dict, compare=False)
 
     @property
     def paths(self) -> tuple[str, ...]:
         """Everything that it changes."""
-        return (self.path, *self.also)
+        return tuple(self.members) or (self.path, *self.also)
 
     def at(self, share: Array) -> Array:
         """Return the values that lie at shares, 0 to 1, of the distribution."""
@@ -78,6 +83,8 @@ class Varied:
         """Return how it varies, as it could stand in the file, in SI units."""
         noted = {"also": list(self.also), "relative": self.relative, "group": self.group, "points": self.points}
         linked = {key: value for key, value in noted.items() if value}
+        if self.members:
+            linked["members"] = {path: numbers.tolist() for path, numbers in self.members.items()}
         if self.values:
             return {"values": [self.kind.written(value) for value in self.values], **linked}
         numbers = {key: value for key, value in (("low", self.low), ("high", self.high)) if abs(value) < inf}
@@ -88,11 +95,12 @@ class Varied:
 
 def applied(varied: Sequence[Varied], drawn: Mapping[str, Array], machine: Machine) -> dict[str, Array]:
     """Return what to set on a machine, by path (SI), from samples of what varies."""
-    return {
-        path: drawn[one.path] * value_at(machine, path) if one.relative else drawn[one.path]
-        for one in varied
-        for path in one.paths
-    }
+    found = {}
+    for one in varied:
+        for path in one.paths:
+            own = one.members[path][drawn[one.path].astype(int)] if one.members else drawn[one.path]
+            found[path] = own * value_at(machine, path) if one.relative else own
+    return found
 
 
 def groups(varied: Sequence[Varied]) -> dict[str, list[int]]:
@@ -103,6 +111,8 @@ def groups(varied: Sequence[Varied]) -> dict[str, list[int]]:
 
 def resolved(path: str, given: Range, machine: Machine, sampling: str, where: str) -> Varied:
     """Return what a file says of a path and of those that vary along, in SI units (InputError: naming `where`)."""
+    if path == MEMBER:
+        return _of_cloud(given, machine, where)
     own = kind(machine, path, where)
     others = [kind(machine, other, f"{where}.also.{i}") for i, other in enumerate(given.also)]
     setting = next((name for name in (path, *given.also) if name.startswith("scenario.")), "")
@@ -123,6 +133,22 @@ def resolved(path: str, given: Range, machine: Machine, sampling: str, where: st
         own = FACTOR
     values = _spread(given, own, sampling, where) if given.values is None else {"values": _values(given, own, where)}
     return Varied(path, own, also=given.also, relative=given.relative, group=given.group, **values)
+
+
+def _of_cloud(given: Range, machine: Machine, where: str) -> Varied:
+    """Return members of the machine's cloud: those whose numbers are given, or all."""
+    members = differing(machine.origin)
+    count = len(next(iter(members.values())))
+    odd = sorted(given.model_fields_set - {"values", "group"})
+    numbers = list(range(count)) if given.values is None else given.values
+    wrong = next((one for one in numbers if not (isinstance(one, int) and 0 <= one < count)), None)
+    refuse(
+        where,
+        (bool(odd), "." + "".join(odd[:1]), "does not fit members; give values, or nothing for all of them"),
+        (wrong is not None, ".values", f"{wrong!r} is no member; give numbers from 0 to {count - 1}"),
+        (not numbers, ".values", "is empty; give one or more, or leave it out for all"),
+    )
+    return Varied(MEMBER, NUMBER, values=tuple(map(float, numbers)), group=given.group, members=members)
 
 
 def _spread(given: Range, kind: Kind, sampling: str, where: str) -> dict[str, Any]:

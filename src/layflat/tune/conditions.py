@@ -9,7 +9,7 @@ under nominal conditions.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray
@@ -60,6 +60,8 @@ class Spread:
     losses: float = 0.3  # share of the losses in hoses and straps, either way
     drift: float = 0.1  # of the valves' centres, V, either way
     window: float = 1.7  # time that a move is given, s
+    # Numbers (SI) by path of machines that take the place of the nominal one, an item a machine; none: only that.
+    members: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,9 @@ def conditions(machine: Machine, runs: int, spread: Spread | None = None, seed: 
     share = qmc.Sobol(3 + len(names), seed=seed).random(runs)
     share = np.where(share < PULL, 0.0, np.where(share > 1.0 - PULL, 1.0, share))
     about = 2.0 * share - 1.0
-    vary = {
+    drawn = np.random.default_rng(seed).integers(max(map(len, spread.members.values()), default=1), size=runs)
+    vary = {path: numbers[drawn] for path, numbers in spread.members.items()}
+    vary |= {
         "arm.payload": machine.arm.payload * spread.payload * share[:, 0],
         "supply.pressure_gauge": machine.supply.pressure_gauge * (1.0 + spread.supply * about[:, 1]),
     }

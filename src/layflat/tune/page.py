@@ -50,7 +50,7 @@ def nominal_moves(machine: Machine) -> list[str]:
 
 def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after: Validation, path: Path) -> Path:
     """Write the page (OutputError: it can't be written there)."""
-    by = fresh(tuning.machine)
+    by = fresh(tuning.machine, tuning.spread)
     html = page(
         "layflat.tune",
         "tuning.html.j2",

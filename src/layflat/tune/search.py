@@ -16,7 +16,7 @@ from layflat.extras import module
 from layflat.machine import Machine
 from layflat.sim import STEP
 from layflat.sim.ensemble import ensemble
-from layflat.tune.conditions import Conditions, candidate_costs, conditions
+from layflat.tune.conditions import Conditions, Spread, candidate_costs, conditions
 from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to_shares
 
 WIDTH = 0.15  # spread of the first generation, share of each knob's range
@@ -68,9 +68,9 @@ def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Condit
     return candidate_costs(ensemble(machine, by.scenarios, vary, step=step), by, len(candidates))
 
 
-def panel(machine: Machine) -> Conditions:
+def panel(machine: Machine, spread: Spread | None = None) -> Conditions:
     """The conditions by which the best is chosen."""
-    return conditions(machine, PANEL, seed=PANEL_SEED)
+    return conditions(machine, PANEL, spread, seed=PANEL_SEED)
 
 
 def search(
@@ -80,6 +80,7 @@ def search(
     parts: Sequence[Part],
     *,
     seed: int = 1,
+    spread: Spread | None = None,
     progress: Callable[[Found, int, str], None] = lambda *_: None,
 ) -> Found:
     """Least cost over the knobs' ranges, one part after the other; each goes on from the best of the last.
@@ -90,12 +91,13 @@ def search(
         start: where to begin, in the knobs' units.
         parts: what is looked for, in order.
         seed: of the search.
+        spread: how far conditions may be from nominal.
         progress: is told the best so far, the generations done, and the part's name, after every generation.
 
     Raises:
         InputError: the machine can't be simulated, or cma is not installed.
     """
-    by, done = panel(machine), 0
+    by, done = panel(machine, spread), 0
     best = Found(rounded(start), float(judge(machine, knobs, start[None], by)[0]), 0)
     progress(best, 0, "")
     for part in parts:
@@ -110,7 +112,7 @@ def search(
         strategy = Strategy(to_shares(turned, base[places]), part.population, seed + 1 + done)
         todo = [stage.runs for stage in part.stages for _ in range(stage.generations)]
         for left, runs in zip(reversed(range(len(todo))), todo, strict=True):
-            met = conditions(machine, runs, seed=seed * GENERATIONS + done)
+            met = conditions(machine, runs, spread, seed=seed * GENERATIONS + done)
             asked = strategy.ask()
             strategy.tell(judge(machine, knobs, whole(asked), met, COARSE))
             done += 1

@@ -14,6 +14,8 @@ from layflat.extras import require
 from layflat.files import check_folder
 from layflat.machine import Machine, load
 from layflat.machine.derived import derived_path, write_derived
+from layflat.machine.members import differing
+from layflat.tune.conditions import Spread
 from layflat.tune.knobs import INTEGRAL_LIMIT, Knob, Part, knobs_of, neutral_gains, parts, values_of, with_gains
 from layflat.tune.search import Found, judge, panel, search
 
@@ -37,6 +39,7 @@ class Tuning:
     asked: int | None  # generations, where they were given
     parts: list[Part]  # what is looked for, in order
     path: Path  # where the tuned description is put
+    spread: Spread | None = None  # how far conditions may be from nominal; none: as usual
     history: list[Found] = field(default_factory=list)  # the best after every generation, the start first
     seconds: float = 0.0  # that the search took, compilation not counted
     stopped: bool = False
@@ -73,6 +76,7 @@ class Tuning:
         """What finds the same gains again."""
         words = f"layflat tune {self.given} --method {self.method} --seed {self.seed}"
         words += f" --from {self.start}" if self.start != STARTS[0] else ""
+        words += " --over cloud" if self.spread is not None else ""
         words += f" --generations {self.generations}" if self.asked is not None else ""
         return words + (f", stopped after {len(self.history) - 1} generations" if self.stopped else "")
 
@@ -92,7 +96,7 @@ class Tuning:
             neutral_gains(len(self.machine.joints)) if self.start == "neutral" else values_of(self.machine, self.knobs)
         )
         try:
-            search(self.machine, self.knobs, first, self.parts, seed=self.seed, progress=tell)
+            search(self.machine, self.knobs, first, self.parts, seed=self.seed, spread=self.spread, progress=tell)
         except KeyboardInterrupt:
             if not self.history:
                 raise
@@ -101,7 +105,9 @@ class Tuning:
     def keep(self) -> Machine:
         """Write the best gains and load them; where none better were found, those that were there stand as they do."""
         best, texts, sources = self.history[-1], dict[str, str](), dict[str, Provenance]()
-        self.kept = self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base))[0] <= best.cost
+        self.kept = (
+            self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base, self.spread))[0] <= best.cost
+        )
         if not self.kept:
             for knob, value in zip(self.knobs, best.values, strict=True):
                 texts[knob.paths[0]] = str(knob.text(value))
@@ -122,6 +128,7 @@ def begin(
     start: str = "neutral",
     seed: int = 1,
     generations: int | None = None,
+    over: str = "",
 ) -> Tuning:
     """Check everything before any work is done.
 
@@ -132,6 +139,7 @@ def begin(
         start: "neutral", gains that know nothing of the machine, or "current", its own.
         seed: of the search.
         generations: in all; default: as many as the method needs.
+        over: "cloud": conditions have the values of every member of the machine's cloud; default: its own.
 
     Raises:
         MachineError: the machine is wrong or has no controller.
@@ -145,6 +153,9 @@ def begin(
         raise InputError(f"unknown start {start!r}", where="--from", right=f"give {' or '.join(STARTS)}")
     if not 0 <= seed < SEEDS:
         raise InputError(f"{seed} is out of range", where="--seed", right=f"give 0 to {SEEDS - 1}")
+    if over not in {"", "cloud"}:
+        raise InputError(f"{over!r} is nothing to tune over", where="--over", right="give cloud, or leave it out")
     require("tune", "cma", where="tune")
     path = derived_path(given, check_folder(out), "tuned")
-    return Tuning(given, base, machine, method, start, seed, generations, wanted, path)
+    spread = Spread(members=differing(given)) if over else None
+    return Tuning(given, base, machine, method, start, seed, generations, wanted, path, spread)

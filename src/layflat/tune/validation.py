@@ -10,7 +10,7 @@ from layflat.machine import Machine
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import disturbance
 from layflat.sim.run import rollout_as_far
-from layflat.tune.conditions import POSTURES, REST, Conditions, candidate_costs, conditions
+from layflat.tune.conditions import POSTURES, REST, Conditions, Spread, candidate_costs, conditions
 
 FRESH, FRESH_SEED = 256, 2_000_000_000  # runs of the validation, and their seed
 LIMIT = 1.5  # time in which the paper's arm settles, s: section 4.2
@@ -39,14 +39,14 @@ class Validation:
         return int((self.settling > LIMIT).sum())
 
 
-def fresh(machine: Machine) -> Conditions:
+def fresh(machine: Machine, spread: Spread | None = None) -> Conditions:
     """Return the conditions of the validation."""
-    return conditions(machine, FRESH, seed=FRESH_SEED)
+    return conditions(machine, FRESH, spread, seed=FRESH_SEED)
 
 
-def validate(machine: Machine) -> Validation:
+def validate(machine: Machine, spread: Spread | None = None) -> Validation:
     """Simulate a machine as it is described over the fresh conditions."""
-    by = fresh(machine)
+    by = fresh(machine, spread)
     runs = ensemble(machine, by.scenarios, by.of(1))
     settling = runs["settling"].to_numpy()
     settling = np.where(np.isnan(settling), np.inf, settling)

@@ -26,6 +26,7 @@ from layflat.cell.work.results import Summary, as_dict, counted, save
 from layflat.cell.work.run import Run, calibrated, packed
 from layflat.cell.work.study import repeated
 from layflat.errors import CameraError, CellError, PictureError, RigStoppedError, StoppedError
+from layflat.machine import load
 
 FEW: dict[str, Any] = {"tray/infeed/count": {"least": 2, "most": 2}, "tray/infeed/produce": ["tomato"]}
 RED = {"produce/tomato/colour/orange/share": 1e-6, "produce/tomato/diameter/least": "54 mm"}
@@ -85,6 +86,14 @@ def test_same_seed_same_run_also_in_a_study_without_a_camera(cell: Cell) -> None
     assert others[1].deliveries[0].seed != alone.deliveries[0].seed
     assert told[-1] == 2
     assert as_dict(cell, others)["runs"][1]["perception"] == "scene"
+
+
+def test_each_seed_packs_with_its_machine(cell: Cell) -> None:
+    names = [f"{cell.machine.name}@{number}" for number in (0, 1, 2)]
+    (run,) = repeated(cell, [7], 1, None, processes=1, machines=names)
+    assert run.cell.machine == load(names[1])
+    assert run.cell.machine != cell.machine
+    assert [pick.outcome for delivery in run.deliveries for pick in delivery.picks] == [Outcome.PLACED]
 
 
 def test_nothing_to_pick_is_told() -> None:

@@ -2,35 +2,49 @@ import numpy as np
 import pytest
 
 from layflat.arrays import Array
-from layflat.experiments.calibration import search as found_by
-from layflat.experiments.calibration.evidence import FINE, Effort
+from layflat.experiments.calibration.effort import CLAIMED, Effort
+from layflat.experiments.calibration.search import NEARLY, Best, Sought, search
 
 
-def bowl(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
+def parts(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
     """Two shortfalls that vanish in a corner, and noise while searching."""
-    noise = 0.0 if effort is FINE else 0.01 * np.random.default_rng(seed).random(len(shares))
-    return {"first": np.abs(shares[:, 0] - 0.2), "rest": np.abs(shares[:, 1:] - 0.7).sum(axis=1) + noise}
+    noise = 0.0 if effort is CLAIMED else 0.01 * np.random.default_rng(seed).random(len(shares))
+    return {"first": 30.0 * np.abs(shares[:, 0] - 0.2), "rest": 30.0 * np.abs(shares[:, 1:] - 0.7).sum(axis=1) + noise}
 
 
-def there(shares: Array) -> bool:
-    return bool(sum(part[0] for part in bowl(shares[None], 0, FINE).values()) < 0.02)
+def lack(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
+    """As a look does that ends where too much is lacked."""
+    found = parts(shares, seed, effort)
+    return np.where(found["first"] > level, found["first"], found["first"] + found["rest"])
 
 
-def last(seed: int, seconds: float = 20.0, first: Array | None = None) -> found_by.Best:
-    *_, (best, _) = found_by.search(bowl, there, first, 3, seed=seed, seconds=seconds)
+def denied(shares: Array) -> str:
+    found = parts(shares[None], 0, CLAIMED)
+    return "" if sum(one[0] for one in found.values()) < 0.3 else max(found, key=lambda name: found[name][0])
+
+
+SOUGHT = Sought(parts, lack, denied)
+
+
+def last(seed: int, seconds: float = 30.0, first: Array | None = None) -> Best:
+    *_, (best, _, _) = search(SOUGHT, first, 3, seed=seed, seconds=seconds)
     return best
 
 
 def test_a_search_finds_where_nothing_is_short_and_repeats_itself() -> None:
     one, same = last(3), last(3)
-    assert there(one.shares)
+    assert one.agrees
+    assert one.cost <= NEARLY
     assert np.array_equal(one.shares, same.shares)
     assert one.shares == pytest.approx([0.2, 0.7, 0.7], abs=0.02)
 
 
 def test_a_search_may_begin_where_one_ended() -> None:
-    assert last(5, first=np.array([0.2, 0.7, 0.7])).generations <= last(5).generations
+    assert last(5, first=np.array([0.2, 0.7, 0.7])).rounds <= 1
 
 
 def test_a_search_ends_when_its_time_is_over() -> None:
-    assert len(list(found_by.search(bowl, there, None, 3, seed=1, seconds=0.0))) == 1
+    best, _, left = list(search(SOUGHT, None, 3, seed=1, seconds=0.0))[-1]
+    assert not best.agrees
+    assert best.rounds <= 1
+    assert left <= 0.0

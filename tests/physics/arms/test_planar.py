@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from plants import CYCLE, PASSIVE, Floats, kinetic_energy, run, signals
 
 from layflat.physics.arms.planar import (
+    KIND,
     LevelTwoLink,
     OneLink,
     TwoLink,
@@ -79,8 +80,25 @@ def test_moments_of_both_links_are_those_of_their_masses() -> None:
     assert level == pytest.approx(LevelTwoLink(*ARM[:3], LENGTH, LENGTH, ELBOW))
 
 
+def test_points_are_those_of_links_laid_end_to_end() -> None:
+    first, second = 0.3 * np.exp(0.7j), 0.5 * np.exp(1j * (0.7 - 0.4 + ELBOW))
+    arm = ARM._replace(length_1=0.3, length_2=0.5)
+    found = KIND.laws[TwoLink].points(arm, (0.7, -0.4))
+    assert np.array(found) @ [1.0, 1.0j] == pytest.approx(np.array([0.0, first, first + second]))
+    alone = KIND.laws[OneLink].points(OneLink(0.3, 1.2, 0.5, *GRAVITY), (0.7,))
+    assert np.array(alone) @ [1.0, 1.0j] == pytest.approx(np.array([0.0, 0.5 * np.exp(0.7j)]))
+
+
 angles = st.floats(-1.2, 1.2)
 speeds = st.floats(-5.0, 5.0)
+
+
+@given(angles, angles, speeds, speeds)
+def test_a_level_arm_is_one_without_gravity(q_1: float, q_2: float, v_1: float, v_2: float) -> None:
+    level, weightless = LevelTwoLink(*ARM[:3], LENGTH, LENGTH, ELBOW), ARM._replace(gravity_x=0.0, gravity_y=0.0)
+    found, told = (KIND.laws[type(arm)].dynamics(arm, PAYLOAD, (q_1, q_2), (v_1, v_2)) for arm in (level, weightless))
+    for one, other in zip(found, told, strict=True):
+        assert one == pytest.approx(other, abs=1e-12)
 
 
 def mass(q: Floats) -> tuple[Any, float]:

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from layflat.physics.friction import level, levels, rub_one
 from layflat.physics.friction.coulomb import Coulomb
-from layflat.physics.friction.stribeck import KIND, Stribeck
+from layflat.physics.friction.stribeck import KIND, Stribeck, StribeckPart, parameters
 
 Floats = NDArray[np.floating]
 FALLING = Stribeck(0.4, 1.0 / 0.05**2, 0.3, 0.01)
@@ -26,6 +26,13 @@ def test_half_of_the_difference_is_gone_at_the_stribeck_velocity() -> None:
     assert level(FALLING, 2.0, 0.0, 0.0) == pytest.approx(1.4 * 2.3)
     assert level(FALLING, 2.0, 0.05, 0.0) == pytest.approx(1.2 * 2.3)
     assert level(FALLING, 2.0, 1e6, 0.0) == pytest.approx(2.3)
+
+
+def test_friction_is_what_its_description_says() -> None:
+    said = {"kind": "stribeck", "static_ratio": 1.4, "velocity": "0.05 rad/s", "drag": "0.3 N m", "load_share": 0.01}
+    assert parameters(StribeckPart.model_validate(said)) == pytest.approx(FALLING)
+    unloaded = StribeckPart.model_validate({key: said[key] for key in ("kind", "static_ratio", "velocity")})
+    assert parameters(unloaded) == pytest.approx(FALLING._replace(drag=0.0, load_share=0.0))
 
 
 @given(st.floats(0.0, 10.0), speeds, st.floats(0.0, 100.0))

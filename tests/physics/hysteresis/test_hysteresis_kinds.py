@@ -1,6 +1,7 @@
 """What holds for every kind of hysteresis, whatever its law."""
 
 from collections.abc import Callable
+from math import radians
 from typing import Any
 
 import numpy as np
@@ -122,6 +123,34 @@ def convergence(turning: Callable[[Any, int], float], loss: Any) -> float:
     """Order at which the torque at the end of a smooth turn converges."""
     errors = [abs(turning(loss, n) - turning(loss, 64 * 40)) for n in (40, 80)]
     return float(np.log2(errors[0] / errors[1]))
+
+
+def test_elements_have_their_weights_after_a_sudden_turn_and_relax_in_their_times() -> None:
+    turned_by, steps = radians(1.0), 400  # half of the deflection
+    loss = losing("maxwell", times=["20 ms", "100 ms"])
+    for p_g, share in ((P_G, 1.0), (0.0, 0.25)):
+        state = turned(loss, at_rest(loss), turned_by, p_g, 1e-9)
+        sudden = np.array(torques(loss, state))
+        assert sudden == pytest.approx(0.5 * LIMIT * np.array([0.5, 0.2]), rel=1e-6)
+        for _ in range(steps):
+            state = turned(loss, state, 0.0, p_g, 0.04 * share / steps)
+        assert np.array(torques(loss, state)) == pytest.approx(sudden * np.exp([-2.0, -0.4]), rel=1e-3)
+
+
+@pytest.mark.parametrize("h", [1e-3, 0.03, 0.5])
+def test_a_steady_turn_meets_dashpots(h: float) -> None:
+    rate, loss, steps = radians(3.0), losing("maxwell", times=["20 ms"], weights=[0.5]), 20 + round(0.5 / h)
+    steadily = walk(loss, np.linspace(0.0, rate * h * steps, steps + 1), h)[-1]
+    # Half of the limit after 2 degrees is what the spring carries, for the time that it takes to relax.
+    assert steadily == pytest.approx(0.5 * LIMIT / radians(2.0) * 0.02 * rate)
+
+
+@given(st.floats(1e-6, 1e3))
+def test_what_relaxes_does_not_swing(h: float) -> None:
+    loss = losing("maxwell", times=["20 ms"], weights=[0.5])
+    stretched = turned(loss, at_rest(loss), 0.02, P_G, 1e-9)
+    (before,), (after,) = torques(loss, stretched), torques(loss, turned(loss, stretched, 0.0, P_G, h))
+    assert 0.0 <= after <= before
 
 
 @pytest.mark.parametrize("kind", ["bouc-wen", "maxwell", "creep"])

@@ -92,7 +92,7 @@ def test_duty_grows_from_the_least_pulse_to_one() -> None:
     grows = [float(duty(PAIR, u)) for u in np.linspace(PAIR.dead_band + 1e-12, 1.0, 9)]
     assert grows[0] == pytest.approx(PAIR.least_pulse * PAIR.frequency, abs=1e-9)
     assert all(a < b for a, b in pairwise(grows))
-    assert grows[-1] == 1.0
+    assert grows[-1] == duty(PAIR, 1.5) == 1.0
 
 
 def conductances(command: float, periods: int = 4) -> tuple[float, float, float]:

@@ -7,7 +7,15 @@ from plants import VALVE
 from layflat.machine import load
 from layflat.physics.flow import orifice, root_temperature
 from layflat.physics.valves import chamber_flow, commanded_opening
-from layflat.physics.valves.spool import SpoolValvePart, Stiction, mean_conductance, parameters, path_conductance
+from layflat.physics.valves.spool import (
+    SpoolState,
+    SpoolValvePart,
+    Stiction,
+    held_at,
+    mean_conductance,
+    parameters,
+    path_conductance,
+)
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 
@@ -30,6 +38,10 @@ def test_a_spool_valve_is_what_its_description_says() -> None:
     stuck = parameters(described.model_copy(update={"stiction": Stiction(static_ratio=1.5, velocity="2 Hz")})).spool
     assert tuple(stuck)[:3] == pytest.approx(tuple(valve.spool)[:3])
     assert tuple(stuck)[3:] == pytest.approx((0.5, 0.25))
+
+
+def test_a_spool_that_is_held_is_at_rest() -> None:
+    assert held_at(VALVE, -0.4) == SpoolState(-0.4, 0.0)
 
 
 def test_volts_to_opening() -> None:

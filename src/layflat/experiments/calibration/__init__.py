@@ -1,5 +1,7 @@
 """What the paper leaves open is found from what it reports: `python -m layflat.experiments.calibration`.
 
-A reader's way: unknowns.py (what is open, and within what range), evidence.py (the paper's experiments with many
-machines at once), shortfall.py (how far they are from the paper's findings), search.py (where none is), __main__.py.
+A reader's way: unknowns.py (what is open, and within what range), effort.py (how closely to look), steps.py and
+evidence.py (the paper's experiments with many machines at once), shortfall.py (how far they are from the paper's
+findings), findings.py (the cheapest looks first), walk.py (machines that walk as far as the findings let them),
+search.py (where nothing is short), __main__.py.
 """

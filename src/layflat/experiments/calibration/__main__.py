@@ -9,16 +9,16 @@ import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 from layflat.arrays import Array
 from layflat.description.change import changed_all
 from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench, bench
-from layflat.experiments.calibration import shortfall
-from layflat.experiments.calibration.evidence import Effort, Evidence
-from layflat.experiments.calibration.search import Best, search
+from layflat.experiments.calibration.effort import Effort
+from layflat.experiments.calibration.evidence import Evidence
+from layflat.experiments.calibration.findings import Findings
+from layflat.experiments.calibration.search import Best, Sought, search
 from layflat.experiments.calibration.unknowns import (
     AIR,
     DAMPING,
@@ -37,10 +37,10 @@ from layflat.experiments.calibration.written import loss_shares, put_into, put_l
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither
 from layflat.experiments.open_loop import OpenLoop
-from layflat.experiments.reproduction import reproduce
+from layflat.experiments.reproduction import disagreeing, reproduce
 from layflat.experiments.two_axis import TwoAxis
 
-SHARES = (0.75, 1.0)  # of the time that is left, for each stage
+SHARES = (0.85, 1.0)  # of the time that is left, for each stage
 
 
 @dataclass(frozen=True)
@@ -51,19 +51,25 @@ class Stage:
     unknowns: tuple[Unknown, ...]
     arm: bool  # whether it is the arm's findings, or axis one's
 
-    def lacks(self, evidence: Evidence, shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
-        """Shortfalls of machines (machines, unknowns) by name."""
-        values, on = by_path(self.unknowns, to_values(self.unknowns, shares)), evidence.bench
-        shows = shortfall.dither(evidence.ripple(on.arm if self.arm else on.axis_one, values))
-        if self.arm:
-            return shortfall.two_axes(evidence.arm_moves(values, seed, effort), on.arm.cycle) | shows
-        kept = shortfall.small_motions(evidence.small_motion(values))
-        return shortfall.axis_one(evidence.steps(values, seed, effort)) | kept | shows
+    def values(self, shares: Array) -> dict[str, Array]:
+        """Numbers (SI) by path of machines (machines, unknowns)."""
+        return by_path(self.unknowns, to_values(self.unknowns, shares))
 
-    def agrees(self, on: Bench) -> bool:
-        """Whether all claims agree that this stage decides."""
-        experiments = (TwoAxis(on), Dither(on), Controller(on)) if self.arm else (OpenLoop(on), AxisOne(on))
-        return all(rule.evaluated(one).agrees is not False for one in experiments for rule in one.rules())
+    def sought(self, on: Bench) -> Sought:
+        """What machines are sought by that take the place of those of a bench."""
+        findings = Findings(Evidence(on))
+
+        def parts(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
+            return findings.parts(shares, self.values, arm=self.arm, seed=seed, effort=effort)
+
+        def lack(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
+            return findings.lack(shares, self.values, arm=self.arm, seed=seed, effort=effort, level=level)
+
+        return Sought(parts, lack, lambda shares: self.denied(self.put_into(on, self.texts(shares))))
+
+    def denied(self, on: Bench) -> str:
+        """Return which of the claims that this stage decides disagrees first; empty if all agree."""
+        return disagreeing(on, (TwoAxis, Dither) if self.arm else (OpenLoop, AxisOne, Controller))
 
     def texts(self, shares: Array) -> dict[str, Any]:
         """Return what a description says of a machine (unknowns,), by path."""
@@ -91,21 +97,15 @@ def calibrated(kind: str, seed: int, minutes: float, *, anew: bool) -> tuple[Ben
     if on.arm.joint["small"].losses.kind != kind:
         on, anew = replace(on, arm=with_losses(on.arm, kind), earlier=with_losses(on.earlier, kind)), True
     for stage, share in zip(stages(kind), SHARES, strict=True):
-        evidence, many = Evidence(on), len(stage.unknowns)
         now = values_of(on.arm if stage.arm else on.axis_one, stage.unknowns)
-        first = None if anew else to_shares(stage.unknowns, now)
-
-        def agrees(shares: Array, stage: Stage = stage, on: Bench = on) -> bool:
-            return stage.agrees(stage.put_into(on, stage.texts(shares)))
-
-        best, seconds = None, share * (until - time.monotonic())
-        for best, left in search(partial(stage.lacks, evidence), agrees, first, many, seed=seed, seconds=seconds):
-            sys.stderr.write(f"{stage.name}, {left / 60:.1f} min left: {best.cost:.2f} short: {told(best.lacks)}\n")
-        if best is None:
-            raise SystemExit(f"{minutes:g} minutes are too short for a first trial")
-        texts.append(stage.texts(best.shares))
+        first, seconds = None if anew else to_shares(stage.unknowns, now), share * (until - time.monotonic())
+        for best, level, left in search(stage.sought(on), first, len(stage.unknowns), seed=seed, seconds=seconds):
+            found[len(texts) :] = [best]
+            at = f"{stage.name}, {left / 60:.1f} min left: all lack {level:.2f} or less"
+            asked = f" (claimed: not {best.denied})" if best.denied else ""
+            sys.stderr.write(f"{at}; the best {best.cost:.2f}{asked}: {told(best.lacks)}\n")
+        texts.append(stage.texts(found[-1].shares))
         on = stage.put_into(on, texts[-1])
-        found.append(best)
     return on, texts, found
 
 
@@ -128,7 +128,7 @@ def main() -> None:
         put_loss_shares(loss_shares())
     on, texts, found = calibrated(given.kind, given.seed, given.minutes, anew=given.anew)
     lines = [
-        f"{stage.name}: short of {told(best.lacks)}; {best.generations} generations"
+        f"{stage.name}: short of {told(best.lacks)}; {best.rounds} rounds"
         for stage, best in zip(stages(given.kind), found, strict=True)
     ]
     done = reproduce(on)

@@ -30,8 +30,10 @@ class Unknown:
     why: str
     unit: str = ""
     si: float = 1.0
-    paths: tuple[str, ...] = ()  # what it is put in place of
+    # What it is put in place of; after the name of a machine and a slash, of that machine alone.
+    paths: tuple[str, ...] = ()
     times: str = ""  # name of another unknown; where there is one, the value is a multiple of it
+    factors: tuple[float, ...] = ()  # by which it counts at each path; none: 1
 
 
 FADES = "from an effect within some seconds to that of the error's gain"
@@ -142,7 +144,8 @@ def by_path(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
     named: dict[str, Any] = {}
     for one, column in zip(unknowns, np.moveaxis(values, -1, 0), strict=True):
         named[one.name] = column * (named[one.times] if one.times else one.si)
-        found |= dict.fromkeys(one.paths, named[one.name])
+        factors = one.factors or (1.0,) * len(one.paths)
+        found |= {path: factor * named[one.name] for path, factor in zip(one.paths, factors, strict=True)}
     return _weighed(found)
 
 
@@ -159,9 +162,10 @@ def _weighed(found: dict[str, Any]) -> dict[str, Any]:
 
 
 def known_to(machine: Machine, found: Mapping[str, Any]) -> dict[str, Any]:
-    """Return those paths that lie in a machine: not those of joints that it has not."""
+    """Return those paths that lie in a machine: not those of joints that it has not, or of another machine alone."""
     others = tuple(f"joint.{name}." for name in BOTH if name not in machine.joint)
-    return {path: value for path, value in found.items() if not (others and path.startswith(others))}
+    own = {path.removeprefix(f"{machine.name}/"): value for path, value in found.items()}
+    return {path: value for path, value in own.items() if "/" not in path and not (others and path.startswith(others))}
 
 
 def values_of(machine: Machine, unknowns: Sequence[Unknown]) -> Array:
@@ -171,10 +175,10 @@ def values_of(machine: Machine, unknowns: Sequence[Unknown]) -> Array:
 
 
 def _now(machine: Machine, path: str) -> float:
-    losses, _, place = path.partition(".split.")
+    losses, _, place = path.rpartition("/")[2].partition(".split.")
     if place:
         return float(split_of(np.array(value_at(machine, f"{losses}.weights")))[int(place)])
-    return float(value_at(machine, path))
+    return float(value_at(machine, losses))
 
 
 def as_text(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:

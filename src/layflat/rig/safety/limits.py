@@ -73,8 +73,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
     part, safety, gauge, cycle = machine.joint[name], machine.safety, machine.supply.pressure_gauge, machine.cycle
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
     working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
-    held = parameters.static_friction(part, gauge)
-    friction = 2.0 * held / parameters.torque_constant(part) + parameters.loss_share(part) * gauge
+    friction = 2.0 * parameters.held_pressure(part, gauge)
     dither, sure = valve.dithered if machine.controller is not None else None, SURE * cycle
     # Whether the ripple that is estimated, at a quarter of the loop's rate, is that of the dither.
     seen = dither is not None and abs(dither.frequency * cycle - 0.25) < 0.01

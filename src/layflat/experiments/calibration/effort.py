@@ -1,0 +1,26 @@
+"""How closely machines are looked at, and with which noise."""
+
+from dataclasses import dataclass
+
+COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How closely machines are looked at."""
+
+    counts: tuple[int, int]  # inertias of the braked joint and of the earlier actuator
+    repeats: int  # runs with each of them, with other noise
+    approaches: int  # of the arm to one place
+    step: float  # of the plant, s
+    looks: int = 1  # with other noise each, of which the worst counts: luck does not last
+    elsewhere: bool = False  # whether inertias lie elsewhere between their neighbours with each seed
+    learns: bool = True  # whether the long-term integral is looked at, for a minute of its time
+
+
+ROUGH = Effort((8, 6), 1, 4, COARSE, elsewhere=True, learns=False)
+OWN_NOISE = 1  # the seed of the claims
+CLAIMED, ROUGHLY_CLAIMED = Effort((25, 16), 5, 20, COARSE), Effort((9, 6), 3, 8, COARSE, learns=False)
+"""With the claims' own noise their own runs, but for the step, and some of them."""
+SURE = Effort((13, 8), 3, 20, COARSE, looks=3)
+"""Who passes does so with noise of any kind."""

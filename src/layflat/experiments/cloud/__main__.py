@@ -1,0 +1,116 @@
+"""Find the machines that the paper allows: `python -m layflat.experiments.cloud --seed 1 --rounds 420 --out FILE`.
+
+Machines begin near the built-in ones and walk over all that is open, as far as the paper's findings let them; those
+with which every claim agrees become members. It takes an hour on two cores; the same seed finds the same.
+"""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.experiments.bench import bench
+from layflat.experiments.calibration.effort import ROUGHLY_CLAIMED, SURE, Effort
+from layflat.experiments.calibration.evidence import Evidence
+from layflat.experiments.calibration.findings import Findings
+from layflat.experiments.calibration.walk import Walk, begun
+from layflat.experiments.cloud.made import write
+from layflat.experiments.cloud.open import ARM, BLOCKS, built_in, excluded, values
+from layflat.experiments.cloud.pinned import effective
+from layflat.experiments.cloud.spread import at_once, names_in
+from layflat.experiments.reproduction import disagreeing
+from layflat.machine.cloud import PAPER
+
+SPREAD = 0.02  # of their shares at first
+LEVEL = 0.55  # what machines may lack in the end: the findings' margins included
+MEMBERS = 256  # that a cloud has at most
+
+EFFORTS = ((ROUGHLY_CLAIMED, 256, 0.7), (replace(SURE, looks=1), 128, 0.5), (SURE, 128, LEVEL))
+"""How closely machines are looked at one after the other, how many of them, and down to which level."""
+
+Efforts = Sequence[tuple[Effort, int, float]]
+
+
+def walked(
+    findings: Findings, start: Array, *, seed: int, rounds: int, spread: float = SPREAD, efforts: Efforts = EFFORTS
+) -> Iterator[tuple[Walk, bool]]:
+    """Walk from around machines (machines, unknowns), spread by so much of their ranges, for so many rounds.
+
+    Yields the walk, and whether it is at the last level.
+    """
+    rng, ladder = np.random.default_rng(seed), iter(efforts)
+    effort, machines, least = next(ladder)
+
+    def lacks(shares: Array, part: int, noise: int, level: Array) -> Array:
+        return findings.lack(
+            shares, lambda some: values(some, part), arm=part == ARM, seed=noise, effort=effort, level=level
+        )
+
+    near = start[rng.integers(len(start), size=machines)]
+    shares = np.clip(near + spread * rng.standard_normal(near.shape), 0.0, 1.0)
+    walk = begun(shares, 2, lacks, seed)
+    while walk.rounds < rounds:
+        walk.goes_on(BLOCKS, lacks, least)
+        sys.stderr.write(
+            f"{walk.rounds} of {rounds} rounds: level {walk.level:.2f}, "
+            f"{walk.taken:.1%} of steps taken, {walk.shares.std(axis=0).mean():.3f} of the ranges covered\n"
+        )
+        last = effort is efforts[-1][0]
+        yield walk, last and walk.level <= least
+        if walk.level <= least and not last:
+            effort, machines, least = next(ladder)
+            walk.keep(machines)
+            walk.look_again(lacks)
+
+
+def agrees_with_all(where: str) -> bool:
+    """Tell whether every claim agrees with a member."""
+    return not disagreeing(bench(where))
+
+
+def checked(file: Path, walks: Sequence[Array], command: str) -> tuple[list[Array], int]:
+    """Return machines with which every claim agrees, and how many were asked.
+
+    Asked is where machines were on their walk, in any order, until there are enough; all of them are written into a
+    file on the way.
+    """
+    places = list({place.tobytes(): place for walk in walks for place in walk}.values())
+    np.random.default_rng(len(places)).shuffle(places)
+    write(file, places, command)
+    found, asked = list[Array](), 0
+    for place, agreeing in zip(places, at_once(agrees_with_all, names_in(file, len(places))), strict=True):
+        found, asked = [*found, place] if agreeing else found, asked + 1
+        sys.stderr.write(f"\r{len(found)} of {asked} machines agree with every claim, {len(places)} in all ")
+        if len(found) == MEMBERS:
+            break
+    sys.stderr.write("\n")
+    return found, asked
+
+
+def main() -> None:
+    """Walk, check, write."""
+    asked = argparse.ArgumentParser(prog="python -m layflat.experiments.cloud", description=__doc__)
+    asked.add_argument("--seed", type=int, default=1)
+    asked.add_argument("--rounds", type=int, default=420, help="of steps")
+    asked.add_argument("--out", type=Path, default=PAPER)
+    given = asked.parse_args()
+    command = f"python -m layflat.experiments.cloud --seed {given.seed} --rounds {given.rounds}"
+    sys.stderr.writelines(f"{line}\n" for line in excluded())
+    walking = walked(Findings(Evidence(bench())), built_in()[None], seed=given.seed, rounds=given.rounds)
+    walks = [walk.shares.copy() for walk, last in walking if last]
+    if not walks:
+        raise SystemExit(f"{given.rounds} rounds are too few: no machine lacks {LEVEL:g} or less")
+    # Those of the first half may still remember where they began.
+    later = walks[len(walks) // 2 :]
+    with TemporaryDirectory() as folder:
+        members, tried = checked(Path(folder) / given.out.name, later, command)
+    write(given.out, members, command, asked=tried, effective=round(effective(later), 1))
+
+
+if __name__ == "__main__":
+    main()
