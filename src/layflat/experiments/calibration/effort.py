@@ -23,4 +23,4 @@ OWN_NOISE = 1  # the seed of the claims
 CLAIMED, ROUGHLY_CLAIMED = Effort((25, 16), 5, 20, COARSE), Effort((9, 6), 3, 8, COARSE, learns=False)
 """With the claims' own noise their own runs, but for the step, and some of them."""
 SURE = Effort((13, 8), 3, 20, COARSE, looks=3)
-"""Who passes does so with noise of any kind."""
+"""With other noise each time: who passes by luck has to have it three times."""
