@@ -4,6 +4,7 @@ import pytest
 from layflat.description.change import changed_all, value_at
 from layflat.experiments.calibration import unknowns as u
 from layflat.machine import load
+from layflat.machine.losses import with_losses
 
 ALL = (*u.gains("small"), *u.gains("large"), *u.AIR, *u.LOSSES["elasto-slip"], u.DAMPING)
 MIDDLE = np.full(len(ALL), 0.4)
@@ -56,7 +57,7 @@ def test_joints_that_a_machine_has_not_are_passed_over() -> None:
 
 @pytest.mark.parametrize("kind", u.LOSSES)
 def test_what_is_open_of_a_kind_stands_in_its_description(kind: str) -> None:
-    machine = u.with_losses(load("paper-arm"), kind)
+    machine = with_losses(load("paper-arm"), kind, u.STARTS[kind])
     sought = (*u.LOSSES[kind], u.DAMPING)
     changed = changed_all(machine, u.as_text(sought, u.to_values(sought, np.full(len(sought), 0.3))))
     assert {joint.losses.kind for joint in changed.joint.values()} == {kind}

@@ -3,5 +3,5 @@
 A reader's way: unknowns.py (what is open, and within what range), effort.py (how closely to look), steps.py and
 evidence.py (the paper's experiments with many machines at once), shortfall.py (how far they are from the paper's
 findings), findings.py (the cheapest looks first), walk.py (machines that walk as far as the findings let them),
-search.py (where nothing is short), __main__.py.
+search.py (where nothing is short), stages.py (one joint after the other), __main__.py.
 """

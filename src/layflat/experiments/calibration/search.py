@@ -1,12 +1,13 @@
 """Where nothing is short: machines walk down to what is nearly enough, and the best of them are asked for all claims.
 
 Noise is other noise at every step, and in the end machines are looked at several times before a step is taken, since
-luck with a few runs would lead astray. Who is asked has the claims' own noise.
+luck with a few runs would lead astray. Who is asked has the claims' own noise; of those that have all findings, the one
+that lacks least in many looks with other noise has them most surely.
 """
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +20,8 @@ SPREAD = 0.03  # of their shares at first, where they begin near a machine
 NEARLY = 0.5  # what a machine may lack that may have all findings
 STUCK = 0.01  # share of steps below which machines are looked at again: luck does not last
 ASKED = 4  # machines at a level
+OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
+SURELY = 0.25  # what a machine may lack in these in the mean: about the border of one claim
 
 EFFORTS = ((ROUGH, 240, 1.5), (ROUGHLY_CLAIMED, 160, 0.6), (SURE, 80, 0.1))
 """How closely machines are looked at one after the other, how many of them, and down to which level."""
@@ -46,6 +49,7 @@ class Best:
     shares: Array
     lacks: dict[str, float]
     rounds: int
+    doubt: float = np.inf  # what it lacks in looks with other noise, in the mean
     denied: str | None = None  # the first claim that disagrees, empty if none does; None: it was not asked
 
     @property
@@ -58,13 +62,24 @@ class Best:
         """Whether it has all findings."""
         return self.denied == ""
 
+    def surely(self, doubt: float) -> bool:
+        """Whether it has them with other noise as well, but for so much."""
+        return self.agrees and self.doubt <= doubt
+
+    def beats(self, other: "Best") -> bool:
+        """Whether it is better: it has all findings, or more surely, or lacks less of them."""
+        if self.agrees != other.agrees:
+            return self.agrees
+        return self.doubt < other.doubt if self.agrees else self.cost < other.cost
+
 
 def search(
-    sought: Sought, first: Array | None, count: int, *, seed: int, seconds: float
+    sought: Sought, first: Array | None, count: int, *, seed: int, seconds: float, doubt: float = SURELY
 ) -> Iterator[tuple[Best, float, float]]:
     """Seek a machine that has all findings in a cube of `count` unknowns.
 
-    Yields the best so far, the level of the walk, and the time left (s), until a machine agrees or the time is over.
+    Yields the best so far, the level of the walk, and the time left (s), until a machine surely has all or the time is
+    over.
 
     Args:
         sought: what is sought.
@@ -72,6 +87,7 @@ def search(
         count: of the unknowns.
         seed: of the search and of the noise: the same machine finds the same.
         seconds: after which it ends.
+        doubt: what a machine that agrees may lack in looks with other noise for the search to end.
     """
     until, rng, efforts = time.monotonic() + seconds, np.random.default_rng(seed), iter(EFFORTS)
     effort, machines, least = next(efforts)
@@ -85,28 +101,40 @@ def search(
         shares[0] = first
     walk, blocks = begun(shares, 1, lacks, seed, ROUNDS), [Block(slice(0, count), (0,))]
     best, asked = _asked(sought, walk, shares[0]), {shares[0].tobytes()}
-    while not best.agrees and time.monotonic() < until:
+    while not best.surely(doubt) and time.monotonic() < until:
         walk.goes_on(blocks, lacks, least)
         if walk.level <= least and effort is not SURE:
             effort, machines, least = next(efforts)
             walk.keep(machines)
             walk.look_again(lacks)
-        elif walk.taken < STUCK and effort is ROUGH:
+        elif walk.taken < STUCK:
             walk.look_again(lacks)
-        over = time.monotonic() > until
+        over = time.monotonic() > until and not best.agrees
         for machine in np.argsort(walk.costs)[:ASKED]:
             place = walk.shares[machine]
-            new = place.tobytes() not in asked and not best.agrees
+            new = place.tobytes() not in asked and not best.surely(doubt)
             if new and (over or (effort is SURE and walk.costs[machine] <= NEARLY)):
                 asked.add(place.tobytes())
-                found = _asked(sought, walk, place)
-                best = found if found.agrees or found.cost < best.cost else best
+                found = _asked(sought, walk, place, best)
+                best = found if found.beats(best) else best
         yield best, walk.level, until - time.monotonic()
     yield best, walk.level, until - time.monotonic()
 
 
-def _asked(sought: Sought, walk: Walk, place: Array) -> Best:
-    """Look at a machine closely, and ask whether it has all findings where it may."""
+def _asked(sought: Sought, walk: Walk, place: Array, best: Best | None = None) -> Best:
+    """Look at a machine closely, and ask whether it has all findings where it may, and more surely than the best."""
     lacks = {name: float(part[0]) for name, part in sought.parts(place[None], OWN_NOISE, CLAIMED).items()}
-    denied = sought.denied(place) if sum(lacks.values()) <= NEARLY else None
-    return Best(place.copy(), lacks, walk.rounds, denied)
+    found = Best(place.copy(), lacks, walk.rounds)
+    if found.cost > NEARLY:
+        return found
+    found = replace(found, doubt=_doubt(sought, place))
+    if best and best.agrees and found.doubt >= best.doubt:
+        return found
+    return replace(found, denied=sought.denied(place))
+
+
+def _doubt(sought: Sought, place: Array) -> float:
+    """What a machine lacks in the mean of looks with noise that decided nothing."""
+    once = replace(SURE, looks=1)
+    looks = [sought.parts(place[None], OWN_NOISE + APART * (1 + number), once) for number in range(OTHERS)]
+    return float(np.mean([sum(float(part[0]) for part in parts.values()) for parts in looks]))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.description.change import changed_all, value_at
+from layflat.description.change import value_at
 from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_of
 from layflat.machine import Machine
 from layflat.tune.knobs import PER_BAR, PER_DEG
@@ -114,16 +114,6 @@ STARTS: Mapping[str, dict[str, Any]] = {
     "bouc-wen": {"deflection": "3 deg"},
 }
 """A description of each kind; what is sought takes the place of its numbers."""
-
-
-def with_losses(machine: Machine, kind: str) -> Machine:
-    """Return a machine whose joints have a kind of losses, all else about their losses as before."""
-    values = {}
-    for name, joint in machine.joint.items():
-        kept = {"reference_pressure_gauge": joint.losses.reference_pressure_gauge}
-        kept["pressure_free"] = joint.losses.pressure_free
-        values[f"joint.{name}.losses"] = {"kind": kind, **kept, **STARTS[kind]}
-    return changed_all(machine, values)
 
 
 def to_values(unknowns: Sequence[Unknown], shares: Array) -> Array:

@@ -7,11 +7,9 @@ from typing import Any
 
 from layflat import __version__
 from layflat.arrays import Array
-from layflat.experiments.cloud.open import GROUPS, texts
+from layflat.experiments.cloud.open import NAMES, texts
 from layflat.files import write_text
 from layflat.machine.libraries import MACHINES
-
-NAMES = tuple(dict.fromkeys(group.machine for group in GROUPS))
 
 
 def write(path: Path, members: Sequence[Array], command: str, **notes: float) -> None:

@@ -3,7 +3,7 @@
 What a value may be at most is told by its range and why; factors between joints are those of the assumed values.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any
@@ -26,7 +26,7 @@ from layflat.experiments.calibration.unknowns import (
     values_of,
 )
 from layflat.experiments.calibration.walk import Block
-from layflat.machine import load
+from layflat.machine import Machine, load
 
 
 def both(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, small: float = 1.0) -> Unknown:
@@ -94,6 +94,7 @@ GROUPS = (
     Group("paper-small-joint", gains("small"), (ALONE,), 0.2),
     Group("paper-arm", (*gains("large"), *gains("small")), (ARM,), 0.3),
 )
+NAMES = tuple(dict.fromkeys(group.machine for group in GROUPS))
 _ENDS = tuple(accumulate(len(group.unknowns) for group in GROUPS))
 BLOCKS = tuple(
     Block(slice(end - len(group.unknowns), end), group.parts, group.often)
@@ -132,7 +133,12 @@ def excluded(groups: Sequence[Group] = GROUPS) -> list[str]:
     return lines
 
 
-def built_in() -> Array:
-    """Shares of the built-in machines, (unknowns,); where a range leaves one out, its nearest end."""
-    parts = [to_shares(group.unknowns, values_of(load(group.machine), group.unknowns)) for group in GROUPS]
+def place(machines: Mapping[str, Machine]) -> Array:
+    """Return where machines by their name lie, (unknowns,): at the nearest end of a range that leaves one out."""
+    parts = [to_shares(group.unknowns, values_of(machines[group.machine], group.unknowns)) for group in GROUPS]
     return np.concatenate(parts)
+
+
+def built_in() -> Array:
+    """Shares of the built-in machines, (unknowns,)."""
+    return place({name: load(name) for name in NAMES})

@@ -10,12 +10,13 @@ from bouc_wen import BoucWen, measured
 from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.hysteresis.errors import loop_errors
-from layflat.identify.benches.joint_loops.kinds import STARTS, with_kind
+from layflat.identify.benches.joint_loops.kinds import STARTS
 from layflat.identify.benches.joint_loops.model import BENCH, LoopModel
 from layflat.identify.identification import Identification
 from layflat.identify.identified_file import identified_path
 from layflat.identify.kinds import Candidate
 from layflat.machine import changed, load
+from layflat.machine.losses import with_losses
 
 RIG = load("rig-shell-steel")
 FITTED, VALIDATION = ((5, 6.0), (20, 8.0), (60, 10.0)), ((2, 4.0), (10, 10.0), (40, 5.0))
@@ -51,7 +52,7 @@ def test_loops_of_bouc_and_wen_are_recognised_and_small_ones_predicted(tmp_path:
 
 @pytest.mark.parametrize("kind", STARTS)
 def test_every_kind_can_be_fitted_to_what_it_shows(kind: str) -> None:
-    machine = with_kind(RIG, "small", kind, 1.0)
+    machine = with_losses(RIG, kind, STARTS[kind](1.0))
     logs = {"log": measured(RIG, "small", BoucWen(1.0, 0.5, turn=radians(1.0)), radians(20), 8.0, seed=1)}
     model = LoopModel(machine, logs, blocks=("torque", "losses"))
     shown = model.simulate(model.guess[None])[0]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from layflat.description.change import annotation_at, changed, quantity_of
+from layflat.description.change import annotation_at, quantity_of
 from layflat.identify.benches.hysteresis.model import LEAST, MOST, element_unknowns, within
 from layflat.identify.model import Unknown
 from layflat.machine import Machine
@@ -47,13 +47,6 @@ STARTS: Mapping[str, Any] = {
     },
 }
 """Kinds that logs are compared by, the simplest first, and where each begins, from the travel (rad)."""
-
-
-def with_kind(machine: Machine, joint: str, kind: str, travel: float) -> Machine:
-    """Return a machine whose joint has losses of a kind, all else about them as before."""
-    losses = machine.joint[joint].losses
-    kept = {key: getattr(losses, key) for key in ("reference_pressure_gauge", "pressure_free", "damping_time")}
-    return changed(machine, f"joint.{joint}.losses", {"kind": kind, **kept, **STARTS[kind](travel)})
 
 
 def replaced_losses(machine: Machine, joint: str) -> dict[str, Any]:

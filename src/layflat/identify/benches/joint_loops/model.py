@@ -15,10 +15,11 @@ from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, chosen, has_samples, require_samples, simulated
 from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, within
-from layflat.identify.benches.joint_loops.kinds import STARTS, loss_unknowns, replaced_losses, with_kind
+from layflat.identify.benches.joint_loops.kinds import STARTS, loss_unknowns, replaced_losses
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
 from layflat.identify.model import Output, Unknown
 from layflat.machine import Joint, Machine, parameters
+from layflat.machine.losses import with_losses
 
 BLOCKS = ("torque", "losses", "brake", "offset")  # scale of Eq. (1), losses, brake's torque, zero of the torque sensor
 SCALES = 10.0  # measured torque is at most so many times that of Eq. (1), and at least this part of it
@@ -123,9 +124,9 @@ def _kinds(machine: Machine, logs: Logs, blocks: Sequence[str]) -> dict[str, tup
     if "losses" not in blocks or own not in STARTS:
         return {}
     angles = [curves.moving(log, "angle", name, joint) for name, log in logs.items()]
-    found = {}
-    for kind in STARTS:
-        tried = machine if kind == own else with_kind(machine, joint, kind, max(float(np.ptp(one)) for one in angles))
+    travel, found = max(float(np.ptp(one)) for one in angles), {}
+    for kind, start in STARTS.items():
+        tried = machine if kind == own else with_losses(machine, kind, start(travel), (joint,))
         found[kind] = tried, {} if kind == own else replaced_losses(tried, joint)
     return found
 
