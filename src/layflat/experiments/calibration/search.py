@@ -5,6 +5,7 @@ luck with a few runs would lead astray. Who is asked has the claims' own noise; 
 that lacks least in many looks with other noise has them most surely.
 """
 
+import itertools
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -18,12 +19,13 @@ from layflat.experiments.calibration.walk import Block, Walk, begun
 ROUNDS = 5  # of steps at a level at most
 SPREAD = 0.03  # of their shares at first, where they begin near a machine
 NEARLY = 0.5  # what a machine may lack that may have all findings
-STUCK = 0.01  # share of steps below which machines are looked at again: luck does not last
-ASKED = 4  # machines at a level
+STUCK, OFTEN = 0.01, 3  # share of steps below which machines are looked at again, and how often before it is in vain
+DESCENTS = 64  # seeds from a search to the next
+ASKED = 8  # machines at a level
 OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
-SURELY = 0.25  # what a machine may lack in these in the mean: about the border of one claim
+SURELY = 0.6  # what a machine may lack in these in the mean: the built-in ones lack as much
 
-EFFORTS = ((ROUGH, 240, 1.5), (ROUGHLY_CLAIMED, 160, 0.6), (SURE, 80, 0.1))
+EFFORTS = ((ROUGH, 180, 1.5), (ROUGHLY_CLAIMED, 120, 0.6), (SURE, 64, 0.1))
 """How closely machines are looked at one after the other, how many of them, and down to which level."""
 
 Parts = Callable[[Array, int, Effort], dict[str, Array]]
@@ -89,39 +91,61 @@ def search(
         seconds: after which it ends.
         doubt: what a machine that agrees may lack in looks with other noise for the search to end.
     """
-    until, rng, efforts = time.monotonic() + seconds, np.random.default_rng(seed), iter(EFFORTS)
-    effort, machines, least = next(efforts)
+    until, best, asked = time.monotonic() + seconds, None, set[bytes]()
+    for walk, closely in _descents(sought, first, count, seed):
+        over = time.monotonic() > until
+        for machine in np.argsort(walk.costs)[:ASKED]:
+            place = walk.shares[machine]
+            if place.tobytes() in asked or not (closely or best is None or (over and not best.agrees)):
+                continue
+            asked.add(place.tobytes())
+            found = _asked(sought, walk, place, best)
+            best = found if best is None or found.beats(best) else best
+            if best.surely(doubt):
+                break
+        assert best is not None
+        yield best, walk.level, until - time.monotonic()
+        if over or best.surely(doubt):
+            return
+
+
+def _descents(sought: Sought, first: Array | None, count: int, seed: int) -> Iterator[tuple[Walk, bool]]:
+    """Walks, level by level, the next from anywhere else when one is stuck; and whether these are close looks."""
+    for number in itertools.count():
+        rng = np.random.default_rng((seed, number))
+        shares = rng.random((EFFORTS[0][1], count))
+        if first is not None and not number:
+            shares = np.clip(first + SPREAD * rng.standard_normal(shares.shape), 0.0, 1.0)
+            shares[0] = first
+        yield from _descent(sought, shares, seed * DESCENTS + number)
+
+
+def _descent(sought: Sought, shares: Array, seed: int) -> Iterator[tuple[Walk, bool]]:
+    """A walk that is looked at ever more closely, until it is stuck."""
+    efforts, stuck = iter(EFFORTS), 0
+    effort, _, least = next(efforts)
 
     def lacks(shares: Array, part: int, noise: int, level: Array) -> Array:  # noqa: ARG001  (there is one part)
         return sought.lack(shares, noise, effort, level)
 
-    shares = rng.random((machines, count))
-    if first is not None:
-        shares = np.clip(first + SPREAD * rng.standard_normal(shares.shape), 0.0, 1.0)
-        shares[0] = first
-    walk, blocks = begun(shares, 1, lacks, seed, ROUNDS), [Block(slice(0, count), (0,))]
-    best, asked = _asked(sought, walk, shares[0]), {shares[0].tobytes()}
-    while not best.surely(doubt) and time.monotonic() < until:
+    walk, blocks = begun(shares, 1, lacks, seed, ROUNDS), [Block(slice(0, shares.shape[1]), (0,))]
+    yield walk, False
+    while True:
         walk.goes_on(blocks, lacks, least)
+        yield walk, effort is SURE
         if walk.level <= least and effort is not SURE:
             effort, machines, least = next(efforts)
+            stuck = 0
             walk.keep(machines)
             walk.look_again(lacks)
         elif walk.taken < STUCK:
+            if stuck == OFTEN:
+                return
+            stuck += 1
             walk.look_again(lacks)
-        over = time.monotonic() > until and not best.agrees
-        for machine in np.argsort(walk.costs)[:ASKED]:
-            place = walk.shares[machine]
-            new = place.tobytes() not in asked and not best.surely(doubt)
-            if new and (over or (effort is SURE and walk.costs[machine] <= NEARLY)):
-                asked.add(place.tobytes())
-                found = _asked(sought, walk, place, best)
-                best = found if found.beats(best) else best
-        yield best, walk.level, until - time.monotonic()
-    yield best, walk.level, until - time.monotonic()
 
 
-def _asked(sought: Sought, walk: Walk, place: Array, best: Best | None = None) -> Best:
+def _asked(sought: Sought, walk: Walk, place: Array, best: Best | None) -> Best:
     """Look at a machine closely, and ask whether it has all findings where it may, and more surely than the best."""
     lacks = {name: float(part[0]) for name, part in sought.parts(place[None], OWN_NOISE, CLAIMED).items()}
     found = Best(place.copy(), lacks, walk.rounds)

@@ -35,7 +35,7 @@ from layflat.experiments.reproduction import disagreeing
 from layflat.experiments.two_axis import TwoAxis
 from layflat.machine.losses import with_losses
 
-SHARES = (0.75, 1.0)  # of the time that is left, for each stage
+SHARES = (0.85, 1.0)  # of the time that is left, for each stage
 
 
 @dataclass(frozen=True)
