@@ -45,8 +45,8 @@ mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mu
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[mutants]'
 	$(BIN)/python -m benchmarks.mutants --out build/mutants.json
 
-calibrate: $(READY)  ## find again what the machine files mark as calibrated
-	$(BIN)/python -m layflat.experiments.calibration --write
+calibrate: $(READY)  ## find again, from anywhere, what the machine files mark as calibrated (at most half an hour)
+	$(BIN)/python -m layflat.experiments.calibration --seed 2 --anew --write
 
 clean:  ## remove what was built, but not the virtual environment
 	rm -rf build .mypy_cache .ruff_cache .pytest_cache .import_linter_cache

@@ -3,7 +3,8 @@ import pytest
 
 from layflat.arrays import Array
 from layflat.experiments.calibration.effort import CLAIMED, Effort
-from layflat.experiments.calibration.search import NEARLY, Best, Sought, search
+from layflat.experiments.calibration.search import DESCENTS, NEARLY, SURELY, Best, Sought, search
+from layflat.experiments.calibration.walk import APART_WALKS
 
 
 def parts(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
@@ -48,3 +49,34 @@ def test_a_search_ends_when_its_time_is_over() -> None:
     assert not best.agrees
     assert best.rounds <= 1
     assert left <= 0.0
+
+
+def test_a_search_that_is_stuck_begins_anew_elsewhere() -> None:
+    asked = set[int]()
+
+    def hopeless(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
+        number = seed // APART_WALKS % DESCENTS
+        asked.add(number)
+        return lack(shares, seed, effort, level) + (3.0 if number == 0 else 0.0)
+
+    *_, (best, _, _) = search(Sought(parts, hopeless, denied), None, 3, seed=2, seconds=60.0)
+    assert best.agrees
+    assert asked == {0, 1}
+
+
+def test_a_search_goes_on_until_a_machine_surely_has_all() -> None:
+    soonest = last(4)
+    side = np.sign(soonest.shares[0] - 0.2)
+
+    def doubted(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
+        unsure = (effort is not CLAIMED) * 1.5 * SURELY * (np.sign(shares[:, 0] - 0.2) == side)
+        return parts(shares, seed, effort) | {"unsure": np.asarray(unsure)}
+
+    def found(doubt: float) -> Best:
+        *_, (best, _, _) = search(Sought(doubted, lack, denied), None, 3, seed=4, seconds=60.0, doubt=doubt)
+        return best
+
+    assert np.array_equal(found(np.inf).shares, soonest.shares)
+    assert found(np.inf).doubt > SURELY >= found(SURELY).doubt
+    assert found(SURELY).agrees
+    assert np.sign(found(SURELY).shares[0] - 0.2) == -side

@@ -88,6 +88,11 @@ def test_what_a_machine_lacks_is_named(lacks: str, changes: dict[str, Any]) -> N
     assert found[lacks][0] > 0.05
 
 
+def test_an_earlier_actuator_that_is_late_with_the_least_inertia_has_no_limit() -> None:
+    slow = all_of(carried_earlier=carried(0.018, EARLIER, 1.6))["limits are not as one to two"][0]
+    assert slow > all_of(carried_earlier=carried(0.018, EARLIER, 1.3))["limits are not as one to two"][0] + 0.4
+
+
 def test_limits_lack_less_the_nearer_they_are() -> None:
     by_limit = [all_of(carried_braked=carried(at))["limits are not as one to two"][0] for at in (0.036, 0.05, 0.08)]
     assert by_limit == sorted(by_limit)

@@ -21,7 +21,7 @@ SPREAD = 0.03  # of their shares at first, where they begin near a machine
 NEARLY = 0.5  # what a machine may lack that may have all findings
 STUCK, OFTEN = 0.01, 3  # share of steps below which machines are looked at again, and how often before it is in vain
 DESCENTS = 64  # seeds from a search to the next
-ASKED = 8  # machines at a level
+ASKED = 16  # machines at a level
 OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
 SURELY = 0.6  # what a machine may lack in these in the mean: the built-in ones lack as much
 
@@ -99,7 +99,7 @@ def search(
             if place.tobytes() in asked or not (closely or best is None or (over and not best.agrees)):
                 continue
             asked.add(place.tobytes())
-            found = _asked(sought, walk, place, best)
+            found = _asked(sought, walk, place)
             best = found if best is None or found.beats(best) else best
             if best.surely(doubt):
                 break
@@ -145,16 +145,14 @@ def _descent(sought: Sought, shares: Array, seed: int) -> Iterator[tuple[Walk, b
             walk.look_again(lacks)
 
 
-def _asked(sought: Sought, walk: Walk, place: Array, best: Best | None) -> Best:
-    """Look at a machine closely, and ask whether it has all findings where it may, and more surely than the best."""
+def _asked(sought: Sought, walk: Walk, place: Array) -> Best:
+    """Look at a machine closely, and ask whether it has all findings where it may, and how surely where it has."""
     lacks = {name: float(part[0]) for name, part in sought.parts(place[None], OWN_NOISE, CLAIMED).items()}
     found = Best(place.copy(), lacks, walk.rounds)
     if found.cost > NEARLY:
         return found
-    found = replace(found, doubt=_doubt(sought, place))
-    if best and best.agrees and found.doubt >= best.doubt:
-        return found
-    return replace(found, denied=sought.denied(place))
+    found = replace(found, denied=sought.denied(place))
+    return replace(found, doubt=_doubt(sought, place)) if found.agrees else found
 
 
 def _doubt(sought: Sought, place: Array) -> float:

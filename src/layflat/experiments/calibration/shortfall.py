@@ -81,14 +81,16 @@ def compared(steps: Compared) -> dict[str, Array]:
 def loaded(steps: Loaded) -> dict[str, Array]:
     """Return what is wrong with how much inertia both joints carry: with the brake about twice as much, however asked.
 
-    A limit lies where the time to settle grows beyond what is allowed, or where an oscillation is sustained.
+    A limit lies where the time to settle grows beyond what is allowed, or where an oscillation is sustained. There is
+    none in the shortest time if the earlier actuator needs more even with the least inertia.
     """
     new, earlier = (_limits_of(one, steps.cycle) for one in (steps.braked, steps.earlier))
     off = _over(np.abs(new - earlier - log(TWICE)), NEAR)
     outside = _over(LEAST, earlier) + _over(earlier, MOST) + _over(new, MOST_BRAKED)
+    without = _over(_middle(_in_all(steps.earlier, steps.cycle))[:, 0], PROMPT)
     return {
         "limits are not as one to two": np.asarray(
-            3.0 * off.mean(axis=1) + 2.0 * off.max(axis=1) + 3.0 * outside.mean(axis=1)
+            3.0 * off.mean(axis=1) + 2.0 * off.max(axis=1) + 3.0 * outside.mean(axis=1) + 2.0 * without
         )
     }
 

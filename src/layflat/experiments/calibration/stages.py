@@ -109,7 +109,7 @@ def calibrated(
         for best, level, left in searching:
             found[len(texts) :] = [best]
             at = f"{stage.name}, {left / 60:.1f} min left: all lack {level:.2f} or less"
-            asked = f", in doubt {best.doubt:.2f}: {best.denied or 'agrees'}" if best.denied is not None else ""
+            asked = f" (claimed: {best.denied or f'all, in doubt {best.doubt:.2f}'})" if best.denied is not None else ""
             sys.stderr.write(f"{at}; the best {best.cost:.2f}{asked}: {told(best.lacks)}\n")
         texts.append(stage.texts(found[-1].shares))
         on = stage.put_into(on, texts[-1])

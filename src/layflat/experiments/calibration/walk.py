@@ -22,6 +22,7 @@ FEWEST, TAKEN = 3, 1.0  # rounds of steps at a level, and steps that a machine t
 LEAPS, LEAP = 0.1, 1.0  # share of steps as long as a difference: from one region to another
 SPARSE = (0.1, 0.3, 1.0)  # shares of a block's values that a step changes
 ALONE, WIDTHS, FEW = 0.5, (0.01, 0.5), 3  # share of steps that change few values by themselves, how far and how many
+APART_WALKS, APART_ROUNDS = 100_003 * 10_007, 10_007  # seeds of the noise from walk to walk, and from round to round
 APART = 1e-3  # deviation by which steps differ that would be the same
 SCALE, SHORT = 2.38 / np.sqrt(2.0), 0.2  # of a step, over the root of how many values it changes; and shorter ones
 
@@ -94,7 +95,7 @@ class Walk:
 
     @property
     def _noise(self) -> int:
-        return (self.seed * 100_003 + self.rounds) * 10_007
+        return self.seed * APART_WALKS + self.rounds * APART_ROUNDS
 
     def _step(self, block: Block, lacks: Lacks, moving: Indices, others: Indices) -> float:
         """Let some machines step along differences of others; returns the share of steps that are taken."""

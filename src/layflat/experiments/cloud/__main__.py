@@ -1,8 +1,8 @@
 """Find the machines that the paper allows: `python -m layflat.experiments.cloud --seed 1 --rounds 420 --out FILE`.
 
-Machines begin near the built-in ones and near those that calibrations from anywhere find; they walk over all that is
-open, as far as the paper's findings let them. Those with which every claim agrees become members. It takes two hours
-on two cores; the same seed finds the same if the time of the calibrations suffices.
+Machines begin near those that calibrations from anywhere find, and walk over all that is open, as far as the paper's
+findings let them. Those with which every claim agrees become members. It takes an hour and a half on two cores; the
+same seed finds the same if the time of the calibrations suffices.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from layflat.experiments.calibration.findings import Findings
 from layflat.experiments.calibration.stages import calibrated
 from layflat.experiments.calibration.walk import Walk, begun
 from layflat.experiments.cloud.made import write
-from layflat.experiments.cloud.open import ARM, BLOCKS, built_in, excluded, place, values
+from layflat.experiments.cloud.open import ARM, BLOCKS, excluded, place, values
 from layflat.experiments.cloud.pinned import effective
 from layflat.experiments.cloud.spread import at_once, names_in
 from layflat.experiments.reproduction import disagreeing
@@ -41,13 +41,18 @@ KIND, MINUTES = "elasto-slip", 26.0  # of losses, and for each calibration
 
 
 def starts(seed: int, count: int) -> Array:
-    """Return where the built-in machines lie, and those of so many calibrations from anywhere, (machines, unknowns)."""
-    found = [built_in()]
+    """Return where machines lie that so many calibrations from anywhere find, (machines, unknowns).
+
+    Raises:
+        SystemExit: with none of them all claims agree.
+    """
+    found = []
     for number in range(count):
-        on, _, stages = calibrated(KIND, seed + number, MINUTES, anew=True, doubt=np.inf)
+        on, _, stages = calibrated(KIND, seed + number, MINUTES, anew=True)
         if all(best.agrees for best in stages):
-            machines = {"paper-arm": on.arm, "paper-small-joint": on.axis_one, "earlier-actuator": on.earlier}
-            found.append(place(machines))
+            found.append(place({"paper-arm": on.arm, "paper-small-joint": on.axis_one, "earlier-actuator": on.earlier}))
+    if not found:
+        raise SystemExit(f"no calibration of {count} found a machine with which all claims agree: take other seeds")
     return np.stack(found)
 
 
@@ -110,9 +115,9 @@ def checked(file: Path, walks: Sequence[Array], command: str) -> tuple[list[Arra
 def main() -> None:
     """Walk, check, write."""
     asked = argparse.ArgumentParser(prog="python -m layflat.experiments.cloud", description=__doc__)
-    asked.add_argument("--seed", type=int, default=2)
+    asked.add_argument("--seed", type=int, default=1)
     asked.add_argument("--rounds", type=int, default=420, help="of steps")
-    asked.add_argument("--starts", type=int, default=2, help="calibrations from anywhere, one seed after the other")
+    asked.add_argument("--starts", type=int, default=3, help="calibrations from anywhere, one seed after the other")
     asked.add_argument("--out", type=Path, default=PAPER)
     given = asked.parse_args()
     command = f"python -m layflat.experiments.cloud --seed {given.seed} --rounds {given.rounds} --starts {given.starts}"
