@@ -145,7 +145,7 @@ def two_axes(angles: Array, cycle: float) -> dict[str, Array]:
     return {
         "arm settles too late": _over(np.max(demand, axis=0), STEADY).mean(axis=1),
         "arm does not come to rest": _over(np.max(final, axis=0), STEADY).mean(axis=1),
-        "arm overshoots": 0.1 * _over(np.max(beyond, axis=0), BEYOND_GOAL).mean(axis=1),
+        "arm overshoots": 0.3 * _over(np.max(beyond, axis=0), BEYOND_GOAL).mean(axis=1),
         "large joint is pushed": 2.0 * _over(large / np.maximum(small, 1e-9), 0.3).mean(axis=1),
     }
 
