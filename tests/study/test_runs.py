@@ -58,7 +58,7 @@ def test_chunks_and_threads_make_no_difference(tmp_path: Path) -> None:
 
 
 def test_every_sample_runs_in_every_scenario_with_every_seed(tmp_path: Path) -> None:
-    demand = '[["0 s", "0 deg"], ["0.1 s", "5 deg"], ["0.15 s", "0 deg"]]'
+    demand = '[["0 s", "0 deg"], ["0.1 s", "20 deg"], ["0.15 s", "0 deg"]]'
     second = f'[[scenario]]\nname = "back"\nseed = 50\nduration = "0.2 s"\ndemand = {demand}\n'
     text = SOBOL.replace("[scenario]", "noise_seeds = 3\n[[scenario]]").replace("[vary", f"{second}[vary", 1)
     found = run(read(written(tmp_path, text)), tmp_path / "out", chunk=7)
