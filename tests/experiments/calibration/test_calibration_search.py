@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.effort import CLAIMED, Effort
+from layflat.experiments.calibration.effort import CLAIMED, ROUGHLY_CLAIMED, Effort
 from layflat.experiments.calibration.search import DESCENTS, NEARLY, SURELY, Best, Sought, search
 from layflat.experiments.calibration.walk import APART_WALKS
 
@@ -62,6 +62,18 @@ def test_a_search_that_is_stuck_begins_anew_elsewhere() -> None:
     *_, (best, _, _) = search(Sought(parts, hopeless, denied), None, 3, seed=2, seconds=60.0)
     assert best.agrees
     assert asked == {0, 1}
+
+
+def test_a_search_that_is_nearly_low_enough_looks_more_closely() -> None:
+    asked = set[int]()
+
+    def dull(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
+        asked.add(seed // APART_WALKS % DESCENTS)
+        return lack(shares, seed, effort, level) + (0.8 if effort is ROUGHLY_CLAIMED else 0.0)
+
+    *_, (best, _, _) = search(Sought(parts, dull, denied), None, 3, seed=2, seconds=60.0)
+    assert best.agrees
+    assert asked == {0}
 
 
 def test_a_search_goes_on_until_a_machine_surely_has_all() -> None:

@@ -88,3 +88,15 @@ def test_those_that_lack_least_go_on() -> None:
     walk.keep(10)
     assert walk.machines == 10
     assert np.array_equal(walk.costs, costs[:10])
+
+
+def test_a_level_falls_though_most_machines_share_a_place() -> None:
+    shares, lacking = np.full((64, 4), 0.5), np.ones((64, 1))
+    shares[:4], lacking[:4] = 0.2, 0.8
+    walk = Walk(shares, lacking, seed=1, level=1.0)
+    nowhere_else = lambda some, *_: np.full(len(some), 5.0)  # noqa: E731
+    walk.goes_on([Block(slice(0, 4), (0,))], nowhere_else, LEVEL)
+    assert walk.level == 0.8
+    assert np.all(walk.shares == 0.2)
+    walk.goes_on([Block(slice(0, 4), (0,))], nowhere_else, LEVEL)
+    assert walk.level == 0.8

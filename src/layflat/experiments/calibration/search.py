@@ -20,6 +20,7 @@ ROUNDS = 5  # of steps at a level at most
 SPREAD = 0.03  # of their shares at first, where they begin near a machine
 NEARLY = 0.5  # what a machine may lack that may have all findings
 STUCK, OFTEN = 0.01, 3  # share of steps below which machines are looked at again, and how often before it is in vain
+ENOUGH = 2.0  # times its level at which a walk that is stuck is looked at more closely all the same
 DESCENTS = 64  # seeds from a search to the next
 ASKED = 16  # machines at a level
 OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
@@ -133,14 +134,16 @@ def _descent(sought: Sought, shares: Array, seed: int) -> Iterator[tuple[Walk, b
     while True:
         walk.goes_on(blocks, lacks, least)
         yield walk, effort is SURE
-        if walk.level <= least and effort is not SURE:
+        is_stuck = walk.taken < STUCK
+        in_vain = is_stuck and stuck == OFTEN
+        if effort is not SURE and walk.level <= (ENOUGH * least if in_vain else least):
             effort, machines, least = next(efforts)
             stuck = 0
             walk.keep(machines)
             walk.look_again(lacks)
-        elif walk.taken < STUCK:
-            if stuck == OFTEN:
-                return
+        elif in_vain:
+            return
+        elif is_stuck:
             stuck += 1
             walk.look_again(lacks)
 

@@ -80,7 +80,10 @@ class Walk:
 
     def goes_on(self, blocks: Sequence[Block], lacks: Lacks, least: float) -> None:
         """Let the level fall, but not below `least`, and let all machines walk at it."""
-        self.level = max(least, min(self.level, float(np.quantile(self.costs, KEPT))))
+        fallen, less = float(np.quantile(self.costs, KEPT)), self.costs[self.costs < self.level]
+        if fallen >= self.level and len(less):
+            fallen = float(less.max())  # places that many machines share would hold it up for ever
+        self.level = max(least, min(self.level, fallen))
         below, above = (np.flatnonzero(which) for which in (self.costs <= self.level, self.costs > self.level))
         places = self.rng.choice(below, size=len(above))
         self.shares[above], self.lacking[above] = self.shares[places], self.lacking[places]
