@@ -53,6 +53,17 @@ def test_a_run_shows_what_was_simulated() -> None:
         assert len(set(looks(angle))) == len(set(looks(pressure))) == 2
 
 
+def test_what_is_at_rest_looks_at_rest_and_its_axis_keeps_its_name() -> None:
+    run = simulated()
+    run["angle"][:], run["demand"][:], run["voltage"][:] = 0.0, 0.0, 5.0 + 1e-4 * np.sin(TIME)[:, None]
+    made = run_figure(run)
+    for axes in (*made.axes[:2], *made.axes[4:]):
+        assert np.ptp(axes.get_ylim()) >= 0.49
+        named = axes.yaxis.get_tightbbox()
+        assert named is not None
+        assert named.x0 >= 0.0
+
+
 def test_every_figure_of_runs_has_units_and_readable_texts() -> None:
     run, other = simulated(), simulated(0.01)
     for made in (

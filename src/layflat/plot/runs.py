@@ -13,6 +13,7 @@ from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 MOST_MARKS = 12  # events that are marked; more can't be told apart
 NOTE = 0.17  # height of a line about an event, inches
 CLOSE = 0.09  # share of a run's duration: labels of events that are closer than this would overlap
+CALM = (1.0, 0.5)  # an angle (deg) and a voltage (V) that vary by less are shown as calm
 WARN = 30  # level of an event from which on it is marked, as in rcl_interfaces/msg/Log
 
 
@@ -79,6 +80,8 @@ def run_figure(run: xarray.Dataset) -> Figure:
             voltage.plot(time, part["voltage"], **LINES[0], lw=0.9)
             voltage.set_ylabel("Control voltage (V)")
             voltage.set_xlabel("Time (s)")
+            _no_closer(angle, CALM[0])
+            _no_closer(voltage, CALM[1])
             for axes in (angle, pressure, voltage):
                 _mark_faults(axes, run, marked)
             _number(voltage, marked, float(time[-1] - time[0]))
@@ -88,6 +91,13 @@ def run_figure(run: xarray.Dataset) -> Figure:
             note = f"{number}: at {at:.2f} s, {text}"
             made.text(0.12 / size["width"], (0.08 + NOTE * line) / size["height"], note, fontsize=8)
     return made
+
+
+def _no_closer(axes: Axes, span: float) -> None:
+    """Show no less than a span across, so that what is at rest looks at rest."""
+    low, high = axes.get_ylim()
+    if high - low < span:
+        axes.set_ylim((low + high - span) / 2.0, (low + high + span) / 2.0)
 
 
 def _pressures(axes: Axes, part: xarray.Dataset) -> None:
