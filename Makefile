@@ -41,7 +41,7 @@ lint: $(READY)  ## style, types, import contracts
 bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json
 
-mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mutants.json (half an hour)
+mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mutants.json (about two hours)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[mutants]'
 	$(BIN)/python -m benchmarks.mutants --out build/mutants.json
 
