@@ -13,6 +13,7 @@ from layflat.experiments.bench import maximum_torque
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.kernels import control_cycles
 from layflat.machine import parameters
+from layflat.physics.step import STEP
 from layflat.sim import Scenario, rollout
 
 DRIFT = 0.05  # drift of the valve's neutral, share of full opening
@@ -41,10 +42,10 @@ class Controller(Experiment):
         valve, _, _ = parameters.drive_parts(self.bench.axis_one)
         return DRIFT * valve.volts_to_full
 
-    def run(self, **changes: Any) -> xarray.Dataset:
-        """Simulate axis one; `changes` are fields of `Scenario`."""
+    def run(self, step: float = STEP, **changes: Any) -> xarray.Dataset:
+        """Simulate axis one; `changes` are fields of `Scenario`, the step of the plant is in s."""
         case = Scenario(drift=self.volts, brake=self.bench.brake, seed=4, duration=20.0)
-        return rollout(self.bench.axis_one, scenario=replace(case, **changes))
+        return rollout(self.bench.axis_one, step=step, scenario=replace(case, **changes))
 
     @claim("long-term-integral")
     def rules_of_the_integral(self) -> Evaluated:

@@ -39,10 +39,10 @@ class Found:
 class Strategy:
     """A CMA-ES over the unit cube, generation by generation about a first middle (hansen2016); it repeats itself."""
 
-    def __init__(self, first: Array, population: int, seed: int) -> None:
+    def __init__(self, first: Array, population: int, seed: int, width: float = WIDTH) -> None:
         options = {"seed": seed, "popsize": population, "bounds": [0.0, 1.0], "verbose": -9}
         cma = module("tune", "cma", where="tune")
-        self.inner: Any = cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), WIDTH, options)
+        self.inner: Any = cma.CMAEvolutionStrategy(np.clip(first, 0.02, 0.98), width, options)
 
     def ask(self) -> Array:
         """Return the candidates of the next generation, (candidates, dimensions)."""

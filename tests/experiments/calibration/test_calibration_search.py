@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.effort import CLAIMED, ROUGHLY_CLAIMED, Effort
-from layflat.experiments.calibration.search import DESCENTS, NEARLY, SURELY, Best, Sought, search
-from layflat.experiments.calibration.walk import APART_WALKS
+from layflat.experiments.calibration.effort import CLAIMED, ONCE, Effort
+from layflat.experiments.calibration.search import BEGIN, DESCENTS, NEARLY, SURELY, Best, Sought, noise, search
+
+UNKNOWNS = 8
+CORNER = np.array([0.2, *(UNKNOWNS - 1) * [0.7]])
 
 
 def parts(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
@@ -27,8 +29,13 @@ def denied(shares: Array) -> str:
 SOUGHT = Sought(parts, lack, denied)
 
 
+def number_of(seed: int) -> int:
+    """Number of a descent in its search, by the noise that it has."""
+    return seed // noise(1, 0) % DESCENTS
+
+
 def last(seed: int, seconds: float = 30.0, first: Array | None = None) -> Best:
-    *_, (best, _, _) = search(SOUGHT, first, 3, seed=seed, seconds=seconds)
+    *_, (best, _, _) = search(SOUGHT, first, UNKNOWNS, seed=seed, seconds=seconds)
     return best
 
 
@@ -37,58 +44,56 @@ def test_a_search_finds_where_nothing_is_short_and_repeats_itself() -> None:
     assert one.agrees
     assert one.cost <= NEARLY
     assert np.array_equal(one.shares, same.shares)
-    assert one.shares == pytest.approx([0.2, 0.7, 0.7], abs=0.02)
+    assert one.shares == pytest.approx(CORNER, abs=0.02)
 
 
 def test_a_search_may_begin_where_one_ended() -> None:
-    assert last(5, first=np.array([0.2, 0.7, 0.7])).rounds <= 1
+    assert last(5, first=CORNER).generation == 0
 
 
 def test_a_search_ends_when_its_time_is_over() -> None:
-    best, _, left = list(search(SOUGHT, None, 3, seed=1, seconds=0.0))[-1]
+    best, _, left = list(search(SOUGHT, None, UNKNOWNS, seed=1, seconds=0.0))[-1]
     assert not best.agrees
-    assert best.rounds <= 1
+    assert best.generation <= 10
     assert left <= 0.0
 
 
 def test_a_search_that_is_stuck_begins_anew_elsewhere() -> None:
     asked = set[int]()
 
-    def hopeless(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
-        number = seed // APART_WALKS % DESCENTS
-        asked.add(number)
-        return lack(shares, seed, effort, level) + (3.0 if number == 0 else 0.0)
+    def led_astray(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
+        asked.add(number_of(seed))
+        return lack(1.0 - shares if number_of(seed) <= BEGIN else shares, seed, effort, level)
 
-    *_, (best, _, _) = search(Sought(parts, hopeless, denied), None, 3, seed=2, seconds=60.0)
+    *_, (best, _, _) = search(Sought(parts, led_astray, denied), None, UNKNOWNS, seed=2, seconds=60.0)
     assert best.agrees
-    assert asked == {0, 1}
+    assert asked == set(range(1, 1 + 2 * BEGIN))
 
 
-def test_a_search_that_is_nearly_low_enough_looks_more_closely() -> None:
-    asked = set[int]()
+def test_those_of_whose_middle_little_is_lacked_go_on() -> None:
+    closely = list[int]()
 
-    def dull(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
-        asked.add(seed // APART_WALKS % DESCENTS)
-        return lack(shares, seed, effort, level) + (0.8 if effort is ROUGHLY_CLAIMED else 0.0)
+    def uneven(shares: Array, seed: int, effort: Effort, level: Array) -> Array:
+        if effort is ONCE:
+            closely.append(number_of(seed))
+        return lack(shares if number_of(seed) == 2 else 1.0 - shares, seed, effort, level)
 
-    *_, (best, _, _) = search(Sought(parts, dull, denied), None, 3, seed=2, seconds=60.0)
+    *_, (best, _, _) = search(Sought(parts, uneven, denied), None, UNKNOWNS, seed=2, seconds=60.0)
     assert best.agrees
-    assert asked == {0}
+    assert set(closely) == {2}
 
 
 def test_a_search_goes_on_until_a_machine_surely_has_all() -> None:
-    soonest = last(4)
-    side = np.sign(soonest.shares[0] - 0.2)
-
     def doubted(shares: Array, seed: int, effort: Effort) -> dict[str, Array]:
-        unsure = (effort is not CLAIMED) * 1.5 * SURELY * (np.sign(shares[:, 0] - 0.2) == side)
+        unsure = (effort is not CLAIMED) * 1.5 * SURELY * (np.abs(shares[:, 0] - 0.2) > 2e-5)
         return parts(shares, seed, effort) | {"unsure": np.asarray(unsure)}
 
     def found(doubt: float) -> Best:
-        *_, (best, _, _) = search(Sought(doubted, lack, denied), None, 3, seed=4, seconds=60.0, doubt=doubt)
+        *_, (best, _, _) = search(Sought(doubted, lack, denied), None, UNKNOWNS, seed=4, seconds=60.0, doubt=doubt)
         return best
 
-    assert np.array_equal(found(np.inf).shares, soonest.shares)
-    assert found(np.inf).doubt > SURELY >= found(SURELY).doubt
-    assert found(SURELY).agrees
-    assert np.sign(found(SURELY).shares[0] - 0.2) == -side
+    soonest, surest = found(np.inf), found(SURELY)
+    assert soonest.agrees
+    assert surest.agrees
+    assert soonest.doubt > SURELY >= surest.doubt
+    assert (surest.descent, surest.generation) > (soonest.descent, soonest.generation)

@@ -101,7 +101,7 @@ def test_the_claims_own_noise_gives_their_runs(evidence: Evidence) -> None:
     rests = evidence.comes_back(usual, OWN_NOISE, fine)
     assert rests[0] == pytest.approx(arm.rest[:2], abs=5e-5)
     taken = Controller(on).rules()[0].evaluated(Controller(on)).quantities[0].value
-    assert evidence.taken_over(usual) == pytest.approx([taken / 100.0])
+    assert evidence.taken_over(usual, fine) == pytest.approx([taken / 100.0])
 
 
 def test_the_arm_moves_either_way(evidence: Evidence) -> None:

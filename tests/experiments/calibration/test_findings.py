@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from layflat.experiments.bench import bench
-from layflat.experiments.calibration.effort import ROUGH
+from layflat.experiments.calibration.effort import ROUGH, ROUGHLY_CLAIMED
 from layflat.experiments.calibration.evidence import Evidence
 from layflat.experiments.calibration.findings import APART, Findings
 from layflat.experiments.claim import CLAIMS
@@ -35,7 +35,8 @@ def test_what_is_lacked_is_the_sum_of_its_parts_up_to_a_level(
 ) -> None:
     arm = part == ARM
     parts = findings.parts(shares, lambda some: values(some, part), arm=arm, seed=3, effort=ROUGH)
-    whole = np.sum(list(parts.values()), axis=0)
+    counted = {name: ROUGH.counted(one) for name, one in parts.items()}
+    whole = np.sum(list(counted.values()), axis=0)
     assert np.all(whole >= 0.0)
     for level in (np.inf, np.median(whole)):
         found = findings.lack(
@@ -48,7 +49,7 @@ def test_what_is_lacked_is_the_sum_of_its_parts_up_to_a_level(
     name = max(parts, key=lambda one: parts[one].sum())
     without = Findings(findings.evidence, frozenset([name]))
     found = without.lack(shares, lambda some: values(some, part), arm=arm, seed=3, effort=ROUGH, level=np.inf)
-    assert found == pytest.approx(whole - parts[name])
+    assert found == pytest.approx(whole - counted[name])
 
 
 @pytest.mark.parametrize("part", [ALONE, ARM])
@@ -57,8 +58,9 @@ def test_of_several_looks_the_worst_counts(findings: Findings, shares: np.ndarra
         return values(some, part)
 
     each = [
-        np.sum(list(findings.parts(shares, by_path, arm=part == ARM, seed=seed, effort=ROUGH).values()), axis=0)
+        np.sum([ROUGH.counted(one) for one in parts.values()], axis=0)
         for seed in (3, 3 + APART)
+        for parts in [findings.parts(shares, by_path, arm=part == ARM, seed=seed, effort=ROUGH)]
     ]
     assert not np.array_equal(*each)
     effort = replace(ROUGH, looks=2)
@@ -73,3 +75,12 @@ def test_every_finding_can_be_left_out(findings: Findings, shares: np.ndarray) -
         known |= set(findings.parts(shares[:1], lambda _, same=by_path: same, arm=part == ARM, seed=3, effort=effort))  # type: ignore[misc]
     assert {name for finding in FINDINGS for name in finding.shortfalls} == known - OURS
     assert {finding.claim for finding in FINDINGS} <= set(CLAIMS)
+
+
+def test_far_from_all_no_finding_counts_for_more_than_some() -> None:
+    lacked = np.array([0.0, 0.01, 1.0, 10.0, 1e6])
+    counted = ROUGH.counted(lacked)
+    assert np.all(np.diff(counted) > 0.0)
+    assert np.all(counted <= ROUGH.most)
+    assert counted[:2] == pytest.approx(lacked[:2], rel=0.01)
+    assert np.array_equal(ROUGHLY_CLAIMED.counted(lacked), lacked)

@@ -26,7 +26,7 @@ def main() -> None:
         put_loss_shares(loss_shares())
     on, texts, found = calibrated(given.kind, given.seed, given.minutes, anew=given.anew)
     lines = [
-        f"{stage.name}: short of {told(best.lacks)}; {best.rounds} rounds"
+        f"{stage.name}: short of {told(best.lacks)}; descent {best.descent}, generation {best.generation}"
         for stage, best in zip(stages(given.kind), found, strict=True)
     ]
     done = reproduce(on)

@@ -1,6 +1,10 @@
 """How closely machines are looked at, and with which noise."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from layflat.arrays import Array
 
 COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 
@@ -16,11 +20,18 @@ class Effort:
     looks: int = 1  # with other noise each, of which the worst counts: luck does not last
     elsewhere: bool = False  # whether inertias lie elsewhere between their neighbours with each seed
     learns: bool = True  # whether the long-term integral is looked at, for a minute of its time
+    most: float = np.inf  # what a finding counts that is missed altogether
+
+    def counted(self, lacked: Array) -> Array:
+        """What findings count of which so much is lacked."""
+        return lacked / (1.0 + lacked / self.most)
 
 
-ROUGH = Effort((8, 6), 1, 4, COARSE, elsewhere=True, learns=False)
+ROUGH = Effort((8, 6), 1, 4, COARSE, elsewhere=True, learns=False, most=3.0)
+"""Far from all, it counts how many findings come out: who minds the farthest alone is led to where the others can't."""
 OWN_NOISE = 1  # the seed of the claims
 CLAIMED, ROUGHLY_CLAIMED = Effort((25, 16), 5, 20, COARSE), Effort((9, 6), 3, 8, COARSE, learns=False)
 """With the claims' own noise their own runs, but for the step, and some of them."""
-SURE = Effort((13, 8), 3, 20, COARSE, looks=3)
+ONCE = Effort((13, 8), 3, 20, COARSE)
+SURE = replace(ONCE, looks=3)
 """With other noise each time: who passes by luck has to have it three times."""

@@ -1,6 +1,8 @@
 """The paper's experiments with many machines at once."""
 
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -67,15 +69,16 @@ class Evidence:
         rests = [angles[:, round((end - RESTS) / cycle) : round(end / cycle)].mean(axis=1) for end in ends]
         return np.stack(rests, axis=1)
 
-    def taken_over(self, values: Mapping[str, Array]) -> Array:
+    def taken_over(self, values: Mapping[str, Array], effort: Effort) -> Array:
         """Return the share of a valve's drift that the small joint's long-term integral takes over, (machines,)."""
-        on, found = self.bench, list[float]()
-        for number in range(len(next(iter(values.values())))):
-            one = {path: float(value[number]) for path, value in values.items()}
+        on = self.bench
+
+        def taken(one: dict[str, float]) -> float:
             arm, earlier = (changed_all(machine, known_to(machine, one)) for machine in (on.arm, on.earlier))
             runs = Controller(replace(on, arm=arm, earlier=earlier))
-            found.append(learnt(runs.run(duration=DURATION)) / runs.volts)
-        return np.array(found)
+            return learnt(runs.run(effort.step, duration=DURATION)) / runs.volts
+
+        return _each(taken, values)
 
     def frictions(self, machine: Machine) -> dict[str, float]:
         """Return the differential pressure (Pa) that friction and losses of each joint of a machine can hold."""
@@ -108,15 +111,15 @@ class Evidence:
 
     def spool(self, values: Mapping[str, Array]) -> Array:
         """Return how much more a dither that is too fast for the spool lets through than its own, (machines,)."""
-        own = {path: one for path, one in values.items() if path.startswith("valve.")}
-        found = []
-        for number in range(len(next(iter(own.values())))):
-            machine = changed_all(self.bench.arm, {path: float(one[number]) for path, one in own.items()})
-            valve = machine.valve
+
+        def faster(own: dict[str, float]) -> float:
+            valve = changed_all(self.bench.arm, own).valve
             assert isinstance(valve, SpoolValvePart)
-            gains = [small_gain(valve, valve.dither.amplitude, at) for at in (valve.dither.frequency, HIGH_FREQUENCY)]
-            found.append(gains[1] / gains[0])
-        return np.array(found)
+            own_dither = valve.dither
+            gain, fast = (small_gain(valve, own_dither.amplitude, at) for at in (own_dither.frequency, HIGH_FREQUENCY))
+            return fast / gain
+
+        return _each(faster, {path: one for path, one in values.items() if path.startswith("valve.")})
 
     def small_motion(self, values: Mapping[str, Array]) -> Array:
         """Return the share of its curve's height that the earlier actuator keeps in a small motion, (machines,)."""
@@ -125,3 +128,10 @@ class Evidence:
         small, _ = heights(prepared, SMALL_SWEEP)
         whole, _ = heights(prepared)
         return np.asarray(small[:, 0] / whole[:, 0])
+
+
+def _each(found: Callable[[dict[str, float]], float], values: Mapping[str, Array]) -> Array:
+    """What is found of each machine by itself, side by side on all cores, (machines,)."""
+    machines = (dict(zip(values, map(float, own), strict=True)) for own in zip(*values.values(), strict=True))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return np.array(list(pool.map(found, machines)))

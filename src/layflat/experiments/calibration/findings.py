@@ -38,7 +38,8 @@ class Findings:
                 if not len(left) or (number and not noisy):
                     continue
                 parts = look(values(shares[left]))
-                part = sum((one for name, one in parts.items() if name not in self.left_out), np.zeros(len(left)))
+                kept = (effort.counted(one) for name, one in parts.items() if name not in self.left_out)
+                part = sum(kept, np.zeros(len(left)))
                 lacked[left] += part
                 still[left] += 0.0 if noisy else part
                 found[left] = np.maximum(found[left], lacked[left])
@@ -70,4 +71,4 @@ class Findings:
         yield True, lambda by_path: shortfall.loaded(evidence.steps.loaded(by_path, seed, effort))
         yield False, lambda by_path: shortfall.spool(evidence.spool(by_path))
         if effort.learns:
-            yield False, lambda by_path: shortfall.drift(evidence.taken_over(by_path))
+            yield False, lambda by_path: shortfall.drift(evidence.taken_over(by_path, effort))

@@ -1,33 +1,38 @@
-"""Where nothing is short: machines walk down to what is nearly enough, and the best of them are asked for all claims.
+"""Where nothing is short: CMA-ES (key hansen2016) goes down from anywhere, and who lacks least is asked for all claims.
 
-Noise is other noise at every step, and in the end machines are looked at several times before a step is taken, since
-luck with a few runs would lead astray. Who is asked has the claims' own noise; of those that have all findings, the one
-that lacks least in many looks with other noise has them most surely.
+Noise is other noise in every generation, so that luck helps nobody for long, and machines are looked at the more
+closely the less they lack. Where a descent ends depends on where it began: some begin, and those go on whose middle
+lacks least. The claims have noise of their own; a machine that has all findings with it has them surely if it lacks
+little in looks with other noise.
 """
 
 import itertools
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.effort import CLAIMED, OWN_NOISE, ROUGH, ROUGHLY_CLAIMED, SURE, Effort
-from layflat.experiments.calibration.walk import Block, Walk, begun
+from layflat.experiments.calibration.effort import CLAIMED, ONCE, OWN_NOISE, ROUGH, ROUGHLY_CLAIMED, Effort
+from layflat.tune.search import Strategy
 
-ROUNDS = 5  # of steps at a level at most
-SPREAD = 0.03  # of their shares at first, where they begin near a machine
-NEARLY = 0.5  # what a machine may lack that may have all findings
-STUCK, OFTEN = 0.01, 3  # share of steps below which machines are looked at again, and how often before it is in vain
-ENOUGH = 2.0  # times its level at which a walk that is stuck is looked at more closely all the same
-DESCENTS = 64  # seeds from a search to the next
-ASKED = 16  # machines at a level
+POPULATION = 24  # of a generation
+ANYWHERE, NEAR = 0.25, 0.02  # spread of the first, share of the ranges; near a machine
+FIRST, AT_ONCE = 6000, 200  # places of which a descent begins at the best, and how many are looked at together
+BEGIN = 4  # descents that begin together
+STUCK, OVER = 0.97, 50  # share of what was lacked on an average of generations that these still lack after as many
+LATELY = 10  # generations by which the level is judged, and after which it is told
+FAR = 2.0  # times the level above which it does not matter how much a machine lacks
+NEARLY = 1.0  # what a machine may lack that may have all findings
+ASKED = 2  # of a generation, beside its middle
 OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
-SURELY = 0.6  # what a machine may lack in these in the mean: the built-in ones lack as much
+DESCENTS, GENERATIONS, NOISES = 256, 10_000, 10_007  # of a search, of a descent, and seeds from one to the next
+SURELY = 0.6  # what a machine may lack in these in the mean: the built-in ones lack less
 
-EFFORTS = ((ROUGH, 180, 1.5), (ROUGHLY_CLAIMED, 120, 0.6), (SURE, 64, 0.1))
-"""How closely machines are looked at one after the other, how many of them, and down to which level."""
+HEATS = ((ROUGH, 1.0, 160, 2), (ROUGHLY_CLAIMED, 0.5, 60, 2))
+"""How closely machines are looked at one after the other, down to which level, for how many generations at most, and
+how many of the descents go on then."""
 
 Parts = Callable[[Array, int, Effort], dict[str, Array]]
 """From shares (machines, unknowns), a seed of the noise and how closely to look to shortfalls by name."""
@@ -51,7 +56,8 @@ class Best:
 
     shares: Array
     lacks: dict[str, float]
-    rounds: int
+    descent: int
+    generation: int
     doubt: float = np.inf  # what it lacks in looks with other noise, in the mean
     denied: str | None = None  # the first claim that disagrees, empty if none does; None: it was not asked
 
@@ -76,13 +82,61 @@ class Best:
         return self.doubt < other.doubt if self.agrees else self.cost < other.cost
 
 
+@dataclass
+class Descent:
+    """A search from one place."""
+
+    sought: Sought
+    strategy: Strategy
+    number: int  # of the seed as well
+    generation: int = 0
+    medians: list[float] = field(default_factory=list)  # what half of each generation lacks or less, looked at as now
+    lowest: Sequence[Array] = ()  # of the last generation, or where it began, each (unknowns,)
+
+    @property
+    def middle(self) -> Array:
+        """Where the search is, (unknowns,)."""
+        return self.strategy.mean
+
+    @property
+    def level(self) -> float:
+        """What half of the machines lack or less."""
+        return float(np.mean(self.medians[-LATELY:])) if self.medians else np.inf
+
+    @property
+    def stuck(self) -> bool:
+        """Whether it comes to no less."""
+        before, lately = self.medians[-2 * OVER : -OVER], self.medians[-OVER:]
+        return len(before) == OVER and np.mean(lately) > STUCK * np.mean(before)
+
+    def goes_on(self, effort: Effort, least: float = 0.0, most: int = GENERATIONS) -> Iterator["Descent"]:
+        """Go on down to a level, for so many generations at most, or until it is stuck; tells so every now and then."""
+        self.medians = []
+        while len(self.medians) < most and not self.stuck and (len(self.medians) < LATELY or self.level > least):
+            machines = self.strategy.ask()
+            # Of those that lack far more than most did, it is enough to know that.
+            level = np.full(len(machines), FAR * self.level)
+            lacked = self.sought.lack(machines, noise(self.number, self.generation), effort, level)
+            self.strategy.tell(lacked)
+            self.medians.append(float(np.median(lacked)))
+            self.lowest = list(machines[np.argsort(lacked, kind="stable")[:ASKED]])
+            self.generation += 1
+            if len(self.medians) % LATELY == 0:
+                yield self
+
+
+def noise(number: int, generation: int) -> int:
+    """Seed of the noise of a descent's generation; descents count from 1."""
+    return (number * GENERATIONS + generation) * NOISES
+
+
 def search(
     sought: Sought, first: Array | None, count: int, *, seed: int, seconds: float, doubt: float = SURELY
 ) -> Iterator[tuple[Best, float, float]]:
     """Seek a machine that has all findings in a cube of `count` unknowns.
 
-    Yields the best so far, the level of the walk, and the time left (s), until a machine surely has all or the time is
-    over.
+    Yields the best so far, what half of the machines lack at most, and the time left (s), until a machine surely has
+    all or the time is over.
 
     Args:
         sought: what is sought.
@@ -91,75 +145,70 @@ def search(
         seed: of the search and of the noise: the same machine finds the same.
         seconds: after which it ends.
         doubt: what a machine that agrees may lack in looks with other noise for the search to end.
+
+    Raises:
+        MissingExtraError: cma is not installed.
     """
-    until, best, asked = time.monotonic() + seconds, None, set[bytes]()
-    for walk, closely in _descents(sought, first, count, seed):
+    until, best = time.monotonic() + seconds, None
+    for descent, closely in _descents(sought, first, count, seed):
         over = time.monotonic() > until
-        for machine in np.argsort(walk.costs)[:ASKED]:
-            place = walk.shares[machine]
-            if place.tobytes() in asked or not (closely or best is None or (over and not best.agrees)):
-                continue
-            asked.add(place.tobytes())
-            found = _asked(sought, walk, place)
+        if closely or best is None or (over and not best.agrees):
+            found = _asked(sought, descent)
             best = found if best is None or found.beats(best) else best
-            if best.surely(doubt):
-                break
-        assert best is not None
-        yield best, walk.level, until - time.monotonic()
+        yield best, descent.level, until - time.monotonic()
         if over or best.surely(doubt):
             return
 
 
-def _descents(sought: Sought, first: Array | None, count: int, seed: int) -> Iterator[tuple[Walk, bool]]:
-    """Walks, level by level, the next from anywhere else when one is stuck; and whether these are close looks."""
-    for number in itertools.count():
-        rng = np.random.default_rng((seed, number))
-        shares = rng.random((EFFORTS[0][1], count))
-        if first is not None and not number:
-            shares = np.clip(first + SPREAD * rng.standard_normal(shares.shape), 0.0, 1.0)
-            shares[0] = first
-        yield from _descent(sought, shares, seed * DESCENTS + number)
-
-
-def _descent(sought: Sought, shares: Array, seed: int) -> Iterator[tuple[Walk, bool]]:
-    """A walk that is looked at ever more closely, until it is stuck."""
-    efforts, stuck = iter(EFFORTS), 0
-    effort, _, least = next(efforts)
-
-    def lacks(shares: Array, part: int, noise: int, level: Array) -> Array:  # noqa: ARG001  (there is one part)
-        return sought.lack(shares, noise, effort, level)
-
-    walk, blocks = begun(shares, 1, lacks, seed, ROUNDS), [Block(slice(0, shares.shape[1]), (0,))]
-    yield walk, False
+def _descents(sought: Sought, first: Array | None, count: int, seed: int) -> Iterator[tuple[Descent, bool]]:
+    """Descents as they go on, and whether these look closely."""
+    numbers = itertools.count(1 + seed * DESCENTS)
+    if first is not None:
+        number = next(numbers)
+        near = Descent(sought, Strategy(first, POPULATION, 1 + number, NEAR), number, lowest=[first])
+        yield near, True
+        yield from ((near, True) for _ in near.goes_on(ONCE))
     while True:
-        walk.goes_on(blocks, lacks, least)
-        yield walk, effort is SURE
-        is_stuck = walk.taken < STUCK
-        in_vain = is_stuck and stuck == OFTEN
-        if effort is not SURE and walk.level <= (ENOUGH * least if in_vain else least):
-            effort, machines, least = next(efforts)
-            stuck = 0
-            walk.keep(machines)
-            walk.look_again(lacks)
-        elif in_vain:
-            return
-        elif is_stuck:
-            stuck += 1
-            walk.look_again(lacks)
+        begun: Iterable[Descent] = (_begun(sought, count, next(numbers)) for _ in range(BEGIN))
+        for effort, least, most, left in HEATS:
+            gone = list[Descent]()
+            for descent in begun:
+                yield from ((descent, False) for _ in descent.goes_on(effort, least, most))
+                gone.append(descent)
+            begun = sorted(gone, key=lambda one: _doubt(sought, one.middle))[:left]
+        for descent in begun:
+            yield from ((descent, True) for _ in descent.goes_on(ONCE))
 
 
-def _asked(sought: Sought, walk: Walk, place: Array) -> Best:
-    """Look at a machine closely, and ask whether it has all findings where it may, and how surely where it has."""
-    lacks = {name: float(part[0]) for name, part in sought.parts(place[None], OWN_NOISE, CLAIMED).items()}
-    found = Best(place.copy(), lacks, walk.rounds)
-    if found.cost > NEARLY:
-        return found
-    found = replace(found, denied=sought.denied(place))
-    return replace(found, doubt=_doubt(sought, place)) if found.agrees else found
+def _begun(sought: Sought, count: int, number: int) -> Descent:
+    """A descent from the best of many places anywhere."""
+    rng, least, best = np.random.default_rng(number), np.inf, np.empty(0)
+    for _ in range(FIRST // AT_ONCE):
+        places = rng.random((AT_ONCE, count))
+        lacked = sought.lack(places, noise(number, GENERATIONS - 1), ROUGH, np.full(AT_ONCE, least))
+        if lacked.min() < least:
+            least, best = float(lacked.min()), places[np.argmin(lacked)]
+    return Descent(sought, Strategy(best, POPULATION, 1 + number, ANYWHERE), number)
+
+
+def _asked(sought: Sought, descent: Descent) -> Best:
+    """Look closely at some, and ask whether they have all findings where they may; returns the best of them."""
+    places = np.vstack([descent.middle, *descent.lowest])
+    parts = sought.parts(places, OWN_NOISE, CLAIMED)
+    best = None
+    for machine, place in enumerate(places):
+        lacks = {name: float(part[machine]) for name, part in parts.items()}
+        found = Best(place, lacks, descent.number, descent.generation)
+        if found.cost <= NEARLY:
+            found = replace(found, denied=sought.denied(place))
+        if found.agrees:
+            found = replace(found, doubt=_doubt(sought, place))
+        best = found if best is None or found.beats(best) else best
+    assert best is not None
+    return best
 
 
 def _doubt(sought: Sought, place: Array) -> float:
     """What a machine lacks in the mean of looks with noise that decided nothing."""
-    once = replace(SURE, looks=1)
-    looks = [sought.parts(place[None], OWN_NOISE + APART * (1 + number), once) for number in range(OTHERS)]
+    looks = [sought.parts(place[None], OWN_NOISE + APART * (1 + number), ONCE) for number in range(OTHERS)]
     return float(np.mean([sum(float(part[0]) for part in parts.values()) for parts in looks]))

@@ -8,7 +8,6 @@ same seed finds the same if the time of the calibrations suffices.
 import argparse
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -16,15 +15,15 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.experiments.bench import bench
-from layflat.experiments.calibration.effort import ROUGHLY_CLAIMED, SURE, Effort
+from layflat.experiments.calibration.effort import ONCE, ROUGHLY_CLAIMED, SURE, Effort
 from layflat.experiments.calibration.evidence import Evidence
 from layflat.experiments.calibration.findings import Findings
 from layflat.experiments.calibration.stages import calibrated
-from layflat.experiments.calibration.walk import Walk, begun
 from layflat.experiments.cloud.made import write
 from layflat.experiments.cloud.open import ARM, BLOCKS, excluded, place, values
 from layflat.experiments.cloud.pinned import effective
 from layflat.experiments.cloud.spread import at_once, names_in
+from layflat.experiments.cloud.walk import Walk, begun
 from layflat.experiments.reproduction import disagreeing
 from layflat.machine.cloud import PAPER
 
@@ -32,7 +31,7 @@ SPREAD = 0.01  # of their shares at first
 LEVEL = 0.55  # what machines may lack in the end: the findings' margins included
 MEMBERS = 256  # that a cloud has at most
 
-EFFORTS = ((ROUGHLY_CLAIMED, 256, 0.7), (replace(SURE, looks=1), 128, 0.5), (SURE, 128, LEVEL))
+EFFORTS = ((ROUGHLY_CLAIMED, 256, 0.7), (ONCE, 128, 0.5), (SURE, 128, LEVEL))
 """How closely machines are looked at one after the other, how many of them, and down to which level."""
 
 Efforts = Sequence[tuple[Effort, int, float]]

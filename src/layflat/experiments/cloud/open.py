@@ -25,7 +25,7 @@ from layflat.experiments.calibration.unknowns import (
     to_values,
     values_of,
 )
-from layflat.experiments.calibration.walk import Block
+from layflat.experiments.cloud.walk import Block
 from layflat.machine import Machine, load
 
 

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 
 KEPT = 0.65  # share of the machines that a new level leaves where they are
-FEWEST, TAKEN = 3, 1.0  # rounds of steps at a level, and steps that a machine takes there if there are rounds enough
+FEWEST, MOST = 3, 12  # rounds of steps at a level
+TAKEN = 1.0  # steps that a machine takes at a level if there are rounds enough
 LEAPS, LEAP = 0.1, 1.0  # share of steps as long as a difference: from one region to another
 SPARSE = (0.1, 0.3, 1.0)  # shares of a block's values that a step changes
 ALONE, WIDTHS, FEW = 0.5, (0.01, 0.5), 3  # share of steps that change few values by themselves, how far and how many
@@ -48,7 +49,6 @@ class Walk:
     shares: Array  # (machines, unknowns), 0 to 1
     lacking: Array  # (machines, parts of the evidence)
     seed: int
-    most: int = 12  # rounds of steps at a level
     level: float = np.inf
     rounds: int = 0
     taken: float = 0.3  # share of the steps at the last level
@@ -88,7 +88,7 @@ class Walk:
         places = self.rng.choice(below, size=len(above))
         self.shares[above], self.lacking[above] = self.shares[places], self.lacking[places]
         often, taken = np.array([block.often for block in blocks]), list[float]()
-        for _ in range(int(np.clip(TAKEN / max(self.taken, 1e-3), FEWEST, self.most))):
+        for _ in range(int(np.clip(TAKEN / max(self.taken, 1e-3), FEWEST, MOST))):
             self.rounds += 1
             block = blocks[self.rng.choice(len(blocks), p=often / often.sum())]
             order = self.rng.permutation(self.machines)
@@ -141,8 +141,8 @@ class Walk:
         return np.asarray(changed * (length * (first - second) + APART * self.rng.standard_normal(shape)))
 
 
-def begun(shares: Array, parts: int, lacks: Lacks, seed: int, most: int = 12) -> Walk:
-    """Return a walk from these places, with so many rounds of steps at a level at most."""
-    walk = Walk(shares.copy(), np.zeros((len(shares), parts)), seed, most)
+def begun(shares: Array, parts: int, lacks: Lacks, seed: int) -> Walk:
+    """Return a walk from these places."""
+    walk = Walk(shares.copy(), np.zeros((len(shares), parts)), seed)
     walk.look_again(lacks)
     return walk

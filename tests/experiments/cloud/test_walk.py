@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.arrays import Array
-from layflat.experiments.calibration.walk import Block, Walk, begun
+from layflat.experiments.cloud.walk import Block, Walk, begun
 
 BLOCKS = [Block(slice(0, 2), (0, 1), 1.0), Block(slice(2, 4), (1,), 2.0)]
 LEVEL = 0.3
