@@ -115,8 +115,8 @@ class Evidence:
         def faster(own: dict[str, float]) -> float:
             valve = changed_all(self.bench.arm, own).valve
             assert isinstance(valve, SpoolValvePart)
-            own_dither = valve.dither
-            gain, fast = (small_gain(valve, own_dither.amplitude, at) for at in (own_dither.frequency, HIGH_FREQUENCY))
+            dither = valve.dither
+            gain, fast = (small_gain(valve, dither.amplitude, at) for at in (dither.frequency, HIGH_FREQUENCY))
             return fast / gain
 
         return _each(faster, {path: one for path, one in values.items() if path.startswith("valve.")})
