@@ -101,11 +101,11 @@ def test_an_interruption_before_the_beginning_goes_on(
 
 
 def test_gains_are_never_made_worse(tmp_path: Path) -> None:
-    tuning = begin("paper-small-joint", tmp_path, generations=1)
+    tuning = begin("paper-arm-fast-tuned", tmp_path, generations=1)
     tuning.seek()
     kept = tuning.keep()
     assert tuning.kept
-    assert np.allclose(values_of(kept, tuning.knobs), values_of(load("paper-small-joint"), tuning.knobs), rtol=1e-9)
+    assert np.allclose(values_of(kept, tuning.knobs), values_of(load("paper-arm-fast-tuned"), tuning.knobs), rtol=1e-9)
 
 
 class Page(HTMLParser):

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 
 from layflat.experiments.bench import bench
-from layflat.experiments.calibration.effort import ROUGH, ROUGHLY_CLAIMED
+from layflat.experiments.calibration.effort import APART, EXACTLY, OWN_NOISE, ROUGH, ROUGHLY_CLAIMED
 from layflat.experiments.calibration.evidence import Evidence
-from layflat.experiments.calibration.findings import APART, Findings
+from layflat.experiments.calibration.findings import Findings
 from layflat.experiments.claim import CLAIMS
 from layflat.experiments.cloud.held_out import FINDINGS
 from layflat.experiments.cloud.open import ALONE, ARM, built_in, values
 
 pytestmark = pytest.mark.compiled
+FEW = replace(ROUGH, most=np.inf)
 OURS = {"joint is held short of its goal", "arm overshoots"}
 """What no finding says, but who tunes an arm sees to."""
 
@@ -66,6 +67,20 @@ def test_of_several_looks_the_worst_counts(findings: Findings, shares: np.ndarra
     effort = replace(ROUGH, looks=2)
     found = findings.lack(shares, by_path, arm=part == ARM, seed=3, effort=effort, level=np.inf)
     assert found == pytest.approx(np.maximum(*each))
+
+
+def test_the_claims_own_runs_may_count_as_well(findings: Findings, shares: np.ndarray) -> None:
+    def by_path(some: np.ndarray) -> dict[str, np.ndarray]:
+        return values(some, ARM)
+
+    once, own = (
+        np.sum(list(findings.parts(shares, by_path, arm=True, seed=seed, effort=effort).values()), axis=0)
+        for seed, effort in ((3, FEW), (OWN_NOISE, EXACTLY))
+    )
+    assert not np.array_equal(once, own)
+    effort = replace(FEW, claimed=True)
+    found = findings.lack(shares, by_path, arm=True, seed=3, effort=effort, level=np.inf)
+    assert found == pytest.approx(np.maximum(once, own))
 
 
 def test_every_finding_can_be_left_out(findings: Findings, shares: np.ndarray) -> None:

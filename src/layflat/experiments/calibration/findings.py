@@ -10,8 +10,6 @@ from layflat.experiments.calibration import shortfall
 from layflat.experiments.calibration.effort import Effort
 from layflat.experiments.calibration.evidence import Evidence
 
-APART = 1000  # seeds of the looks at a machine
-
 Values = Callable[[Array], Mapping[str, Array]]
 """From shares (machines, unknowns) to numbers (SI) by path."""
 
@@ -32,9 +30,9 @@ class Findings:
         """
         found, still, left = np.zeros(len(shares)), np.zeros(len(shares)), np.arange(len(shares))
         levels = np.broadcast_to(level, len(shares))
-        for number in range(effort.looks):
+        for number, (own, closely) in enumerate(effort.each(seed)):
             lacked = still.copy()
-            for noisy, look in self._looks(arm, seed + APART * number, effort):
+            for noisy, look in self._looks(arm, own, closely):
                 if not len(left) or (number and not noisy):
                     continue
                 parts = look(values(shares[left]))

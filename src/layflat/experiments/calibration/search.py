@@ -28,7 +28,7 @@ NEARLY = 1.0  # what a machine may lack that may have all findings
 ASKED = 2  # of a generation, beside its middle
 OTHERS, APART = 12, 7919  # looks with other noise by which a machine is doubted, and seeds between them
 DESCENTS, GENERATIONS, NOISES = 256, 10_000, 10_007  # of a search, of a descent, and seeds from one to the next
-SURELY = 0.6  # what a machine may lack in these in the mean: the built-in ones lack less
+SURELY = 0.6  # what a machine may lack in these in the mean
 
 HEATS = ((ROUGH, 1.0, 160, 2), (ROUGHLY_CLAIMED, 0.5, 60, 2))
 """How closely machines are looked at one after the other, down to which level, for how many generations at most, and
