@@ -51,7 +51,7 @@ def test_a_member_is_what_was_judged(file: Path, shares: np.ndarray, number: int
         found = known_to(machine, values(shares[[number]], part))
         assert len(found) > 40
         for path, value in found.items():
-            assert value_at(machine, path) == pytest.approx(value[0], rel=6e-3), path
+            assert value_at(machine, path) == pytest.approx(value[0], rel=1e-5), path
 
 
 def test_members_differ_and_the_built_in_machine_stays(file: Path) -> None:

@@ -12,9 +12,10 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.description.change import value_at
-from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_of
+from layflat.identify.benches.hysteresis.model import rounded as rounded_weights
+from layflat.identify.benches.hysteresis.model import shares_of, split_of
 from layflat.machine import Machine
-from layflat.tune.knobs import PER_BAR, PER_DEG
+from layflat.tune.knobs import PER_BAR, PER_DEG, rounded
 
 DEG = 1.0 / PER_DEG
 BOTH = ("large", "small")
@@ -145,7 +146,7 @@ def _weighed(found: dict[str, Any]) -> dict[str, Any]:
     for losses in sorted({path.partition(".split.")[0] for path in found} - set(plain)):
         weights = shares_of(np.stack([found[f"{losses}.split.{i}"] for i in range(2)], axis=-1))
         if weights.ndim == 1:
-            plain[f"{losses}.weights"] = rounded(weights)
+            plain[f"{losses}.weights"] = rounded_weights(weights)
         else:
             plain |= {f"{losses}.weights.{i}": weights[:, i] for i in range(weights.shape[-1])}
     return plain
@@ -172,7 +173,19 @@ def _now(machine: Machine, path: str) -> float:
 
 
 def as_text(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
-    """Return what stands in a description for values of the unknowns, to three digits, by path."""
+    """Return what stands in a description for values of the unknowns (unknowns,), to three digits, by path."""
+    units, found = _units(unknowns), by_path(unknowns, values)
+    return {path: _text(value, units[path]) if path in units else list(value) for path, value in found.items()}
+
+
+def as_written(unknowns: Sequence[Unknown], values: Array) -> dict[str, Array]:
+    """Return what stands at every path (SI) of machines (machines, unknowns), to the digits of their descriptions."""
+    units, found = _units(unknowns), by_path(unknowns, values)
+    return found | {path: one.si * rounded(found[path] / one.si) for path, one in units.items() if path in found}
+
+
+def _units(unknowns: Sequence[Unknown]) -> dict[str, Unknown]:
+    """By path that whose unit its value has: a multiple has that of what it is a multiple of."""
     named = {one.name: one for one in unknowns}
     units: dict[str, Unknown] = {}
     for one in unknowns:
@@ -180,10 +193,9 @@ def as_text(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
         while root.times:
             root = named[root.times]
         units |= dict.fromkeys(one.paths, root)
-    found = by_path(unknowns, values)
-    return {path: _text(value, units[path]) if path in units else list(value) for path, value in found.items()}
+    return units
 
 
 def _text(value: float, unit: Unknown) -> str | float:
-    number = float(f"{value / unit.si:.3g}")
+    number = float(rounded(np.array(value / unit.si)))
     return f"{number:g} {unit.unit}" if unit.unit else number

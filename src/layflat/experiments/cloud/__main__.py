@@ -1,8 +1,9 @@
 """Find the machines that the paper allows: `python -m layflat.experiments.cloud --seed 1 --rounds 420 --out FILE`.
 
 Machines begin near those that calibrations from anywhere find, and walk over all that is open, as far as the paper's
-findings let them. Those with which every claim agrees become members. It takes an hour and a half on two cores; the
-same seed finds the same if the time of the calibrations suffices.
+findings let them. Those with which every claim agrees become members. Each start has a walk of its own, and as many
+members as the others: who walked together would end where the surest start lies. It takes an hour and a half on two
+cores; the same seed finds the same if the time of the calibrations suffices.
 """
 
 import argparse
@@ -29,7 +30,7 @@ from layflat.machine.cloud import PAPER
 
 SPREAD = 0.01  # of their shares at first
 LEVEL = 0.55  # what machines may lack in the end: the findings' margins included
-MEMBERS = 256  # that a cloud has at most
+MEMBERS = 252  # that a cloud has at most, the same number from each start
 
 EFFORTS = ((ROUGHLY_CLAIMED, 256, 0.7), (ONCE, 128, 0.5), (SURE, 128, LEVEL))
 """How closely machines are looked at one after the other, how many of them, and down to which level."""
@@ -56,9 +57,9 @@ def starts(seed: int, count: int) -> Array:
 
 
 def walked(
-    findings: Findings, start: Array, *, seed: int, rounds: int, spread: float = SPREAD, efforts: Efforts = EFFORTS
+    findings: Findings, near: Array, *, seed: int, rounds: int, spread: float = SPREAD, efforts: Efforts = EFFORTS
 ) -> Iterator[tuple[Walk, bool]]:
-    """Walk from around machines (machines, unknowns), spread by so much of their ranges, for so many rounds.
+    """Walk from machines near these (machines, unknowns), spread by so much of their ranges, for so many rounds.
 
     Yields the walk, and whether it is at the last level.
     """
@@ -70,8 +71,8 @@ def walked(
             shares, lambda some: values(some, part), arm=part == ARM, seed=noise, effort=effort, level=level
         )
 
-    near = start[rng.integers(len(start), size=machines)]
-    shares = np.clip(near + spread * rng.standard_normal(near.shape), 0.0, 1.0)
+    first = near[rng.integers(len(near), size=machines)]
+    shares = np.clip(first + spread * rng.standard_normal(first.shape), 0.0, 1.0)
     walk = begun(shares, 2, lacks, seed)
     while walk.rounds < rounds:
         walk.goes_on(BLOCKS, lacks, least)
@@ -92,8 +93,8 @@ def agrees_with_all(where: str) -> bool:
     return not disagreeing(bench(where))
 
 
-def checked(file: Path, walks: Sequence[Array], command: str) -> tuple[list[Array], int]:
-    """Return machines with which every claim agrees, and how many were asked.
+def checked(file: Path, walks: Sequence[Array], command: str, most: int) -> tuple[list[Array], int]:
+    """Return machines with which every claim agrees, so many at most, and how many were asked.
 
     Asked is where machines were on their walk, in any order, until there are enough; all of them are written into a
     file on the way.
@@ -105,7 +106,7 @@ def checked(file: Path, walks: Sequence[Array], command: str) -> tuple[list[Arra
     for shares, agreeing in zip(places, at_once(agrees_with_all, names_in(file, len(places))), strict=True):
         found, asked = [*found, shares] if agreeing else found, asked + 1
         sys.stderr.write(f"\r{len(found)} of {asked} machines agree with every claim, {len(places)} in all ")
-        if len(found) == MEMBERS:
+        if len(found) == most:
             break
     sys.stderr.write("\n")
     return found, asked
@@ -121,16 +122,23 @@ def main() -> None:
     given = asked.parse_args()
     command = f"python -m layflat.experiments.cloud --seed {given.seed} --rounds {given.rounds} --starts {given.starts}"
     sys.stderr.writelines(f"{line}\n" for line in excluded())
+    members, each, tried, worth = list[Array](), list[int](), 0, 0.0
     begins = starts(given.seed, given.starts)
-    walking = walked(Findings(Evidence(bench())), begins, seed=given.seed, rounds=given.rounds)
-    walks = [walk.shares.copy() for walk, last in walking if last]
-    if not walks:
-        raise SystemExit(f"{given.rounds} rounds are too few: no machine lacks {LEVEL:g} or less")
-    # Those of the first half may still remember where they began.
-    later = walks[len(walks) // 2 :]
-    with TemporaryDirectory() as folder:
-        members, tried = checked(Path(folder) / given.out.name, later, command)
-    write(given.out, members, command, asked=tried, effective=round(effective(later), 1))
+    for number, start in enumerate(begins):
+        walking = walked(Findings(Evidence(bench())), start[None], seed=given.seed + number, rounds=given.rounds)
+        walks = [walk.shares.copy() for walk, last in walking if last]
+        # Those of the first half may still remember where they began.
+        later = walks[len(walks) // 2 :]
+        if not later:
+            sys.stderr.write(f"{given.rounds} rounds are too few for a start: no machine lacks {LEVEL:g} or less\n")
+            continue
+        with TemporaryDirectory() as folder:
+            found, asked_for = checked(Path(folder) / given.out.name, later, command, MEMBERS // len(begins))
+        members, tried, worth = members + found, tried + asked_for, worth + effective(later)
+        each.append(len(found))
+    if not members:
+        raise SystemExit("no machine of any walk agrees with every claim")
+    write(given.out, members, command, starts=each, asked=tried, effective=round(worth, 1))
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from layflat.experiments.calibration.unknowns import (
     LOSSES,
     Unknown,
     as_text,
-    by_path,
+    as_written,
     gains,
     to_shares,
     to_values,
@@ -103,11 +103,14 @@ BLOCKS = tuple(
 
 
 def values(shares: Array, part: int) -> dict[str, Array]:
-    """Numbers (SI) by path of machines (machines, unknowns), for a part of the evidence."""
+    """Numbers (SI) by path of machines (machines, unknowns), for a part of the evidence, as their file says them.
+
+    A limit cycle may hang on the fourth digit.
+    """
     found: dict[str, Array] = {}
     for group, block in zip(GROUPS, BLOCKS, strict=True):
         if part in group.parts:
-            found |= by_path(group.unknowns, to_values(group.unknowns, shares[:, block.columns]))
+            found |= as_written(group.unknowns, to_values(group.unknowns, shares[:, block.columns]))
     return found
 
 

@@ -4,6 +4,7 @@ Prints a table in Markdown, of each value that is open its range and what the me
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -57,9 +58,19 @@ def shares_of(path: Path = PAPER) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def pinned(shares: Array) -> list[Pinned]:
-    """Return what members (members, unknowns) say of every unknown."""
-    own, correlation = built_in(), np.asarray(spearmanr(shares).statistic)
+def starts_of(path: Path = PAPER) -> list[int]:
+    """Return how many members of a cloud come from each start of its walks, one start's after the other's."""
+    found: list[int] = json.loads(path.read_text(encoding="utf-8"))["notes"]["starts"]
+    return found
+
+
+def pinned(shares: Array, starts: Sequence[int]) -> list[Pinned]:
+    """Return what members (members, unknowns) say of every unknown, so many of them from each start.
+
+    What trades off with what is judged among those of one start: those of different ones differ in all at once.
+    """
+    walks = np.split(shares, np.cumsum(starts)[:-1])
+    own, correlation = built_in(), np.mean([spearmanr(walk).statistic for walk in walks], axis=0)
     unknowns = [(one, group.machine) for group in GROUPS for one in group.unknowns]
     low, median, high = np.percentile(shares, [ENDS[0], 50.0, ENDS[1]], axis=0)
     np.fill_diagonal(correlation, 0.0)
@@ -135,7 +146,7 @@ def main() -> None:
     asked.add_argument("--cloud", type=Path, default=PAPER)
     asked.add_argument("--out", type=Path, default=Path("docs/cloud.png"))
     given = asked.parse_args()
-    found = pinned(shares_of(given.cloud))
+    found = pinned(shares_of(given.cloud), starts_of(given.cloud))
     sys.stdout.write(table(found) + "\n")
     save(draw(found), given.out)
 
