@@ -2,8 +2,8 @@
 
 Machines begin near those that calibrations from anywhere find, and walk over all that is open, as far as the paper's
 findings let them. Those with which every claim agrees become members. Each start has a walk of its own, and as many
-members as the others: who walked together would end where the surest start lies. It takes an hour and a half on two
-cores; the same seed finds the same if the time of the calibrations suffices.
+members as the others, in turn: who walked together would end where the surest start lies. It takes an hour and a half
+on two cores; the same seed finds the same if the time of the calibrations suffices.
 """
 
 import argparse
@@ -122,7 +122,7 @@ def main() -> None:
     given = asked.parse_args()
     command = f"python -m layflat.experiments.cloud --seed {given.seed} --rounds {given.rounds} --starts {given.starts}"
     sys.stderr.writelines(f"{line}\n" for line in excluded())
-    members, each, tried, worth = list[Array](), list[int](), 0, 0.0
+    found, tried, worth = list[list[Array]](), 0, 0.0
     begins = starts(given.seed, given.starts)
     for number, start in enumerate(begins):
         walking = walked(Findings(Evidence(bench())), start[None], seed=given.seed + number, rounds=given.rounds)
@@ -133,12 +133,12 @@ def main() -> None:
             sys.stderr.write(f"{given.rounds} rounds are too few for a start: no machine lacks {LEVEL:g} or less\n")
             continue
         with TemporaryDirectory() as folder:
-            found, asked_for = checked(Path(folder) / given.out.name, later, command, MEMBERS // len(begins))
-        members, tried, worth = members + found, tried + asked_for, worth + effective(later)
-        each.append(len(found))
+            agreeing, count = checked(Path(folder) / given.out.name, later, command, MEMBERS // len(begins))
+        found, tried, worth = [*found, agreeing], tried + count, worth + effective(later)
+    members = [machine for each in zip(*filter(None, found), strict=False) for machine in each]
     if not members:
         raise SystemExit("no machine of any walk agrees with every claim")
-    write(given.out, members, command, starts=each, asked=tried, effective=round(worth, 1))
+    write(given.out, members, command, starts=sum(map(bool, found)), asked=tried, effective=round(worth, 1))
 
 
 if __name__ == "__main__":

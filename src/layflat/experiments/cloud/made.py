@@ -12,8 +12,8 @@ from layflat.files import write_text
 from layflat.machine.libraries import MACHINES
 
 
-def write(path: Path, members: Sequence[Array], command: str, **notes: object) -> None:
-    """Write the file of a cloud: its members (unknowns,), the command that makes it, and notes about how."""
+def write(path: Path, members: Sequence[Array], command: str, **notes: float) -> None:
+    """Write the file of a cloud: its members (unknowns,), the command that makes it, and numbers about how."""
     said = [_numbers(texts(one)) for one in members]
     table = _grouped(said)
     raw = {

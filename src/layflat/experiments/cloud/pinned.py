@@ -58,18 +58,17 @@ def shares_of(path: Path = PAPER) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def starts_of(path: Path = PAPER) -> list[int]:
-    """Return how many members of a cloud come from each start of its walks, one start's after the other's."""
-    found: list[int] = json.loads(path.read_text(encoding="utf-8"))["notes"]["starts"]
-    return found
+def starts_of(path: Path = PAPER) -> int:
+    """Return from how many starts members of a cloud come, in turn."""
+    return int(json.loads(path.read_text(encoding="utf-8"))["notes"]["starts"])
 
 
-def pinned(shares: Array, starts: Sequence[int]) -> list[Pinned]:
-    """Return what members (members, unknowns) say of every unknown, so many of them from each start.
+def pinned(shares: Array, starts: int) -> list[Pinned]:
+    """Return what members (members, unknowns) say of every unknown, which come from so many starts in turn.
 
     What trades off with what is judged among those of one start: those of different ones differ in all at once.
     """
-    walks = np.split(shares, np.cumsum(starts)[:-1])
+    walks = [shares[start::starts] for start in range(starts)]
     own, correlation = built_in(), np.mean([spearmanr(walk).statistic for walk in walks], axis=0)
     unknowns = [(one, group.machine) for group in GROUPS for one in group.unknowns]
     low, median, high = np.percentile(shares, [ENDS[0], 50.0, ENDS[1]], axis=0)
