@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from layflat.description.change import changed_all, value_at
 from layflat.experiments.calibration import unknowns as u
@@ -16,6 +18,16 @@ def test_shares_round_trip_through_values() -> None:
     low, high = u.to_values(ALL, np.zeros(len(ALL))), u.to_values(ALL, np.ones(len(ALL)))
     assert low == pytest.approx([one.low for one in ALL])
     assert high == pytest.approx([one.high for one in ALL])
+
+
+@given(st.sampled_from(sorted(u.LOSSES)), st.floats(0.0, 1.0))
+def test_places_in_a_range_are_counted_in_factors_or_where_it_has_zero_in_differences(kind: str, place: float) -> None:
+    shares = np.full(len(u.LOSSES[kind]), place)
+    values = u.to_values(u.LOSSES[kind], shares)
+    assert u.to_shares(u.LOSSES[kind], values) == pytest.approx(shares, abs=1e-12)
+    for one, value in zip(u.LOSSES[kind], values, strict=True):
+        even = one.low + place * (one.high - one.low) if one.low <= 0.0 else one.low * (one.high / one.low) ** place
+        assert value == pytest.approx(even)
 
 
 def test_values_round_trip_through_a_machine_and_its_text() -> None:

@@ -107,6 +107,12 @@ def conductances(command: float, periods: int = 4) -> tuple[float, float, float]
     return float(np.mean(fills[-50:])), float(np.mean(vents[-50:])), float(pair_opening(PAIR, state))
 
 
+def test_valves_that_have_been_shut_for_long_stay_as_they_are_without_a_command() -> None:
+    state, fill, vent = move_pair(PAIR, shut(PAIR), 0.0, start_carrier(PAIR, 0.0, T / 50), T / 50)
+    assert state == shut(PAIR)
+    assert fill == vent == PAIR.leakage
+
+
 def test_a_command_opens_one_way_and_its_opposite_the_other() -> None:
     fill, vent, _ = conductances(0.4)
     assert vent == pytest.approx(PAIR.leakage)

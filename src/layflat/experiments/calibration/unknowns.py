@@ -35,6 +35,7 @@ class Unknown:
     paths: tuple[str, ...] = ()
     times: str = ""  # name of another unknown; where there is one, the value is a multiple of it
     factors: tuple[float, ...] = ()  # by which it counts at each path; none: 1
+    linear: bool = False  # whether places in the range are counted in differences; else in factors
 
 
 FADES = "from an effect within some seconds to that of the error's gain"
@@ -65,9 +66,12 @@ def gains(joint: str) -> tuple[Unknown, ...]:
     )
 
 
-def losses(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0) -> Unknown:
+def losses(
+    key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, *, linear: bool = False
+) -> Unknown:
     """Return what is open of the losses, the same for both joints and the earlier actuator."""
-    return Unknown(f"losses {key}", low, high, why, unit, si, tuple(f"joint.{joint}.losses.{key}" for joint in BOTH))
+    paths = tuple(f"joint.{joint}.losses.{key}" for joint in BOTH)
+    return Unknown(f"losses {key}", low, high, why, unit, si, paths, linear=linear)
 
 
 TURNS = "from one that turns the small joint by 40 deg in 1.3 s to one of 1/4 in"
@@ -96,14 +100,12 @@ LOSSES: Mapping[str, tuple[Unknown, ...]] = {
     ),
     "elasto-slip-spectrum": (
         losses("first", 0.1, 2.0, WITHIN, "deg", DEG),
-        losses("last", 5.0, 60.0, WITHIN, "deg", DEG),
-        losses(
-            "slope", 0.05, 1.5, "the share of an element grows with its deflection, at most in proportion and a half"
-        ),
+        losses("last", 2.5, 60.0, WITHIN, "deg", DEG),
+        losses("slope", -1.5, 1.5, "no element has nearly all, neither the first nor the last", linear=True),
     ),
     "bouc-wen": (
         losses("deflection", 0.5, 20.0, WITHIN, "deg", DEG),
-        losses("beta", 0.5, 1.5, "from straight to steep on the way back"),
+        losses("beta", 0.5, 3.0, "from straight to as steep on the way back as a file may say"),
         losses("exponent", 1.0, 2.0, "what the law allows"),
     ),
 }
@@ -118,15 +120,24 @@ STARTS: Mapping[str, dict[str, Any]] = {
 
 
 def to_values(unknowns: Sequence[Unknown], shares: Array) -> Array:
-    """Return values in the unknowns' units from where they lie in their ranges, 0 to 1, counted in factors."""
-    low, high = np.array([(one.low, one.high) for one in unknowns]).T
-    return np.asarray(low * (high / low) ** np.clip(shares, 0.0, 1.0))
+    """Return values in the unknowns' units from where they lie in their ranges, 0 to 1."""
+    low, high, linear = _ranges(unknowns)
+    shares = np.clip(shares, 0.0, 1.0)
+    by_factor = low * np.where(linear, 1.0, high / low) ** shares
+    return np.where(linear, low + (high - low) * shares, by_factor)
 
 
 def to_shares(unknowns: Sequence[Unknown], values: Array) -> Array:
     """Return where values in the unknowns' units lie in their ranges."""
+    low, high, linear = _ranges(unknowns)
+    values = np.clip(values, low, high)
+    by_factor = np.log(np.where(linear, 1.0, values / low)) / np.log(np.where(linear, 2.0, high / low))
+    return np.where(linear, (values - low) / (high - low), by_factor)
+
+
+def _ranges(unknowns: Sequence[Unknown]) -> tuple[Array, Array, Array]:
     low, high = np.array([(one.low, one.high) for one in unknowns]).T
-    return np.asarray(np.log(np.clip(values, low, high) / low) / np.log(high / low))
+    return low, high, np.array([one.linear for one in unknowns])
 
 
 def by_path(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
