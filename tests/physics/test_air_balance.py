@@ -80,6 +80,11 @@ def test_a_tube_lets_through_what_two_resistances_in_series_do() -> None:
     assert narrowed == pytest.approx(np.array(rate(PARTS, 1.0)) / np.sqrt(5.0), rel=1e-3)
 
 
+def test_a_valve_that_is_asked_for_more_than_full_opening_opens_fully() -> None:
+    assert rate(PARTS, 1.5) == rate(PARTS, 1.0)
+    assert rate(PARTS, 1.0) != pytest.approx(rate(PARTS, 0.9), rel=0.05)
+
+
 def test_a_leak_is_there_with_the_valve_shut() -> None:
     leaks = PARTS._replace(leakage=0.1 * PARTS.conductance)
     # Both paths of both hoses: what comes from the supply less what goes to the exhaust.

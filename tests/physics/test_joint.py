@@ -1,9 +1,13 @@
+from math import nan
+
 import pytest
 from plants import AROUND, LARGE, RIGID
 
 from layflat.physics.chamber import pressure, temperature
 from layflat.physics.hose import swept_volume
-from layflat.physics.joint import Ledger, joint_at_rest
+from layflat.physics.joint import Ledger, is_sound, joint_at_rest
+
+SOUND = [True, True, False, False, False]
 
 
 def test_a_joint_at_rest_has_what_it_was_given() -> None:
@@ -17,3 +21,12 @@ def test_a_joint_at_rest_has_what_it_was_given() -> None:
         assert pressure(RIGID, hose.energy, hose.volume, AROUND.ambient_pressure) == pytest.approx(p)
         root_temperature = temperature(RIGID, p, hose.mass, hose.volume, AROUND.ambient_pressure)
         assert root_temperature == pytest.approx(AROUND.ambient_temperature)
+
+
+def test_a_joint_has_diverged_beyond_any_motion_or_without_air() -> None:
+    state = joint_at_rest(LARGE, 0.3, 4e5, 3e5, AROUND)
+    angles, velocities = (9.9, -9.9, 10.1, -10.1, nan), (9.9e3, -9.9e3, 1.01e4, -1.01e4, nan)
+    assert [is_sound(state._replace(motion=state.motion._replace(angle=one))) for one in angles] == SOUND
+    assert [is_sound(state._replace(motion=state.motion._replace(velocity=one))) for one in velocities] == SOUND
+    assert not is_sound(state._replace(hose_a=state.hose_a._replace(mass=0.0)))
+    assert not is_sound(state._replace(hose_b=state.hose_b._replace(mass=-1e-9)))

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from layflat.lanes import mapped
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import hose
-from layflat.physics.hysteresis import HYSTERESIS, at_rest, loaded, stored, torques, turned
+from layflat.physics.hysteresis import HYSTERESIS, at_rest, loaded, spectrum, stored, torques, turned
 from layflat.sim import rollout
 from layflat.sim.ensemble.parallel import traced
 from layflat.sim.scenario import Scenario
@@ -97,6 +97,15 @@ def test_a_large_slow_motion_meets_the_loss_and_nothing_else(kind: str) -> None:
 def test_both_ways_are_alike(kind: str) -> None:
     path = np.cumsum(np.sin(np.linspace(0.0, 9.0, 200)) * 0.004)
     assert walk(losing(kind), -path) == pytest.approx(-walk(losing(kind), path), abs=1e-12)
+
+
+@pytest.mark.parametrize("slope", [-1.5, 0.0, 0.7])
+def test_the_weights_of_a_spectrum_go_with_a_power_of_the_deflection(slope: float) -> None:
+    deflections, weights = spectrum.elements(described("elasto-slip-spectrum", slope=slope))
+    assert sum(weights) == pytest.approx(1.0)
+    assert deflections[-1] / deflections[0] == pytest.approx(40.0)
+    assert np.diff(np.log(deflections)) == pytest.approx(np.log(40.0) / 5)
+    assert np.log(weights) - np.log(weights[0]) == pytest.approx(slope * np.log(np.array(deflections) / deflections[0]))
 
 
 @pytest.mark.parametrize("kind", RATE_INDEPENDENT)

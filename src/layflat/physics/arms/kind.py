@@ -26,8 +26,9 @@ class ArmPart(KindPart):
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
-        if len(set(self.joints)) < len(self.joints):
-            raise ValueError(f"joints names {self.joints[0]!r} twice; name each joint once")
+        for place, name in enumerate(self.joints):
+            if name in self.joints[:place]:
+                raise ValueError(f"joints names {name!r} twice; name each joint once")
         return self
 
 
