@@ -17,6 +17,7 @@ from layflat.jit import kernel
 from layflat.physics.air import CP, CV, GAMMA, GAS_CONSTANT, REFERENCE_DENSITY
 from layflat.physics.flow import laminar_slope, orifice
 from layflat.physics.line import (
+    SPEED_OF_SOUND,
     Line,
     LineAir,
     NoAir,
@@ -58,6 +59,10 @@ def fanno(length: float, bore: float) -> tuple[float, float]:
     mach = float(brentq(left, 1e-3, 1.0 - 1e-9))
     end = (1.0 + 0.2 * mach**2) ** -3.5 * mach * sqrt((2.0 + 0.4 * mach**2) / 2.4)
     return flow(mach) / (REFERENCE_DENSITY * supply), end
+
+
+def test_sound_is_as_fast_as_in_tables_of_air_at_20_degrees() -> None:
+    assert pytest.approx(343.2, rel=1e-3) == SPEED_OF_SOUND
 
 
 @pytest.mark.parametrize("length", [0.1, 0.5, 2.0, 5.0])

@@ -66,6 +66,15 @@ def test_second_order_in_the_step(friction: float) -> None:
     assert order > 1.8
 
 
+@given(st.floats(-0.5, 0.5), st.floats(0.06, 1.0), st.sampled_from([-1.0, 1.0]))
+def test_a_spool_that_sets_off_takes_the_implicit_midpoint(x: float, pull: float, way: float) -> None:
+    h = 2.5e-4
+    after, v = advance_spool(SPOOL, x + way * pull, 0.0, x, 0.0, h)
+    assert after == pytest.approx(x + 0.5 * h * v)
+    force = WN**2 * (pull - 0.5 * abs(after - x) - SPOOL.friction)
+    assert way * v == pytest.approx(h * (force - 2.0 * SPOOL.damping_ratio * WN * 0.5 * abs(v)))
+
+
 def test_smooth_spool_against_scipy() -> None:
     def rates(t: float, y: NDArray[np.float64]) -> list[float]:
         return [y[1], WN**2 * (0.4 * np.sin(2 * pi * 20.0 * t) - y[0]) - 1.4 * WN * y[1]]
