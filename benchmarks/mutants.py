@@ -35,9 +35,9 @@ LONGEST = 900.0  # of a group of tests with one mutant, s
 
 
 def mutants(root: Path) -> Iterator[MutationSpec]:
-    """Every mutant of a copy of the project; annotations and docstrings say nothing that runs."""
+    """Every mutant of a copy of the project, but of annotations, docstrings and decorators: no law runs by them."""
     for path in sorted(one for name in WATCHED for one in (root / "src/layflat" / name).rglob("*.py")):
-        says = _annotations(path)
+        says = _beside_the_law(path)
         for name in operator_names():
             operator = get_operator(name)
             if name in SAME or name.endswith(BITWISE) or operator.arguments():
@@ -49,9 +49,10 @@ def mutants(root: Path) -> Iterator[MutationSpec]:
                     yield MutationSpec(str(path.relative_to(root)), name, occurrence, start, end)
 
 
-def _annotations(path: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]:
+def _beside_the_law(path: Path) -> list[tuple[tuple[int, int], tuple[int, int]]]:
     nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
     said = [getattr(node, key) for node in nodes for key in ("annotation", "returns") if getattr(node, key, None)]
+    said += [one for node in nodes for one in getattr(node, "decorator_list", ())]
     return [((one.lineno, one.col_offset), (one.end_lineno, one.end_col_offset)) for one in said]
 
 

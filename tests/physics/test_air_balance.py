@@ -100,6 +100,20 @@ def test_a_joint_that_turns_expands_the_air_of_one_hose_and_compresses_the_other
     assert rate(PARTS, 0.0, 10.0 * PARTS.fastest) == pytest.approx(turning * PARTS.fastest / velocity, rel=1e-3)
 
 
+@pytest.mark.parametrize("angle", [PARTS.neutral, -PARTS.neutral, 1.5, -1.5, 2.4, -2.4])
+def test_a_hose_that_is_all_peeled_has_its_dead_volume_and_beyond_at_least_half_of_it(angle: float) -> None:
+    elapsed, opening = 1e-6, 1.0
+    after = follow_air(PARTS, AirEstimate(3e5, 3e5, angle, 0.0), opening, angle, 0.0, SUPPLY, EXHAUST, elapsed)
+    free = PARTS.dead_volume + PARTS.torque_constant * (PARTS.neutral + np.array([angle, -angle]))
+    volumes = np.maximum(free, 0.5 * PARTS.dead_volume)
+    grows, falls = (after.pressure_a - 3e5) * volumes[0], (3e5 - after.pressure_b) * volumes[1]
+    middle = follow_air(PARTS, AirEstimate(3e5, 3e5, 0.0, 0.0), opening, 0.0, 0.0, SUPPLY, EXHAUST, elapsed)
+    even = PARTS.dead_volume + PARTS.torque_constant * PARTS.neutral
+    assert (grows, falls) == pytest.approx(
+        ((middle.pressure_a - 3e5) * even, (3e5 - middle.pressure_b) * even), rel=1e-3
+    )
+
+
 def test_the_residual_is_the_pull_of_the_measured_difference_over_what_an_open_valve_lets_in() -> None:
     elapsed, angle, difference = 1e-6, 0.4, 2e4
     parts = PARTS._replace(smoothing=elapsed)
