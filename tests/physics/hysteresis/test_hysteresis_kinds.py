@@ -232,6 +232,16 @@ def test_a_part_has_the_pressure_of_the_whole_unless_it_says_otherwise() -> None
     assert [part.pressure_free for part in parts.values()] == [0.25, 1.0]
 
 
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_parts_in_parallel_add_up_whatever_their_number(count: int) -> None:
+    kinds = ("elasto-slip", "creep", "bouc-wen", "maxwell")[:count]
+    parts = {kind: {"kind": kind, **DESCRIBED[kind]} for kind in kinds}
+    whole = described("parallel", parts=parts, shares={"creep": 0.3})
+    path = np.cumsum(np.random.default_rng(count).normal(0.0, 0.01, 60))
+    alone = [HYSTERESIS.parameters(whole.parts[kind], (0.3 if kind == "creep" else 1.0) * LIMIT) for kind in kinds]
+    assert walk(HYSTERESIS.parameters(whole, LIMIT), path) == pytest.approx(sum(walk(one, path) for one in alone))
+
+
 def test_a_kelvin_voigt_element_damps_by_the_loss() -> None:
     plain = hose(changed(load("paper-small-joint"), f"{SMALL}.damping_time", 0.0).joint["small"])
     assert plain.damping == (0.0, 0.0)
