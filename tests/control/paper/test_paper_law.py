@@ -132,6 +132,12 @@ def test_long_term_integral_learns_with_air_at_rest_unloaded() -> None:
     assert memory.long_term > 0.0
 
 
+def test_a_joint_that_woke_up_is_at_rest_once_the_time_for_it_is_over() -> None:
+    least = round(GAINS.rest_time / CYCLE)
+    learning = [hold(0.0, cycles, ripple=RIPPLE)[2].learning for cycles in (least - 1, least + 1)]
+    assert learning == [0.0, 1.0]
+
+
 @pytest.mark.parametrize(
     "broken",
     [

@@ -146,6 +146,16 @@ def test_elements_have_their_weights_after_a_sudden_turn_and_relax_in_their_time
         assert np.array(torques(loss, state)) == pytest.approx(sudden * np.exp([-2.0, -0.4]), rel=1e-3)
 
 
+def test_creep_takes_as_much_off_in_each_decade_of_time() -> None:
+    loss = losing("creep", per_decade=0.1, first="1 ms", last="1000 s", elements=13)
+    state, carried = turned(loss, at_rest(loss), radians(2.0), P_G, 1e-9), []
+    for h in np.diff([0.0, *np.logspace(-4, 1, 2001)]):
+        state = turned(loss, state, 0.0, P_G, float(h))
+        carried.append(sum(torques(loss, state)))
+    # At 0.1, 1 and 10 s: far from the first time and from the last.
+    assert -np.diff(carried[1200::400]) == pytest.approx(0.1 * LIMIT, rel=0.02)
+
+
 @pytest.mark.parametrize("h", [1e-3, 0.03, 0.5])
 def test_a_steady_turn_meets_dashpots(h: float) -> None:
     rate, loss, steps = radians(3.0), losing("maxwell", times=["20 ms"], weights=[0.5]), 20 + round(0.5 / h)
