@@ -19,6 +19,7 @@ def test_a_joint_at_rest_has_what_it_was_given() -> None:
         volume = RIGID.dead_volume + swept_volume(LARGE.hose_a.stroke, LARGE.hose_a.neutral + travel)
         assert hose.volume == pytest.approx(volume)
         assert pressure(RIGID, hose.energy, hose.volume, AROUND.ambient_pressure) == pytest.approx(p)
+        assert (hose.pressure_change, hose.mass_change) == (0.0, 0.0)
         root_temperature = temperature(RIGID, p, hose.mass, hose.volume, AROUND.ambient_pressure)
         assert root_temperature == pytest.approx(AROUND.ambient_temperature)
 

@@ -156,6 +156,13 @@ def test_long_term_integral_obeys_each_of_its_rules(broken: dict[str, float]) ->
     assert late[0].long_term == early[0].long_term == pytest.approx(0.0, abs=1e-3)
 
 
+def test_long_term_integral_learns_what_is_held_within_its_time_constant() -> None:
+    memory, voltage, report = hold(radians(0.05), 400, ripple=RIPPLE)
+    after = cycle(memory, 0.0, radians(0.05))[0]
+    held = voltage - GAINS.null - report.long_term
+    assert after.long_term - memory.long_term == pytest.approx(held * CYCLE / GAINS.drift_time, rel=0.02)
+
+
 def test_long_term_integral_is_kept_while_a_rule_is_broken() -> None:
     memory = hold(radians(0.05), 400, ripple=RIPPLE)[0]
     assert hold(radians(5.0), 100, memory)[0].long_term == memory.long_term
