@@ -35,7 +35,6 @@ class Unknown:
     paths: tuple[str, ...] = ()
     times: str = ""  # name of another unknown; where there is one, the value is a multiple of it
     factors: tuple[float, ...] = ()  # by which it counts at each path; none: 1
-    linear: bool = False  # whether places in the range are counted in differences; else in factors
 
 
 FADES = "from an effect within some seconds to that of the error's gain"
@@ -66,12 +65,9 @@ def gains(joint: str) -> tuple[Unknown, ...]:
     )
 
 
-def losses(
-    key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0, *, linear: bool = False
-) -> Unknown:
+def losses(key: str, low: float, high: float, why: str, unit: str = "", si: float = 1.0) -> Unknown:
     """Return what is open of the losses, the same for both joints and the earlier actuator."""
-    paths = tuple(f"joint.{joint}.losses.{key}" for joint in BOTH)
-    return Unknown(f"losses {key}", low, high, why, unit, si, paths, linear=linear)
+    return Unknown(f"losses {key}", low, high, why, unit, si, tuple(f"joint.{joint}.losses.{key}" for joint in BOTH))
 
 
 TURNS = "from one that turns the small joint by 40 deg in 1.3 s to one of 1/4 in"
@@ -101,7 +97,7 @@ LOSSES: Mapping[str, tuple[Unknown, ...]] = {
     "elasto-slip-spectrum": (
         losses("first", 0.1, 2.0, WITHIN, "deg", DEG),
         losses("last", 2.5, 60.0, WITHIN, "deg", DEG),
-        losses("slope", -1.5, 1.5, "no element has nearly all, neither the first nor the last", linear=True),
+        losses("slope", -1.5, 1.5, "no element has nearly all, neither the first nor the last"),
     ),
     "bouc-wen": (
         losses("deflection", 0.5, 20.0, WITHIN, "deg", DEG),
@@ -120,7 +116,10 @@ STARTS: Mapping[str, dict[str, Any]] = {
 
 
 def to_values(unknowns: Sequence[Unknown], shares: Array) -> Array:
-    """Return values in the unknowns' units from where they lie in their ranges, 0 to 1."""
+    """Return values in the unknowns' units from where they lie in their ranges, 0 to 1.
+
+    Places are counted in factors, in a range that reaches below zero in differences.
+    """
     low, high, linear = _ranges(unknowns)
     shares = np.clip(shares, 0.0, 1.0)
     by_factor = low * np.where(linear, 1.0, high / low) ** shares
@@ -137,7 +136,7 @@ def to_shares(unknowns: Sequence[Unknown], values: Array) -> Array:
 
 def _ranges(unknowns: Sequence[Unknown]) -> tuple[Array, Array, Array]:
     low, high = np.array([(one.low, one.high) for one in unknowns]).T
-    return low, high, np.array([one.linear for one in unknowns])
+    return low, high, low <= 0.0
 
 
 def by_path(unknowns: Sequence[Unknown], values: Array) -> dict[str, Any]:
