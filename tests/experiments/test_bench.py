@@ -56,3 +56,10 @@ def test_the_rigs_of_the_papers_figures_act_one_way() -> None:
     rigs = bench().rigs
     assert list(rigs) == list(RIGS)
     assert {rig.joint["small"].acting for rig in rigs.values()} == {"single"}
+
+
+def test_a_machine_with_another_controller_is_refused() -> None:
+    with pytest.raises(
+        MachineError, match="'tracking', but the reproduction of the paper needs the gains of the paper's"
+    ):
+        bench("paper-arm-tracking")

@@ -88,7 +88,12 @@ def signals(cycles: int, joints: int, **given: Any) -> Signals:
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
         ("demand", "opening", "brake", "load", "drift"), (cycles, joints)
     )
-    shapes |= {"supply": (cycles,), "payload": (cycles,), "noise": (cycles + 1, joints, 2)}
+    shapes |= {
+        "rates": (cycles, joints, 2),
+        "supply": (cycles,),
+        "payload": (cycles,),
+        "noise": (cycles + 1, joints, 2),
+    }
     given = {"supply": AROUND.supply_pressure} | given
     return Signals(**{name: np.array(np.broadcast_to(given.get(name, 0.0), shapes[name]), float) for name in shapes})
 

@@ -169,6 +169,8 @@ def test_mistakes_are_told_before_any_work(given: str, options: dict[str, int], 
 
 
 def test_a_rig_has_nothing_to_tune(tmp_path: Path) -> None:
+    with pytest.raises(MachineError, match=r"paper-arm-tracking: controller.kind: is 'tracking', but tuning needs"):
+        begin("paper-arm-tracking", tmp_path)
     with pytest.raises(MachineError, match="rig-kevlar: has no controller to be tuned"):
         begin("rig-kevlar", tmp_path)
 

@@ -1,10 +1,10 @@
 """Control laws, of any kind, for the whole arm. A new kind is one folder and one line here; see docs/kinds.md."""
 
-from layflat.control import paper
+from layflat.control import paper, tracking
 from layflat.control.kind import Command, ControlKind, ControllerPart, Demand, Sensed, voltages_alone
 from layflat.kinds import Table
 
-CONTROL_LAWS: Table[ControlKind] = Table("control law", paper.KIND)
+CONTROL_LAWS: Table[ControlKind] = Table("control law", paper.KIND, tracking.KIND)
 
 wake = CONTROL_LAWS.law("wake")
 step = CONTROL_LAWS.law("step")

@@ -7,6 +7,7 @@ from layflat.description.change import changed_all
 from layflat.errors import MachineError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.machine.cloud import parted
+from layflat.machine.gains import check_papers_law
 from layflat.machine.parts import Joint
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim.sweep import Loop, sweep
@@ -92,9 +93,14 @@ def bench(arm: str | Machine = "paper-arm") -> Bench:
     """Return the bench of a machine under test: a built-in name, a file or a machine.
 
     With a member of a cloud comes the earlier actuator of the same member.
+
+    Raises:
+        MachineError: the machine is wrong, or its controller is not the paper's.
     """
     member = parted(arm) if isinstance(arm, str) else None
-    return Bench(load(arm), load(f"earlier-actuator@{member[1]}:{member[2]}" if member else "earlier-actuator"))
+    machine = load(arm)
+    check_papers_law(machine, "the reproduction of the paper")
+    return Bench(machine, load(f"earlier-actuator@{member[1]}:{member[2]}" if member else "earlier-actuator"))
 
 
 def maximum_torque(machine: Machine, joint: str) -> float:

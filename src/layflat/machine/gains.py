@@ -10,6 +10,7 @@ from pydantic_core import core_schema
 
 from layflat.control import CONTROL_LAWS
 from layflat.description.wrong import wrong
+from layflat.errors import MachineError
 
 _law: ContextVar[object] = ContextVar("control law", default=None)
 
@@ -22,6 +23,17 @@ def gains_of_law(kind: object) -> Iterator[None]:
         yield
     finally:
         _law.reset(token)
+
+
+def check_papers_law(machine: Any, doing: str) -> None:
+    """Make sure that a machine has the paper's control law, for what is being done; raise MachineError if not."""
+    name = machine.control_law.name
+    if name != CONTROL_LAWS.usual:
+        raise MachineError(
+            f"is {name!r}, but {doing} needs the gains of the paper's",
+            where=f"{machine.origin}: controller.kind",
+            right=f'give a machine whose controller is "{CONTROL_LAWS.usual}"',
+        )
 
 
 class _OfTheLaw:

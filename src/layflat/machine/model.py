@@ -113,6 +113,17 @@ class Machine(Described):
     __hash__ = None  # type: ignore[assignment]  # joints are a table
 
     @property
+    def plant(self) -> tuple[Any, Any, Any]:
+        """Parameters of the laws of its arm, its joints (a tuple, from base to tip) and what is around them.
+
+        Raises:
+            MachineError: it has no valve or sensors.
+        """
+        from layflat.machine import parameters  # noqa: PLC0415  # it takes machines apart
+
+        return parameters.arm(self), parameters.joints(self), parameters.surroundings(self)
+
+    @property
     def control_law(self) -> ControlKind:
         """The kind of control law; the paper's for a machine without a controller."""
         return CONTROL_LAWS.named(getattr(self.controller, "kind", CONTROL_LAWS.usual))

@@ -4,16 +4,24 @@ from typing import Any, NamedTuple
 
 from layflat.control import Demand, Sensed, step
 from layflat.jit import composition, law
-from layflat.lanes import each, gather, in_lanes, select, slots
+from layflat.lanes import gather, in_lanes, select, slots
 from layflat.physics.joint import Drive
 from layflat.physics.sensor import read_sensor
 from layflat.physics.valves import driven, start_wave
 
 
+class Wanted(NamedTuple):
+    """What is asked of a joint in a control cycle."""
+
+    angle: float  # rad
+    velocity: float  # rad/s
+    acceleration: float  # rad/s2
+
+
 class Acting(NamedTuple):
     """What acts on a joint in a control cycle."""
 
-    demand: float  # rad
+    demand: Wanted
     opening: float  # in place of the controller, -1..1; not a number where it drives
     voltage: float  # in place of the controller, V; not a number where it drives
     lead: float  # what draws a joint that follows given voltages towards the demand, V/rad
@@ -59,18 +67,17 @@ def sense_all(joints, like, states, acting):
     return Sensed(gather(like, angles), gather(like, pressures))
 
 
-@law
-def _no_rate(angle):  # noqa: ARG001  (one a joint)
-    return 0.0
-
-
 @composition
 def _demanded(like, acting):
-    angles = slots(like, acting[0].demand)
-    for j in range(len(like)):
-        angles[j] = acting[j].demand
-    wanted = gather(like, angles)
-    return Demand(wanted, each(_no_rate, wanted), each(_no_rate, wanted))
+    first = acting[0].demand
+    angles, rates, accelerations = (
+        slots(like, first.angle),
+        slots(like, first.velocity),
+        slots(like, first.acceleration),
+    )
+    for j in range(1, len(like)):
+        angles[j], rates[j], accelerations[j] = acting[j].demand
+    return Demand(gather(like, angles), gather(like, rates), gather(like, accelerations))
 
 
 @composition
@@ -78,7 +85,7 @@ def _drive(joint, angle, line, acting, asked, brake, cycle):
     """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it."""
     valve = joint.valve
     voltage = select(is_number(acting.opening), valve.centre_voltage + valve.volts_to_full * acting.opening, asked)
-    led = acting.voltage + acting.lead * (acting.demand - angle)
+    led = acting.voltage + acting.lead * (acting.demand.angle - angle)
     voltage = select(is_number(acting.voltage), led, voltage)
     opening, line = driven(valve, line, voltage - acting.drift, cycle)
     return Drive(opening, brake * acting.brake, acting.load), voltage, line

@@ -14,7 +14,7 @@ from layflat.physics.hysteresis import stored, torques
 from layflat.physics.joint import Drive, Surroundings, is_sound, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valves import net_opening, start_wave
-from layflat.sim.cycle import Acting, Loop, control_cycle, sense_all
+from layflat.sim.cycle import Acting, Loop, Wanted, control_cycle, sense_all
 
 
 class Timing(NamedTuple):
@@ -29,6 +29,7 @@ class Signals(NamedTuple):
     """What acts on the machine, an item per cycle (first axis) and, where shaped so, per joint (second axis)."""
 
     demand: np.ndarray  # rad, (cycles, joints)
+    rates: np.ndarray  # of the demand, rad/s and rad/s2, (cycles, joints, 2)
     opening: np.ndarray
     """Valve opening in an open-loop run, -1..1, (cycles, joints); not a number where the controller drives."""
     brake: np.ndarray  # torque at which the brake slips, N m, (cycles, joints)
@@ -102,7 +103,7 @@ def _record(out, shown, row, joints, states, around, sensed, voltages, report):
 @composition
 def _acting(signals, k, j):
     return Acting(
-        signals.demand[k, j],
+        Wanted(signals.demand[k, j], signals.rates[k, j, 0], signals.rates[k, j, 1]),
         signals.opening[k, j],
         nan,
         0.0,

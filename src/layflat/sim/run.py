@@ -29,6 +29,7 @@ def rollout(
     step: Value = STEP,
     records: int = 1,
     scenario: Scenario | None = None,
+    controller: Machine | None = None,
     **changes: Any,
 ) -> "xarray.Dataset":
     """Simulate a machine with its controller.
@@ -38,6 +39,7 @@ def rollout(
         demand: angles asked for: "40 deg", {"large": "40 deg"}, or steps [("0 s", ...), ("2 s", ...)].
         step: of the plant; rounded so that a control cycle is a whole number of steps.
         records: instants recorded per control cycle.
+        controller: the machine that the controller believes to drive, and whose controller it is; default: the machine.
         scenario: what happens; `demand` and `changes` (fields of `Scenario`) are laid over it.
         **changes: fields of `Scenario`, for instance `duration="4 s"`, `payload="2 kg"`, `seed=1`.
 
@@ -52,7 +54,7 @@ def rollout(
 
     described = load(machine)
     case = checked_options(Scenario, changes, "rollout", scenario or Scenario(demand=demand))
-    prepared = prepare(described, case, step=step, records=records)
+    prepared = prepare(described, case, step=step, records=records, controller=controller)
     rows, shown, diverged = prepared.run()
     run = dataset(described, case, prepared, rows, shown)
     if diverged >= 0:
@@ -96,8 +98,10 @@ class Prepared:
         return rows[:valid], shown[:valid], int(diverged)
 
 
-def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1) -> Prepared:
-    """Turn a machine and a scenario into arguments of the compiled loop.
+def prepare(
+    machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1, controller: Machine | None = None
+) -> Prepared:
+    """Turn a machine, its scenario and who controls it (see `rollout`) into arguments of the compiled loop.
 
     Raises:
         InputError: a machine, scenario or option is wrong.
@@ -109,7 +113,7 @@ def prepare(machine: Machine, scenario: Scenario, *, step: Value = STEP, records
     return Prepared(
         parameters.arm(machine),
         joints,
-        parameters.control(machine, closed_loop=scenario.closed_loop),
+        parameters.control(controller or machine, closed_loop=scenario.closed_loop),
         parameters.surroundings(machine),
         start_angles(scenario, machine, acting.demand),
         start_pressures(scenario, machine, FILLED * acting.supply[0]),

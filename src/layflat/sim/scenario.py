@@ -16,6 +16,7 @@ from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.physics.noise import sensor_noise
 from layflat.sim.kernel import Signals
+from layflat.sim.rates import derived_rates, lasting_rate
 
 Value = str | float
 Angles = Value | Mapping[str, Value] | Sequence[Value]
@@ -39,6 +40,8 @@ class Scenario:
 
     Args:
         demand: angles asked for (rad); must lie inside the working stroke where the controller drives.
+        demand_velocity: of the demand (rad/s); default: as it moves on; a jump has none.
+        demand_acceleration: of the demand (rad/s2), likewise.
         duration: s.
         start: angles at which the arm rests at first; default: the first demand.
         opening: valve openings, -1..1, in place of the controller: an open-loop run.
@@ -55,6 +58,8 @@ class Scenario:
     """
 
     demand: Signal = 0.0
+    demand_velocity: Signal | None = None
+    demand_acceleration: Signal | None = None
     duration: Value = 2.0
     start: Angles | None = None
     opening: Signal | None = None
@@ -103,6 +108,7 @@ class Shapes(NamedTuple):
     """A scenario as arrays over control cycles, before a machine is known; not a number: as usual."""
 
     demand: Array  # rad, (cycles, joints)
+    rates: tuple[Array, Array]  # of the demand, rad/s and rad/s2, (cycles, joints) each
     opening: Array  # -1..1, (cycles, joints); not a number where the controller or a voltage drives
     voltage: Array  # V, (cycles, joints); not a number where the controller or an opening drives
     brake: Array  # share of the brake's torque, (cycles, joints)
@@ -135,6 +141,7 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     for j, name in enumerate(names if scenario.closed_loop else ()):
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand")
+    rates = _rates(scenario, demand, expand, cycle)
     supply = shared(scenario.supply, u.PRESSURE, "supply")
     _check(
         supply > -machine.supply.ambient_pressure, supply, "supply", 'a gauge pressure above vacuum, such as "4 bar"'
@@ -148,7 +155,19 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     opening, voltage = expand(scenario.opening, None, "opening"), expand(scenario.voltage, u.VOLTAGE, "voltage")
     _check(np.abs(opening) <= 1.0, opening, "opening", "a share from -1 to 1")
     load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
-    return Shapes(demand, opening, voltage, brake, load, drift, supply, payload)
+    return Shapes(demand, rates, opening, voltage, brake, load, drift, supply, payload)
+
+
+def _rates(scenario: Scenario, demand: Array, expand: Callable[..., Array], cycle: float) -> tuple[Array, Array]:
+    """Velocity and acceleration of the demand: as given, else as it moves on."""
+    velocity, acceleration = scenario.demand_velocity, scenario.demand_acceleration
+    found = derived_rates(demand, cycle)
+    if velocity is not None:
+        v = expand(velocity, u.ANGULAR_SPEED, "demand_velocity")
+        found = v, lasting_rate(v, cycle)
+    if acceleration is not None:
+        found = found[0], expand(acceleration, u.ANGULAR_ACCELERATION, "demand_acceleration")
+    return found
 
 
 def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
@@ -162,6 +181,7 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     gauge = np.where(np.isnan(own.supply), machine.supply.pressure_gauge, own.supply)
     return Signals(
         own.demand,
+        np.stack(own.rates, axis=-1),
         _opening(own, machine),
         own.brake * brakes,
         own.load,

@@ -13,6 +13,7 @@ from layflat.control.paper import PaperGainsPart
 from layflat.description.change import changed, value_at
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine
+from layflat.machine.gains import check_papers_law
 
 PER_DEG, PER_BAR = 180.0 / np.pi, 1e-5
 
@@ -95,11 +96,12 @@ def with_gains(machine: Machine) -> Machine:
     """Return the machine with neutral gains in those of its joints that have none.
 
     Raises:
-        MachineError: it has no controller.
+        MachineError: it has no controller, or another than the paper's.
     """
     if machine.valve is None or machine.controller is None:
         right = "add the parts `valve` and `controller`; `layflat show paper-arm` has both"
         raise MachineError("has no controller to be tuned", where=machine.origin, right=right)
+    check_papers_law(machine, "tuning")
     neutral: dict[str, Any] = {"integral_limit": f"{INTEGRAL_LIMIT * machine.valve.volts_to_full!r} V"}
     for knob in GAINS:
         table, _, key = knob.paths[0].rpartition(".")

@@ -49,6 +49,18 @@ def test_closed_loop_with_noise_is_the_rollout() -> None:
         assert_same(run, many.isel(run=i))
 
 
+def test_a_machine_may_be_driven_by_the_controller_of_another() -> None:
+    other = changed(ARM, "joint.small.gains.close.error", 2.0 * value_at(ARM, "joint.small.gains.close.error"))
+    torques = np.array([1.0, 3.0])
+    vary = {"joint.small.brake.torque": torques, "controller.drift_limit": np.array([0.3, 0.9]), "seed": np.arange(2)}
+    many = ensemble(ARM, MOVES, vary, traces=["angle"], controller=other)
+    for i, torque in enumerate(torques.tolist()):
+        machine = changed(ARM, "joint.small.brake.torque", torque)
+        driving = changed(other, "controller.drift_limit", vary["controller.drift_limit"].tolist()[i])
+        assert np.array_equal(rollout(machine, scenario=MOVES, seed=i, controller=driving).angle[:-1], many.angle[i])
+        assert not np.array_equal(rollout(machine, scenario=MOVES, seed=i).angle[:-1], many.angle[i])
+
+
 def test_open_loop_is_the_rollout() -> None:
     def opening(t: float) -> tuple[float, float]:
         return 0.08 * np.sin(2 * np.pi * 0.7 * t), 0.06 * np.sin(2 * np.pi * 1.1 * t)

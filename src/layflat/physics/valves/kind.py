@@ -1,6 +1,6 @@
 """What a kind of valve has to offer: how what a driver asks for becomes the conductances of a joint's two paths."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple, Self
 
@@ -76,6 +76,24 @@ def cannot_be_held(valve: Any, *_: Any) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
+class MeanValve:
+    """The laws of a valve on average over the wave of its driver, for models that step in milliseconds.
+
+    As in `ValveKind`; the wave says how much of the driver's there is.
+    """
+
+    averaged: Callable[[Any], Any]  # from the parameters of the valve to those on average
+    parameter_type: type  # of these
+    at_rest: Law
+    move: Law
+    opening: Law
+    start_wave: Law
+    turn_wave: Law = same_wave
+    seized: Law = cannot_be_held
+    held_at: Law = cannot_be_held
+
+
+@dataclass(frozen=True, kw_only=True)
 class ValveKind(Kind):
     """A law of valves.
 
@@ -98,6 +116,7 @@ class ValveKind(Kind):
     seized: Law = cannot_be_held  # `seized(valve)`, not a law, yields parameters of a valve that stays where it is
     held_at: Law = cannot_be_held
     """`held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening."""
+    mean: MeanValve | None = None  # the valve on average over its wave; None where no such law is known
 
     def __post_init__(self) -> None:
         """Refuse parameters that lack what all valves have."""
@@ -106,3 +125,8 @@ class ValveKind(Kind):
             lacking = [name for name in COMMON if name not in getattr(cls, "_fields", ())]
             if lacking:
                 raise KindError(f"{cls.__name__} lacks {', '.join(lacking)}", where=f"kind {self.name!r} of valve")
+
+    def entries(self) -> Mapping[type, Any]:
+        """What holds the laws, by class of the parameters."""
+        own = super().entries()
+        return own if self.mean is None else {**own, self.mean.parameter_type: self.mean}

@@ -21,6 +21,7 @@ from layflat.physics.dither import half_change, start_dither, turn_dither
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction.stribeck import StaticRatio
 from layflat.physics.ramp import mean_above_zero
+from layflat.physics.valves import spool_mean
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
 from layflat.physics.valves.spool_motion import Spool, StictionSpool, advance_spool
 
@@ -174,4 +175,5 @@ KIND = ValveKind(
     turn_wave=turn_spool_wave,
     seized=seized,
     held_at=held_at,
+    mean=spool_mean.MEAN,
 )

@@ -36,6 +36,7 @@ class Cases:
 
     base: Machine  # the machine as described
     machine: Machine  # the same; numbers that differ from run to run are arrays
+    controller: Machine  # whose controllers drive, likewise
     scenarios: list[Scenario]  # what may happen
     vary: Mapping[str, Array]  # arrays of `count` items by what they change
     count: int  # of runs
@@ -44,7 +45,7 @@ class Cases:
     @cached_property
     def cycle(self) -> float:
         """Control cycle, s."""
-        return self.base.cycle
+        return self.controller.cycle
 
     @cached_property
     def which(self) -> NDArray[np.int64]:
@@ -60,7 +61,7 @@ class Cases:
     def case(self) -> tuple[Any, ...]:
         """Arm, joints, settings of the control law, surroundings; numbers that differ from run to run are arrays."""
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
-        settings = parameters.control(self.machine, closed_loop=closed_loop)
+        settings = parameters.control(self.controller, closed_loop=closed_loop)
         CONTROL_LAWS.of(settings).check_compiled("in ensembles and studies")
         return (
             parameters.arm(self.machine),
@@ -141,7 +142,9 @@ class Cases:
     def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
         each = [self._shapes[s] for s in distinct]
         plan = Plan(
-            np.array([np.stack([e.demand, e.opening, e.voltage, e.brake, e.load, e.drift], axis=-1) for e in each]),
+            np.array(
+                [np.stack([e.demand, *e.rates, e.opening, e.voltage, e.brake, e.load, e.drift], axis=-1) for e in each]
+            ),
             np.array([np.stack([e.supply, e.payload], axis=-1) for e in each]),
         )
         ends = np.full((len(each), self.most_moves, 2), -1)
@@ -200,8 +203,11 @@ def cases(
     runs: int | None,
     *,
     together: bool = True,
+    controller: Machine | None = None,
 ) -> Cases:
     """An ensemble from what varies in it, also checked `together` unless that is done elsewhere.
+
+    With a `controller`, that machine's controllers drive, and what varies of them is this one's.
 
     Raises:
         InputError: something that varies is unknown, or has another number of runs than the rest.
@@ -211,27 +217,31 @@ def cases(
     if len(counts) > 1:
         lengths = ", ".join(f"{key}: {len(values)}" for key, values in arrays.items())
         raise InputError(f"has different numbers of runs ({lengths})", where="vary", right="give one number a run")
-    lasting = {scenario.cycles(machine.cycle) for scenario in scenarios}
+    lasting = {scenario.cycles((controller or machine).cycle) for scenario in scenarios}
     if len(lasting) != 1:
         raise InputError("are not equally long", where="scenario", right="give all the same duration")
-    own: dict[str, Array] = {}
-    known = set(paths(machine))
-    for key, values in arrays.items():
-        if key in _settings(machine):
-            continue
-        if key == "controller.cycle":
-            raise InputError("is the same in all runs", where=f"vary: {key}", right="run an ensemble for each cycle")
-        if key not in known:
-            value_at(machine, key)
-            raise InputError("is not a single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
-        own[key] = values
-    varied = changed_all(machine, own, together=together)
+    own = {key: values for key, values in arrays.items() if key not in _settings(machine)}
+    theirs = {key: own.pop(key) for key in list(own) if controller is not None and key.startswith("controller.")}
+    varied = _varied(machine, own, together=together)
+    driving = varied if controller is None else _varied(controller, theirs, together=together)
     which = arrays.get("scenario", np.zeros(1))
     if not np.isin(which, np.arange(len(scenarios))).all():
         raise InputError(
             f"{which.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
         )
-    return Cases(machine, varied, scenarios, arrays, counts.pop() if counts else 1)
+    return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1)
+
+
+def _varied(machine: Machine, own: Mapping[str, Array], *, together: bool) -> Machine:
+    """A machine with arrays at some of its paths."""
+    known = set(paths(machine))
+    for key in own:
+        if key == "controller.cycle":
+            raise InputError("is the same in all runs", where=f"vary: {key}", right="run an ensemble for each cycle")
+        if key not in known:
+            value_at(machine, key)
+            raise InputError("is not a single number", where=f"vary: {key}", right=f"give one of its parts, or {key}.0")
+    return changed_all(machine, own, together=together)
 
 
 def _settings(machine: Machine) -> set[str]:

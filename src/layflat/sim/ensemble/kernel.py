@@ -11,7 +11,7 @@ from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.valves import start_wave
-from layflat.sim.cycle import Acting, Loop, control_cycle, is_number, sense_all
+from layflat.sim.cycle import Acting, Loop, Wanted, control_cycle, is_number, sense_all
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -27,7 +27,7 @@ from layflat.sim.ensemble.watch import (
 class Plan(NamedTuple):
     """Scenarios over control cycles; not a number: as usual in the run."""
 
-    shapes: np.ndarray  # demand, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 6)
+    shapes: np.ndarray  # demand and its rates, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 8)
     shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
 
 
@@ -46,7 +46,7 @@ class Runs(NamedTuple):
 class Given(NamedTuple):
     """What a scenario gives of a joint in a control cycle: see `Plan.shapes`, and the noise of both sensors."""
 
-    demand: float
+    demand: Wanted
     opening: float
     voltage: float
     brake: float
@@ -68,7 +68,8 @@ class Defaults(NamedTuple):
     lead: float
 
 
-NOTHING = Given(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+SHAPES = 8  # numbers of a joint in `Plan.shapes`
+NOTHING = Given(Wanted(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @composition
@@ -82,10 +83,10 @@ def _acting(scratch, runs, plan, usual, joint, first, j, k):
     for lane in range(width()):
         run = first + lane
         scenario, sample = runs.scenario[run], k % runs.noise.shape[1]
-        for i in range(6):
+        for i in range(SHAPES):
             scratch[i, lane] = plan.shapes[scenario, k, j, i]
         for i in range(2):
-            scratch[6 + i, lane] = runs.noise[run, sample, j, i]
+            scratch[SHAPES + i, lane] = runs.noise[run, sample, j, i]
     given = read_lanes(NOTHING, scratch)
     return Acting(
         given.demand,
@@ -134,7 +135,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(like, _at_rest(joints[0], runs, first, 0, around))
-    calm = Acting(zero, zero, zero, zero, zero, zero, zero, zero, zero)
+    calm = Acting(Wanted(zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero)
     acting, usual = slots(like, calm), slots(like, _usual(runs, first, 0))
     loop = Loop(
         acting,

@@ -51,6 +51,8 @@ class Options:
         tip_band: within this of its goal the tip has settled.
         traces: signals to keep, of `Traced`.
         every: control cycles from record to record of the traces.
+        controller: the machine that the controllers believe to drive, and whose controller it is; paths of `vary` that
+            begin with "controller." then change this one. Default: each run's own machine.
         device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
         threads: how many of the processor work at a time; default: one a core. Results do not depend on it.
         progress: is called with the number of runs each time that some are done.
@@ -62,6 +64,7 @@ class Options:
     tip_band: Value = TIP_BAND
     traces: Sequence[str] = ()
     every: int = 1
+    controller: Machine | None = None
     device: str = "cpu"
     threads: int | None = None
     progress: Callable[[int], None] | None = None
@@ -97,7 +100,7 @@ def ensemble(
 
     chosen = checked_options(Options, options, "ensemble")
     given = [scenario or Scenario()] if scenario is None or isinstance(scenario, Scenario) else list(scenario)
-    prepared = cases(load(machine), given, vary or {}, chosen.runs)
+    prepared = cases(load(machine), given, vary or {}, chosen.runs, controller=chosen.controller)
     bands = u.quantity(chosen.band, u.ANGLE, "band"), u.quantity(chosen.tip_band, u.LENGTH, "tip_band")
     if chosen.every < 1:
         raise InputError(f"{chosen.every} is out of range", where="every", right="give 1 or more")

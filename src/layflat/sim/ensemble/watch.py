@@ -13,13 +13,15 @@ from layflat.physics.valves import net_opening
 from layflat.sim.ensemble.results import Totals, Traced
 from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
 
+ROOM = 16  # numbers of a run that are gathered at a time, at most
+
 
 class Watch(NamedTuple):
     """Which move goes on in each lane, and room to turn lanes into numbers."""
 
     move: np.ndarray  # number of the move, (lanes,)
     end: np.ndarray  # its last record, (lanes,)
-    scratch: np.ndarray  # (rows enough for anything, lanes)
+    scratch: np.ndarray  # (`ROOM`, lanes)
 
 
 class Track(NamedTuple):
@@ -65,7 +67,7 @@ NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0), np.nan)  # befo
 
 def new_watch(lanes: int) -> Watch:
     """A watch over so many lanes of runs."""
-    return Watch(np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((8, lanes)))
+    return Watch(np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((ROOM, lanes)))
 
 
 @composition

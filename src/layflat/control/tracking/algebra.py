@@ -1,0 +1,105 @@
+"""Vectors and symmetric matrices of any size as tuples, a matrix as its upper triangle, row by row (see physics/arms).
+
+Slots take the place of lists, so that all of it is compiled without a heap, for numbers and for lanes.
+"""
+
+from layflat.jit import composition, law
+from layflat.lanes import each, gather, slots, total
+
+GREAT = 1e12  # beside any inertia, kg m2: what has so much does not move
+
+
+@law
+def _place(i, j, n):
+    # Where the item of a row i and a column j of an upper triangle stands.
+    first, last = min(i, j), max(i, j)
+    return first * n - first * (first - 1) // 2 + last - first
+
+
+@law
+def _product(a, b):
+    return a * b
+
+
+@composition
+def dot(x, y):
+    """Scalar product of two tuples."""
+    return total(each(_product, x, y))
+
+
+@composition
+def largest(values):
+    """The greatest of a tuple's absolute values."""
+    items = slots(values)
+    found = abs(items[0])
+    for i in range(1, len(values)):
+        found = max(found, abs(items[i]))
+    return found
+
+
+@composition
+def greatest(values):
+    """The greatest of a tuple's values."""
+    items = slots(values)
+    found = items[0]
+    for i in range(1, len(values)):
+        found = max(found, items[i])
+    return found
+
+
+@composition
+def least(values):
+    """The least of a tuple's values."""
+    items = slots(values)
+    found = items[0]
+    for i in range(1, len(values)):
+        found = min(found, items[i])
+    return found
+
+
+@composition
+def diagonal(upper, like):
+    """Diagonal of a symmetric matrix, a tuple with as many items as `like`."""
+    M, found, n = slots(upper), slots(like), len(like)
+    for i in range(n):
+        found[i] = M[_place(i, i, n)]
+    return gather(like, found)
+
+
+@composition
+def times(upper, vector):
+    """Product of a symmetric matrix and a vector."""
+    M, x, n = slots(upper), slots(vector), len(vector)
+    y = slots(vector, 0.0 * x[0])
+    for i in range(n):
+        for j in range(n):
+            y[i] = y[i] + M[_place(i, j, n)] * x[j]
+    return gather(vector, y)
+
+
+@composition
+def inverse(upper, fixed, like):
+    """Inverse of a positive definite matrix, row by row, with as many items as `like`; (almost) zero in fixed rows.
+
+    Args: `fixed`: 1.0 for rows that are, else 0.0.
+    """
+    M, held, n = slots(upper), slots(fixed), len(fixed)
+    zero = 0.0 * held[0]
+    A = slots(like, zero)
+    for i in range(n):
+        for j in range(n):
+            A[i * n + j] = M[_place(i, j, n)] + zero
+        A[i * n + i] = A[i * n + i] + GREAT * held[i]
+    # In place, by Gauss and Jordan: a positive definite matrix needs no pivots.
+    for k in range(n):
+        per = 1.0 / A[k * n + k]
+        A[k * n + k] = 1.0 + zero
+        for j in range(n):
+            A[k * n + j] = A[k * n + j] * per
+        for i in range(n):
+            if i != k:
+                by = A[i * n + k]
+                A[i * n + k] = zero
+                for j in range(n):
+                    A[i * n + j] = A[i * n + j] - by * A[k * n + j]
+    return gather(like, A)

@@ -1,0 +1,145 @@
+"""What a machine's file says of the tracking law, and the settings that follow from it and from the machine.
+
+| symbol | meaning | unit |
+|---|---|---|
+| K | torque per pressure | m3/rad |
+| C | sonic conductance of an open valve | m3/(s Pa) |
+| V | volume of air in a hose at mid-stroke, with what its wall gives way as the pressure changes | m3 |
+| p_s, p_a | absolute pressures of supply and surroundings | Pa |
+| T | control cycle | s |
+"""
+
+from math import ceil, pi
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from layflat.control.kind import ControllerPart
+from layflat.control.tracking.knowledge import Shape, Unknowns
+from layflat.control.tracking.law import Settings
+from layflat.control.tracking.model import STEP, Plant, Trust
+from layflat.control.tracking.pace import Ability, Care
+from layflat.control.tracking.torques import Feedback
+from layflat.description import units as u
+from layflat.errors import MachineError
+from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
+from layflat.physics.arrays import itemwise
+from layflat.physics.flow import effective_pressure
+from layflat.physics.hose import swept_volume, torque_per_pressure
+from layflat.physics.joint import FILLED, Joint, Surroundings
+from layflat.physics.sensor import Sensor
+from layflat.physics.valves import VALVES
+
+QUICKEST = 0.15  # bandwidth in a control cycle, at most
+REACHED = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
+EASING = 0.1  # share of the torque's rate at which a joint that arrived gives up what it does not need
+SEEN = 0.1, 0.45  # periods of the dither in a control cycle between which samples show it
+JERK = 0.8  # share of the torque's rate that is planned with: it falls as the hoses fill
+
+Part = Annotated[float, Field(gt=0.0, le=1.0)]
+
+
+class TrackingControllerPart(ControllerPart):
+    """The tracking law: all else follows from the machine that it is for."""
+
+    kind: Literal["tracking"]
+    bandwidth: u.Rate = Field(default=30.0, description="of angles about their reference, at most 0.15 in a cycle")
+    torque_errors: u.Share = Field(default=0.04, description="error of the model's torques, over the greatest torque")
+    pressure_trust: Part = Field(default=0.5, description="share of a pressure's innovation taken over in a cycle")
+    valve_share: Part = Field(default=0.5, description="share of a missing torque that valves make up in a cycle")
+    reserve: u.Share = Field(default=0.25, description="share of its torques that the arm plans without")
+    quickest: u.Time = Field(default=0.08, description="no move is meant to take less")
+    tolerance: u.Length = Field(default=0.0015, description="distance of the tip from its goal that is left as it is")
+    payload_spread: u.Mass = Field(
+        default=0.0, description="by how much the payload may differ from the described (standard deviation); 0: known"
+    )
+    load_spread: u.Share = Field(default=0.02, description="load on a joint that may be there, over its torque")
+    load_wander: u.Share = Field(default=0.1, description="by how much it changes in a second")
+    friction_spread: u.Share = Field(default=0.2, description="by how much friction may differ from the described")
+    angle_errors: u.Ratio = Field(default=2.0, description="errors of the model's angle over those of the sensor")
+
+
+def settings(described: TrackingControllerPart, machine: Any) -> Settings:
+    """Settings of the law for a machine; raise MachineError if it has a valve of which no mean is known."""
+    plant = _plant(machine)
+    joints, n = plant.joints, len(plant.joints)
+    abilities = tuple(_ability(joint, plant.around) for joint in joints)
+    T = described.cycle
+    w = np.minimum(described.bandwidth, QUICKEST / T)
+    error = np.sqrt(_variance(joints[0].angle_sensor))
+    trust = tuple(
+        Trust(described.torque_errors * able.torque, error, described.pressure_trust, _notch(joints[0].valve, T))
+        for able in abilities
+    )
+    care = Care(1.0 - described.reserve, JERK, described.quickest, described.tolerance)
+    feedback = tuple(Feedback(w * w, 2.0 * w, described.valve_share, EASING * able.rate) for able in abilities)
+    m = 2 * n + 1
+    shape = Shape((0.0,) * (n * n), (0.0,) * (m * m), (0.0,) * (n * m))
+    unknowns = _unknowns(described, joints, abilities, plant.around.payload)
+    return Settings(plant, abilities, trust, feedback, care, unknowns, shape)
+
+
+def _plant(machine: Any) -> Plant:
+    arm, joints, around = machine.plant
+    kind = VALVES.of(joints[0].valve)
+    if kind.mean is None:
+        raise MachineError(
+            f"a valve of kind {kind.name!r} has no mean that a model of the tracking law could go by",
+            where=f"{machine.origin}: controller.kind",
+            right='give a valve of kind "spool", or the controller "paper"',
+        )
+    single = next((name for name, joint in machine.joints.items() if joint.acting != "double"), None)
+    if single is not None:
+        raise MachineError(
+            "the tracking law needs two hoses at each joint",
+            where=f"{machine.origin}: joint.{single}.acting",
+            right='give "double", or the controller "paper"',
+        )
+    mean = kind.mean.averaged
+    whole = int(np.max([np.floor(np.max(joint.valve.delay) / machine.cycle + 1e-9) for joint in joints]))
+    steps = (0.0,) * ceil(machine.cycle / STEP - 1e-9)
+    return Plant(arm, tuple(joint._replace(valve=mean(joint.valve)) for joint in joints), around, steps, (0.0,) * whole)
+
+
+def _ability(joint: Joint, around: Surroundings) -> Ability:
+    """What a joint can do at mid-stroke, its hoses as full as leaks leave them."""
+    hose, valve, p_s, p_a = joint.hose_a, joint.valve, around.supply_pressure, around.ambient_pressure
+    p = FILLED * p_s
+    K = torque_per_pressure(hose.stroke, hose.neutral)
+    V = hose.chamber.dead_volume + swept_volume(hose.stroke, hose.neutral) + GAMMA * hose.chamber.compliance * p
+    b, s = valve.critical_ratio, valve.laminar_slope
+    flows = itemwise(effective_pressure, p_s, p, b, s) + itemwise(effective_pressure, p, p_a, b, s)
+    fed = valve.conductance * (REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE)
+    return Ability(REACHED * K * (p_s - p_a), GAMMA * K * fed * flows / V, fed / K)
+
+
+def _notch(valve: Any, T: float) -> float:
+    """Weight of the last innovation beside those before and after it, so that the dither drops out of their mean."""
+    periods = valve.dither_frequency * T
+    seen = (periods > SEEN[0]) & (periods < SEEN[1])
+    return seen * -2.0 * np.cos(2.0 * pi * periods)  # type: ignore[no-any-return]
+
+
+def _variance(sensor: Sensor) -> float:
+    """Of what a sensor says: noise, and an even spread over a count."""
+    return sensor.lsb * sensor.lsb / 12.0 + sensor.noise * sensor.noise
+
+
+def _unknowns(
+    described: TrackingControllerPart, joints: tuple[Joint, ...], abilities: tuple[Ability, ...], payload: float
+) -> Unknowns:
+    n = len(joints)
+    torques, rubs = [able.torque for able in abilities], [joint.brake_torque for joint in joints]
+    return Unknowns(
+        (*[0.0] * (2 * n), payload),
+        (
+            *[described.load_spread * torque for torque in torques],
+            *[described.friction_spread * rub for rub in rubs],
+            described.payload_spread,
+        ),
+        (*[described.load_wander * torque for torque in torques], *[0.0] * (n + 1)),
+        (*[-0.5 * torque for torque in torques], *[-0.6 * rub for rub in rubs], 0.0),
+        (*[0.5 * torque for torque in torques], *rubs, np.maximum(5.0, 3.0 * payload)),
+        described.angle_errors * described.angle_errors * _variance(joints[0].angle_sensor),
+    )

@@ -1,0 +1,211 @@
+"""What the law learns of its plant while it moves: loads, friction and payload, from innovations of the angles.
+
+Constant unknowns beside a state are estimated apart from it (friedland1969): the observer of the motion goes by what is
+known, and how the motion would differ were an unknown another is carried along (its sensitivities). What the angles
+then differ by is a linear measurement of the unknowns, which a Kalman filter of as many numbers takes in. Loads may
+wander while the arm moves; what it carries may be another after it was at rest.
+
+| symbol | meaning | unit |
+|---|---|---|
+| n, m | joints; unknowns, m = 2 n + 1: a load and friction of each joint, and the payload | |
+| x | the unknowns: torques on the joints, friction beyond the described, mass | N m, N m, kg |
+| C | their covariance, row by row | |
+| Q, V | sensitivities of angle and velocity: joint j to unknown p at j m + p | rad, rad/s per unit of x |
+| W | inverse of the mass matrix, row by row | 1/(kg m2) |
+| T | time since the last cycle | s |
+"""
+
+from typing import NamedTuple
+
+from layflat.control.tracking.algebra import inverse, largest, times
+from layflat.jit import composition, law
+from layflat.lanes import each, gather, select, slots
+from layflat.physics.arms import dynamics
+
+CREDIBLE = 3.0  # standard deviations: the further an innovation is beyond them, the less it teaches
+
+
+class Unknowns(NamedTuple):
+    """What is known of the unknowns beforehand: tuples with an item each, in the order of x."""
+
+    usual: tuple[float, ...]
+    spread: tuple[float, ...]  # standard deviation at first
+    wander: tuple[float, ...]  # of a random walk while the arm moves, per square root of a second
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    angle_variance: float  # of an innovation, rad2
+
+
+class Shape(NamedTuple):
+    """Zeros, as many as matrices have items: of n n, m m and n m."""
+
+    joints: tuple[float, ...]
+    unknowns: tuple[float, ...]
+    both: tuple[float, ...]
+
+
+class Knowledge(NamedTuple):
+    """x, C, Q and V."""
+
+    values: tuple[float, ...]
+    covariance: tuple[float, ...]
+    angles: tuple[float, ...]
+    velocities: tuple[float, ...]
+
+
+class Belief(NamedTuple):
+    """The unknowns as they are believed to be, by what they are of."""
+
+    loads: tuple[float, ...]
+    frictions: tuple[float, ...]  # of each joint, the described included, N m
+    payload: float
+
+
+@composition
+def known_at_first(unknowns, shape):
+    """Nothing learnt yet."""
+    m, spread = len(unknowns.spread), slots(unknowns.spread)
+    C = slots(shape.unknowns)
+    for p in range(m):
+        C[p * m + p] = spread[p] * spread[p]
+    return Knowledge(unknowns.usual, gather(shape.unknowns, C), shape.both, shape.both)
+
+
+@composition
+def believed(known, joints):
+    """The unknowns by what they are of."""
+    n, x, parts = len(joints), slots(known.values), slots(joints)
+    like = each(_zero, joints, x[0])
+    frictions = slots(like)
+    for j in range(n):
+        frictions[j] = parts[j].brake_torque + x[n + j]
+    return Belief(gather(like, x), gather(like, frictions), x[2 * n])
+
+
+@law
+def _zero(joint, x):  # noqa: ARG001  (one a joint)
+    return 0.0 * x
+
+
+@composition
+def learnt(unknowns, known, errors):
+    """Knowledge after innovations of the angles, and by how much angles and velocities change with it (tuples)."""
+    n, m = len(errors), len(known.values)
+    e, C, Q = slots(errors), slots(known.covariance), slots(known.angles)
+    change, gain, doubt = slots(known.values, 0.0 * e[0]), slots(known.values, 0.0 * e[0]), 0.0 * e[0]
+    for j in range(n):
+        spread, left = unknowns.angle_variance + 0.0 * e[0], e[j]
+        for p in range(m):
+            gain[p] = 0.0 * e[0]
+            for r in range(m):
+                gain[p] = gain[p] + C[p * m + r] * Q[j * m + r]
+            spread = spread + Q[j * m + p] * gain[p]
+            left = left - Q[j * m + p] * change[p]
+        per = 1.0 / spread
+        # Squares are compared, since a root would cost more.
+        doubt = max(doubt, left * left * per)
+        taken = per * left * min(1.0, CREDIBLE * CREDIBLE * spread / max(left * left, 1e-30))
+        for p in range(m):
+            change[p] = change[p] + gain[p] * taken
+            for r in range(m):
+                C[p * m + r] = C[p * m + r] - gain[p] * gain[r] * per
+    values = each(_within, known.values, gather(known.values, change), unknowns.low, unknowns.high)
+    # What can't be believed is not believed, but shows that the payload is another than was thought.
+    C[m * m - 1] = select(doubt > CREDIBLE * CREDIBLE, max(C[m * m - 1], _first(unknowns)), C[m * m - 1])
+    after = Knowledge(values, gather(known.covariance, C), known.angles, known.velocities)
+    return after, _moved(known, values, known.angles, errors), _moved(known, values, known.velocities, errors)
+
+
+@composition
+def _first(unknowns):
+    # Variance of the payload at first.
+    spread = slots(unknowns.spread)[len(unknowns.spread) - 1]
+    return spread * spread
+
+
+@law
+def _within(x, change, low, high):
+    return min(max(x + change, low), high)
+
+
+@composition
+def _moved(known, values, sensitivities, like):
+    # By how much the motion changes as the unknowns become these.
+    n, m, x, was, S = len(like), len(values), slots(values), slots(known.values), slots(sensitivities)
+    found = slots(like, 0.0 * x[0])
+    for j in range(n):
+        for p in range(m):
+            found[j] = found[j] + S[j * m + p] * (x[p] - was[p])
+    return gather(like, found)
+
+
+@law
+def _sign(v):
+    return select(v > 0.0, 1.0, select(v < 0.0, -1.0, 0.0))
+
+
+@law
+def _stands(state):
+    return select(state.motion.velocity == 0.0, 1.0, 0.0)
+
+
+@law
+def _angle(state):
+    return state.motion.angle
+
+
+@law
+def _mean_velocity(before, after):
+    return 0.5 * (before.motion.velocity + after.motion.velocity)
+
+
+@law
+def _acceleration(before, after, T):
+    return (after.motion.velocity - before.motion.velocity) / T
+
+
+@law
+def _lack(c_0, c_1, g_0, g_1, inertial_0, inertial_1):
+    return (c_1 - c_0) + (g_1 - g_0) - (inertial_1 - inertial_0)
+
+
+@composition
+def carried(unknowns, known, shape, arm, gains, before, after, T):
+    """Knowledge a cycle later: sensitivities after the observer's correction and the motion since, and what wandered.
+
+    Args: gains of the observer (`model.Gains`) and states of the joints before and after the cycle, tuples.
+    """
+    n, m, x = len(before), len(known.values), slots(known.values)
+    angles, speeds, a = each(_angle, after), each(_mean_velocity, before, after), each(_acceleration, before, after, T)
+    stands = each(_stands, after)
+    M_0, c_0, g_0 = dynamics(arm, x[m - 1], angles, speeds)
+    M_1, c_1, g_1 = dynamics(arm, x[m - 1] + 1.0, angles, speeds)
+    heavier = slots(each(_lack, c_0, c_1, g_0, g_1, times(M_0, a), times(M_1, a)))
+    W, way, K, held = slots(inverse(M_0, stands, shape.joints)), slots(each(_sign, speeds)), slots(gains), slots(stands)
+    Q, V = slots(known.angles), slots(known.velocities)
+    for j in range(n):
+        for p in range(m):
+            pushed = 0.0 * x[0]
+            if p < n:
+                pushed = W[j * n + p]
+            elif p < 2 * n:
+                pushed = -way[p - n] * W[j * n + p - n]
+            else:
+                for i in range(n):
+                    pushed = pushed + W[j * n + i] * heavier[i]
+            # What the observer takes over of the angles, it takes from the sensitivities as well.
+            was = V[j * m + p] - K[j].velocity * Q[j * m + p]
+            V[j * m + p] = (1.0 - held[j]) * (was + T * pushed)
+            Q[j * m + p] = (1.0 - K[j].angle) * Q[j * m + p] + 0.5 * T * (was + V[j * m + p])
+    covariance = _wandered(unknowns, known.covariance, largest(speeds), T)
+    return Knowledge(known.values, covariance, gather(shape.both, Q), gather(shape.both, V))
+
+
+@composition
+def _wandered(unknowns, covariance, speed, T):
+    # An arm at rest may be given another payload: it is as little known then as at first.
+    m, wander, C = len(unknowns.spread), slots(unknowns.wander), slots(covariance)
+    for p in range(m):
+        C[p * m + p] = C[p * m + p] + select(speed > 0.0, T * wander[p] * wander[p], 0.0)
+    C[m * m - 1] = select(speed > 0.0, C[m * m - 1], max(C[m * m - 1], _first(unknowns)))
+    return gather(covariance, C)

@@ -1,0 +1,142 @@
+"""What the law believes of its plant: the plant's own laws in long steps, with valves as they are on average.
+
+| symbol | meaning | unit |
+|---|---|---|
+| q, v | joint angle and velocity | rad, rad/s |
+| dp | differential pressure, hose A less hose B | Pa |
+| T | time since the last cycle | s |
+"""
+
+from math import sqrt
+from typing import Any, NamedTuple
+
+from layflat.jit import composition, law
+from layflat.lanes import gather, in_lanes, slots, total
+from layflat.physics.chamber import energy
+from layflat.physics.hose import swept_volume, torque_per_pressure
+from layflat.physics.hysteresis import torques
+from layflat.physics.joint import FILLED, AirTaken, HoseState, JointState, Motion, Surroundings, joint_at_rest
+from layflat.physics.plant import advance
+from layflat.physics.stop import stop_damping, stop_torque
+from layflat.physics.valves import start_wave
+
+STEP = 2.5e-3  # longest of the model, s
+
+
+class Plant(NamedTuple):
+    """Parameters of the laws of an arm, its joints with valves on average, and what is around them."""
+
+    arm: Any
+    joints: tuple[Any, ...]
+    around: Surroundings
+    steps: tuple[float, ...]  # an item for every step of the model in a cycle
+    late: tuple[float, ...]  # an item for every whole cycle that any command takes to its valve
+
+
+class Trust(NamedTuple):
+    """What the model of a joint and its sensors are trusted with."""
+
+    torque: float  # error of the model's torque, standard deviation, N m
+    angle: float  # error of the sensor's angle, standard deviation, rad
+    pressure: float  # share of a differential pressure's innovation that the model takes over
+    notch: float  # weight of the last innovation beside now's and that before it: see `pressure_correction`
+
+
+class Gains(NamedTuple):
+    """What of an angle's innovation a joint's model takes over in a cycle."""
+
+    angle: float  # 1
+    velocity: float  # to the velocity, 1/s
+
+
+class Innovation(NamedTuple):
+    """Innovations of the differential pressure in the last cycles, after their corrections, Pa."""
+
+    last: float
+    before: float
+
+
+@law
+def _with_air(hose, state, travel, change, p_a):
+    # The hose at a travel and with a change of pressure, at its temperature.
+    volume = hose.chamber.dead_volume + swept_volume(hose.stroke, travel)
+    p = max(state.pressure + change, p_a)
+    stored, mass = energy(hose.chamber, p, volume, p_a), state.mass * p / state.pressure
+    return HoseState(stored, mass, volume, p, state.pressure_change, state.mass_change, state.loss, state.line)
+
+
+@law
+def placed(joint, state, q, v, change, around):
+    """State of a joint at another angle and velocity, with its differential pressure changed."""
+    p_a = around.ambient_pressure
+    a = _with_air(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, 0.5 * change, p_a)
+    b = _with_air(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -0.5 * change, p_a)
+    return JointState(Motion(q, v, state.motion.velocity_change), state.valve, a, b, state.ledger)
+
+
+@law
+def at_rest(joint, q, dp, around):
+    """State of a joint at rest, at what its sensors say; both pressures as equal leaks would leave them."""
+    p = FILLED * around.supply_pressure
+    state = joint_at_rest(joint, q, p + 0.5 * dp, p - 0.5 * dp, around)
+    return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0))
+
+
+@law
+def gains_of(trust, inertia, T):
+    """Steady gains of an observer of angle and velocity whose torque is in error, and whose sensor is.
+
+    Source: kalata1984, the tracking index of alpha-beta filters.
+    """
+    index = trust.torque * T * T / (inertia * trust.angle)
+    root = 0.25 * (4.0 + index - sqrt(8.0 * index + index * index))
+    alpha = 1.0 - root * root
+    return Gains(alpha, (2.0 * (2.0 - alpha) - 4.0 * root) / T)
+
+
+@law
+def pressure_correction(trust, innovation, e):
+    """By how much to change the differential pressure after an innovation e, and the innovations to keep (Pa).
+
+    The mean of e and of what it was half a period of the dither ago has none of the dither.
+    """
+    change = trust.pressure * (e + trust.notch * innovation.last + innovation.before) / (2.0 + trust.notch)
+    return change, Innovation(e - change, innovation.last - change)
+
+
+@law
+def gas_torque(joint, state, around):
+    """Torque of the air in both hoses, N m."""
+    a, b, q, p_a = state.hose_a, state.hose_b, state.motion.angle, around.ambient_pressure
+    forward = torque_per_pressure(joint.hose_a.stroke, joint.hose_a.neutral + q) * (a.pressure - p_a)
+    return forward - torque_per_pressure(joint.hose_b.stroke, joint.hose_b.neutral - q) * (b.pressure - p_a)
+
+
+@law
+def loss_torque(joint, state):
+    """Torque of the losses in both hoses, against the motion, N m."""
+    return total(torques(joint.hose_a.loss, state.hose_a.loss) + torques(joint.hose_b.loss, state.hose_b.loss))
+
+
+@law
+def opposing_torque(joint, state, around):
+    """Torque against the motion but for dry friction: of losses, what they damp, viscous friction and stops, N m."""
+    q, v, p_a = state.motion.angle, state.motion.velocity, around.ambient_pressure
+    a, b = joint.hose_a.damping, joint.hose_b.damping
+    damped = a.base + b.base + a.slope * max(state.hose_a.pressure - p_a, 0.0)
+    damped = damped + b.slope * max(state.hose_b.pressure - p_a, 0.0)
+    damped = damped + joint.viscous_friction + stop_damping(joint.stops, q)
+    return loss_torque(joint, state) + damped * v - stop_torque(joint.stops, q)
+
+
+@composition
+def a_cycle_later(plant, states, drives, payload, T):
+    """States of the joints after a cycle in which drives act on them, tuples."""
+    around, joints = plant.around, slots(plant.joints)
+    carrying = Surroundings(
+        around.supply_pressure, around.supply_temperature, around.ambient_pressure, around.ambient_temperature, payload
+    )
+    after, waves = slots(states), slots(states, in_lanes(start_wave(joints[0].valve, 0.0, T), payload))
+    n = len(plant.steps)
+    advance(plant.arm, joints, after, slots(drives), waves, carrying, T / n, n)
+    return gather(states, after)

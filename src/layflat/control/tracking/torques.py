@@ -1,0 +1,102 @@
+"""Torques that the air of the joints is to have: those of the rigid body, of feedback, and of what opposes motion.
+
+Dry friction has no value at rest. What the law adds for it goes by a velocity that says where the joint is to go: that
+of its reference, and with it what is left of the way and by how much the joint is behind. So the torque comes as a
+motion begins, goes as it ends, and brings back a joint that friction holds beside its reference.
+
+| symbol | meaning | unit |
+|---|---|---|
+| q, v | angle and velocity that the model will have with centred valves | rad, rad/s |
+| e | angle by which a joint is behind its reference | rad |
+| T | control cycle | s |
+"""
+
+from typing import NamedTuple
+
+from layflat.control.tracking.algebra import diagonal, greatest, times
+from layflat.control.tracking.model import gas_torque, opposing_torque
+from layflat.control.tracking.planning import Course
+from layflat.control.tracking.reference import Reference
+from layflat.jit import composition, law
+from layflat.lanes import each, select
+
+CREEP = 0.06  # velocity below which friction is compensated in part, rad/s
+# What counts as velocity there:
+ONWARD = 30.0  # per angle that is left to the goal, 1/s
+LEAD = 0.02  # per acceleration of the goal, s: a motion that turns needs its friction turned in time
+BEHIND = 20.0  # per angle that a joint is behind its reference by more than `SLACK`, 1/s
+SLACK = 0.001  # rad
+STIFFEST = 3.0  # times as stiff as feedback friction may so make a light joint
+SLOW = 0.03  # velocity below which a joint is taken for resting, rad/s
+FREELY = 1e3  # length of a way that is not begun at rest, rad: it need not be gentle
+
+
+class Feedback(NamedTuple):
+    """How torques follow from where a joint is, and should be."""
+
+    stiffness: float  # acceleration per angle, 1/s2
+    damping: float  # acceleration per velocity, 1/s
+    closing: float  # share of a missing torque that the valve makes up in a cycle
+    easing: float  # change of torque per time of a joint that has arrived, N m/s
+
+
+@law
+def _feedback(feedback, reference, q, v):
+    return feedback.damping * (reference.velocity - v) + feedback.stiffness * (reference.angle - q)
+
+
+@law
+def _acceleration(feedback, reference, q, v):
+    return reference.acceleration + _feedback(feedback, reference, q, v)
+
+
+@law
+def _lost(able, torque):
+    # Whether feedback asks for more than a joint has.
+    return select(abs(torque) > able.torque, 1.0, 0.0)
+
+
+@law
+def _where_it_is(reference, q, v, lost):
+    return Reference(
+        select(lost, q, reference.angle), select(lost, v, reference.velocity), select(lost, 0.0, reference.acceleration)
+    )
+
+
+@composition
+def caught_up(settings, course, ahead):
+    """The way, begun anew where the arm is if it is too far from its reference to be led back by feedback.
+
+    Feedback that saturates would swing for ever about a reference at rest; a new way has the torques that it takes.
+    """
+    q, v = ahead.angles, ahead.velocities
+    pulled = times(ahead.mass, each(_feedback, settings.feedback, course.references, q, v))
+    lost = greatest(each(_lost, settings.abilities, pulled)) > 0.0
+    references = each(_where_it_is, course.references, q, v, lost)
+    return Course(references, select(lost, FREELY, course.leg), select(lost, 0.0, course.landed))
+
+
+@law
+def _torque(
+    joint, feedback, state, free, reference, goal, inertial, inertia, steady, load, friction, resting, around, T
+):
+    e = reference.angle - free.motion.angle
+    beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
+    behind = min(BEHIND, STIFFEST * feedback.stiffness * inertia * CREEP / max(friction, 1e-3))
+    way = reference.velocity + ONWARD * (goal.angle - reference.angle) + LEAD * goal.acceleration + behind * beyond
+    rubs = friction * min(max(way / CREEP, -1.0), 1.0)
+    moving = inertial + steady - load + rubs + opposing_torque(joint, free, around)
+    now, step = gas_torque(joint, state, around), feedback.easing * T
+    eased = min(max(steady - load, now - step), now + step)
+    return select((resting > 0.5) & (abs(free.motion.velocity) < SLOW), eased, moving)
+
+
+@composition
+def torques_for(settings, plan, met, ahead, goals, belief, T):
+    """Torques of the air at the end of the cycle, N m, a tuple; of joints that arrived, what bears their load alone."""
+    plant = settings.plant
+    wanted = each(_acceleration, settings.feedback, plan.references, ahead.angles, ahead.velocities)
+    return each(
+        _torque, plant.joints, settings.feedback, met, ahead.states, plan.references, goals, times(ahead.mass, wanted),
+        diagonal(ahead.mass, wanted), ahead.steady, belief.loads, belief.frictions, plan.resting, plant.around, T,
+    )  # fmt: skip

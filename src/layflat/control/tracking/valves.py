@@ -1,0 +1,97 @@
+"""Openings of the valves that bring the air to given torques: found by running the model, which knows what it takes.
+
+A run with the valves centred and one with them open have the torques between them at the end of a cycle; in between
+they are taken for straight. A command that is late by whole cycles meets the arm where commands before it bring it.
+
+| symbol | meaning | unit |
+|---|---|---|
+| T | control cycle | s |
+"""
+
+from layflat.control.tracking.model import a_cycle_later, gas_torque
+from layflat.control.tracking.planning import Ahead
+from layflat.jit import composition, law
+from layflat.lanes import each, select
+from layflat.physics.arms import dynamics
+from layflat.physics.delay import delayed
+from layflat.physics.joint import Drive
+
+LEAST_GAIN = 1e-3  # of torque by an open valve, N m, that counts
+OPEN = 0.99  # an opening that can't be greater
+
+
+@law
+def _acting(joint, line, opening, friction, load, passed, T):
+    acts, _ = delayed(line, opening, joint.valve.delay / T - passed)
+    return Drive(acts, friction, load)
+
+
+@composition
+def _run(plant, states, lines, openings, passed, belief, T):
+    # States a cycle later; it begins when so many cycles have passed since these openings were commanded.
+    drives = each(_acting, plant.joints, lines, openings, belief.frictions, belief.loads, passed, T)
+    return a_cycle_later(plant, states, drives, belief.payload, T)
+
+
+@law
+def _centred(friction):
+    return 0.0 * friction
+
+
+@composition
+def met(plant, states, lines, belief, T):
+    """States that a command given now meets, and states a cycle from now, if those it meets are no earlier."""
+    later = states
+    for passed in range(len(plant.late)):
+        states = _run(plant, states, lines, each(_centred, belief.frictions), passed, belief, T)
+        if passed == 0:
+            later = states
+    return states, later
+
+
+@law
+def _motion(state):
+    return state.motion.angle, state.motion.velocity
+
+
+@law
+def _against(velocity_torque, angle_torque):
+    return -velocity_torque - angle_torque
+
+
+@composition
+def centred(plant, states, lines, belief, T):
+    """The arm a cycle after it met a command that centres all valves."""
+    free = _run(plant, states, lines, each(_centred, belief.frictions), len(plant.late), belief, T)
+    q, v = each(_motion, free)
+    mass, coriolis, pull = dynamics(plant.arm, belief.payload, q, v)
+    return Ahead(free, q, v, mass, each(_against, coriolis, pull))
+
+
+@law
+def _full(joint, free, wanted, around):
+    return select(wanted > gas_torque(joint, free, around), 1.0, -1.0) + 0.0 * wanted
+
+
+@law
+def _opening(joint, feedback, free, opened, full, wanted, around):
+    t_0, t_1 = gas_torque(joint, free, around), gas_torque(joint, opened, around)
+    gained = select(abs(t_1 - t_0) > LEAST_GAIN, t_1 - t_0, LEAST_GAIN)
+    return full * min(max(feedback.closing * (wanted - t_0) / gained, 0.0), 1.0)
+
+
+@law
+def _lack(joint, after, opening, wanted, around):
+    missing = wanted - gas_torque(joint, after, around)
+    return select((abs(opening) > OPEN) & (wanted * missing > 0.0), missing, 0.0)
+
+
+@composition
+def openings_for(settings, states, lines, ahead, belief, torques, T):
+    """Openings for torques, the states that follow, and the torques that valves lack which are open, N m."""
+    plant, around, passed = settings.plant, settings.plant.around, len(settings.plant.late)
+    full = each(_full, plant.joints, ahead.states, torques, around)
+    opened = _run(plant, states, lines, full, passed, belief, T)
+    openings = each(_opening, plant.joints, settings.feedback, ahead.states, opened, full, torques, around)
+    after = _run(plant, states, lines, openings, passed, belief, T)
+    return openings, after, each(_lack, plant.joints, after, openings, torques, around)

@@ -1,0 +1,108 @@
+"""A spool valve on average over its dither: what a model needs that steps in milliseconds.
+
+A sine of amplitude A opens each path by A / pi on average over a period, while the spool's mean position is in the
+middle. A spool that is anywhere between -U and U alike does so if U is 4 A / pi, and gives the mean in closed form.
+Dither carries the spool over its friction: there is none here.
+
+| symbol | meaning | unit |
+|---|---|---|
+| x | mean opening, positive: hose A to supply, hose B to exhaust | 1 |
+| U | half of the range in which the spool is, with all of the dither | 1 |
+"""
+
+from math import pi
+from typing import Any, NamedTuple
+
+from layflat.jit import law
+from layflat.physics.ramp import mean_above_zero
+from layflat.physics.valves.kind import MeanValve
+from layflat.physics.valves.spool_motion import Spool, advance_spool
+
+
+class MeanSpool(NamedTuple):
+    """Parameters of a spool valve with its driver, on average."""
+
+    spool: Spool
+    conductance: float
+    leakage: float
+    critical_ratio: float
+    laminar_slope: float
+    overlap: float
+    centre_voltage: float
+    volts_to_full: float
+    dither_range: float
+    dither_frequency: float
+    delay: float
+
+
+class MeanState(NamedTuple):
+    """Mean opening of the spool, and its rate (1/s)."""
+
+    opening: float
+    rate: float
+
+
+class Share(NamedTuple):
+    """Share of the dither that there is, 0 to 1."""
+
+    dither: float
+
+
+def averaged(valve: Any) -> MeanSpool:
+    """Parameters of a spool valve on average over its dither."""
+    return MeanSpool(
+        Spool(valve.spool.natural_frequency, valve.spool.damping_ratio, 0.0),
+        valve.conductance,
+        valve.leakage,
+        valve.critical_ratio,
+        valve.laminar_slope,
+        valve.overlap,
+        valve.centre_voltage,
+        valve.volts_to_full,
+        valve.dither_amplitude * (4.0 / pi),
+        valve.dither_frequency,
+        valve.delay,
+    )
+
+
+@law
+def centred(valve):  # noqa: ARG001  (as of all valves)
+    """State of a spool at rest in the middle."""
+    return MeanState(0.0, 0.0)
+
+
+@law
+def _conductance(valve, x, U):
+    beyond = x - valve.overlap
+    share = mean_above_zero(beyond - U, beyond + U) * (1.0 / (1.0 - valve.overlap))
+    return valve.leakage + (valve.conductance - valve.leakage) * min(share, 1.0)
+
+
+@law
+def move_mean(valve, state, command, wave, h):
+    """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
+    x, rate = advance_spool(valve.spool, command, 0.0, state.opening, state.rate, h)
+    middle, U = 0.5 * (x + state.opening), wave.dither * valve.dither_range
+    return MeanState(x, rate), _conductance(valve, middle, U), _conductance(valve, -middle, U)
+
+
+@law
+def all_of_it(valve, t, h):  # noqa: ARG001  (as of all valves)
+    """All of the dither."""
+    return Share(1.0)
+
+
+@law
+def mean_opening(valve, state):  # noqa: ARG001  (as of all valves)
+    """Mean opening of the spool, -1..1."""
+    return state.opening
+
+
+MEAN = MeanValve(
+    averaged=averaged,
+    parameter_type=MeanSpool,
+    at_rest=centred,
+    move=move_mean,
+    opening=mean_opening,
+    start_wave=all_of_it,
+)

@@ -1,0 +1,90 @@
+from math import inf
+
+import numpy as np
+import pytest
+import ruckig
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.control.tracking.reference import Pace, Reference, advanced, next_acceleration, stop_at, towards
+
+T = 0.005
+PACE = Pace(acceleration=40.0, deceleration=30.0, jerk=900.0, velocity=1e3)
+
+
+def ways(distance: float, pace: Pace = PACE, cycles: int = 400) -> np.ndarray:
+    """Angle, velocity and acceleration over cycles on the way from rest to a goal at rest, (cycles, 3)."""
+    at, goal = Reference(0.0, 0.0, 0.0), Reference(distance, 0.0, 0.0)
+    rows = []
+    for _ in range(cycles):
+        rows.append(at)
+        (a,) = towards((at,), (goal,), (1.0 if distance > 0.0 else -1.0,), pace, T)
+        at = advanced(at, a, T)
+    return np.array(rows)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(5.0, 60.0), st.floats(200.0, 4000.0))
+def test_a_stop_is_as_long_as_the_quickest_one(v: float, share: float, d: float, j: float) -> None:
+    wanted = ruckig.InputParameter(1)
+    wanted.control_interface = ruckig.ControlInterface.Velocity
+    wanted.current_velocity, wanted.current_acceleration = [v], [share * d]
+    wanted.target_velocity, wanted.target_acceleration = [0.0], [0.0]
+    wanted.max_acceleration, wanted.max_jerk = [d], [j]
+    found = ruckig.Trajectory(1)
+    ruckig.Ruckig(1).calculate(wanted, found)
+    length = found.at_time(found.duration)[0][0]
+    assert stop_at(v, share * d, d, j) == pytest.approx(length, abs=1e-9)
+
+
+@given(st.floats(0.002, 1.5), st.sampled_from([-1.0, 1.0]))
+def test_it_arrives_without_passing_its_goal_and_within_its_limits(size: float, sign: float) -> None:
+    x, v, a = ways(sign * size).T * sign
+    assert abs(x[-1] - size) < 1e-3
+    assert x.max() < size + 3e-3
+    assert v.min() > -0.06
+    assert a.max() <= PACE.acceleration + 1e-9
+    assert a.min() >= -PACE.deceleration - 1e-9
+    assert np.abs(np.diff(a)).max() <= PACE.jerk * T + 1e-9
+
+
+@pytest.mark.parametrize("distance", [0.05, 0.3, 0.7])
+def test_it_takes_hardly_longer_than_the_quickest_profile(distance: float) -> None:
+    wanted = ruckig.InputParameter(1)
+    wanted.current_position, wanted.target_position = [0.0], [distance]
+    wanted.max_velocity, wanted.max_acceleration, wanted.max_jerk = [1e3], [PACE.acceleration], [PACE.jerk]
+    wanted.min_acceleration = [-PACE.deceleration]
+    found = ruckig.Trajectory(1)
+    ruckig.Ruckig(1).calculate(wanted, found)
+    x = ways(distance)[:, 0]
+    arrived = T * int(np.argmax(np.abs(x - distance) < 2e-3))
+    assert arrived < 1.05 * found.duration + 3 * T
+
+
+def test_it_keeps_to_its_speed() -> None:
+    v = ways(1.0, PACE._replace(velocity=1.5))[:, 1]
+    assert 1.4 < v.max() < 1.52
+
+
+def test_a_goal_that_moves_is_caught() -> None:
+    at, goal = Reference(0.0, 0.0, 0.0), Reference(0.3, 0.7, 0.0)
+    apart = []
+    for _ in range(200):
+        (a,) = towards((at,), (goal,), (1.0 if goal.angle > at.angle else -1.0,), PACE, T)
+        at, goal = advanced(at, a, T), advanced(goal, 0.0, T)
+        apart.append(abs(goal.angle - at.angle))
+    assert min(apart) < 2e-3
+    assert apart[-1] < 0.01
+
+
+def test_what_goes_across_the_way_dies_out() -> None:
+    at, goals = [Reference(0.0, 0.0, 0.0), Reference(0.0, 0.5, 0.0)], [Reference(x, 0.0, 0.0) for x in (1.0, 0.0)]
+    for _ in range(30):
+        a = towards(tuple(at), tuple(goals), (1.0, 0.0), PACE, T)
+        at = [advanced(reference, each, T) for reference, each in zip(at, a, strict=True)]
+    assert abs(at[1].velocity) < 0.05
+
+
+def test_nothing_is_left_to_choose_where_the_jerk_decides() -> None:
+    a = next_acceleration(1.0, 0.0, 0.0, PACE, T)
+    assert a == pytest.approx(PACE.jerk * T, rel=1e-3)
+    assert next_acceleration(-inf, 2.0, 0.0, PACE, T) == pytest.approx(-PACE.jerk * T, rel=1e-3)
