@@ -6,19 +6,26 @@ import ruckig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.tracking.reference import Pace, Reference, advanced, next_acceleration, stop_at, towards
+from layflat.control.tracking.reference import (
+    PathLimits,
+    Reference,
+    advanced,
+    next_acceleration,
+    path_acceleration,
+    stop_at,
+)
 
 T = 0.005
-PACE = Pace(acceleration=40.0, deceleration=30.0, jerk=900.0, velocity=1e3)
+PACE = PathLimits(acceleration=40.0, deceleration=30.0, jerk=900.0, velocity=1e3)
 
 
-def ways(distance: float, pace: Pace = PACE, cycles: int = 400) -> np.ndarray:
+def ways(distance: float, limits: PathLimits = PACE, cycles: int = 400) -> np.ndarray:
     """Angle, velocity and acceleration over cycles on the way from rest to a goal at rest, (cycles, 3)."""
     at, goal = Reference(0.0, 0.0, 0.0), Reference(distance, 0.0, 0.0)
     rows = []
     for _ in range(cycles):
         rows.append(at)
-        (a,) = towards((at,), (goal,), (1.0 if distance > 0.0 else -1.0,), pace, T)
+        (a,) = path_acceleration((at,), (goal,), (1.0 if distance > 0.0 else -1.0,), limits, T)
         at = advanced(at, a, T)
     return np.array(rows)
 
@@ -69,7 +76,7 @@ def test_a_goal_that_moves_is_caught() -> None:
     at, goal = Reference(0.0, 0.0, 0.0), Reference(0.3, 0.7, 0.0)
     apart = []
     for _ in range(200):
-        (a,) = towards((at,), (goal,), (1.0 if goal.angle > at.angle else -1.0,), PACE, T)
+        (a,) = path_acceleration((at,), (goal,), (1.0 if goal.angle > at.angle else -1.0,), PACE, T)
         at, goal = advanced(at, a, T), advanced(goal, 0.0, T)
         apart.append(abs(goal.angle - at.angle))
     assert min(apart) < 2e-3
@@ -79,7 +86,7 @@ def test_a_goal_that_moves_is_caught() -> None:
 def test_what_goes_across_the_way_dies_out() -> None:
     at, goals = [Reference(0.0, 0.0, 0.0), Reference(0.0, 0.5, 0.0)], [Reference(x, 0.0, 0.0) for x in (1.0, 0.0)]
     for _ in range(30):
-        a = towards(tuple(at), tuple(goals), (1.0, 0.0), PACE, T)
+        a = path_acceleration(tuple(at), tuple(goals), (1.0, 0.0), PACE, T)
         at = [advanced(reference, each, T) for reference, each in zip(at, a, strict=True)]
     assert abs(at[1].velocity) < 0.05
 

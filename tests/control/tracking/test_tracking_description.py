@@ -23,18 +23,18 @@ def test_all_follows_from_the_machine(tmp_path: Path) -> None:
     assert isinstance(arm.controller, TrackingControllerPart)
     settings = parameters.control(arm)
     # 92 % of the paper's 84 and 25 N m, and what simulated joints gain with an open valve.
-    large, small = settings.abilities
+    large, small = settings.actuators
     assert (large.torque, small.torque) == pytest.approx((76.0, 23.0), rel=0.05)
     assert (large.rate, small.rate) == pytest.approx((1035.0, 850.0), rel=0.25)
-    assert settings.unknowns.usual[-1] == arm.arm.payload
-    assert settings.unknowns.spread[-1] == 0.0
+    assert settings.prior.usual[-1] == arm.arm.payload
+    assert settings.prior.spread[-1] == 0.0
     assert settings.plant.late == ()
 
 
 def test_a_smaller_valve_is_slower_in_proportion(tmp_path: Path) -> None:
     arm = load(machine(tmp_path))
     half = changed_all(arm, {"valve.conductance": 0.5 * value_at(arm, "valve.conductance")})
-    for whole, slow in zip(parameters.control(arm).abilities, parameters.control(half).abilities, strict=True):
+    for whole, slow in zip(parameters.control(arm).actuators, parameters.control(half).actuators, strict=True):
         assert slow.rate == pytest.approx(0.5 * whole.rate)
         assert slow.speed == pytest.approx(0.5 * whole.speed)
         assert slow.torque == whole.torque
@@ -58,8 +58,8 @@ def test_numbers_of_the_machine_may_be_arrays(tmp_path: Path) -> None:
     arm = load(machine(tmp_path))
     sizes = value_at(arm, "valve.conductance") * np.array([0.5, 1.0])
     settings = parameters.control(changed_all(arm, {"valve.conductance": sizes}))
-    assert settings.abilities[0].rate.shape == (2,)
-    assert settings.abilities[0].rate[1] == parameters.control(arm).abilities[0].rate
+    assert settings.actuators[0].rate.shape == (2,)
+    assert settings.actuators[0].rate[1] == parameters.control(arm).actuators[0].rate
 
 
 def test_called_from_python_an_arm_at_its_goal_stays_there() -> None:

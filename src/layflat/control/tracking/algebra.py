@@ -23,13 +23,13 @@ def _product(a, b):
 
 @composition
 def dot(x, y):
-    """Scalar product of two tuples."""
+    """Return the scalar product of two tuples."""
     return total(each(_product, x, y))
 
 
 @composition
 def largest(values):
-    """The greatest of a tuple's absolute values."""
+    """Return the greatest of a tuple's absolute values."""
     items = slots(values)
     found = abs(items[0])
     for i in range(1, len(values)):
@@ -39,7 +39,7 @@ def largest(values):
 
 @composition
 def greatest(values):
-    """The greatest of a tuple's values."""
+    """Return the greatest of a tuple's values."""
     items = slots(values)
     found = items[0]
     for i in range(1, len(values)):
@@ -49,7 +49,7 @@ def greatest(values):
 
 @composition
 def least(values):
-    """The least of a tuple's values."""
+    """Return the least of a tuple's values."""
     items = slots(values)
     found = items[0]
     for i in range(1, len(values)):
@@ -59,7 +59,7 @@ def least(values):
 
 @composition
 def diagonal(upper, like):
-    """Diagonal of a symmetric matrix, a tuple with as many items as `like`."""
+    """Return the diagonal of a symmetric matrix, a tuple with as many items as `like`."""
     M, found, n = slots(upper), slots(like), len(like)
     for i in range(n):
         found[i] = M[_place(i, i, n)]
@@ -68,7 +68,7 @@ def diagonal(upper, like):
 
 @composition
 def times(upper, vector):
-    """Product of a symmetric matrix and a vector."""
+    """Return the product of a symmetric matrix and a vector."""
     M, x, n = slots(upper), slots(vector), len(vector)
     y = slots(vector, 0.0 * x[0])
     for i in range(n):
@@ -79,7 +79,7 @@ def times(upper, vector):
 
 @composition
 def inverse(upper, fixed, like):
-    """Inverse of a positive definite matrix, row by row, with as many items as `like`; (almost) zero in fixed rows.
+    """Return the inverse of a positive definite matrix, row by row, as many items as `like`; zero in fixed rows.
 
     Args: `fixed`: 1.0 for rows that are, else 0.0.
     """

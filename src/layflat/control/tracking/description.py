@@ -16,10 +16,10 @@ import numpy as np
 from pydantic import Field
 
 from layflat.control.kind import ControllerPart
-from layflat.control.tracking.knowledge import Shape, Unknowns
+from layflat.control.tracking.estimation import Prior, Shapes
 from layflat.control.tracking.law import Settings
-from layflat.control.tracking.model import STEP, Plant, Trust
-from layflat.control.tracking.pace import Ability, Care
+from layflat.control.tracking.limits import ActuatorLimits, Margins
+from layflat.control.tracking.model import STEP, ObserverTuning, Plant
 from layflat.control.tracking.torques import Feedback
 from layflat.description import units as u
 from layflat.errors import MachineError
@@ -61,23 +61,21 @@ class TrackingControllerPart(ControllerPart):
 
 
 def settings(described: TrackingControllerPart, machine: Any) -> Settings:
-    """Settings of the law for a machine; raise MachineError if it has a valve of which no mean is known."""
+    """Return the settings of the law for a machine; raise MachineError for valves and joints that it can't model."""
     plant = _plant(machine)
     joints, n = plant.joints, len(plant.joints)
-    abilities = tuple(_ability(joint, plant.around) for joint in joints)
+    actuators = tuple(_ability(joint, plant.around) for joint in joints)
     T = described.cycle
     w = np.minimum(described.bandwidth, QUICKEST / T)
     error = np.sqrt(_variance(joints[0].angle_sensor))
-    trust = tuple(
-        Trust(described.torque_errors * able.torque, error, described.pressure_trust, _notch(joints[0].valve, T))
-        for able in abilities
-    )
-    care = Care(1.0 - described.reserve, JERK, described.quickest, described.tolerance)
-    feedback = tuple(Feedback(w * w, 2.0 * w, described.valve_share, EASING * able.rate) for able in abilities)
+    share, notch = described.pressure_trust, _notch(joints[0].valve, T)
+    observer = tuple(ObserverTuning(described.torque_errors * a.torque, error, share, notch) for a in actuators)
+    margins = Margins(1.0 - described.reserve, JERK, described.quickest, described.tolerance)
+    feedback = tuple(Feedback(w * w, 2.0 * w, described.valve_share, EASING * actuator.rate) for actuator in actuators)
     m = 2 * n + 1
-    shape = Shape((0.0,) * (n * n), (0.0,) * (m * m), (0.0,) * (n * m))
-    unknowns = _unknowns(described, joints, abilities, plant.around.payload)
-    return Settings(plant, abilities, trust, feedback, care, unknowns, shape)
+    shapes = Shapes((0.0,) * (n * n), (0.0,) * (m * m), (0.0,) * (n * m))
+    prior = _unknowns(described, joints, actuators, plant.around.payload)
+    return Settings(plant, actuators, observer, feedback, margins, prior, shapes)
 
 
 def _plant(machine: Any) -> Plant:
@@ -102,8 +100,8 @@ def _plant(machine: Any) -> Plant:
     return Plant(arm, tuple(joint._replace(valve=mean(joint.valve)) for joint in joints), around, steps, (0.0,) * whole)
 
 
-def _ability(joint: Joint, around: Surroundings) -> Ability:
-    """What a joint can do at mid-stroke, its hoses as full as leaks leave them."""
+def _ability(joint: Joint, around: Surroundings) -> ActuatorLimits:
+    """Return what a joint can do at mid-stroke, its hoses as full as leaks leave them."""
     hose, valve, p_s, p_a = joint.hose_a, joint.valve, around.supply_pressure, around.ambient_pressure
     p = FILLED * p_s
     K = torque_per_pressure(hose.stroke, hose.neutral)
@@ -111,27 +109,27 @@ def _ability(joint: Joint, around: Surroundings) -> Ability:
     b, s = valve.critical_ratio, valve.laminar_slope
     flows = itemwise(effective_pressure, p_s, p, b, s) + itemwise(effective_pressure, p, p_a, b, s)
     fed = valve.conductance * (REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE)
-    return Ability(REACHED * K * (p_s - p_a), GAMMA * K * fed * flows / V, fed / K)
+    return ActuatorLimits(REACHED * K * (p_s - p_a), GAMMA * K * fed * flows / V, fed / K)
 
 
 def _notch(valve: Any, T: float) -> float:
-    """Weight of the last innovation beside those before and after it, so that the dither drops out of their mean."""
+    """Return the weight of the last innovation with which the dither drops out of the mean of three."""
     periods = valve.dither_frequency * T
     seen = (periods > SEEN[0]) & (periods < SEEN[1])
     return seen * -2.0 * np.cos(2.0 * pi * periods)  # type: ignore[no-any-return]
 
 
 def _variance(sensor: Sensor) -> float:
-    """Of what a sensor says: noise, and an even spread over a count."""
+    """Return the variance of what a sensor says: noise, and an even spread over a count."""
     return sensor.lsb * sensor.lsb / 12.0 + sensor.noise * sensor.noise
 
 
 def _unknowns(
-    described: TrackingControllerPart, joints: tuple[Joint, ...], abilities: tuple[Ability, ...], payload: float
-) -> Unknowns:
+    described: TrackingControllerPart, joints: tuple[Joint, ...], actuators: tuple[ActuatorLimits, ...], payload: float
+) -> Prior:
     n = len(joints)
-    torques, rubs = [able.torque for able in abilities], [joint.brake_torque for joint in joints]
-    return Unknowns(
+    torques, rubs = [actuator.torque for actuator in actuators], [joint.brake_torque for joint in joints]
+    return Prior(
         (*[0.0] * (2 * n), payload),
         (
             *[described.load_spread * torque for torque in torques],

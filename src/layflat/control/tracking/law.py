@@ -1,9 +1,9 @@
 """The tracking law: the whole arm follows its demand, moving or at rest, with a model of itself in the loop.
 
 In a cycle it
-1. corrects its model by what the sensors say, and learns loads, friction and payload (knowledge.py);
+1. corrects its model by what the sensors say, and estimates loads, friction and payload (estimation.py);
 2. looks where the model would be a cycle later with its valves centred;
-3. plans where it should be then: a reference that limits of torque and valve allow (planning.py);
+3. plans where it should be then: a reference that limits of torque and valve allow (planning.py, limits.py);
 4. finds the torques that take it there: those of the rigid body with feedback on angle and velocity, of friction and
    losses on the way, against loads (torques.py);
 5. finds the openings that bring the air to these torques, by running the model with the valves open as well; a third
@@ -20,13 +20,29 @@ from typing import Any, NamedTuple
 
 from layflat.control.kind import voltages_alone
 from layflat.control.tracking.algebra import diagonal, largest
-from layflat.control.tracking.knowledge import Knowledge, Shape, Unknowns, believed, carried, known_at_first, learnt
-from layflat.control.tracking.model import Innovation, Plant, Trust, at_rest, gains_of, placed, pressure_correction
-from layflat.control.tracking.pace import Ability, Care
-from layflat.control.tracking.planning import Course, goal_of, planned, slowed, tip_distance
+from layflat.control.tracking.estimation import (
+    ParameterEstimate,
+    Prior,
+    Shapes,
+    estimate_of,
+    initial_estimate,
+    propagated,
+    updated,
+)
+from layflat.control.tracking.limits import ActuatorLimits, Margins
+from layflat.control.tracking.model import (
+    Innovation,
+    ObserverTuning,
+    Plant,
+    at_rest,
+    gains_of,
+    placed,
+    pressure_correction,
+)
+from layflat.control.tracking.planning import PathState, goal_of, governed, plan_of, tip_distance
 from layflat.control.tracking.reference import Reference, angle_of
-from layflat.control.tracking.torques import SLOW, Feedback, caught_up, torques_for
-from layflat.control.tracking.valves import centred, met, openings_for
+from layflat.control.tracking.torques import SLOW, Feedback, computed_torques, reanchored
+from layflat.control.tracking.valves import free_response, states_on_arrival, valve_openings
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.arms import dynamics
@@ -34,25 +50,25 @@ from layflat.physics.delay import Line
 
 
 class Settings(NamedTuple):
-    """Settings of the law; tuples with an item a joint but for those of knowledge.py."""
+    """Settings of the law; tuples with an item a joint but for those of estimation.py."""
 
     plant: Plant
-    abilities: tuple[Ability, ...]
-    trust: tuple[Trust, ...]
+    actuators: tuple[ActuatorLimits, ...]
+    observer: tuple[ObserverTuning, ...]
     feedback: tuple[Feedback, ...]
-    care: Care
-    unknowns: Unknowns
-    shape: Shape
+    margins: Margins
+    prior: Prior
+    shapes: Shapes
 
 
 class Memory(NamedTuple):
-    """What the law remembers: its model's state, what it learnt, and where it is on its way."""
+    """What the law remembers: its model's state, its parameters, and where it is on its path."""
 
     states: tuple[Any, ...]
     lines: tuple[Line, ...]  # commands on their way to the valves
     innovations: tuple[Innovation, ...]
-    knowledge: Knowledge
-    course: Course
+    parameters: ParameterEstimate
+    path: PathState
     waited: float  # how long the arm has been at rest where it landed, s
 
 
@@ -79,8 +95,8 @@ SIGNALS = {
     "reference_velocity": ("rad/s", "velocity, likewise"),
     "wanted_torque": ("N*m", "torque that the air is to have then"),
     "estimated_load": ("N*m", "torque on the joint that is not in the controller's description"),
-    "estimated_friction": ("N*m", "friction of the shaft, as learnt"),
-    "estimated_payload": ("kg", "payload, as learnt"),
+    "estimated_friction": ("N*m", "friction of the shaft, as estimated"),
+    "estimated_payload": ("kg", "payload, as estimated"),
     "landed": ("1", "1 while the reference is the demand"),
 }
 """Unit and meaning of what is reported."""
@@ -97,12 +113,12 @@ def _begun(joint, q, dp, around):
 
 @composition
 def wake(settings, sensed):
-    """Memory of a law that begins at these measurements, at rest."""
+    """Return the memory of a law that begins at these measurements, at rest."""
     joints, around = settings.plant.joints, settings.plant.around
     states, lines, innovations, references = each(_begun, joints, sensed.angle, sensed.differential_pressure, around)
     zero = 0.0 * settings.plant.around.ambient_pressure
-    knowledge = known_at_first(settings.unknowns, settings.shape)
-    return Memory(states, lines, innovations, knowledge, Course(references, zero, zero), zero)
+    parameters = initial_estimate(settings.prior, settings.shapes)
+    return Memory(states, lines, innovations, parameters, PathState(references, zero, zero), zero)
 
 
 @law
@@ -111,15 +127,15 @@ def _innovation(state, q):
 
 
 @law
-def _corrected(joint, state, innovation, trust, gains, q, dp, turn, speed, around):
-    # State after the measurements of a joint; what was learnt turns it (rad) and changes its speed (rad/s).
+def _corrected(joint, state, innovation, observer, gains, q, dp, turn, speed, around):
+    # State after the measurements of a joint; what was estimated turns it (rad) and changes its speed (rad/s).
     motion = state.motion
     e = q - motion.angle - turn
     # A count of the converter moves no joint that is held.
     calm = (motion.velocity == 0.0) & (abs(e) < STILL * joint.angle_sensor.lsb)
     v = motion.velocity + speed + select(calm, 0.0, gains.velocity) * e
     missing = dp - (state.hose_a.pressure - state.hose_b.pressure)
-    change, after = pressure_correction(trust, innovation, missing)
+    change, after = pressure_correction(observer, innovation, missing)
     return placed(joint, state, motion.angle + turn + gains.angle * e, v, change, around), after
 
 
@@ -164,49 +180,50 @@ def _estimated_angle(state):
 
 @composition
 def _observed(settings, memory, sensed, T):
-    """States and innovations after the measurements, what was learnt of them, and the gains that the angles had."""
+    """Return states, innovations and parameters after the measurements, and the gains that the angles had."""
     plant = settings.plant
-    known, turns, speeds = learnt(settings.unknowns, memory.knowledge, each(_innovation, memory.states, sensed.angle))
-    mass, _, _ = dynamics(plant.arm, believed(known, plant.joints).payload, sensed.angle, sensed.angle)
-    gains = each(gains_of, settings.trust, diagonal(mass, sensed.angle), T)
+    errors = each(_innovation, memory.states, sensed.angle)
+    parameters, turns, speeds = updated(settings.prior, memory.parameters, errors)
+    mass, _, _ = dynamics(plant.arm, estimate_of(parameters, plant.joints).payload, sensed.angle, sensed.angle)
+    gains = each(gains_of, settings.observer, diagonal(mass, sensed.angle), T)
     states, innovations = each(
-        _corrected, plant.joints, memory.states, memory.innovations, settings.trust, gains, sensed.angle,
+        _corrected, plant.joints, memory.states, memory.innovations, settings.observer, gains, sensed.angle,
         sensed.differential_pressure, turns, speeds, plant.around,
     )  # fmt: skip
-    return states, innovations, known, gains
+    return states, innovations, parameters, gains
 
 
 @composition
 def _landing(settings, memory, plan, references, goals, after, T):
-    """The way from now on, and how long the arm has waited: at rest beside its goal it sets out again from there."""
+    """Return the path, and how long the arm has waited: at rest beside its goal it sets out again from there, s."""
     slow = (largest(each(_moves, after)) == 0.0) & (plan.landed > 0.5)
     waited = select(slow, memory.waited + T, 0.0)
     angles = each(_estimated_angle, after)
-    missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > settings.care.tolerance
+    missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > settings.margins.tolerance
     again = (waited > WAIT) & (plan.rests > 0.5) & missed
-    course = Course(each(_again, after, references, again), plan.leg, select(again, 0.0, plan.landed))
-    return course, select(again, 0.0, waited)
+    path = PathState(each(_again, after, references, again), plan.length, select(again, 0.0, plan.landed))
+    return path, select(again, 0.0, waited)
 
 
 @composition
 def step(settings, memory, sensed, demand, elapsed):
-    """One cycle: memory, command, report (see control/kind.py)."""
+    """Do one cycle; return memory, command and report (see control/kind.py)."""
     plant, lines, T = settings.plant, memory.lines, elapsed
-    states, innovations, known, gains = _observed(settings, memory, sensed, T)
-    belief = believed(known, plant.joints)
-    begun, later = met(plant, states, lines, belief, T)
-    ahead = centred(plant, begun, lines, belief, T)
+    states, innovations, parameters, gains = _observed(settings, memory, sensed, T)
+    estimate = estimate_of(parameters, plant.joints)
+    begun, later = states_on_arrival(plant, states, lines, estimate, T)
+    response = free_response(plant, begun, lines, estimate, T)
     goals = each(goal_of, demand.angle, demand.velocity, demand.acceleration, T * len(plant.late))
-    plan = planned(settings, caught_up(settings, memory.course, ahead), belief, ahead, goals, T)
-    torques = torques_for(settings, plan, begun, ahead, goals, belief, T)
-    openings, after, lacks = openings_for(settings, begun, lines, ahead, belief, torques, T)
+    plan = plan_of(settings, reanchored(settings, memory.path, response), estimate, response, goals, T)
+    torques = computed_torques(settings, plan, begun, response, goals, estimate, T)
+    openings, after, lacks = valve_openings(settings, begun, lines, response, estimate, torques, T)
     if len(plant.late) == 0:
         later = after
-    references = slowed(settings, plan, ahead, goals, lacks, T)
-    course, waited = _landing(settings, memory, plan, references, goals, after, T)
-    known = carried(settings.unknowns, known, settings.shape, plant.arm, gains, states, later, T)
+    references = governed(settings, plan, response, goals, lacks, T)
+    path, waited = _landing(settings, memory, plan, references, goals, after, T)
+    parameters = propagated(settings.prior, parameters, settings.shapes, plant.arm, gains, states, later, T)
     report = each(
-        _shown, later, course.references, torques, belief.loads, belief.frictions, belief.payload, plan.landed
+        _shown, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload, plan.landed
     )
-    remembered = Memory(later, each(_sent, lines, openings), innovations, known, course, waited)
+    remembered = Memory(later, each(_sent, lines, openings), innovations, parameters, path, waited)
     return remembered, voltages_alone(each(_voltage, plant.joints, openings)), report

@@ -1,4 +1,4 @@
-"""What the law believes of its plant: the plant's own laws in long steps, with valves as they are on average.
+"""The model of the plant: its own laws in long steps, with valves as they are on average.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -33,7 +33,7 @@ class Plant(NamedTuple):
     late: tuple[float, ...]  # an item for every whole cycle that any command takes to its valve
 
 
-class Trust(NamedTuple):
+class ObserverTuning(NamedTuple):
     """What the model of a joint and its sensors are trusted with."""
 
     torque: float  # error of the model's torque, standard deviation, N m
@@ -67,7 +67,7 @@ def _with_air(hose, state, travel, change, p_a):
 
 @law
 def placed(joint, state, q, v, change, around):
-    """State of a joint at another angle and velocity, with its differential pressure changed."""
+    """Return the state of a joint at another angle and velocity, with its differential pressure changed."""
     p_a = around.ambient_pressure
     a = _with_air(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, 0.5 * change, p_a)
     b = _with_air(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -0.5 * change, p_a)
@@ -76,37 +76,37 @@ def placed(joint, state, q, v, change, around):
 
 @law
 def at_rest(joint, q, dp, around):
-    """State of a joint at rest, at what its sensors say; both pressures as equal leaks would leave them."""
+    """Return the state of a joint at rest, at what its sensors say; its pressures as equal leaks would leave them."""
     p = FILLED * around.supply_pressure
     state = joint_at_rest(joint, q, p + 0.5 * dp, p - 0.5 * dp, around)
     return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0))
 
 
 @law
-def gains_of(trust, inertia, T):
-    """Steady gains of an observer of angle and velocity whose torque is in error, and whose sensor is.
+def gains_of(observer, inertia, T):
+    """Return the steady gains of an observer of angle and velocity with errors of torque and sensor.
 
     Source: kalata1984, the tracking index of alpha-beta filters.
     """
-    index = trust.torque * T * T / (inertia * trust.angle)
+    index = observer.torque * T * T / (inertia * observer.angle)
     root = 0.25 * (4.0 + index - sqrt(8.0 * index + index * index))
     alpha = 1.0 - root * root
     return Gains(alpha, (2.0 * (2.0 - alpha) - 4.0 * root) / T)
 
 
 @law
-def pressure_correction(trust, innovation, e):
-    """By how much to change the differential pressure after an innovation e, and the innovations to keep (Pa).
+def pressure_correction(observer, innovation, e):
+    """Return by how much to change the differential pressure after an innovation e, and innovations to keep (Pa).
 
     The mean of e and of what it was half a period of the dither ago has none of the dither.
     """
-    change = trust.pressure * (e + trust.notch * innovation.last + innovation.before) / (2.0 + trust.notch)
+    change = observer.pressure * (e + observer.notch * innovation.last + innovation.before) / (2.0 + observer.notch)
     return change, Innovation(e - change, innovation.last - change)
 
 
 @law
 def gas_torque(joint, state, around):
-    """Torque of the air in both hoses, N m."""
+    """Return the torque of the air in both hoses, N m."""
     a, b, q, p_a = state.hose_a, state.hose_b, state.motion.angle, around.ambient_pressure
     forward = torque_per_pressure(joint.hose_a.stroke, joint.hose_a.neutral + q) * (a.pressure - p_a)
     return forward - torque_per_pressure(joint.hose_b.stroke, joint.hose_b.neutral - q) * (b.pressure - p_a)
@@ -114,13 +114,13 @@ def gas_torque(joint, state, around):
 
 @law
 def loss_torque(joint, state):
-    """Torque of the losses in both hoses, against the motion, N m."""
+    """Return the torque of the losses in both hoses, against the motion, N m."""
     return total(torques(joint.hose_a.loss, state.hose_a.loss) + torques(joint.hose_b.loss, state.hose_b.loss))
 
 
 @law
 def opposing_torque(joint, state, around):
-    """Torque against the motion but for dry friction: of losses, what they damp, viscous friction and stops, N m."""
+    """Return the torque against the motion but for dry friction: of losses, damping and stops, N m."""
     q, v, p_a = state.motion.angle, state.motion.velocity, around.ambient_pressure
     a, b = joint.hose_a.damping, joint.hose_b.damping
     damped = a.base + b.base + a.slope * max(state.hose_a.pressure - p_a, 0.0)
@@ -131,7 +131,7 @@ def opposing_torque(joint, state, around):
 
 @composition
 def a_cycle_later(plant, states, drives, payload, T):
-    """States of the joints after a cycle in which drives act on them, tuples."""
+    """Return the states of the joints after a cycle in which drives act on them, tuples."""
     around, joints = plant.around, slots(plant.joints)
     carrying = Surroundings(
         around.supply_pressure, around.supply_temperature, around.ambient_pressure, around.ambient_temperature, payload

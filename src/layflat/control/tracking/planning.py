@@ -1,8 +1,8 @@
-"""Where the joints should be in the next cycle: the reference on its way to the goal, and when it has landed.
+"""The reference: where the joints should be in the next cycle on their path to the goal, and when it has landed.
 
 | symbol | meaning | unit |
 |---|---|---|
-| e | unit vector of the way from the reference to the goal, in joint space | 1 |
+| e | unit vector of the path from the reference to the goal, in joint space | 1 |
 | T | control cycle | s |
 """
 
@@ -10,20 +10,28 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.tracking.algebra import diagonal, dot, greatest, largest, least, times
+from layflat.control.tracking.limits import LEAST_INERTIA, LEAST_SHARE, for_length, path_limits
 from layflat.control.tracking.model import loss_torque
-from layflat.control.tracking.pace import LEAST_INERTIA, LEAST_SHARE, gentle, pace_of
-from layflat.control.tracking.reference import Pace, Reference, advanced, angle_of, taken_back, towards, velocity_of
+from layflat.control.tracking.reference import (
+    PathLimits,
+    Reference,
+    advanced,
+    angle_of,
+    path_acceleration,
+    taken_back,
+    velocity_of,
+)
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.arms import tip
 
-SHORTEST = 1e-4  # way that is planned, rad
+SHORTEST = 1e-4  # path that is planned, rad
 REST = 1e-3  # velocity of a goal below which it is at rest, rad/s
 CALM = 0.05  # velocity of joints that have all but stopped, rad/s
 
 
-class Ahead(NamedTuple):
-    """The arm a cycle later, were its valves centred; tuples with an item a joint."""
+class FreeResponse(NamedTuple):
+    """Response of the arm a cycle later were its valves centred; tuples with an item a joint."""
 
     states: tuple[Any, ...]
     angles: tuple[float, ...]
@@ -32,11 +40,11 @@ class Ahead(NamedTuple):
     steady: tuple[float, ...]  # torque that keeps the velocity, friction and losses aside, N m
 
 
-class Course(NamedTuple):
-    """Where the arm is on its way, kept from cycle to cycle."""
+class PathState(NamedTuple):
+    """Where the arm is on its path, kept from cycle to cycle."""
 
     references: tuple[Reference, ...]
-    leg: float  # length of the way when it began, rad
+    length: float  # of the path when it began, rad
     landed: float  # 1 where the references are the goals', else 0
 
 
@@ -44,17 +52,17 @@ class Plan(NamedTuple):
     """The next cycle."""
 
     references: tuple[Reference, ...]
-    leg: float
+    length: float
     landed: float
     rests: float  # 1 where the goal is at rest, else 0
     resting: float  # 1 where it has landed, the goal is at rest and the tip there, else 0
-    way: tuple[float, ...]
-    pace: Pace
+    direction: tuple[float, ...]
+    limits: PathLimits
 
 
 @law
 def goal_of(angle, velocity, acceleration, late):
-    """A demand as a reference, so many seconds later."""
+    """Return a demand as a reference, so many seconds later."""
     return Reference(
         angle + late * (velocity + 0.5 * late * acceleration), velocity + late * acceleration, acceleration
     )
@@ -82,17 +90,17 @@ def _restless(goal):
 
 @composition
 def tip_distance(arm, q, p):
-    """Distance of the tips of an arm at two postures, m."""
+    """Return the distance of the tips of an arm at two postures, m."""
     (x, y), (x_p, y_p) = tip(arm, q), tip(arm, p)
     return sqrt((x - x_p) * (x - x_p) + (y - y_p) * (y - y_p))
 
 
 @law
-def _feasible(able, friction, joint, state, speed, inertial, steady, load):
+def _feasible(actuator, friction, joint, state, speed, inertial, steady, load):
     # Share of a torque that a joint can give.
     rubs = friction + abs(loss_torque(joint, state))
     force = inertial + steady - load
-    return (able.torque + select(force * speed > 0.0, -rubs, rubs)) / max(abs(force), 1e-3)
+    return (actuator.torque + select(force * speed > 0.0, -rubs, rubs)) / max(abs(force), 1e-3)
 
 
 @law
@@ -107,38 +115,38 @@ def _onward(reference, goal, a, share, landed, T):
 
 
 @composition
-def planned(settings, course, belief, ahead, goals, T):
-    """`Plan` of the next cycle, on the way to goals (a tuple of `Reference`)."""
-    plant, care, references = settings.plant, settings.care, course.references
+def plan_of(settings, path, estimate, response, goals, T):
+    """Return the `Plan` of the next cycle towards goals, a tuple of `Reference`."""
+    plant, margins, references = settings.plant, settings.margins, path.references
     apart = each(_apart, references, goals)
     distance = sqrt(dot(apart, apart))
-    way = each(_per, apart, max(distance, 1e-9))
-    leg = max(select(course.landed > 0.5, 0.0, course.leg), distance)
-    full = pace_of(care, settings.abilities, belief, plant.arm, ahead, goals, way, references)
-    pace = gentle(full, max(leg, SHORTEST), care.quickest)
-    a = towards(references, goals, way, pace, T)
+    direction = each(_per, apart, max(distance, 1e-9))
+    length = max(select(path.landed > 0.5, 0.0, path.length), distance)
+    full = path_limits(margins, settings.actuators, estimate, plant.arm, response, goals, direction, references)
+    limits = for_length(full, max(length, SHORTEST), margins.quickest)
+    a = path_acceleration(references, goals, direction, limits, T)
     speeds, gains = each(velocity_of, references), each(_gain, references, goals)
-    inertial = times(ahead.mass, a)
+    inertial = times(response.mass, a)
     shares = each(
-        _feasible, settings.abilities, belief.frictions, plant.joints, ahead.states, speeds, inertial, ahead.steady,
-        belief.loads,
+        _feasible, settings.actuators, estimate.frictions, plant.joints, response.states, speeds, inertial,
+        response.steady, estimate.loads,
     )  # fmt: skip
     share = max(min(least(shares), 1.0), LEAST_SHARE)
     rests = largest(each(_restless, goals)) < REST
-    inside = tip_distance(plant.arm, ahead.angles, each(angle_of, goals)) < care.tolerance
-    landed = _lands(course.landed > 0.5, rests, distance, largest(gains))
-    landed = landed | (rests & inside & (largest(ahead.velocities) < CALM))
+    inside = tip_distance(plant.arm, response.angles, each(angle_of, goals)) < margins.tolerance
+    landed = _lands(path.landed > 0.5, rests, distance, largest(gains))
+    landed = landed | (rests & inside & (largest(response.velocities) < CALM))
     onward = each(_onward, references, goals, a, share, landed, T)
-    # A way begins where the arm turns to the goal.
-    turns = (dot(way, gains) <= 0.0) & (dot(way, each(_gain, onward, goals)) > 0.0)
+    # A path begins where the arm turns to the goal.
+    turns = (dot(direction, gains) <= 0.0) & (dot(direction, each(_gain, onward, goals)) > 0.0)
     return Plan(
         onward,
-        select(turns, distance, leg),
+        select(turns, distance, length),
         select(landed, 1.0, 0.0) + 0.0 * distance,
         select(rests, 1.0, 0.0) + 0.0 * distance,
         select(landed & rests & inside, 1.0, 0.0) + 0.0 * distance,
-        way,
-        pace,
+        direction,
+        limits,
     )
 
 
@@ -151,11 +159,11 @@ def _lands(landed, rests, distance, speed):
 
 
 @law
-def _short(able, lack, w, own, e, brakes):
-    # By how much the acceleration along the way is too great for one joint: below zero where it can't brake.
+def _short(actuator, lack, w, own, e, brakes):
+    # By how much the acceleration along the path is too great for one joint: below zero where it can't brake.
     inertia = max(abs(w), 0.3 * own * abs(e))
     much = 0.5 * abs(lack) / max(inertia, LEAST_INERTIA)
-    much = select(abs(lack) > 0.05 * able.torque, much, 0.0)
+    much = select(abs(lack) > 0.05 * actuator.torque, much, 0.0)
     return select(lack * e > 0.0, much, select(brakes, -much, 0.0))
 
 
@@ -170,15 +178,18 @@ def _one_back(reference, e, much, T):
 
 
 @composition
-def slowed(settings, plan, ahead, goals, lacks, T):
-    """References of a plan, slowed along the way where open valves give less torque than it takes (`lacks`, N m)."""
-    way, pace = plan.way, plan.pace
-    going = dot(way, each(_gain, plan.references, goals))
-    brakes = dot(way, each(_acceleration_of, plan.references)) < 0.0
-    own, w = diagonal(ahead.mass, way), times(ahead.mass, way)
-    shorts = each(_short, settings.abilities, lacks, w, own, way, brakes)
+def governed(settings, plan, response, goals, lacks, T):
+    """Return the references of a plan, slowed along the path where open valves give less torque than it takes.
+
+    `lacks`: what they give less, N m, a tuple.
+    """
+    direction, limits = plan.direction, plan.limits
+    going = dot(direction, each(_gain, plan.references, goals))
+    brakes = dot(direction, each(_acceleration_of, plan.references)) < 0.0
+    own, w = diagonal(response.mass, direction), times(response.mass, direction)
+    shorts = each(_short, settings.actuators, lacks, w, own, direction, brakes)
     much = select(greatest(shorts) > 0.0, greatest(shorts), least(shorts))
-    much = min(max(much, -pace.jerk * T), pace.jerk * T)
+    much = min(max(much, -limits.jerk * T), limits.jerk * T)
     # It may wait, but does not turn back.
     much = select(plan.landed > 0.5, 0.0, min(much, max(going, 0.0) / T))
-    return each(_one_back, plan.references, way, much, T)
+    return each(_one_back, plan.references, direction, much, T)

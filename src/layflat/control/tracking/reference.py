@@ -1,13 +1,13 @@
-"""The reference that the joints follow: straight towards the goal in joint space, as fast as torques and valves allow.
+"""The motion of a reference along its path: straight towards the goal in joint space, as fast as its limits allow.
 
-Along the way it is a motion in one dimension. In every cycle it takes the greatest acceleration from which it can still
-come to rest at the goal with limited acceleration and jerk; across the way its velocity dies out. Position and velocity
-are those relative to the goal, which may move.
+Along the path it is a motion in one dimension. In every cycle it takes the greatest acceleration from which it can
+still come to rest at the goal with limited acceleration and jerk; across the path its velocity dies out. Position and
+velocity are those relative to the goal, which may move.
 
 | symbol | meaning | unit |
 |---|---|---|
-| x | distance from the goal, along the way to it: negative before it | rad |
-| v, a | velocity and acceleration along the way, relative to the goal | rad/s, rad/s2 |
+| x | distance from the goal, along the path to it: negative before it | rad |
+| v, a | velocity and acceleration along the path, relative to the goal | rad/s, rad/s2 |
 | d, j | greatest deceleration and jerk | rad/s2, rad/s3 |
 | u | most that v may be | rad/s |
 | T | control cycle | s |
@@ -20,7 +20,7 @@ from layflat.jit import composition, law
 from layflat.lanes import gather, select, slots
 
 HALVINGS = 14
-ACROSS = 40.0  # rate at which the velocity across the way dies out, 1/s
+ACROSS = 40.0  # rate at which the velocity across the path dies out, 1/s
 
 
 class Reference(NamedTuple):
@@ -31,8 +31,8 @@ class Reference(NamedTuple):
     acceleration: float
 
 
-class Pace(NamedTuple):
-    """Limits of a motion along its way."""
+class PathLimits(NamedTuple):
+    """Limits of a motion along its path."""
 
     acceleration: float  # greatest, rad/s2
     deceleration: float  # d
@@ -54,7 +54,7 @@ def velocity_of(reference):
 
 @law
 def stop_at(v, a, d, j):
-    """How far it still goes when it stops as soon as it can, rad."""
+    """Return how far it still goes when it stops as soon as it can, rad."""
     forward = select(v + a * abs(a) / (2.0 * j) >= 0.0, 1.0, -1.0)
     v, a = forward * v, forward * a
     peak = max(min(sqrt(max(j * v + 0.5 * a * a, 0.0)), d), -a)
@@ -62,69 +62,69 @@ def stop_at(v, a, d, j):
     v_1 = v + a * t_1 - 0.5 * j * t_1 * t_1
     held = max(v_1 - 0.5 * peak * t_3, 0.0) / max(peak, 1e-9)
     v_2 = v_1 - peak * held
-    way = v * t_1 + t_1 * t_1 * (0.5 * a - j * t_1 / 6.0) + held * (v_1 - 0.5 * peak * held)
-    return forward * (way + t_3 * (v_2 - t_3 * peak / 3.0))
+    length = v * t_1 + t_1 * t_1 * (0.5 * a - j * t_1 / 6.0) + held * (v_1 - 0.5 * peak * held)
+    return forward * (length + t_3 * (v_2 - t_3 * peak / 3.0))
 
 
 @law
-def _too_fast(a_1, left, v, a, pace, T):
+def _too_fast(a_1, left, v, a, limits, T):
     v_1 = v + 0.5 * T * (a + a_1)
-    beyond = 0.5 * T * (v + v_1) + stop_at(v_1, a_1, pace.deceleration, pace.jerk) > left
-    return beyond | (v_1 + 0.5 * a_1 * max(a_1, 0.0) / pace.jerk > pace.velocity)
+    beyond = 0.5 * T * (v + v_1) + stop_at(v_1, a_1, limits.deceleration, limits.jerk) > left
+    return beyond | (v_1 + 0.5 * a_1 * max(a_1, 0.0) / limits.jerk > limits.velocity)
 
 
 @law
-def next_acceleration(left, v, a, pace, T):
-    """Greatest acceleration a cycle later with which it still stops at what is left of the way."""
-    low, high = a - pace.jerk * T, a + pace.jerk * T
+def next_acceleration(left, v, a, limits, T):
+    """Return the greatest acceleration a cycle later with which it still stops at what is left of the path."""
+    low, high = a - limits.jerk * T, a + limits.jerk * T
     low, high = (
-        min(max(low, -pace.deceleration), pace.acceleration),
-        max(min(high, pace.acceleration), -pace.deceleration),
+        min(max(low, -limits.deceleration), limits.acceleration),
+        max(min(high, limits.acceleration), -limits.deceleration),
     )
     low, high = min(low, high), max(low, high)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        over = _too_fast(middle, left, v, a, pace, T)
+        over = _too_fast(middle, left, v, a, limits, T)
         low, high = select(over, low, middle), select(over, middle, high)
     return 0.5 * (low + high)
 
 
 @law
 def advanced(reference, a, T):
-    """The reference a cycle later, with an acceleration then."""
+    """Return the reference a cycle later, with an acceleration then."""
     v = reference.velocity + 0.5 * T * (reference.acceleration + a)
     return Reference(reference.angle + 0.5 * T * (reference.velocity + v), v, a)
 
 
 @law
 def taken_back(reference, a, T):
-    """The reference with so much less acceleration in the last cycle."""
+    """Return the reference with so much less acceleration in the last cycle."""
     return Reference(reference.angle - 0.5 * T * T * a, reference.velocity - T * a, reference.acceleration - a)
 
 
 @composition
-def towards(references, goals, ways, pace, T):
-    """Accelerations of all joints a cycle later (a tuple), on the way to their goals (tuple of `Reference`).
+def path_acceleration(references, goals, direction, limits, T):
+    """Return the accelerations of all joints a cycle later, a tuple, on the path to their goals.
 
-    Args: `ways`: unit vector of the way, a tuple; `Pace` along it.
+    `goals`: a tuple of `Reference`; `direction`: unit vector of the path, a tuple.
     """
-    n = len(ways)
-    at, to, e = slots(references), slots(goals), slots(ways)
+    n = len(direction)
+    at, to, e = slots(references), slots(goals), slots(direction)
     zero = 0.0 * e[0]
     left, v, a = zero, zero, zero
     for j in range(n):
         left = left + (to[j].angle - at[j].angle) * e[j]
         v = v + (at[j].velocity - to[j].velocity) * e[j]
         a = a + (at[j].acceleration - to[j].acceleration) * e[j]
-    along = next_acceleration(left, v, a, pace, T)
-    across, size = slots(ways, zero), zero
+    along = next_acceleration(left, v, a, limits, T)
+    across, size = slots(direction, zero), zero
     for j in range(n):
         v_j = at[j].velocity - to[j].velocity - v * e[j]
         a_j = at[j].acceleration - to[j].acceleration - a * e[j]
         across[j] = -ACROSS * v_j - a_j
         size = size + across[j] * across[j]
-    part = min(pace.jerk * T / max(sqrt(size), 1e-9), 1.0)
+    part = min(limits.jerk * T / max(sqrt(size), 1e-9), 1.0)
     for j in range(n):
         a_j = at[j].acceleration - to[j].acceleration - a * e[j]
         across[j] = to[j].acceleration + along * e[j] + a_j + part * across[j]
-    return gather(ways, across)
+    return gather(direction, across)

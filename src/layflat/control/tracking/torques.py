@@ -1,7 +1,7 @@
 """Torques that the air of the joints is to have: those of the rigid body, of feedback, and of what opposes motion.
 
 Dry friction has no value at rest. What the law adds for it goes by a velocity that says where the joint is to go: that
-of its reference, and with it what is left of the way and by how much the joint is behind. So the torque comes as a
+of its reference, and with it what is left of the path and by how much the joint is behind. So the torque comes as a
 motion begins, goes as it ends, and brings back a joint that friction holds beside its reference.
 
 | symbol | meaning | unit |
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from layflat.control.tracking.algebra import diagonal, greatest, times
 from layflat.control.tracking.model import gas_torque, opposing_torque
-from layflat.control.tracking.planning import Course
+from layflat.control.tracking.planning import PathState
 from layflat.control.tracking.reference import Reference
 from layflat.jit import composition, law
 from layflat.lanes import each, select
@@ -28,7 +28,7 @@ BEHIND = 20.0  # per angle that a joint is behind its reference by more than `SL
 SLACK = 0.001  # rad
 STIFFEST = 3.0  # times as stiff as feedback friction may so make a light joint
 SLOW = 0.03  # velocity below which a joint is taken for resting, rad/s
-FREELY = 1e3  # length of a way that is not begun at rest, rad: it need not be gentle
+FREELY = 1e3  # length of a path that is not begun at rest, rad: it is not limited for its length
 
 
 class Feedback(NamedTuple):
@@ -51,9 +51,9 @@ def _acceleration(feedback, reference, q, v):
 
 
 @law
-def _lost(able, torque):
+def _lost(actuator, torque):
     # Whether feedback asks for more than a joint has.
-    return select(abs(torque) > able.torque, 1.0, 0.0)
+    return select(abs(torque) > actuator.torque, 1.0, 0.0)
 
 
 @law
@@ -64,16 +64,16 @@ def _where_it_is(reference, q, v, lost):
 
 
 @composition
-def caught_up(settings, course, ahead):
-    """The way, begun anew where the arm is if it is too far from its reference to be led back by feedback.
+def reanchored(settings, path, response):
+    """Return the path, begun anew where the arm is if it is too far from its reference to be led back by feedback.
 
-    Feedback that saturates would swing for ever about a reference at rest; a new way has the torques that it takes.
+    Feedback that saturates would swing for ever about a reference at rest; a new path has the torques that it takes.
     """
-    q, v = ahead.angles, ahead.velocities
-    pulled = times(ahead.mass, each(_feedback, settings.feedback, course.references, q, v))
-    lost = greatest(each(_lost, settings.abilities, pulled)) > 0.0
-    references = each(_where_it_is, course.references, q, v, lost)
-    return Course(references, select(lost, FREELY, course.leg), select(lost, 0.0, course.landed))
+    q, v = response.angles, response.velocities
+    pulled = times(response.mass, each(_feedback, settings.feedback, path.references, q, v))
+    lost = greatest(each(_lost, settings.actuators, pulled)) > 0.0
+    references = each(_where_it_is, path.references, q, v, lost)
+    return PathState(references, select(lost, FREELY, path.length), select(lost, 0.0, path.landed))
 
 
 @law
@@ -83,8 +83,8 @@ def _torque(
     e = reference.angle - free.motion.angle
     beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
     behind = min(BEHIND, STIFFEST * feedback.stiffness * inertia * CREEP / max(friction, 1e-3))
-    way = reference.velocity + ONWARD * (goal.angle - reference.angle) + LEAD * goal.acceleration + behind * beyond
-    rubs = friction * min(max(way / CREEP, -1.0), 1.0)
+    sliding = reference.velocity + ONWARD * (goal.angle - reference.angle) + LEAD * goal.acceleration + behind * beyond
+    rubs = friction * min(max(sliding / CREEP, -1.0), 1.0)
     moving = inertial + steady - load + rubs + opposing_torque(joint, free, around)
     now, step = gas_torque(joint, state, around), feedback.easing * T
     eased = min(max(steady - load, now - step), now + step)
@@ -92,11 +92,11 @@ def _torque(
 
 
 @composition
-def torques_for(settings, plan, met, ahead, goals, belief, T):
-    """Torques of the air at the end of the cycle, N m, a tuple; of joints that arrived, what bears their load alone."""
-    plant = settings.plant
-    wanted = each(_acceleration, settings.feedback, plan.references, ahead.angles, ahead.velocities)
+def computed_torques(settings, plan, states, response, goals, estimate, T):
+    """Return torques of the air at the end of the cycle, N m, a tuple; joints that arrived only bear their loads."""
+    wanted = each(_acceleration, settings.feedback, plan.references, response.angles, response.velocities)
+    inertial, inertia = times(response.mass, wanted), diagonal(response.mass, wanted)
     return each(
-        _torque, plant.joints, settings.feedback, met, ahead.states, plan.references, goals, times(ahead.mass, wanted),
-        diagonal(ahead.mass, wanted), ahead.steady, belief.loads, belief.frictions, plan.resting, plant.around, T,
+        _torque, settings.plant.joints, settings.feedback, states, response.states, plan.references, goals, inertial,
+        inertia, response.steady, estimate.loads, estimate.frictions, plan.resting, settings.plant.around, T,
     )  # fmt: skip

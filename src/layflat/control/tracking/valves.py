@@ -9,7 +9,7 @@ they are taken for straight. A command that is late by whole cycles meets the ar
 """
 
 from layflat.control.tracking.model import a_cycle_later, gas_torque
-from layflat.control.tracking.planning import Ahead
+from layflat.control.tracking.planning import FreeResponse
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.arms import dynamics
@@ -27,10 +27,10 @@ def _acting(joint, line, opening, friction, load, passed, T):
 
 
 @composition
-def _run(plant, states, lines, openings, passed, belief, T):
+def _run(plant, states, lines, openings, passed, estimate, T):
     # States a cycle later; it begins when so many cycles have passed since these openings were commanded.
-    drives = each(_acting, plant.joints, lines, openings, belief.frictions, belief.loads, passed, T)
-    return a_cycle_later(plant, states, drives, belief.payload, T)
+    drives = each(_acting, plant.joints, lines, openings, estimate.frictions, estimate.loads, passed, T)
+    return a_cycle_later(plant, states, drives, estimate.payload, T)
 
 
 @law
@@ -39,11 +39,11 @@ def _centred(friction):
 
 
 @composition
-def met(plant, states, lines, belief, T):
-    """States that a command given now meets, and states a cycle from now, if those it meets are no earlier."""
+def states_on_arrival(plant, states, lines, estimate, T):
+    """Return the states that a command given now meets, and states a cycle from now if it meets later ones."""
     later = states
     for passed in range(len(plant.late)):
-        states = _run(plant, states, lines, each(_centred, belief.frictions), passed, belief, T)
+        states = _run(plant, states, lines, each(_centred, estimate.frictions), passed, estimate, T)
         if passed == 0:
             later = states
     return states, later
@@ -60,12 +60,12 @@ def _against(velocity_torque, angle_torque):
 
 
 @composition
-def centred(plant, states, lines, belief, T):
-    """The arm a cycle after it met a command that centres all valves."""
-    free = _run(plant, states, lines, each(_centred, belief.frictions), len(plant.late), belief, T)
+def free_response(plant, states, lines, estimate, T):
+    """Return the arm a cycle after it met a command that centres all valves."""
+    free = _run(plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, T)
     q, v = each(_motion, free)
-    mass, coriolis, pull = dynamics(plant.arm, belief.payload, q, v)
-    return Ahead(free, q, v, mass, each(_against, coriolis, pull))
+    mass, coriolis, pull = dynamics(plant.arm, estimate.payload, q, v)
+    return FreeResponse(free, q, v, mass, each(_against, coriolis, pull))
 
 
 @law
@@ -87,11 +87,11 @@ def _lack(joint, after, opening, wanted, around):
 
 
 @composition
-def openings_for(settings, states, lines, ahead, belief, torques, T):
-    """Openings for torques, the states that follow, and the torques that valves lack which are open, N m."""
+def valve_openings(settings, states, lines, response, estimate, torques, T):
+    """Return openings for torques, the states that follow, and the torques that open valves lack, N m."""
     plant, around, passed = settings.plant, settings.plant.around, len(settings.plant.late)
-    full = each(_full, plant.joints, ahead.states, torques, around)
-    opened = _run(plant, states, lines, full, passed, belief, T)
-    openings = each(_opening, plant.joints, settings.feedback, ahead.states, opened, full, torques, around)
-    after = _run(plant, states, lines, openings, passed, belief, T)
+    full = each(_full, plant.joints, response.states, torques, around)
+    opened = _run(plant, states, lines, full, passed, estimate, T)
+    openings = each(_opening, plant.joints, settings.feedback, response.states, opened, full, torques, around)
+    after = _run(plant, states, lines, openings, passed, estimate, T)
     return openings, after, each(_lack, plant.joints, after, openings, torques, around)

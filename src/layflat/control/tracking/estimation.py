@@ -1,16 +1,16 @@
-"""What the law learns of its plant while it moves: loads, friction and payload, from innovations of the angles.
+"""Estimation of parameters while the arm moves: loads, friction and payload, from innovations of the angles.
 
 Constant unknowns beside a state are estimated apart from it (friedland1969): the observer of the motion goes by what is
-known, and how the motion would differ were an unknown another is carried along (its sensitivities). What the angles
-then differ by is a linear measurement of the unknowns, which a Kalman filter of as many numbers takes in. Loads may
-wander while the arm moves; what it carries may be another after it was at rest.
+known, and how the motion would differ were a parameter another (its sensitivity) is propagated along with it. What the
+angles then differ by is a linear measurement of the parameters, which a Kalman filter of as many numbers takes in.
+Loads may wander while the arm moves; what it carries may be another after it was at rest.
 
 | symbol | meaning | unit |
 |---|---|---|
-| n, m | joints; unknowns, m = 2 n + 1: a load and friction of each joint, and the payload | |
-| x | the unknowns: torques on the joints, friction beyond the described, mass | N m, N m, kg |
+| n, m | joints; parameters, m = 2 n + 1: a load and friction of each joint, and the payload | |
+| x | the parameters: torques on the joints, friction beyond the described, mass | N m, N m, kg |
 | C | their covariance, row by row | |
-| Q, V | sensitivities of angle and velocity: joint j to unknown p at j m + p | rad, rad/s per unit of x |
+| Q, V | sensitivities of angle and velocity: joint j to parameter p at j m + p | rad, rad/s per unit of x |
 | W | inverse of the mass matrix, row by row | 1/(kg m2) |
 | T | time since the last cycle | s |
 """
@@ -22,11 +22,11 @@ from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
 from layflat.physics.arms import dynamics
 
-CREDIBLE = 3.0  # standard deviations: the further an innovation is beyond them, the less it teaches
+CREDIBLE = 3.0  # standard deviations: the further an innovation is beyond them, the less it counts
 
 
-class Unknowns(NamedTuple):
-    """What is known of the unknowns beforehand: tuples with an item each, in the order of x."""
+class Prior(NamedTuple):
+    """What is known of the parameters beforehand: tuples with an item each, in the order of x."""
 
     usual: tuple[float, ...]
     spread: tuple[float, ...]  # standard deviation at first
@@ -36,15 +36,15 @@ class Unknowns(NamedTuple):
     angle_variance: float  # of an innovation, rad2
 
 
-class Shape(NamedTuple):
+class Shapes(NamedTuple):
     """Zeros, as many as matrices have items: of n n, m m and n m."""
 
     joints: tuple[float, ...]
-    unknowns: tuple[float, ...]
+    prior: tuple[float, ...]
     both: tuple[float, ...]
 
 
-class Knowledge(NamedTuple):
+class ParameterEstimate(NamedTuple):
     """x, C, Q and V."""
 
     values: tuple[float, ...]
@@ -53,8 +53,8 @@ class Knowledge(NamedTuple):
     velocities: tuple[float, ...]
 
 
-class Belief(NamedTuple):
-    """The unknowns as they are believed to be, by what they are of."""
+class Estimate(NamedTuple):
+    """The parameters by what they are of."""
 
     loads: tuple[float, ...]
     frictions: tuple[float, ...]  # of each joint, the described included, N m
@@ -62,24 +62,24 @@ class Belief(NamedTuple):
 
 
 @composition
-def known_at_first(unknowns, shape):
-    """Nothing learnt yet."""
-    m, spread = len(unknowns.spread), slots(unknowns.spread)
-    C = slots(shape.unknowns)
+def initial_estimate(prior, shapes):
+    """Return what is known beforehand."""
+    m, spread = len(prior.spread), slots(prior.spread)
+    C = slots(shapes.prior)
     for p in range(m):
         C[p * m + p] = spread[p] * spread[p]
-    return Knowledge(unknowns.usual, gather(shape.unknowns, C), shape.both, shape.both)
+    return ParameterEstimate(prior.usual, gather(shapes.prior, C), shapes.both, shapes.both)
 
 
 @composition
-def believed(known, joints):
-    """The unknowns by what they are of."""
-    n, x, parts = len(joints), slots(known.values), slots(joints)
+def estimate_of(parameters, joints):
+    """Return the parameters by what they are of; frictions include those described."""
+    n, x, parts = len(joints), slots(parameters.values), slots(joints)
     like = each(_zero, joints, x[0])
     frictions = slots(like)
     for j in range(n):
         frictions[j] = parts[j].brake_torque + x[n + j]
-    return Belief(gather(like, x), gather(like, frictions), x[2 * n])
+    return Estimate(gather(like, x), gather(like, frictions), x[2 * n])
 
 
 @law
@@ -88,13 +88,13 @@ def _zero(joint, x):  # noqa: ARG001  (one a joint)
 
 
 @composition
-def learnt(unknowns, known, errors):
-    """Knowledge after innovations of the angles, and by how much angles and velocities change with it (tuples)."""
-    n, m = len(errors), len(known.values)
-    e, C, Q = slots(errors), slots(known.covariance), slots(known.angles)
-    change, gain, doubt = slots(known.values, 0.0 * e[0]), slots(known.values, 0.0 * e[0]), 0.0 * e[0]
+def updated(prior, parameters, errors):
+    """Return the estimate after innovations of the angles, and by how much angles and velocities change with it."""
+    n, m = len(errors), len(parameters.values)
+    e, C, Q = slots(errors), slots(parameters.covariance), slots(parameters.angles)
+    change, gain, doubt = slots(parameters.values, 0.0 * e[0]), slots(parameters.values, 0.0 * e[0]), 0.0 * e[0]
     for j in range(n):
-        spread, left = unknowns.angle_variance + 0.0 * e[0], e[j]
+        spread, left = prior.angle_variance + 0.0 * e[0], e[j]
         for p in range(m):
             gain[p] = 0.0 * e[0]
             for r in range(m):
@@ -109,17 +109,18 @@ def learnt(unknowns, known, errors):
             change[p] = change[p] + gain[p] * taken
             for r in range(m):
                 C[p * m + r] = C[p * m + r] - gain[p] * gain[r] * per
-    values = each(_within, known.values, gather(known.values, change), unknowns.low, unknowns.high)
-    # What can't be believed is not believed, but shows that the payload is another than was thought.
-    C[m * m - 1] = select(doubt > CREDIBLE * CREDIBLE, max(C[m * m - 1], _first(unknowns)), C[m * m - 1])
-    after = Knowledge(values, gather(known.covariance, C), known.angles, known.velocities)
-    return after, _moved(known, values, known.angles, errors), _moved(known, values, known.velocities, errors)
+    values = each(_within, parameters.values, gather(parameters.values, change), prior.low, prior.high)
+    # Innovations beyond belief show that the payload is another than was estimated.
+    C[m * m - 1] = select(doubt > CREDIBLE * CREDIBLE, max(C[m * m - 1], _first(prior)), C[m * m - 1])
+    after = ParameterEstimate(values, gather(parameters.covariance, C), parameters.angles, parameters.velocities)
+    change = each(_less, values, parameters.values)
+    return after, _moved(parameters.angles, change, errors), _moved(parameters.velocities, change, errors)
 
 
 @composition
-def _first(unknowns):
+def _first(prior):
     # Variance of the payload at first.
-    spread = slots(unknowns.spread)[len(unknowns.spread) - 1]
+    spread = slots(prior.spread)[len(prior.spread) - 1]
     return spread * spread
 
 
@@ -128,14 +129,19 @@ def _within(x, change, low, high):
     return min(max(x + change, low), high)
 
 
+@law
+def _less(x, y):
+    return x - y
+
+
 @composition
-def _moved(known, values, sensitivities, like):
-    # By how much the motion changes as the unknowns become these.
-    n, m, x, was, S = len(like), len(values), slots(values), slots(known.values), slots(sensitivities)
-    found = slots(like, 0.0 * x[0])
+def _moved(sensitivities, change, like):
+    # By how much the motion changes with the parameters.
+    n, m, S, d = len(like), len(change), slots(sensitivities), slots(change)
+    found = slots(like, 0.0 * d[0])
     for j in range(n):
         for p in range(m):
-            found[j] = found[j] + S[j * m + p] * (x[p] - was[p])
+            found[j] = found[j] + S[j * m + p] * d[p]
     return gather(like, found)
 
 
@@ -170,19 +176,20 @@ def _lack(c_0, c_1, g_0, g_1, inertial_0, inertial_1):
 
 
 @composition
-def carried(unknowns, known, shape, arm, gains, before, after, T):
-    """Knowledge a cycle later: sensitivities after the observer's correction and the motion since, and what wandered.
+def propagated(prior, parameters, shapes, arm, gains, before, after, T):
+    """Return the estimate a cycle later: its sensitivities after the observer's correction and the motion since.
 
     Args: gains of the observer (`model.Gains`) and states of the joints before and after the cycle, tuples.
     """
-    n, m, x = len(before), len(known.values), slots(known.values)
+    n, m, x = len(before), len(parameters.values), slots(parameters.values)
     angles, speeds, a = each(_angle, after), each(_mean_velocity, before, after), each(_acceleration, before, after, T)
     stands = each(_stands, after)
     M_0, c_0, g_0 = dynamics(arm, x[m - 1], angles, speeds)
     M_1, c_1, g_1 = dynamics(arm, x[m - 1] + 1.0, angles, speeds)
     heavier = slots(each(_lack, c_0, c_1, g_0, g_1, times(M_0, a), times(M_1, a)))
-    W, way, K, held = slots(inverse(M_0, stands, shape.joints)), slots(each(_sign, speeds)), slots(gains), slots(stands)
-    Q, V = slots(known.angles), slots(known.velocities)
+    W, way = slots(inverse(M_0, stands, shapes.joints)), slots(each(_sign, speeds))
+    K, held = slots(gains), slots(stands)
+    Q, V = slots(parameters.angles), slots(parameters.velocities)
     for j in range(n):
         for p in range(m):
             pushed = 0.0 * x[0]
@@ -197,15 +204,15 @@ def carried(unknowns, known, shape, arm, gains, before, after, T):
             was = V[j * m + p] - K[j].velocity * Q[j * m + p]
             V[j * m + p] = (1.0 - held[j]) * (was + T * pushed)
             Q[j * m + p] = (1.0 - K[j].angle) * Q[j * m + p] + 0.5 * T * (was + V[j * m + p])
-    covariance = _wandered(unknowns, known.covariance, largest(speeds), T)
-    return Knowledge(known.values, covariance, gather(shape.both, Q), gather(shape.both, V))
+    covariance = _wandered(prior, parameters.covariance, largest(speeds), T)
+    return ParameterEstimate(parameters.values, covariance, gather(shapes.both, Q), gather(shapes.both, V))
 
 
 @composition
-def _wandered(unknowns, covariance, speed, T):
+def _wandered(prior, covariance, speed, T):
     # An arm at rest may be given another payload: it is as little known then as at first.
-    m, wander, C = len(unknowns.spread), slots(unknowns.wander), slots(covariance)
+    m, wander, C = len(prior.spread), slots(prior.wander), slots(covariance)
     for p in range(m):
         C[p * m + p] = C[p * m + p] + select(speed > 0.0, T * wander[p] * wander[p], 0.0)
-    C[m * m - 1] = select(speed > 0.0, C[m * m - 1], max(C[m * m - 1], _first(unknowns)))
+    C[m * m - 1] = select(speed > 0.0, C[m * m - 1], max(C[m * m - 1], _first(prior)))
     return gather(covariance, C)

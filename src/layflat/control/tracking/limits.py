@@ -1,0 +1,88 @@
+"""Limits of the motion along a path, by what the joints' actuators can do.
+
+| symbol | meaning | unit |
+|---|---|---|
+| e | unit vector of the path from the reference to the goal, in joint space | 1 |
+| w | torque per acceleration along the path, of each joint: M e | kg m2 |
+"""
+
+from typing import NamedTuple
+
+from layflat.control.tracking.algebra import least, times
+from layflat.control.tracking.reference import PathLimits, angle_of, velocity_of
+from layflat.jit import composition, law
+from layflat.lanes import each
+from layflat.physics.arms import dynamics
+
+LEAST_SHARE = 0.1  # of its torque that a joint is always given to accelerate, whatever its friction is estimated to be
+LEAST_INERTIA = 1e-3  # along a path, kg m2
+
+
+class ActuatorLimits(NamedTuple):
+    """What hoses and valve of a joint can do."""
+
+    torque: float  # greatest, N m
+    rate: float  # of the torque with the valve open, N m/s
+    speed: float  # at which an open valve just feeds the hoses, rad/s
+
+
+class Margins(NamedTuple):
+    """How much of its actuators' limits the arm uses, and how exact it is."""
+
+    braking: float  # share of the torque to decelerate
+    jerk: float  # share of the torque's rate
+    quickest: float  # no move is meant to take less, s
+    tolerance: float  # distance of the tip from its goal within which the arm has arrived, m
+
+
+@law
+def _most(actuator, friction, speed, w):
+    left = max(1.0 - abs(speed) / actuator.speed, 0.05)
+    return max(actuator.torque * left - friction, LEAST_SHARE * actuator.torque) / w
+
+
+@law
+def _brakes(actuator, friction, w):
+    return (actuator.torque + friction) / w
+
+
+@law
+def _jerk(actuator, w):
+    return actuator.rate / w
+
+
+@law
+def _speed(actuator, e):
+    return 0.95 * actuator.speed / max(abs(e), 1e-6)
+
+
+@law
+def _heavier(here, there):
+    heavier = max(abs(here), abs(there))
+    return max(heavier, LEAST_INERTIA)
+
+
+@composition
+def path_limits(margins, actuators, estimate, arm, response, goals, direction, references):
+    """Return limits along a path, by the torques that remain here and at the goal, whichever leave less."""
+    there, _, _ = dynamics(arm, estimate.payload, each(angle_of, goals), each(velocity_of, goals))
+    w = each(_heavier, times(response.mass, direction), times(there, direction))
+    speeds = each(velocity_of, references)
+    return PathLimits(
+        least(each(_most, actuators, estimate.frictions, speeds, w)),
+        margins.braking * least(each(_brakes, actuators, estimate.frictions, w)),
+        margins.jerk * least(each(_jerk, actuators, w)),
+        least(each(_speed, actuators, direction)),
+    )
+
+
+@law
+def for_length(limits, length, quickest):
+    """Return limits with which a path of this length (rad) takes some time at least (s), were jerk the only limit."""
+    acceleration = 8.0 * length / (quickest * quickest)
+    return PathLimits(
+        min(limits.acceleration, acceleration),
+        min(limits.deceleration, acceleration),
+        min(limits.jerk, 4.0 * acceleration / quickest),
+        limits.velocity,
+    )
