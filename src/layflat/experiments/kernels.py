@@ -7,8 +7,8 @@ import numpy as np
 from layflat.control import Demand, Sensed, step, wake
 from layflat.jit import kernel
 from layflat.lanes import gather, slots
-from layflat.physics.valves.spool import path_conductance
 from layflat.physics.valves.spool_motion import advance_spool
+from layflat.physics.valves.spool_ports import path_conductance
 
 
 @kernel

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from layflat.control import Demand, Sensed, step
 from layflat.jit import composition, law
-from layflat.lanes import gather, in_lanes, select, slots
+from layflat.lanes import each, gather, in_lanes, select, slots
 from layflat.physics.joint import Drive
 from layflat.physics.sensor import read_sensor
 from layflat.physics.valves import driven, start_wave
@@ -67,17 +67,15 @@ def sense_all(joints, like, states, acting):
     return Sensed(gather(like, angles), gather(like, pressures))
 
 
+@law
+def _asked(acting):
+    return acting.demand.angle, acting.demand.velocity, acting.demand.acceleration
+
+
 @composition
 def _demanded(like, acting):
-    first = acting[0].demand
-    angles, rates, accelerations = (
-        slots(like, first.angle),
-        slots(like, first.velocity),
-        slots(like, first.acceleration),
-    )
-    for j in range(1, len(like)):
-        angles[j], rates[j], accelerations[j] = acting[j].demand
-    return Demand(gather(like, angles), gather(like, rates), gather(like, accelerations))
+    angles, velocities, accelerations = each(_asked, gather(like, acting))
+    return Demand(angles, velocities, accelerations)
 
 
 @composition

@@ -98,6 +98,20 @@ class Prepared:
         return rows[:valid], shown[:valid], int(diverged)
 
 
+def driver_of(machine: Machine, controller: Machine | None) -> Machine:
+    """Return the machine whose controller drives another; raise InputError if it has other joints.
+
+    It is the machine itself where no controller is given.
+    """
+    if controller is not None and list(controller.joints) != list(machine.joints):
+        raise InputError(
+            f"has joints {', '.join(controller.joints)}",
+            where=f"controller: {controller.origin}",
+            right=f"give a machine with joints {', '.join(machine.joints)}, as {machine.origin} has",
+        )
+    return machine if controller is None else controller
+
+
 def prepare(
     machine: Machine, scenario: Scenario, *, step: Value = STEP, records: int = 1, controller: Machine | None = None
 ) -> Prepared:
@@ -106,14 +120,15 @@ def prepare(
     Raises:
         InputError: a machine, scenario or option is wrong.
     """
-    cycle = machine.cycle
+    driver = driver_of(machine, controller)
+    cycle = driver.cycle
     timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records)
     joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)
     return Prepared(
         parameters.arm(machine),
         joints,
-        parameters.control(controller or machine, closed_loop=scenario.closed_loop),
+        parameters.control(driver, closed_loop=scenario.closed_loop),
         parameters.surroundings(machine),
         start_angles(scenario, machine, acting.demand),
         start_pressures(scenario, machine, FILLED * acting.supply[0]),

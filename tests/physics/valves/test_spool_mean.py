@@ -5,8 +5,9 @@ from hypothesis import strategies as st
 from plants import VALVE
 
 from layflat.physics.valves import VALVES, at_rest, move, net_opening, start_wave
-from layflat.physics.valves.spool import path_conductance
-from layflat.physics.valves.spool_mean import MeanSpool, MeanState, Share, averaged
+from layflat.physics.valves.spool_mean import MeanSpool, Share, averaged
+from layflat.physics.valves.spool_motion import SpoolState
+from layflat.physics.valves.spool_ports import path_conductance
 
 MEAN: MeanSpool = averaged(VALVE)
 PERIOD = np.linspace(0.0, 2.0 * np.pi, 2001)[:-1]
@@ -14,7 +15,7 @@ PERIOD = np.linspace(0.0, 2.0 * np.pi, 2001)[:-1]
 
 def settled(opening: float, share: float) -> tuple[float, float]:
     """Conductances of both paths once the spool is at an opening."""
-    _, fills, vents = move(MEAN, MeanState(opening, 0.0), opening, Share(share), 1e-3)
+    _, fills, vents = move(MEAN, SpoolState(opening, 0.0), opening, Share(share), 1e-3)
     return fills, vents
 
 

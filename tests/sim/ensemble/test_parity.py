@@ -8,6 +8,7 @@ import pytest
 import xarray
 
 from layflat.description.change import value_at
+from layflat.errors import InputError
 from layflat.lanes import width
 from layflat.machine import Machine, changed, load
 from layflat.sim import Scenario, rollout
@@ -59,6 +60,16 @@ def test_a_machine_may_be_driven_by_the_controller_of_another() -> None:
         driving = changed(other, "controller.drift_limit", vary["controller.drift_limit"].tolist()[i])
         assert np.array_equal(rollout(machine, scenario=MOVES, seed=i, controller=driving).angle[:-1], many.angle[i])
         assert not np.array_equal(rollout(machine, scenario=MOVES, seed=i).angle[:-1], many.angle[i])
+
+
+def test_a_controller_brings_its_cycle_and_has_to_be_of_the_same_joints() -> None:
+    slow = changed(ARM, "controller.cycle", 0.01)
+    run = rollout(ARM, scenario=MOVES, controller=slow)
+    assert len(run.time) == 151
+    assert np.array_equal(run.angle[:-1], ensemble(ARM, MOVES, runs=1, traces=["angle"], controller=slow).angle[0])
+    for simulate in (rollout, ensemble):
+        with pytest.raises(InputError, match=r"controller: paper-small-joint: has joints small; give a machine with"):
+            simulate(ARM, scenario=MOVES, controller=load("paper-small-joint"))
 
 
 def test_open_loop_is_the_rollout() -> None:

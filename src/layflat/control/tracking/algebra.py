@@ -28,16 +28,6 @@ def dot(x, y):
 
 
 @composition
-def largest(values):
-    """Return the greatest of a tuple's absolute values."""
-    items = slots(values)
-    found = abs(items[0])
-    for i in range(1, len(values)):
-        found = max(found, abs(items[i]))
-    return found
-
-
-@composition
 def greatest(values):
     """Return the greatest of a tuple's values."""
     items = slots(values)
@@ -47,14 +37,26 @@ def greatest(values):
     return found
 
 
+@law
+def _size(x):
+    return abs(x)
+
+
+@composition
+def largest(values):
+    """Return the greatest of a tuple's absolute values."""
+    return greatest(each(_size, values))
+
+
+@law
+def _minus(x):
+    return -x
+
+
 @composition
 def least(values):
     """Return the least of a tuple's values."""
-    items = slots(values)
-    found = items[0]
-    for i in range(1, len(values)):
-        found = min(found, items[i])
-    return found
+    return -greatest(each(_minus, values))
 
 
 @composition

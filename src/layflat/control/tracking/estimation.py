@@ -18,6 +18,7 @@ Loads may wander while the arm moves; what it carries may be another after it wa
 from typing import NamedTuple
 
 from layflat.control.tracking.algebra import inverse, largest, times
+from layflat.control.tracking.model import angle_of_state
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
 from layflat.physics.arms import dynamics
@@ -156,11 +157,6 @@ def _stands(state):
 
 
 @law
-def _angle(state):
-    return state.motion.angle
-
-
-@law
 def _mean_velocity(before, after):
     return 0.5 * (before.motion.velocity + after.motion.velocity)
 
@@ -182,7 +178,11 @@ def propagated(prior, parameters, shapes, arm, gains, before, after, T):
     Args: gains of the observer (`model.Gains`) and states of the joints before and after the cycle, tuples.
     """
     n, m, x = len(before), len(parameters.values), slots(parameters.values)
-    angles, speeds, a = each(_angle, after), each(_mean_velocity, before, after), each(_acceleration, before, after, T)
+    angles, speeds, a = (
+        each(angle_of_state, after),
+        each(_mean_velocity, before, after),
+        each(_acceleration, before, after, T),
+    )
     stands = each(_stands, after)
     M_0, c_0, g_0 = dynamics(arm, x[m - 1], angles, speeds)
     M_1, c_1, g_1 = dynamics(arm, x[m - 1] + 1.0, angles, speeds)

@@ -34,6 +34,7 @@ from layflat.control.tracking.model import (
     Innovation,
     ObserverTuning,
     Plant,
+    angle_of_state,
     at_rest,
     gains_of,
     placed,
@@ -173,11 +174,6 @@ def _voltage(joint, opening):
     return joint.valve.centre_voltage + joint.valve.volts_to_full * opening
 
 
-@law
-def _estimated_angle(state):
-    return state.motion.angle
-
-
 @composition
 def _observed(settings, memory, sensed, T):
     """Return states, innovations and parameters after the measurements, and the gains that the angles had."""
@@ -198,7 +194,7 @@ def _landing(settings, memory, plan, references, goals, after, T):
     """Return the path, and how long the arm has waited: at rest beside its goal it sets out again from there, s."""
     slow = (largest(each(_moves, after)) == 0.0) & (plan.landed > 0.5)
     waited = select(slow, memory.waited + T, 0.0)
-    angles = each(_estimated_angle, after)
+    angles = each(angle_of_state, after)
     missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > settings.margins.tolerance
     again = (waited > WAIT) & (plan.rests > 0.5) & missed
     path = PathState(each(_again, after, references, again), plan.length, select(again, 0.0, plan.landed))

@@ -79,6 +79,7 @@ def path_limits(margins, actuators, estimate, arm, response, goals, direction, r
 @law
 def for_length(limits, length, quickest):
     """Return limits with which a path of this length (rad) takes some time at least (s), were jerk the only limit."""
+    # Jerk alone takes t for 1/32 j t^3, and comes to an acceleration of 1/4 j t on the way.
     acceleration = 8.0 * length / (quickest * quickest)
     return PathLimits(
         min(limits.acceleration, acceleration),

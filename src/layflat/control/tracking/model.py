@@ -105,6 +105,12 @@ def pressure_correction(observer, innovation, e):
 
 
 @law
+def angle_of_state(state):
+    """Return the angle of a joint, rad."""
+    return state.motion.angle
+
+
+@law
 def gas_torque(joint, state, around):
     """Return the torque of the air in both hoses, N m."""
     a, b, q, p_a = state.hose_a, state.hose_b, state.motion.angle, around.ambient_pressure

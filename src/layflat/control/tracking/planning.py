@@ -28,6 +28,20 @@ from layflat.physics.arms import tip
 SHORTEST = 1e-4  # path that is planned, rad
 REST = 1e-3  # velocity of a goal below which it is at rest, rad/s
 CALM = 0.05  # velocity of joints that have all but stopped, rad/s
+OWN_SHARE = 0.3  # of its own inertia that a joint counts with at least
+GIVEN_WAY = 0.5  # share of what a valve lacks that the reference gives way in a cycle
+UNNOTICED = 0.05  # share of a joint's torque that may be lacking
+
+
+class Nearness(NamedTuple):
+    """How near its goal a reference has to be to be put on it."""
+
+    angle: float  # rad
+    velocity: float  # rad/s
+
+
+LANDS, CAUGHT, KEPT = Nearness(1e-3, 0.05), Nearness(2e-3, 0.2), Nearness(4e-3, 0.4)
+"""Of a goal at rest, of one that moves, and of either once it is there."""
 
 
 class FreeResponse(NamedTuple):
@@ -153,17 +167,18 @@ def plan_of(settings, path, estimate, response, goals, T):
 @law
 def _lands(landed, rests, distance, speed):
     # Whether a reference is put on its goal: a moving one is caught from further off, and one that was is kept.
-    near, slow = select(rests, 1e-3, 2e-3), select(rests, 0.05, 0.2)
-    near, slow = select(landed, 4e-3, near), select(landed, 0.4, slow)
+    near = select(landed, KEPT.angle, select(rests, LANDS.angle, CAUGHT.angle))
+    slow = select(landed, KEPT.velocity, select(rests, LANDS.velocity, CAUGHT.velocity))
     return (distance < near) & (speed < slow)
 
 
 @law
 def _short(actuator, lack, w, own, e, brakes):
     # By how much the acceleration along the path is too great for one joint: below zero where it can't brake.
-    inertia = max(abs(w), 0.3 * own * abs(e))
-    much = 0.5 * abs(lack) / max(inertia, LEAST_INERTIA)
-    much = select(abs(lack) > 0.05 * actuator.torque, much, 0.0)
+    # A joint whose own inertia the others' motion balances still moves it.
+    inertia = max(abs(w), OWN_SHARE * own * abs(e))
+    much = GIVEN_WAY * abs(lack) / max(inertia, LEAST_INERTIA)
+    much = select(abs(lack) > UNNOTICED * actuator.torque, much, 0.0)
     return select(lack * e > 0.0, much, select(brakes, -much, 0.0))
 
 

@@ -3,9 +3,6 @@
 | symbol | meaning | unit |
 |---|---|---|
 | x | spool opening, positive: hose A to supply, hose B to exhaust | 1 |
-| o | overlap: the share of the stroke in which a land covers its port | 1 |
-| C | sonic conductance of a fully open path | m3/(s Pa) |
-| C_0 | leakage conductance of a closed path | m3/(s Pa) |
 """
 
 from math import pi
@@ -20,10 +17,10 @@ from layflat.physics.arrays import itemwise
 from layflat.physics.dither import half_change, start_dither, turn_dither
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction.stribeck import StaticRatio
-from layflat.physics.ramp import mean_above_zero
 from layflat.physics.valves import spool_mean
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
-from layflat.physics.valves.spool_motion import Spool, StictionSpool, advance_spool
+from layflat.physics.valves.spool_motion import Spool, SpoolState, StictionSpool, advance_spool, centred, spool_opening
+from layflat.physics.valves.spool_ports import mean_conductance
 
 STUCK = 1e9  # friction that no solenoid overcomes, as a change of opening
 
@@ -42,13 +39,6 @@ class SpoolValve(NamedTuple):
     dither_amplitude: float
     dither_frequency: float
     delay: float  # from the command to the spool, s
-
-
-class SpoolState(NamedTuple):
-    """Opening of the spool, and its rate (1/s)."""
-
-    opening: float
-    rate: float
 
 
 class Stiction(Part):
@@ -106,26 +96,6 @@ def parameters(described: SpoolValvePart) -> SpoolValve:
 
 
 @law
-def path_conductance(valve, x):
-    """Conductance of the path that a positive x opens, m3/(s Pa)."""
-    share = max(x - valve.overlap, 0.0) * (1.0 / (1.0 - valve.overlap))
-    return valve.leakage + (valve.conductance - valve.leakage) * share
-
-
-@law
-def mean_conductance(valve, x_0, x_1):
-    """Mean conductance of the path that a positive x opens, while x moves evenly from x_0 to x_1, m3/(s Pa)."""
-    share = mean_above_zero(x_0 - valve.overlap, x_1 - valve.overlap) * (1.0 / (1.0 - valve.overlap))
-    return valve.leakage + (valve.conductance - valve.leakage) * share
-
-
-@law
-def centred(valve):  # noqa: ARG001  (as of all valves)
-    """State of a spool at rest in the middle."""
-    return SpoolState(0.0, 0.0)
-
-
-@law
 def start_spool_wave(valve, t, h):
     """Dither of the step of h seconds that begins at t."""
     return start_dither(valve.dither_frequency, t, h)
@@ -145,12 +115,6 @@ def move_spool(valve, state, command, dither, h):
 def turn_spool_wave(valve, dither):  # noqa: ARG001
     """Dither of the next step."""
     return turn_dither(dither)
-
-
-@law
-def spool_opening(valve, state):  # noqa: ARG001
-    """Opening of the spool, -1..1."""
-    return state.opening
 
 
 def seized(valve: SpoolValve) -> SpoolValve:

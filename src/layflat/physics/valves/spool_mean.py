@@ -14,9 +14,9 @@ from math import pi
 from typing import Any, NamedTuple
 
 from layflat.jit import law
-from layflat.physics.ramp import mean_above_zero
 from layflat.physics.valves.kind import MeanValve
-from layflat.physics.valves.spool_motion import Spool, advance_spool
+from layflat.physics.valves.spool_motion import Spool, SpoolState, advance_spool, centred, spool_opening
+from layflat.physics.valves.spool_ports import mean_conductance
 
 
 class MeanSpool(NamedTuple):
@@ -33,13 +33,6 @@ class MeanSpool(NamedTuple):
     dither_range: float
     dither_frequency: float
     delay: float
-
-
-class MeanState(NamedTuple):
-    """Mean opening of the spool, and its rate (1/s)."""
-
-    opening: float
-    rate: float
 
 
 class Share(NamedTuple):
@@ -66,16 +59,9 @@ def averaged(valve: Any) -> MeanSpool:
 
 
 @law
-def centred(valve):  # noqa: ARG001  (as of all valves)
-    """State of a spool at rest in the middle."""
-    return MeanState(0.0, 0.0)
-
-
-@law
 def _conductance(valve, x, U):
-    beyond = x - valve.overlap
-    share = mean_above_zero(beyond - U, beyond + U) * (1.0 / (1.0 - valve.overlap))
-    return valve.leakage + (valve.conductance - valve.leakage) * min(share, 1.0)
+    # A model's spool may swing out further than a real one.
+    return min(mean_conductance(valve, x - U, x + U), valve.conductance)
 
 
 @law
@@ -83,7 +69,7 @@ def move_mean(valve, state, command, wave, h):
     """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
     x, rate = advance_spool(valve.spool, command, 0.0, state.opening, state.rate, h)
     middle, U = 0.5 * (x + state.opening), wave.dither * valve.dither_range
-    return MeanState(x, rate), _conductance(valve, middle, U), _conductance(valve, -middle, U)
+    return SpoolState(x, rate), _conductance(valve, middle, U), _conductance(valve, -middle, U)
 
 
 @law
@@ -92,17 +78,11 @@ def all_of_it(valve, t, h):  # noqa: ARG001  (as of all valves)
     return Share(1.0)
 
 
-@law
-def mean_opening(valve, state):  # noqa: ARG001  (as of all valves)
-    """Mean opening of the spool, -1..1."""
-    return state.opening
-
-
 MEAN = MeanValve(
     averaged=averaged,
     parameter_type=MeanSpool,
     at_rest=centred,
     move=move_mean,
-    opening=mean_opening,
+    opening=spool_opening,
     start_wave=all_of_it,
 )

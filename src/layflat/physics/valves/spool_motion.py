@@ -28,6 +28,13 @@ class Spool(NamedTuple):
     friction: float
 
 
+class SpoolState(NamedTuple):
+    """Opening of the spool, and its rate (1/s)."""
+
+    opening: float
+    rate: float
+
+
 class StictionSpool(NamedTuple):
     """The same of a spool that holds more at rest than it slides at: f, s and 1/v_s^2 of the module's table."""
 
@@ -117,3 +124,15 @@ def advance_spool(spool, u, du, x, v, h):
     x, v = select(left > 0.0, moved, x), select(left > 0.0, rate, v)
     stopped = ((x >= 1.0) & (v > 0.0)) | ((x <= -1.0) & (v < 0.0))
     return min(max(x, -1.0), 1.0), select(stopped, 0.0, v)
+
+
+@law
+def centred(valve):  # noqa: ARG001  (as of all valves)
+    """State of a spool at rest in the middle."""
+    return SpoolState(0.0, 0.0)
+
+
+@law
+def spool_opening(valve, state):  # noqa: ARG001
+    """Opening of the spool, -1..1."""
+    return state.opening

@@ -20,7 +20,7 @@ from layflat.physics.noise import sensor_noise
 from layflat.sim.ensemble.kernel import Plan, Runs
 from layflat.sim.ensemble.results import Moves
 from layflat.sim.metrics import move_windows
-from layflat.sim.run import start_angles, start_pressures
+from layflat.sim.run import driver_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
 
 ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0}
@@ -217,7 +217,7 @@ def cases(
     if len(counts) > 1:
         lengths = ", ".join(f"{key}: {len(values)}" for key, values in arrays.items())
         raise InputError(f"has different numbers of runs ({lengths})", where="vary", right="give one number a run")
-    lasting = {scenario.cycles((controller or machine).cycle) for scenario in scenarios}
+    lasting = {scenario.cycles(driver_of(machine, controller).cycle) for scenario in scenarios}
     if len(lasting) != 1:
         raise InputError("are not equally long", where="scenario", right="give all the same duration")
     own = {key: values for key, values in arrays.items() if key not in _settings(machine)}
