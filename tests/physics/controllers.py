@@ -21,6 +21,6 @@ class Controller:
     def voltages(self, angles: Array, pressures: Array, elapsed: float, demands: Array) -> Array:
         """Voltages of a cycle."""
         sensed = Sensed(tuple(angles.tolist()), tuple(pressures.tolist()))
-        demand = Demand(tuple(demands.tolist()), self.still, self.still)
+        demand = Demand(tuple(demands.tolist()), self.still, self.still, self.still)
         self.memory, command, self.report = step(self.settings, self.memory, sensed, demand, elapsed)
         return np.array(command.voltage)

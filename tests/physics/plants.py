@@ -86,7 +86,7 @@ class Run(NamedTuple):
 def signals(cycles: int, joints: int, **given: Any) -> Signals:
     """Signals that are zero but for those given (which are spread over cycles and joints), at full supply."""
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
-        ("demand", "opening", "brake", "load", "drift"), (cycles, joints)
+        ("demand", "stiffness", "opening", "brake", "load", "drift"), (cycles, joints)
     )
     shapes |= {
         "rates": (cycles, joints, 2),

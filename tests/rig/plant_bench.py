@@ -30,13 +30,13 @@ def through_a_cycle(arm, joints, states, lines, around, voltages, held, brakes, 
     n = len(joints)
     joints, states, lines = list(joints), list(states), list(lines)
     h = cycle / steps
-    drives = [Drive(0.0, 0.0, 0.0) for j in range(n)]
+    drives = [Drive(0.0, 0.0, 0.0, 0.0) for j in range(n)]
     waves = [start_wave(joints[j].valve, 0.0, h) for j in range(n)]
     for j in range(n):
         stuck = abs(held[j]) <= 1.0
         asked = commanded_opening(joints[j].valve, voltages[j])
         opening, lines[j] = delayed(lines[j], asked, joints[j].valve.delay / cycle)
-        drives[j] = Drive(held[j] if stuck else opening, brakes[j], load[j])
+        drives[j] = Drive(held[j] if stuck else opening, brakes[j], load[j], around.supply_pressure)
         waves[j] = start_wave(joints[j].valve, 0.0 if stuck else cycle * k, 0.0 if stuck else h)
     advance(arm, joints, states, drives, waves, around, h, steps)
     return states, lines

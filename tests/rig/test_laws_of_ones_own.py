@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fake_rig import Rig
 
-from layflat.control import CONTROL_LAWS, Command, ControlKind, ControllerPart
+from layflat.control import CONTROL_LAWS, FULL, Command, ControlKind, ControllerPart, voltages_alone
 from layflat.errors import KindError
 from layflat.jit import law
 from layflat.lanes import each
@@ -61,7 +61,7 @@ def plain_step(
         asked = 5.0 + settings.gain * (wanted - angle) - settings.damping * pressure
         voltages.append(min(max(asked, 0.0), 10.0))
         reports.append(PlainReport(error=wanted - angle))
-    return Memory(memory.cycles + 1.0), Command(tuple(voltages), (1.0,) * len(voltages)), tuple(reports)
+    return Memory(memory.cycles + 1.0), Command(tuple(voltages), (FULL,) * len(voltages)), tuple(reports)
 
 
 @law
@@ -72,13 +72,13 @@ def compiled_wake(settings: Any, sensed: Any) -> Memory:
 @law
 def _one(angle: float, pressure: float, wanted: float) -> Any:
     asked = 5.0 + 20.0 * (wanted - angle) - 2e-5 * pressure
-    return min(max(asked, 0.0), 10.0), 1.0, CompiledReport(wanted - angle)
+    return min(max(asked, 0.0), 10.0), CompiledReport(wanted - angle)
 
 
 @law
 def compiled_step(settings: Any, memory: Any, sensed: Any, demand: Any, elapsed: float) -> Any:
-    voltages, brakes, reports = each(_one, sensed.angle, sensed.differential_pressure, demand.angle)
-    return Memory(memory.cycles + 1.0), Command(voltages, brakes), reports
+    voltages, reports = each(_one, sensed.angle, sensed.differential_pressure, demand.angle)
+    return Memory(memory.cycles + 1.0), voltages_alone(voltages), reports
 
 
 SIGNALS = {"error": ("rad", "demand less angle")}
@@ -108,8 +108,8 @@ class BrakingReport(NamedTuple):
 def braking_step(settings: Any, memory: Memory, sensed: Any, demand: Any, elapsed: float) -> Any:
     """Hold with the brake alone where nothing is asked."""
     memory, command, reports = plain_step(settings, memory, sensed, demand, elapsed)
-    brakes = tuple(1.0 if abs(angle) > 0.1 else 2.0 for angle in demand.angle)
-    return memory, Command(command.voltage, brakes), tuple(BrakingReport(one.error) for one in reports)
+    shares = tuple(FULL if abs(angle) > 0.1 else FULL._replace(brake=0.5) for angle in demand.angle)
+    return memory, Command(command.voltage, shares), tuple(BrakingReport(one.error) for one in reports)
 
 
 BRAKING = ControlKind(
@@ -154,7 +154,7 @@ def test_compiled_and_plain_the_same_law_gives_the_same_run() -> None:
 
 
 def test_a_law_that_commands_brakes_is_refused_on_a_rig() -> None:
-    with pytest.raises(KindError, match="control law 'braking' commands brakes, which no driver of a rig sets"):
+    with pytest.raises(KindError, match="control law 'braking' commands a share of the brake, which no rig sets"):
         Rig(with_law(BrakingPart, BRAKING.name), np.zeros(2))
 
 

@@ -3,6 +3,7 @@
 from layflat.control import paper, tracking
 from layflat.control.kind import Command, ControlKind, ControllerPart, Demand, Sensed, voltages_alone
 from layflat.kinds import Table
+from layflat.physics.adjustable import FULL, Shares
 
 CONTROL_LAWS: Table[ControlKind] = Table("control law", paper.KIND, tracking.KIND)
 
@@ -12,11 +13,13 @@ centre_shift = CONTROL_LAWS.law("centre_shift")
 
 __all__ = [
     "CONTROL_LAWS",
+    "FULL",
     "Command",
     "ControlKind",
     "ControllerPart",
     "Demand",
     "Sensed",
+    "Shares",
     "centre_shift",
     "step",
     "voltages_alone",

@@ -11,6 +11,7 @@ from layflat.errors import KindError
 from layflat.jit import Law, law
 from layflat.kinds import REQUIRED, Kind, KindPart
 from layflat.lanes import each
+from layflat.physics.adjustable import FULL, Shares
 
 
 class Sensed(NamedTuple):
@@ -26,13 +27,14 @@ class Demand(NamedTuple):
     angle: tuple[float, ...]  # rad
     velocity: tuple[float, ...]  # rad/s
     acceleration: tuple[float, ...]  # rad/s2
+    stiffness: tuple[float, ...]  # at rest, N m/rad; 0: as it comes
 
 
 class Command(NamedTuple):
-    """What a law commands in this cycle. Shares are of what the machine has; 1 leaves it as it is."""
+    """What a law commands in this cycle; tuples with an item per joint."""
 
     voltage: tuple[float, ...]  # to the valves' drivers, V
-    brake: tuple[float, ...]  # of the torque at which each brake slips
+    shares: tuple[Shares, ...]  # of brake, dither and supply, where the machine lets them be adjusted; 1 leaves all
 
 
 class ControllerPart(KindPart):
@@ -42,8 +44,8 @@ class ControllerPart(KindPart):
 
 
 @law
-def _whole(voltage: float) -> float:  # noqa: ARG001  (one a joint)
-    return 1.0
+def _whole(voltage: float) -> Shares:  # noqa: ARG001  (one a joint)
+    return FULL
 
 
 @law

@@ -23,7 +23,7 @@ def control_cycles(settings, angle, pressure, demand, cycles):  # type: ignore[n
             k = (i + j) % len(angle)
             angles[j], pressures[j], demands[j] = angle[k], pressure[k], demand[k]
         sensed = Sensed(gather(like, angles), gather(like, pressures))
-        memory, command, _ = step(settings, memory, sensed, Demand(gather(like, demands), still, still), 0.005)
+        memory, command, _ = step(settings, memory, sensed, Demand(gather(like, demands), still, still, still), 0.005)
         voltages = slots(command.voltage)
         for j in range(len(like)):
             total += voltages[j]

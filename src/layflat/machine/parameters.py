@@ -26,6 +26,7 @@ from layflat.lanes import mapped
 from layflat.machine import parts, tube
 from layflat.machine.model import AngleSensor, Machine, PressureSensor
 from layflat.machine.tube import Line
+from layflat.physics.adjustable import FIXED, Adjustable, Adjustables
 from layflat.physics.air_balance import AirParts
 from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.arrays import itemwise
@@ -41,6 +42,7 @@ from layflat.physics.stop import Stops
 from layflat.physics.valves import VALVES, ValvePart
 
 FOLLOW = 40.0  # rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s
+DITHER_RATE = 1e3  # at which a driver's electronics change the share of their dither, 1/s
 SMOOTHING = 0.05  # time over which the residual of air is averaged: a few periods of the dither, s
 
 
@@ -194,7 +196,7 @@ def _valve(machine: Machine, name: str) -> Any:
 
 
 def _joint(machine: Machine, name: str, rubbing: Any, *, even: bool) -> Joint:
-    described, (_, angle_sensor, pressure_sensor) = machine.joint[name], drive_parts(machine)
+    described, (valve, angle_sensor, pressure_sensor) = machine.joint[name], drive_parts(machine)
     pulling = hose(described)
     pushing = pulling if described.acting == "double" else no_hose(pulling)
     line = machine.lines[name]
@@ -212,7 +214,18 @@ def _joint(machine: Machine, name: str, rubbing: Any, *, even: bool) -> Joint:
         rubbing,
         sensor(angle_sensor),
         sensor(pressure_sensor),
+        adjustables(described, valve.least_dither),
     )
+
+
+def adjustables(joint: parts.Joint, least_dither: float) -> Adjustables:
+    """What a controller can adjust of a joint besides its valve's opening."""
+    dither = Adjustable(least_dither, DITHER_RATE)
+    return Adjustables(_adjustable(joint.brake.calliper), dither, _adjustable(joint.regulator))
+
+
+def _adjustable(described: parts.Calliper | parts.Regulator | None) -> Adjustable:
+    return FIXED if described is None else Adjustable(described.least, 1.0 / described.stroke_time)
 
 
 def stops(joint: parts.Joint) -> Stops:

@@ -105,6 +105,13 @@ class DeflectingRoller(Part):
     bending_share: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
 
 
+class Calliper(Part):
+    """A pneumatic actuator that closes the brake, in place of a spring: its torque is the controller's to choose."""
+
+    least: u.Share = Field(description="share of the brake's torque that stays when it is released")
+    stroke_time: u.Time = Field(description="from none of the torque to all of it")
+
+
 class Brake(Part):
     """Friction on the output shaft: the brake that is put there, and what the bearings drag.
 
@@ -113,6 +120,7 @@ class Brake(Part):
 
     torque: u.Torque = Field(description="torque at which the brake slips, at full brake signal")
     viscous: u.Damping
+    calliper: Calliper | None = Field(default=None, description="default: the brake is held by a spring")
 
 
 class Stops(Part):
@@ -163,6 +171,13 @@ class Body(Part):
     height: u.Length
 
 
+class Regulator(Part):
+    """A proportional pressure regulator before the valve: it lets the controller choose the stiffness of the joint."""
+
+    least: u.Share = Field(description="share of the supply's gauge pressure down to which it regulates")
+    stroke_time: u.Time = Field(description="from none of the gauge pressure to all of it")
+
+
 class Joint(Part):
     """One joint; `acting` says whether one hose pulls, or two against each other."""
 
@@ -180,6 +195,7 @@ class Joint(Part):
     deflecting_roller: DeflectingRoller | None = None
     friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
     line: Line | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
+    regulator: Regulator | None = Field(default=None, description="default: the valve gets the supply as it is")
     gains: Gains | None = None
     valve_size: u.Ratio = Field(
         default=1.0, description="flow of this joint's valve over that of `valve`, open or shut"

@@ -41,6 +41,12 @@ def turn_dither(dither):
 
 
 @law
+def weakened(dither, share):
+    """A share of the dither, in this step and in all that follow."""
+    return Dither(share * dither.sine, share * dither.cosine, dither.turn_sine, dither.turn_cosine)
+
+
+@law
 def half_change(dither):
     """Half of what the sine changes by in the coming step, to third order in the step."""
     return 0.5 * dither.cosine * dither.turn_sine

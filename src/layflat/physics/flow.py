@@ -71,6 +71,16 @@ def effective_pressure(p_1, p_2, b, s):
 
 
 @law
+def upstream_pressure(effective, p_2, b):
+    """Upstream pressure at which `effective_pressure` is a given one, Pa, but for the straight line next to r = 1."""
+    # The ellipse is a quadratic in p_1, and choked flow is p_1 itself.
+    square, half = 1.0 - 2.0 * b, b * p_2
+    rest = p_2 * p_2 + (1.0 - b) * (1.0 - b) * effective * effective
+    subsonic = rest / (half + sqrt(half * half + square * rest))
+    return select(p_2 <= b * effective, effective, subsonic)
+
+
+@law
 def root_temperature(T, per_T):
     """What a flow has to know of a temperature T (K), given 1/T too: a division costs more than all the rest."""
     root = sqrt(T * (1.0 / REFERENCE_TEMPERATURE))

@@ -6,6 +6,7 @@ Hose A turns the joint forward, hose B back. How a joint moves stands in step.py
 from typing import Any, NamedTuple
 
 from layflat.jit import law
+from layflat.physics.adjustable import ALL_FIXED, Adjustables
 from layflat.physics.chamber import Chamber, air_mass, energy
 from layflat.physics.hose import ConstantStroke, Stroke, swept_volume
 from layflat.physics.hysteresis import at_rest as relaxed
@@ -48,6 +49,7 @@ class Joint(NamedTuple):
     friction: Any  # of the kind of friction (see friction/kind.py)
     angle_sensor: Sensor
     pressure_sensor: Sensor
+    adjustables: Adjustables = ALL_FIXED
 
 
 class Surroundings(NamedTuple):
@@ -66,6 +68,7 @@ class Drive(NamedTuple):
     opening: float  # opening asked of the valve, without dither, -1..1
     brake_torque: float  # torque at which the brake slips, N m
     load_torque: float  # external torque on the joint, N m
+    supply_pressure: float  # absolute, at the valve, Pa
 
 
 class HoseState(NamedTuple):
@@ -114,6 +117,15 @@ class JointState(NamedTuple):
     hose_a: HoseState
     hose_b: HoseState
     ledger: Ledger | AirTaken
+
+
+@law
+def supplied(around, drive):
+    """The surroundings as a joint has them, with the supply at its valve."""
+    p_s = drive.supply_pressure
+    return Surroundings(
+        p_s, around.supply_temperature, around.ambient_pressure, around.ambient_temperature, around.payload
+    )
 
 
 @law

@@ -4,13 +4,14 @@ from layflat.jit import Law, composition, kernel
 from layflat.lanes import gather, halves, join, slots
 from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.friction import levels, rub_one, rub_two
+from layflat.physics.joint import supplied
 from layflat.physics.step import finish, midpoint, pack, unpack
 from layflat.physics.valves import turn_wave
 
 
 @composition
 def _step_two(arm, joints, running, drives, waves, around, h):
-    mid = midpoint(joints, running, drives.opening, waves, join(around, around), h)
+    mid = midpoint(joints, running, drives.opening, waves, supplied(join(around, around), drives), h)
     torque_1, torque_2 = halves(mid.torque)
     before = running.motion.velocity
     sliding, held = levels(joints.friction, drives.brake_torque, before, mid.velocity, mid.pull)
@@ -40,7 +41,7 @@ def advance_two(arm, joints, states, drives, waves, around, h, n):
 
 @composition
 def _step_one(arm, joint, running, drive, wave, around, h):
-    mid = midpoint(joint, running, drive.opening, wave, around, h)
+    mid = midpoint(joint, running, drive.opening, wave, supplied(around, drive), h)
     (M,), (c,), (g,) = dynamics(arm, around.payload, (mid.angle,), (mid.velocity,))
     load = drive.load_torque + g
     before = running.motion.velocity

@@ -8,11 +8,17 @@ from layflat.control import CONTROL_LAWS, Demand, Sensed, step, wake
 from layflat.errors import KindError
 from layflat.jit.outside import blame_outside
 from layflat.lanes import leaves
-from layflat.machine import Machine, parameters
+from layflat.machine import Machine, changed, parameters
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
 
-TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)  # demands, rad, by which a law at rest shows whether it commands brakes
+TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)  # demands, rad, by which a law at rest shows whether it commands shares
+
+
+def _always_dithering(machine: Machine) -> Machine:
+    """Return the machine as a rig has it: no device stops its dither."""
+    dithers = machine.valve is not None and machine.valve.dithered is not None
+    return changed(machine, "valve.dither.least", 1.0) if dithers else machine
 
 
 class ArmLaw:
@@ -20,20 +26,22 @@ class ArmLaw:
 
     Raises:
         MachineError: the machine has no controller, or a joint lacks gains.
-        KindError: the law commands brakes, which no driver of a rig sets.
+        KindError: the law commands shares of brake, dither or supply, which no driver of a rig sets.
     """
 
     def __init__(self, machine: Machine) -> None:
+        machine = _always_dithering(machine)
         settings, nothing = parameters.control(machine), (0.0,) * len(machine.joints)
         self.kind = CONTROL_LAWS.of(settings)
         with blame_outside():
             memory = tried = wake(settings, Sensed(nothing, nothing))
             for angle in TRIED:
-                demand = Demand((angle,) * len(nothing), nothing, nothing)
+                demand = Demand((angle,) * len(nothing), nothing, nothing, nothing)
                 tried, command, _ = step(settings, tried, Sensed(nothing, nothing), demand, machine.cycle)
-                if any(brake != 1.0 for brake in command.brake):
-                    what = f"control law {self.kind.name!r} commands brakes, which no driver of a rig sets"
-                    raise KindError(what, where=machine.origin, right="command a brake of 1 on a rig")
+                given = next((s for shares in command.shares for s in shares._asdict().items() if s[1] != 1.0), None)
+                if given is not None:
+                    what = f"control law {self.kind.name!r} commands a share of the {given[0]}, which no rig sets"
+                    raise KindError(what, where=machine.origin, right="command shares of 1 on a rig")
         self.settings_as_given = settings
         self.settings, self.memory = NamedRows([settings]), NamedRows([memory])
         self.report = NamedRows([blank(self.kind.report)] * len(nothing))

@@ -5,9 +5,10 @@ from typing import Any, NamedTuple
 from layflat.control import Demand, Sensed, step
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, in_lanes, select, slots
+from layflat.physics.adjustable import adjusted, regulated
 from layflat.physics.joint import Drive
 from layflat.physics.sensor import read_sensor
-from layflat.physics.valves import driven, start_wave
+from layflat.physics.valves import driven, start_wave, weaken_wave
 
 
 class Wanted(NamedTuple):
@@ -16,6 +17,7 @@ class Wanted(NamedTuple):
     angle: float  # rad
     velocity: float  # rad/s
     acceleration: float  # rad/s2
+    stiffness: float  # N m/rad; 0: as it comes
 
 
 class Acting(NamedTuple):
@@ -40,6 +42,7 @@ class Loop(NamedTuple):
     lines: Any
     waves: Any
     voltages: Any
+    shares: Any  # of what is adjusted, at the start of the coming cycle
 
 
 @law
@@ -69,41 +72,45 @@ def sense_all(joints, like, states, acting):
 
 @law
 def _asked(acting):
-    return acting.demand.angle, acting.demand.velocity, acting.demand.acceleration
+    wanted = acting.demand
+    return wanted.angle, wanted.velocity, wanted.acceleration, wanted.stiffness
 
 
 @composition
 def _demanded(like, acting):
-    angles, velocities, accelerations = each(_asked, gather(like, acting))
-    return Demand(angles, velocities, accelerations)
+    angles, velocities, accelerations, stiffnesses = each(_asked, gather(like, acting))
+    return Demand(angles, velocities, accelerations, stiffnesses)
 
 
 @composition
-def _drive(joint, angle, line, acting, asked, brake, cycle):
+def _drive(joint, angle, line, acting, asked, shares, around, cycle):
     """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it."""
     valve = joint.valve
     voltage = select(is_number(acting.opening), valve.centre_voltage + valve.volts_to_full * acting.opening, asked)
     led = acting.voltage + acting.lead * (acting.demand.angle - angle)
     voltage = select(is_number(acting.voltage), led, voltage)
     opening, line = driven(valve, line, voltage - acting.drift, cycle)
-    return Drive(opening, brake * acting.brake, acting.load), voltage, line
+    supply = regulated(shares.supply, around.supply_pressure, around.ambient_pressure)
+    return Drive(opening, shares.brake * acting.brake, acting.load, supply), voltage, line
 
 
 @composition
-def control_cycle(joints, like, settings, memory, states, loop, time, cycle, h):
+def control_cycle(joints, like, settings, memory, states, loop, around, time, cycle, h):
     """Begin the control cycle at a time (s): returns what was sensed, memory, and report; drives are set in the loop.
 
     Args: joints (slots), and a tuple `like` of as many items; settings and memory of the control law; states (slots);
-    `Loop`, of which `acting` holds what acts in this cycle; lengths of the cycle and of a step of the plant, s.
+    `Loop`, of which `acting` holds what acts in this cycle; `Surroundings`; lengths of the cycle and of a step of the
+    plant, s.
     """
     zero = 0.0 * states[0].motion.angle
     sensed = sense_all(joints, like, states, loop.acting)
     after, command, report = step(settings, memory, sensed, _demanded(like, loop.acting), cycle)
-    asked, brakes = slots(in_lanes(command.voltage, zero)), slots(in_lanes(command.brake, zero))
+    asked, commanded = slots(in_lanes(command.voltage, zero)), slots(in_lanes(command.shares, zero))
     for j in range(len(like)):
         joint, angle = joints[j], states[j].motion.angle
+        shares, loop.shares[j] = adjusted(joint.adjustables, loop.shares[j], commanded[j], cycle)
         loop.drives[j], loop.voltages[j], loop.lines[j] = _drive(
-            joint, angle, loop.lines[j], loop.acting[j], asked[j], brakes[j], cycle
+            joint, angle, loop.lines[j], loop.acting[j], asked[j], shares, around, cycle
         )
-        loop.waves[j] = start_wave(joint.valve, time, h)
+        loop.waves[j] = weaken_wave(joint.valve, start_wave(joint.valve, time, h), shares.dither)
     return sensed, in_lanes(after, zero), in_lanes(report, zero)

@@ -8,6 +8,7 @@ import numpy as np
 from layflat.control import wake
 from layflat.jit import composition, kernel, law
 from layflat.lanes import in_lanes, slots, total, write_row
+from layflat.physics.adjustable import FULL
 from layflat.physics.chamber import temperature
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.hysteresis import stored, torques
@@ -30,6 +31,7 @@ class Signals(NamedTuple):
 
     demand: np.ndarray  # rad, (cycles, joints)
     rates: np.ndarray  # of the demand, rad/s and rad/s2, (cycles, joints, 2)
+    stiffness: np.ndarray  # asked for at rest, N m/rad, (cycles, joints); 0: as it comes
     opening: np.ndarray
     """Valve opening in an open-loop run, -1..1, (cycles, joints); not a number where the controller drives."""
     brake: np.ndarray  # torque at which the brake slips, N m, (cycles, joints)
@@ -103,7 +105,7 @@ def _record(out, shown, row, joints, states, around, sensed, voltages, report):
 @composition
 def _acting(signals, k, j):
     return Acting(
-        Wanted(signals.demand[k, j], signals.rates[k, j, 0], signals.rates[k, j, 1]),
+        Wanted(signals.demand[k, j], signals.rates[k, j, 0], signals.rates[k, j, 1], signals.stiffness[k, j]),
         signals.opening[k, j],
         nan,
         0.0,
@@ -144,10 +146,11 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
         states[j] = joint_at_rest(joints[j], angles[j], pressures[j, 0], pressures[j, 1], around)
     loop = Loop(
         acting,
-        slots(like, Drive(0.0, 0.0, 0.0)),
+        slots(like, Drive(0.0, 0.0, 0.0, 0.0)),
         slots(like, NOTHING_ASKED),
         slots(like, start_wave(joints[0].valve, 0.0, h)),
         slots(like, 0.0),
+        slots(like, FULL),
     )
     sensed = sense_all(joints, like, states, acting)
     memory = in_lanes(wake(settings, sensed), 0.0)
@@ -157,7 +160,7 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
         for j in range(n):
             acting[j] = _acting(signals, k, j)
         sensed, memory, report = control_cycle(
-            joints, like, settings, memory, states, loop, timing.cycle * k, timing.cycle, h
+            joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
         )
         for _ in range(timing.records):
             _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)

@@ -42,6 +42,7 @@ class Scenario:
         demand: angles asked for (rad); must lie inside the working stroke where the controller drives.
         demand_velocity: of the demand (rad/s); default: as it moves on; a jump has none.
         demand_acceleration: of the demand (rad/s2), likewise.
+        demand_stiffness: of the joints at rest (N m/rad), for controllers and machines that can; default: as it comes.
         duration: s.
         start: angles at which the arm rests at first; default: the first demand.
         opening: valve openings, -1..1, in place of the controller: an open-loop run.
@@ -60,6 +61,7 @@ class Scenario:
     demand: Signal = 0.0
     demand_velocity: Signal | None = None
     demand_acceleration: Signal | None = None
+    demand_stiffness: Signal = 0.0
     duration: Value = 2.0
     start: Angles | None = None
     opening: Signal | None = None
@@ -109,6 +111,7 @@ class Shapes(NamedTuple):
 
     demand: Array  # rad, (cycles, joints)
     rates: tuple[Array, Array]  # of the demand, rad/s and rad/s2, (cycles, joints) each
+    stiffness: Array  # asked for, N m/rad, (cycles, joints)
     opening: Array  # -1..1, (cycles, joints); not a number where the controller or a voltage drives
     voltage: Array  # V, (cycles, joints); not a number where the controller or an opening drives
     brake: Array  # share of the brake's torque, (cycles, joints)
@@ -116,6 +119,12 @@ class Shapes(NamedTuple):
     drift: Array  # V, (cycles, joints)
     supply: Array  # gauge pressure, Pa, (cycles,)
     payload: Array  # kg, (cycles,)
+
+    @property
+    def by_joint(self) -> Array:
+        """All that differs from joint to joint, in this order, (cycles, joints, 9)."""
+        asked = (self.demand, *self.rates, self.stiffness)
+        return np.stack((*asked, self.opening, self.voltage, self.brake, self.load, self.drift), axis=-1)
 
 
 def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
@@ -142,6 +151,8 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand")
     rates = _rates(scenario, demand, expand, cycle)
+    stiffness = expand(scenario.demand_stiffness, u.STIFFNESS, "demand_stiffness", 0.0)
+    _check(stiffness >= 0.0, stiffness, "demand_stiffness", 'a stiffness of zero or more, such as "20 N m/rad"')
     supply = shared(scenario.supply, u.PRESSURE, "supply")
     _check(
         supply > -machine.supply.ambient_pressure, supply, "supply", 'a gauge pressure above vacuum, such as "4 bar"'
@@ -155,7 +166,7 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     opening, voltage = expand(scenario.opening, None, "opening"), expand(scenario.voltage, u.VOLTAGE, "voltage")
     _check(np.abs(opening) <= 1.0, opening, "opening", "a share from -1 to 1")
     load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
-    return Shapes(demand, rates, opening, voltage, brake, load, drift, supply, payload)
+    return Shapes(demand, rates, stiffness, opening, voltage, brake, load, drift, supply, payload)
 
 
 def _rates(scenario: Scenario, demand: Array, expand: Callable[..., Array], cycle: float) -> tuple[Array, Array]:
@@ -182,6 +193,7 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
     return Signals(
         own.demand,
         np.stack(own.rates, axis=-1),
+        own.stiffness,
         _opening(own, machine),
         own.brake * brakes,
         own.load,

@@ -83,19 +83,19 @@ def _mover(setting_like, kept_like):
         joints = slots(all_joints)
         states, waves = slots(all_joints, before.state), slots(all_joints, before.wave)
         lines, acts = slots(all_joints, before.line), slots(all_joints, acting)
-        drives = slots(all_joints, Drive(before.opening, joints[0].brake_torque, acting.load))
+        drives = slots(all_joints, Drive(before.opening, joints[0].brake_torque, acting.load, around.supply_pressure))
         leaks = acting.hole_a + acting.hole_b > 0.0
         for j in range(1, n):
             before, acts[j] = read_numbers(kept_like, kept[j]), read_numbers(given_like, given[j])
             states[j], waves[j], lines[j] = before.state, before.wave, before.line
-            drives[j] = Drive(before.opening, joints[j].brake_torque, acts[j].load)
+            drives[j] = Drive(before.opening, joints[j].brake_torque, acts[j].load, around.supply_pressure)
             leaks = leaks or acts[j].hole_a + acts[j].hole_b > 0.0
         diverged = -1
         while at < last and diverged < 0:
             if due <= 0:
                 for j in range(n):
                     opening, lines[j] = driven(joints[j].valve, lines[j], acts[j].voltage, cycle)
-                    drives[j] = Drive(opening, drives[j].brake_torque, drives[j].load_torque)
+                    drives[j] = Drive(opening, drives[j].brake_torque, drives[j].load_torque, around.supply_pressure)
                 # Who drives in every cycle, but not to the instant, counts once a cycle; who stops is held.
                 due = steps + (steps // 2 if due < 0 else 0)
             if at % steps == 0:

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from layflat.control import Demand, Sensed, step, wake
+from layflat.control import FULL, Demand, Sensed, step, wake
 from layflat.control.tracking.description import TrackingControllerPart
 from layflat.description.change import changed_all, value_at
 from layflat.errors import LayflatError, MachineError
@@ -64,11 +64,11 @@ def test_numbers_of_the_machine_may_be_arrays(tmp_path: Path) -> None:
 
 def test_called_from_python_an_arm_at_its_goal_stays_there() -> None:
     settings, nothing = parameters.control(load("paper-arm-tracking")), (0.0, 0.0)
-    memory, demand = wake(settings, Sensed(nothing, nothing)), Demand(nothing, nothing, nothing)
+    memory, demand = wake(settings, Sensed(nothing, nothing)), Demand(nothing, nothing, nothing, nothing)
     for _ in range(3):
         memory, command, report = step(settings, memory, Sensed(nothing, nothing), demand, 5e-3)
     assert command.voltage == pytest.approx((5.0, 5.0), abs=0.05)
-    assert command.brake == (1.0, 1.0)
+    assert command.shares == (FULL, FULL)
     assert [joint.landed for joint in report] == [1.0, 1.0]
     assert [joint.estimated_angle for joint in report] == [0.0, 0.0]
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from plants import VALVE
 
-from layflat.physics.valves import VALVES, at_rest, move, net_opening, start_wave
+from layflat.physics.valves import VALVES, at_rest, move, net_opening, start_wave, weaken_wave
 from layflat.physics.valves.spool_mean import MeanSpool, Share, averaged
 from layflat.physics.valves.spool_motion import SpoolState
 from layflat.physics.valves.spool_ports import path_conductance
@@ -37,6 +37,7 @@ def test_it_is_a_valve_of_the_table() -> None:
     state = at_rest(MEAN)
     wave = start_wave(MEAN, 0.3, 1e-3)
     assert wave == Share(1.0)
+    assert weaken_wave(MEAN, wave, 0.3) == Share(0.3)
     for _ in range(40):
         state, _, _ = move(MEAN, state, 0.4, wave, 1e-3)
     assert net_opening(MEAN, state) == pytest.approx(0.4, abs=1e-3)

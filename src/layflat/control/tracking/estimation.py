@@ -3,7 +3,8 @@
 Constant unknowns beside a state are estimated apart from it (friedland1969): the observer of the motion goes by what is
 known, and how the motion would differ were a parameter another (its sensitivity) is propagated along with it. What the
 angles then differ by is a linear measurement of the parameters, which a Kalman filter of as many numbers takes in.
-Loads may wander while the arm moves; what it carries may be another after it was at rest.
+Loads may wander while the arm moves; what it carries may be another in every move of some length that begins at rest.
+A short one would teach less of it than friction, as it is at rest, would pretend.
 
 | symbol | meaning | unit |
 |---|---|---|
@@ -23,6 +24,7 @@ from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
 from layflat.physics.arms import dynamics
 
+FAR = 0.05  # length of a move from which it is open what the arm carries, rad
 CREDIBLE = 3.0  # standard deviations: the further an innovation is beyond them, the less it counts
 
 
@@ -73,13 +75,13 @@ def initial_estimate(prior, shapes):
 
 
 @composition
-def estimate_of(parameters, joints):
-    """Return the parameters by what they are of; frictions include those described."""
-    n, x, parts = len(joints), slots(parameters.values), slots(joints)
+def estimate_of(parameters, joints, shares):
+    """Return the parameters by what they are of; frictions include those described, of which there is a share each."""
+    n, x, parts, given = len(joints), slots(parameters.values), slots(joints), slots(shares)
     like = each(_zero, joints, x[0])
     frictions = slots(like)
     for j in range(n):
-        frictions[j] = parts[j].brake_torque + x[n + j]
+        frictions[j] = given[j].brake * (parts[j].brake_torque + x[n + j])
     return Estimate(gather(like, x), gather(like, frictions), x[2 * n])
 
 
@@ -89,8 +91,11 @@ def _zero(joint, x):  # noqa: ARG001  (one a joint)
 
 
 @composition
-def updated(prior, parameters, errors):
-    """Return the estimate after innovations of the angles, and by how much angles and velocities change with it."""
+def updated(prior, parameters, errors, learns):
+    """Return the estimate after innovations of the angles, and by how much angles and velocities change with it.
+
+    Args: learns: 0 where the arm is left to what pushes it, which is nothing to learn; else 1.
+    """
     n, m = len(errors), len(parameters.values)
     e, C, Q = slots(errors), slots(parameters.covariance), slots(parameters.angles)
     change, gain, doubt = slots(parameters.values, 0.0 * e[0]), slots(parameters.values, 0.0 * e[0]), 0.0 * e[0]
@@ -99,7 +104,7 @@ def updated(prior, parameters, errors):
         for p in range(m):
             gain[p] = 0.0 * e[0]
             for r in range(m):
-                gain[p] = gain[p] + C[p * m + r] * Q[j * m + r]
+                gain[p] = gain[p] + learns * C[p * m + r] * Q[j * m + r]
             spread = spread + Q[j * m + p] * gain[p]
             left = left - Q[j * m + p] * change[p]
         per = 1.0 / spread
@@ -112,7 +117,8 @@ def updated(prior, parameters, errors):
                 C[p * m + r] = C[p * m + r] - gain[p] * gain[r] * per
     values = each(_within, parameters.values, gather(parameters.values, change), prior.low, prior.high)
     # Innovations beyond belief show that the payload is another than was estimated.
-    C[m * m - 1] = select(doubt > CREDIBLE * CREDIBLE, max(C[m * m - 1], _first(prior)), C[m * m - 1])
+    doubted = (doubt > CREDIBLE * CREDIBLE) & (learns > 0.5)
+    C[m * m - 1] = select(doubted, max(C[m * m - 1], _first(prior)), C[m * m - 1])
     after = ParameterEstimate(values, gather(parameters.covariance, C), parameters.angles, parameters.velocities)
     change = each(_less, values, parameters.values)
     return after, _moved(parameters.angles, change, errors), _moved(parameters.velocities, change, errors)
@@ -147,8 +153,8 @@ def _moved(sensitivities, change, like):
 
 
 @law
-def _sign(v):
-    return select(v > 0.0, 1.0, select(v < 0.0, -1.0, 0.0))
+def _rubs(v, shares):
+    return shares.brake * select(v > 0.0, 1.0, select(v < 0.0, -1.0, 0.0))
 
 
 @law
@@ -172,10 +178,11 @@ def _lack(c_0, c_1, g_0, g_1, inertial_0, inertial_1):
 
 
 @composition
-def propagated(prior, parameters, shapes, arm, gains, before, after, T):
+def propagated(prior, parameters, shapes, arm, gains, before, after, shares, length, T):
     """Return the estimate a cycle later: its sensitivities after the observer's correction and the motion since.
 
-    Args: gains of the observer (`model.Gains`) and states of the joints before and after the cycle, tuples.
+    Args: gains of the observer (`model.Gains`), states of the joints before and after the cycle, and shares of their
+    friction in it (`Shares`), tuples; length of the move, rad.
     """
     n, m, x = len(before), len(parameters.values), slots(parameters.values)
     angles, speeds, a = (
@@ -187,7 +194,7 @@ def propagated(prior, parameters, shapes, arm, gains, before, after, T):
     M_0, c_0, g_0 = dynamics(arm, x[m - 1], angles, speeds)
     M_1, c_1, g_1 = dynamics(arm, x[m - 1] + 1.0, angles, speeds)
     heavier = slots(each(_lack, c_0, c_1, g_0, g_1, times(M_0, a), times(M_1, a)))
-    W, way = slots(inverse(M_0, stands, shapes.joints)), slots(each(_sign, speeds))
+    W, way = slots(inverse(M_0, stands, shapes.joints)), slots(each(_rubs, speeds, shares))
     K, held = slots(gains), slots(stands)
     Q, V = slots(parameters.angles), slots(parameters.velocities)
     for j in range(n):
@@ -204,15 +211,16 @@ def propagated(prior, parameters, shapes, arm, gains, before, after, T):
             was = V[j * m + p] - K[j].velocity * Q[j * m + p]
             V[j * m + p] = (1.0 - held[j]) * (was + T * pushed)
             Q[j * m + p] = (1.0 - K[j].angle) * Q[j * m + p] + 0.5 * T * (was + V[j * m + p])
-    covariance = _wandered(prior, parameters.covariance, largest(speeds), T)
+    covariance = _wandered(prior, parameters.covariance, largest(speeds), length, T)
     return ParameterEstimate(parameters.values, covariance, gather(shapes.both, Q), gather(shapes.both, V))
 
 
 @composition
-def _wandered(prior, covariance, speed, T):
-    # An arm at rest may be given another payload: it is as little known then as at first.
+def _wandered(prior, covariance, speed, length, T):
+    # An arm at rest may have been given another payload: it is as little known then as at first.
     m, wander, C = len(prior.spread), slots(prior.wander), slots(covariance)
     for p in range(m):
         C[p * m + p] = C[p * m + p] + select(speed > 0.0, T * wander[p] * wander[p], 0.0)
-    C[m * m - 1] = select(speed > 0.0, C[m * m - 1], max(C[m * m - 1], _first(prior)))
+    sets_out = (speed == 0.0) & (length > FAR)
+    C[m * m - 1] = select(sets_out, max(C[m * m - 1], _first(prior)), C[m * m - 1])
     return gather(covariance, C)

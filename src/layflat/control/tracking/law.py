@@ -18,8 +18,9 @@ In a cycle it
 
 from typing import Any, NamedTuple
 
-from layflat.control.kind import voltages_alone
+from layflat.control.kind import Command
 from layflat.control.tracking.algebra import diagonal, largest
+from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
 from layflat.control.tracking.estimation import (
     ParameterEstimate,
     Prior,
@@ -40,8 +41,9 @@ from layflat.control.tracking.model import (
     placed,
     pressure_correction,
 )
-from layflat.control.tracking.planning import PathState, goal_of, governed, plan_of, tip_distance
+from layflat.control.tracking.planning import PathState, goal_of, governed, is_resting, plan_of, stays, tip_distance
 from layflat.control.tracking.reference import Reference, angle_of
+from layflat.control.tracking.stiffness import stiffness_of
 from layflat.control.tracking.torques import SLOW, Feedback, computed_torques, reanchored
 from layflat.control.tracking.valves import free_response, states_on_arrival, valve_openings
 from layflat.jit import composition, law
@@ -71,6 +73,7 @@ class Memory(NamedTuple):
     parameters: ParameterEstimate
     path: PathState
     waited: float  # how long the arm has been at rest where it landed, s
+    auxiliary: Auxiliary
 
 
 class Report(NamedTuple):
@@ -86,6 +89,10 @@ class Report(NamedTuple):
     estimated_friction: float
     estimated_payload: float
     landed: float
+    estimated_stiffness: float
+    brake_share: float
+    dither_share: float
+    supply_share: float
 
 
 SIGNALS = {
@@ -99,11 +106,17 @@ SIGNALS = {
     "estimated_friction": ("N*m", "friction of the shaft, as estimated"),
     "estimated_payload": ("kg", "payload, as estimated"),
     "landed": ("1", "1 while the reference is the demand"),
+    "estimated_stiffness": ("N*m/rad", "stiffness of the joint's air with shut valves"),
+    "brake_share": ("1", "share of its torque that the brake is given"),
+    "dither_share": ("1", "share of the valve's dither"),
+    "supply_share": ("1", "share of its gauge pressure that the supply is regulated to"),
 }
 """Unit and meaning of what is reported."""
 
 WAIT = 0.03  # an arm that is at rest beside its goal for so long sets out again, s
-STILL = 1.5  # counts of the angle's converter by which a joint that is held does not seem to move
+# Standard errors of the angle's sensor by which a joint that is held does not seem to move: with dither, and without,
+# where nothing shakes it, and noise has hours to seem a motion.
+STILL, QUIET_STILL = 2.6, 8.0
 
 
 @law
@@ -119,7 +132,8 @@ def wake(settings, sensed):
     states, lines, innovations, references = each(_begun, joints, sensed.angle, sensed.differential_pressure, around)
     zero = 0.0 * settings.plant.around.ambient_pressure
     parameters = initial_estimate(settings.prior, settings.shapes)
-    return Memory(states, lines, innovations, parameters, PathState(references, zero, zero), zero)
+    path = PathState(references, zero, zero)
+    return Memory(states, lines, innovations, parameters, path, zero, begun(joints))
 
 
 @law
@@ -128,12 +142,12 @@ def _innovation(state, q):
 
 
 @law
-def _corrected(joint, state, innovation, observer, gains, q, dp, turn, speed, around):
+def _corrected(joint, state, innovation, observer, gains, q, dp, turn, speed, shares, around):
     # State after the measurements of a joint; what was estimated turns it (rad) and changes its speed (rad/s).
     motion = state.motion
     e = q - motion.angle - turn
-    # A count of the converter moves no joint that is held.
-    calm = (motion.velocity == 0.0) & (abs(e) < STILL * joint.angle_sensor.lsb)
+    still = QUIET_STILL + shares.dither * (STILL - QUIET_STILL)
+    calm = (motion.velocity == 0.0) & (abs(e) < still * observer.angle)
     v = motion.velocity + speed + select(calm, 0.0, gains.velocity) * e
     missing = dp - (state.hose_a.pressure - state.hose_b.pressure)
     change, after = pressure_correction(observer, innovation, missing)
@@ -161,12 +175,13 @@ def _moves(state):
 
 
 @law
-def _shown(state, reference, wanted, load, friction, payload, landed):
+def _shown(joint, state, reference, wanted, load, friction, payload, landed, shares):
     motion = state.motion
     dp = state.hose_a.pressure - state.hose_b.pressure
     return Report(
-        motion.angle, motion.velocity, dp, reference.angle, reference.velocity, wanted, load, friction, payload, landed
-    )
+        motion.angle, motion.velocity, dp, reference.angle, reference.velocity, wanted, load, friction, payload, landed,
+        stiffness_of(joint, state), shares.brake, shares.dither, shares.supply,
+    )  # fmt: skip
 
 
 @law
@@ -175,27 +190,29 @@ def _voltage(joint, opening):
 
 
 @composition
-def _observed(settings, memory, sensed, T):
+def _observed(settings, memory, sensed, asked, T):
     """Return states, innovations and parameters after the measurements, and the gains that the angles had."""
     plant = settings.plant
     errors = each(_innovation, memory.states, sensed.angle)
-    parameters, turns, speeds = updated(settings.prior, memory.parameters, errors)
-    mass, _, _ = dynamics(plant.arm, estimate_of(parameters, plant.joints).payload, sensed.angle, sensed.angle)
+    parameters, turns, speeds = updated(settings.prior, memory.parameters, errors, 1.0 - asked.compliant)
+    mass, _, _ = dynamics(
+        plant.arm, estimate_of(parameters, plant.joints, asked.mean).payload, sensed.angle, sensed.angle
+    )
     gains = each(gains_of, settings.observer, diagonal(mass, sensed.angle), T)
     states, innovations = each(
         _corrected, plant.joints, memory.states, memory.innovations, settings.observer, gains, sensed.angle,
-        sensed.differential_pressure, turns, speeds, plant.around,
+        sensed.differential_pressure, turns, speeds, asked.mean, plant.around,
     )  # fmt: skip
     return states, innovations, parameters, gains
 
 
 @composition
-def _landing(settings, memory, plan, references, goals, after, T):
+def _landing(settings, memory, plan, references, goals, after, tolerance, T):
     """Return the path, and how long the arm has waited: at rest beside its goal it sets out again from there, s."""
     slow = (largest(each(_moves, after)) == 0.0) & (plan.landed > 0.5)
     waited = select(slow, memory.waited + T, 0.0)
     angles = each(angle_of_state, after)
-    missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > settings.margins.tolerance
+    missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > tolerance
     again = (waited > WAIT) & (plan.rests > 0.5) & missed
     path = PathState(each(_again, after, references, again), plan.length, select(again, 0.0, plan.landed))
     return path, select(again, 0.0, waited)
@@ -205,21 +222,36 @@ def _landing(settings, memory, plan, references, goals, after, T):
 def step(settings, memory, sensed, demand, elapsed):
     """Do one cycle; return memory, command and report (see control/kind.py)."""
     plant, lines, T = settings.plant, memory.lines, elapsed
-    states, innovations, parameters, gains = _observed(settings, memory, sensed, T)
-    estimate = estimate_of(parameters, plant.joints)
-    begun, later = states_on_arrival(plant, states, lines, estimate, T)
-    response = free_response(plant, begun, lines, estimate, T)
     goals = each(goal_of, demand.angle, demand.velocity, demand.acceleration, T * len(plant.late))
-    plan = plan_of(settings, reanchored(settings, memory.path, response), estimate, response, goals, T)
-    torques = computed_torques(settings, plan, begun, response, goals, estimate, T)
-    openings, after, lacks = valve_openings(settings, begun, lines, response, estimate, torques, T)
+    rests, remains = select(is_resting(goals), 1.0, 0.0), select(stays(memory.path, goals), 1.0, 0.0)
+    asked, auxiliary = asked_of(plant, memory.auxiliary, memory.states, demand, rests, remains, T)
+    states, innovations, parameters, gains = _observed(settings, memory, sensed, asked, T)
+    estimate = estimate_of(parameters, plant.joints, asked.mean)
+    tolerance = tolerance_of(settings.margins, auxiliary, asked)
+    met, later = states_on_arrival(plant, states, lines, estimate, asked, T)
+    response = free_response(plant, met, lines, estimate, asked, T)
+    plan = plan_of(
+        settings, reanchored(settings, memory.path, response, asked.compliant), estimate, response, goals, tolerance, T
+    )
+    torques = computed_torques(settings, plan, met, response, goals, estimate, asked, T)
+    openings, after, lacks = valve_openings(settings, met, lines, response, estimate, asked, torques, T)
     if len(plant.late) == 0:
         later = after
     references = governed(settings, plan, response, goals, lacks, T)
-    path, waited = _landing(settings, memory, plan, references, goals, after, T)
-    parameters = propagated(settings.prior, parameters, settings.shapes, plant.arm, gains, states, later, T)
-    report = each(
-        _shown, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload, plan.landed
+    path, waited = _landing(settings, memory, plan, references, goals, after, tolerance, T)
+    away = select(plan.landed > 0.5, 0.0, plan.length)
+    parameters = propagated(
+        settings.prior, parameters, settings.shapes, plant.arm, gains, states, later, asked.mean, away, T
     )
-    remembered = Memory(later, each(_sent, lines, openings), innovations, parameters, path, waited)
-    return remembered, voltages_alone(each(_voltage, plant.joints, openings)), report
+    rested = rested_for(plant, auxiliary, asked, after, response, estimate, plan.resting, T)
+    report = each(
+        _shown, plant.joints, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload,
+        plan.landed, asked.mean,
+    )  # fmt: skip
+    sent, auxiliary = (
+        each(_sent, lines, openings),
+        Auxiliary(auxiliary.shares, rested, auxiliary.stiffness, auxiliary.way),
+    )
+    remembered = Memory(later, sent, innovations, parameters, path, waited, auxiliary)
+    command = Command(each(_voltage, plant.joints, openings), asked.shares)
+    return remembered, command, report

@@ -11,14 +11,14 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.jit import composition, law
-from layflat.lanes import gather, in_lanes, slots, total
+from layflat.lanes import each, gather, slots, total
 from layflat.physics.chamber import energy
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques
 from layflat.physics.joint import FILLED, AirTaken, HoseState, JointState, Motion, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.stop import stop_damping, stop_torque
-from layflat.physics.valves import start_wave
+from layflat.physics.valves import start_wave, weaken_wave
 
 STEP = 2.5e-3  # longest of the model, s
 
@@ -135,14 +135,19 @@ def opposing_torque(joint, state, around):
     return loss_torque(joint, state) + damped * v - stop_torque(joint.stops, q)
 
 
+@law
+def _wave(joint, shares, T):
+    return weaken_wave(joint.valve, start_wave(joint.valve, 0.0, T), shares.dither)
+
+
 @composition
-def a_cycle_later(plant, states, drives, payload, T):
-    """Return the states of the joints after a cycle in which drives act on them, tuples."""
+def a_cycle_later(plant, states, drives, shares, payload, T):
+    """Return the states of the joints after a cycle in which drives act on them, with these `Shares`, tuples."""
     around, joints = plant.around, slots(plant.joints)
     carrying = Surroundings(
         around.supply_pressure, around.supply_temperature, around.ambient_pressure, around.ambient_temperature, payload
     )
-    after, waves = slots(states), slots(states, in_lanes(start_wave(joints[0].valve, 0.0, T), payload))
+    after, waves = slots(states), slots(each(_wave, plant.joints, shares, T))
     n = len(plant.steps)
     advance(plant.arm, joints, after, slots(drives), waves, carrying, T / n, n)
     return gather(states, after)

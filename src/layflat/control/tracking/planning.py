@@ -103,6 +103,19 @@ def _restless(goal):
 
 
 @composition
+def is_resting(goals):
+    """Return whether goals are at rest."""
+    return largest(each(_restless, goals)) < REST
+
+
+@composition
+def stays(path, goals):
+    """Return whether an arm that has landed is to stay where it is."""
+    apart = each(_apart, path.references, goals)
+    return (path.landed > 0.5) & is_resting(goals) & (sqrt(dot(apart, apart)) < KEPT.angle)
+
+
+@composition
 def tip_distance(arm, q, p):
     """Return the distance of the tips of an arm at two postures, m."""
     (x, y), (x_p, y_p) = tip(arm, q), tip(arm, p)
@@ -129,8 +142,8 @@ def _onward(reference, goal, a, share, landed, T):
 
 
 @composition
-def plan_of(settings, path, estimate, response, goals, T):
-    """Return the `Plan` of the next cycle towards goals, a tuple of `Reference`."""
+def plan_of(settings, path, estimate, response, goals, tolerance, T):
+    """Return the `Plan` of the next cycle towards goals (`Reference`); the tip lands within a tolerance (m) of them."""
     plant, margins, references = settings.plant, settings.margins, path.references
     apart = each(_apart, references, goals)
     distance = sqrt(dot(apart, apart))
@@ -146,8 +159,8 @@ def plan_of(settings, path, estimate, response, goals, T):
         response.steady, estimate.loads,
     )  # fmt: skip
     share = max(min(least(shares), 1.0), LEAST_SHARE)
-    rests = largest(each(_restless, goals)) < REST
-    inside = tip_distance(plant.arm, response.angles, each(angle_of, goals)) < margins.tolerance
+    rests = is_resting(goals)
+    inside = tip_distance(plant.arm, response.angles, each(angle_of, goals)) < tolerance
     landed = _lands(path.landed > 0.5, rests, distance, largest(gains))
     landed = landed | (rests & inside & (largest(response.velocities) < CALM))
     onward = each(_onward, references, goals, a, share, landed, T)

@@ -64,39 +64,44 @@ def _where_it_is(reference, q, v, lost):
 
 
 @composition
-def reanchored(settings, path, response):
+def reanchored(settings, path, response, compliant):
     """Return the path, begun anew where the arm is if it is too far from its reference to be led back by feedback.
 
     Feedback that saturates would swing for ever about a reference at rest; a new path has the torques that it takes.
     """
     q, v = response.angles, response.velocities
     pulled = times(response.mass, each(_feedback, settings.feedback, path.references, q, v))
-    lost = greatest(each(_lost, settings.actuators, pulled)) > 0.0
+    lost = (greatest(each(_lost, settings.actuators, pulled)) > 0.0) & (compliant < 0.5)
     references = each(_where_it_is, path.references, q, v, lost)
     return PathState(references, select(lost, FREELY, path.length), select(lost, 0.0, path.landed))
 
 
 @law
 def _torque(
-    joint, feedback, state, free, reference, goal, inertial, inertia, steady, load, friction, resting, around, T
+    joint, feedback, state, free, reference, goal, inertial, inertia, steady, load, friction, k, resting, around, T
 ):
     e = reference.angle - free.motion.angle
     beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
     behind = min(BEHIND, STIFFEST * feedback.stiffness * inertia * CREEP / max(friction, 1e-3))
     sliding = reference.velocity + ONWARD * (goal.angle - reference.angle) + LEAD * goal.acceleration + behind * beyond
     rubs = friction * min(max(sliding / CREEP, -1.0), 1.0)
-    moving = inertial + steady - load + rubs + opposing_torque(joint, free, around)
+    opposes = opposing_torque(joint, free, around)
+    moving = inertial + steady - load + rubs + opposes
     now, step = gas_torque(joint, state, around), feedback.easing * T
-    eased = min(max(steady - load, now - step), now + step)
+    # Friction bears what is left of losses, unless the joint is to be compliant.
+    borne = steady - load + select(k > 0.0, opposes, 0.0)
+    eased = min(max(borne, now - step), now + step)
     return select((resting > 0.5) & (abs(free.motion.velocity) < SLOW), eased, moving)
 
 
 @composition
-def computed_torques(settings, plan, states, response, goals, estimate, T):
+def computed_torques(settings, plan, states, response, goals, estimate, asked, T):
     """Return torques of the air at the end of the cycle, N m, a tuple; joints that arrived only bear their loads."""
+    resting = plan.resting * (1.0 - asked.led)
     wanted = each(_acceleration, settings.feedback, plan.references, response.angles, response.velocities)
     inertial, inertia = times(response.mass, wanted), diagonal(response.mass, wanted)
     return each(
         _torque, settings.plant.joints, settings.feedback, states, response.states, plan.references, goals, inertial,
-        inertia, response.steady, estimate.loads, estimate.frictions, plan.resting, settings.plant.around, T,
+        inertia, response.steady, estimate.loads, estimate.frictions, asked.stiffness, resting,
+        settings.plant.around, T,
     )  # fmt: skip

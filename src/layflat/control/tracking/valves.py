@@ -12,6 +12,7 @@ from layflat.control.tracking.model import a_cycle_later, gas_torque
 from layflat.control.tracking.planning import FreeResponse
 from layflat.jit import composition, law
 from layflat.lanes import each, select
+from layflat.physics.adjustable import regulated
 from layflat.physics.arms import dynamics
 from layflat.physics.delay import delayed
 from layflat.physics.joint import Drive
@@ -21,16 +22,18 @@ OPEN = 0.99  # an opening that can't be greater
 
 
 @law
-def _acting(joint, line, opening, friction, load, passed, T):
+def _acting(joint, line, opening, friction, load, shares, around, passed, T):
     acts, _ = delayed(line, opening, joint.valve.delay / T - passed)
-    return Drive(acts, friction, load)
+    return Drive(acts, friction, load, regulated(shares.supply, around.supply_pressure, around.ambient_pressure))
 
 
 @composition
-def _run(plant, states, lines, openings, passed, estimate, T):
+def _run(plant, states, lines, openings, passed, estimate, asked, T):
     # States a cycle later; it begins when so many cycles have passed since these openings were commanded.
-    drives = each(_acting, plant.joints, lines, openings, estimate.frictions, estimate.loads, passed, T)
-    return a_cycle_later(plant, states, drives, estimate.payload, T)
+    drives = each(
+        _acting, plant.joints, lines, openings, estimate.frictions, estimate.loads, asked.mean, plant.around, passed, T
+    )
+    return a_cycle_later(plant, states, drives, asked.mean, estimate.payload, T)
 
 
 @law
@@ -39,11 +42,11 @@ def _centred(friction):
 
 
 @composition
-def states_on_arrival(plant, states, lines, estimate, T):
+def states_on_arrival(plant, states, lines, estimate, asked, T):
     """Return the states that a command given now meets, and states a cycle from now if it meets later ones."""
     later = states
     for passed in range(len(plant.late)):
-        states = _run(plant, states, lines, each(_centred, estimate.frictions), passed, estimate, T)
+        states = _run(plant, states, lines, each(_centred, estimate.frictions), passed, estimate, asked, T)
         if passed == 0:
             later = states
     return states, later
@@ -60,9 +63,9 @@ def _against(velocity_torque, angle_torque):
 
 
 @composition
-def free_response(plant, states, lines, estimate, T):
+def free_response(plant, states, lines, estimate, asked, T):
     """Return the arm a cycle after it met a command that centres all valves."""
-    free = _run(plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, T)
+    free = _run(plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, asked, T)
     q, v = each(_motion, free)
     mass, coriolis, pull = dynamics(plant.arm, estimate.payload, q, v)
     return FreeResponse(free, q, v, mass, each(_against, coriolis, pull))
@@ -81,17 +84,23 @@ def _opening(joint, feedback, free, opened, full, wanted, around):
 
 
 @law
+def _commanded(opening, pumped, controls):
+    return min(max(controls * opening + pumped, -1.0), 1.0)
+
+
+@law
 def _lack(joint, after, opening, wanted, around):
     missing = wanted - gas_torque(joint, after, around)
     return select((abs(opening) > OPEN) & (wanted * missing > 0.0), missing, 0.0)
 
 
 @composition
-def valve_openings(settings, states, lines, response, estimate, torques, T):
+def valve_openings(settings, states, lines, response, estimate, asked, torques, T):
     """Return openings for torques, the states that follow, and the torques that open valves lack, N m."""
     plant, around, passed = settings.plant, settings.plant.around, len(settings.plant.late)
     full = each(_full, plant.joints, response.states, torques, around)
-    opened = _run(plant, states, lines, full, passed, estimate, T)
+    opened = _run(plant, states, lines, full, passed, estimate, asked, T)
     openings = each(_opening, plant.joints, settings.feedback, response.states, opened, full, torques, around)
-    after = _run(plant, states, lines, openings, passed, estimate, T)
+    openings = each(_commanded, openings, asked.pumped, asked.controls)
+    after = _run(plant, states, lines, openings, passed, estimate, asked, T)
     return openings, after, each(_lack, plant.joints, after, openings, torques, around)

@@ -16,6 +16,7 @@ VALVES: Table[ValveKind] = Table("valve", spool.KIND, switching.KIND)
 at_rest = VALVES.law("at_rest")
 start_wave = VALVES.law("start_wave")
 turn_wave = VALVES.law("turn_wave")
+weaken_wave = VALVES.law("weaken_wave")
 move = VALVES.law("move")
 net_opening = VALVES.law("opening")
 seized = VALVES.law("seized")
@@ -36,6 +37,7 @@ __all__ = [
     "seized",
     "start_wave",
     "turn_wave",
+    "weaken_wave",
 ]
 
 

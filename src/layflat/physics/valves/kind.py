@@ -23,6 +23,9 @@ class Dither(Part):
 
     amplitude: u.Share = Field(description="share of full opening")
     frequency: u.Frequency
+    least: u.Share = Field(
+        default=0.0, description="share of it that the driver adds at any time; 1: nobody can stop it"
+    )
 
 
 class ValvePart(KindPart):
@@ -45,6 +48,11 @@ class ValvePart(KindPart):
     def dithered(self) -> Dither | None:
         """The dither that its driver has to add; None for a valve without."""
         return None
+
+    @property
+    def least_dither(self) -> float:
+        """Share of the dither that nobody can stop; 1 for a valve without."""
+        return 1.0
 
     @property
     def covered(self) -> float:
@@ -70,6 +78,12 @@ def same_wave(valve, wave):  # noqa: ARG001
     return wave
 
 
+@law
+def same_whatever_share(valve, wave, share):  # noqa: ARG001
+    """The wave of a driver whose wave is no dither that could be weaker."""
+    return wave
+
+
 def cannot_be_held(valve: Any, *_: Any) -> Any:
     """Refuse a failure that a kind of valve does not model."""
     raise KindError(f"a {type(valve).__name__} can't be seized: its kind says neither `seized` nor `held_at`")
@@ -89,6 +103,7 @@ class MeanValve:
     opening: Law
     start_wave: Law
     turn_wave: Law = same_wave
+    weaken_wave: Law = same_whatever_share
     seized: Law = cannot_be_held
     held_at: Law = cannot_be_held
 
@@ -113,6 +128,7 @@ class ValveKind(Kind):
     """`start_wave(valve, t, h)` yields what the driver makes by itself (dither, carrier) in the step that begins at t,
     a named tuple of floats; a driver makes nothing unless it is given."""
     turn_wave: Law = same_wave  # `turn_wave(valve, wave)` yields the same in the next step
+    weaken_wave: Law = same_whatever_share  # `weaken_wave(valve, wave, share)` yields it with a share of the dither
     seized: Law = cannot_be_held  # `seized(valve)`, not a law, yields parameters of a valve that stays where it is
     held_at: Law = cannot_be_held
     """`held_at(valve, opening)`, not a law, yields the state of a valve at rest at an opening."""

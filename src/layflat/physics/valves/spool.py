@@ -14,7 +14,7 @@ from layflat.description import Part
 from layflat.description import units as u
 from layflat.jit import law
 from layflat.physics.arrays import itemwise
-from layflat.physics.dither import half_change, start_dither, turn_dither
+from layflat.physics.dither import half_change, start_dither, turn_dither, weakened
 from layflat.physics.flow import laminar_slope
 from layflat.physics.friction.stribeck import StaticRatio
 from layflat.physics.valves import spool_mean
@@ -69,6 +69,11 @@ class SpoolValvePart(ValvePart):
         return self.dither if self.dither.amplitude > 0.0 else None
 
     @property
+    def least_dither(self) -> float:
+        """What is described."""
+        return self.dither.least
+
+    @property
     def covered(self) -> float:
         """The overlap."""
         return self.overlap
@@ -117,6 +122,12 @@ def turn_spool_wave(valve, dither):  # noqa: ARG001
     return turn_dither(dither)
 
 
+@law
+def weaken_spool_wave(valve, dither, share):  # noqa: ARG001
+    """A share of the dither."""
+    return weakened(dither, share)
+
+
 def seized(valve: SpoolValve) -> SpoolValve:
     """A valve whose spool stays where it is, whatever is asked of it."""
     return valve._replace(spool=valve.spool._replace(friction=STUCK))
@@ -137,6 +148,7 @@ KIND = ValveKind(
     opening=spool_opening,
     start_wave=start_spool_wave,
     turn_wave=turn_spool_wave,
+    weaken_wave=weaken_spool_wave,
     seized=seized,
     held_at=held_at,
     mean=spool_mean.MEAN,

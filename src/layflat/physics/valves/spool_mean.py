@@ -78,6 +78,12 @@ def all_of_it(valve, t, h):  # noqa: ARG001  (as of all valves)
     return Share(1.0)
 
 
+@law
+def weaken_share(valve, wave, share):  # noqa: ARG001
+    """A share of it."""
+    return Share(share * wave.dither)
+
+
 MEAN = MeanValve(
     averaged=averaged,
     parameter_type=MeanSpool,
@@ -85,4 +91,5 @@ MEAN = MeanValve(
     move=move_mean,
     opening=spool_opening,
     start_wave=all_of_it,
+    weaken_wave=weaken_share,
 )

@@ -287,7 +287,7 @@ def _cycle(arm_like, settings_like, memory_like, nothing):
         if stages & CONTROL:
             now, own = read_numbers(INPUTS, inputs), read_numbers(settings_like, law_settings)
             sensed = Sensed(gather(nothing, given[:, IN_GIVEN.angle]), gather(nothing, given[:, IN_GIVEN.pressure]))
-            demand = Demand(gather(nothing, memory[:, IN_MEMORY.demand]), nothing, nothing)
+            demand = Demand(gather(nothing, memory[:, IN_MEMORY.demand]), nothing, nothing, nothing)
             before = read_numbers(memory_like, law_memory)
             if now.wake > 0.0:
                 before = in_lanes(wake(own, sensed), 0.0)

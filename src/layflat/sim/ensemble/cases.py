@@ -142,10 +142,7 @@ class Cases:
     def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
         each = [self._shapes[s] for s in distinct]
         plan = Plan(
-            np.array(
-                [np.stack([e.demand, *e.rates, e.opening, e.voltage, e.brake, e.load, e.drift], axis=-1) for e in each]
-            ),
-            np.array([np.stack([e.supply, e.payload], axis=-1) for e in each]),
+            np.array([e.by_joint for e in each]), np.array([np.stack([e.supply, e.payload], axis=-1) for e in each])
         )
         ends = np.full((len(each), self.most_moves, 2), -1)
         goals = np.zeros((len(each), self.most_moves, len(self.base.joints)))

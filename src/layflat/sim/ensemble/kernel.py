@@ -7,6 +7,7 @@ import numpy as np
 from layflat.control import wake
 from layflat.jit import composition, kernel
 from layflat.lanes import in_lanes, read_lanes, select, slots, width
+from layflat.physics.adjustable import FULL
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
 from layflat.physics.plant import advance
@@ -27,7 +28,9 @@ from layflat.sim.ensemble.watch import (
 class Plan(NamedTuple):
     """Scenarios over control cycles; not a number: as usual in the run."""
 
-    shapes: np.ndarray  # demand and its rates, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 8)
+    shapes: (
+        np.ndarray
+    )  # demand, its rates and stiffness, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 9)
     shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
 
 
@@ -68,8 +71,8 @@ class Defaults(NamedTuple):
     lead: float
 
 
-SHAPES = 8  # numbers of a joint in `Plan.shapes`
-NOTHING = Given(Wanted(0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+SHAPES = 9  # numbers of a joint in `Plan.shapes`
+NOTHING = Given(Wanted(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @composition
@@ -135,14 +138,15 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(like, _at_rest(joints[0], runs, first, 0, around))
-    calm = Acting(Wanted(zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero)
+    calm = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero)
     acting, usual = slots(like, calm), slots(like, _usual(runs, first, 0))
     loop = Loop(
         acting,
-        slots(like, Drive(zero, zero, zero)),
+        slots(like, Drive(zero, zero, zero, zero)),
         slots(like, in_lanes(NOTHING_ASKED, zero)),
         slots(like, start_wave(joints[0].valve, 0.0, h)),
         slots(like, zero),
+        slots(like, in_lanes(FULL, zero)),
     )
     course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(like, in_lanes(NO_TRACK, zero))
     begin_moves(watch, moves, runs.scenario, course, tracks, first)
@@ -157,7 +161,9 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
         around = _surroundings(watch.scratch, air, runs, plan, first, k)
         for j in range(n):
             acting[j] = _acting(watch.scratch, runs, plan, usual[j], joints[j], first, j, k)
-        _, memory, _ = control_cycle(joints, like, settings, memory, states, loop, timing.cycle * k, timing.cycle, h)
+        _, memory, _ = control_cycle(
+            joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
+        )
         for j in range(n):
             trace(watch, results, joints[j], states[j], loop.voltages[j], first, j, k)
         advance(arm, joints, states, loop.drives, loop.waves, around, h, timing.steps)
