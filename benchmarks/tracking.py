@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from layflat.arrays import Array
-from layflat.cell.reach import Reach
 from layflat.description.change import changed_all, value_at
 from layflat.machine import Machine, changed, load
+from layflat.motion.kinematics import tip_position
+from layflat.motion.reach import Reach
 from layflat.physics.friction.stribeck import StribeckPart
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
-from layflat.sim.kinematics import tip_position
 
 POSTURES, STEP, EDGE = 16, 40.0, 55.0  # deg
 WAYS = ((1, 1), (1, -1), (1, 0), (0, 1))

@@ -83,6 +83,7 @@ main()
         ("log info run.mcap", "rig"),
         ("log check run.mcap", "logs"),
         ("log check run.parquet", "logs"),
+        ("motion tour paper-arm", "motion"),
         ("pack --picks 1", "cell"),
         ("arm-model paper-arm --out arm.xml", "cell"),
     ],

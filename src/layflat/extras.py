@@ -18,6 +18,7 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
     "gpu": {"numba_cuda": "numba-cuda"},
     "cluster": {"pyarrow": "pyarrow", "pandas": "pandas", "dask": "dask", "distributed": "distributed"},
     "hyddown": {"yaml": "PyYAML"},
+    "motion": {"ruckig": "ruckig"},
     "cell": {"mujoco": "mujoco", "cv2": "opencv-python-headless", "ruckig": "ruckig", "av": "av", "PIL": "pillow"},
 }  # fmt: skip
 """Packages of each extra: the name to import, and the name that pip knows."""

@@ -14,9 +14,9 @@ from layflat.identify.page import write_page
 from layflat.machine import load
 from layflat.machine.listing import listing
 from layflat.machine.loader import tables
+from layflat.motion.demand_file import read_demand
 from layflat.sim import rollout
 from layflat.sim.dataset import save
-from layflat.sim.demand_file import read_demand
 
 REAL = """\
 extends = "paper-small-joint"
@@ -45,7 +45,9 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert "rms error against moves.csv: small " in done.stdout
     far = load(folder / "far.toml")
-    save(rollout(far, read_demand(far, folder / "moves.csv", 0.005), duration=4.005, start=0.0), folder / "far.nc")
+    save(
+        rollout(far, read_demand(far, folder / "moves.csv", 0.005).angles, duration=4.005, start=0.0), folder / "far.nc"
+    )
     return folder
 
 

@@ -55,7 +55,7 @@ def test_other_mistakes_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "taken").write_text("")
     assert "can't be made" in refused("rig", "serve", "paper-arm", "--link", "taken")
     (tmp_path / "far.csv").write_text("time [s],demand.large [deg],demand.small [deg]\n0,0,0\n1,0,70\n")
-    assert "outside the working stroke of joint 'small'" in refused(
+    assert "line 3: asks joint 'small' for 70 deg at 1 s; stay within +-60 deg" in refused(
         "rig", "run", "paper-arm", "--driver", "simulated", "--demand", "far.csv"
     )
 

@@ -16,7 +16,7 @@ from layflat.identify.benches.loader import load_bench
 from layflat.identify.logs.mapping import read_mapping
 from layflat.identify.logs.table import read_table
 from layflat.machine import load
-from layflat.sim.demand_file import read_demand
+from layflat.motion.demand_file import read_demand
 from layflat.study.study import read as read_study
 
 READERS: list[tuple[str, Callable[[Path], Any]]] = [

@@ -6,9 +6,9 @@ import xarray
 
 from layflat.errors import InputError, OutputError
 from layflat.machine import Machine, load
+from layflat.motion.kinematics import tip_position
 from layflat.sim import rollout
 from layflat.sim.dataset import open_run, save
-from layflat.sim.kinematics import tip_position
 
 
 def test_a_run_comes_back_from_disk_as_it_was(tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from layflat.machine import load
+from layflat.motion.kinematics import tip_position
 from layflat.physics.air import NORMAL_DENSITY
-from layflat.sim.kinematics import tip_position
 from layflat.sim.metrics import (
     MOST_MOVES,
     air_used,

@@ -30,6 +30,8 @@ app = LazyTyper(
         "size": "design",
         "simulate": "simulate",
         "loop": "simulate",
+        "motions": "motion",
+        "motion": "motion",
         "tune": "tune",
         "studies": "study",
         "study": "study",

@@ -28,7 +28,7 @@ def excite(
     from layflat.description import units as u  # noqa: PLC0415
     from layflat.identify.excite import sequence  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.sim.demand_file import write_demand  # noqa: PLC0415
+    from layflat.motion.demand_file import write_demand  # noqa: PLC0415
 
     described = load(machine)
     time, demand = sequence(described, reach=reach, speed=u.quantity(speed, u.ANGULAR_SPEED, "--speed"), seed=seed)

@@ -129,10 +129,10 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
 
 
 def _from_file(machine: Machine, path: Path) -> Plan:
+    from layflat.motion.demand_file import read_demand  # noqa: PLC0415
     from layflat.rig.plan import Plan  # noqa: PLC0415
-    from layflat.sim.demand_file import read_demand  # noqa: PLC0415
 
-    rows = read_demand(machine, path, machine.cycle)
+    rows = read_demand(machine, path, machine.cycle).angles
     return Plan([k * machine.cycle for k in range(len(rows))], rows.tolist(), len(rows) * machine.cycle)
 
 

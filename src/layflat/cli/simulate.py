@@ -77,12 +77,12 @@ class Asked:
         moves, lasts = acting["move"], self.duration or USUAL_DURATION
         others: dict[str, Any] = {key: steps for key, steps in acting.items() if key != "move"}
         demand: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
+        others |= {"demand": demand, "start": begin}
         if self.demand is not None:
-            demand, lasts = _from_file(machine, self.demand)
+            followed, lasts = _from_file(machine, self.demand)
+            others |= followed if self.start is None else followed | {"start": begin}
         scenario = Scenario(
-            demand=demand,
             duration=lasts,
-            start=begin,
             opening=timed([self.opening], still, "--opening", bare=True) if self.opening else None,
             seed=self.seed,
             **others,
@@ -134,14 +134,15 @@ def _check_times(acting: Mapping[str, Steps], lasts: str) -> None:
             raise InputError(f"{steps[-1][0]:g} s is after the end", where=f"--{option}", right=right)
 
 
-def _from_file(machine: Machine, demand: Path) -> tuple[Signal, str]:
-    """Demands of a file, and how long they last."""
-    from layflat.sim.demand_file import read_demand  # noqa: PLC0415
+def _from_file(machine: Machine, demand: Path) -> tuple[dict[str, Any], str]:
+    """Return what a file of demands says of a scenario, which begins at their first row, and how long they last."""
+    from layflat.motion.demand_file import read_demand  # noqa: PLC0415
 
     if machine.controller is None:
         raise InputError("has no controller", where=machine.origin, right="give a machine that follows demands")
-    rows = read_demand(machine, demand, machine.controller.cycle)
-    return rows, f"{len(rows) * machine.controller.cycle!r} s"
+    read = read_demand(machine, demand, machine.controller.cycle)
+    found = {"demand": read.angles, "demand_velocity": read.velocities, "demand_acceleration": read.accelerations}
+    return found | {"start": None}, f"{len(read.angles) * machine.controller.cycle!r} s"
 
 
 def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, demand: Path | None) -> None:

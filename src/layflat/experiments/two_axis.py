@@ -9,8 +9,8 @@ import xarray
 from layflat.arrays import Array
 from layflat.experiments.claim import Evaluated, Experiment, Quantity, claim
 from layflat.experiments.open_loop import OF_TORQUE, percent
+from layflat.motion.kinematics import tip_position
 from layflat.sim.ensemble.parallel import TIP_BAND
-from layflat.sim.kinematics import tip_position
 from layflat.sim.metrics import BAND, disturbance, move, settling_time, tip_settling
 from layflat.sim.run import rollout_as_far
 

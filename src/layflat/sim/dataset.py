@@ -15,8 +15,8 @@ from layflat.errors import InputError
 from layflat.files import whole_file
 from layflat.machine import Machine
 from layflat.machine.signals import attributes
+from layflat.motion.kinematics import tip_position
 from layflat.sim.kernel import Sample
-from layflat.sim.kinematics import tip_position
 from layflat.sim.run import Prepared
 from layflat.sim.scenario import Scenario
 

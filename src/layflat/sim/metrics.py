@@ -86,7 +86,7 @@ def moves_of(run: xarray.Dataset, band: float = BAND) -> list[tuple[float, Move]
 def tip_settling(run: xarray.Dataset, since: float, until: float, band: float) -> float:
     """Time after which the tip stays within `band` (m) of where the demands put it; infinite if it does not."""
     from layflat.machine.loader import restored  # noqa: PLC0415
-    from layflat.sim.kinematics import tip_position  # noqa: PLC0415
+    from layflat.motion.kinematics import tip_position  # noqa: PLC0415
 
     part = run.sel(time=slice(since, until))
     machine = restored(run.attrs["machine"])

@@ -14,9 +14,9 @@ from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
+from layflat.motion.rates import derived_rates, lasting_rate
 from layflat.physics.noise import sensor_noise
 from layflat.sim.kernel import Signals
-from layflat.sim.rates import derived_rates, lasting_rate
 
 Value = str | float
 Angles = Value | Mapping[str, Value] | Sequence[Value]

@@ -8,12 +8,12 @@ import numpy as np
 from controllers import Controller
 from numpy.typing import NDArray
 
-from layflat.cell.plan.limits import MotionLimits
-from layflat.cell.plan.motion import LEAD, Path, move_arm, travel
 from layflat.cell.plan.pick import Command, Phase, Readings, Rules, State, Task
 from layflat.cell.plan.pick_machine import begun, step
-from layflat.cell.reach import Reach
 from layflat.machine import Machine, parameters
+from layflat.motion.limits import MotionLimits
+from layflat.motion.reach import Reach
+from layflat.motion.travel import LEAD, Travel, move_arm, travel
 from layflat.sim.plant import SteppedPlant
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Bench:
         self.rows: list[Array] = []
         self.height, self.lift_speed, self.vacuum, self.cycles = 0.15, 0.0, 0.0, 0
         self.sealed, self.fruit_height = False, 0.0
-        self.lift: tuple[Path, int] | None = None
+        self.lift: tuple[Travel, int] | None = None
         self.target: tuple[float, ...] = tuple(start.tolist())
 
     def pick(self, task: Task) -> Picked:
@@ -97,6 +97,6 @@ class Bench:
             self.lift = travel(np.array([self.height]), np.array([command.height]), LIFT), self.cycles
         path, begun_at = self.lift
         at = [CYCLE * (self.cycles + 1 - begun_at)]
-        self.height, self.lift_speed = float(path.at(at)[0, 0]), float(path.velocities(at)[0, 0])
+        self.height, self.lift_speed = float(path.at(at)[0, 0]), float(path.states(at).velocities[0, 0])
         self.sealed = command.suction and (self.sealed or self.height <= self.fruit_height + 1e-9)
         self.vacuum += CYCLE / TIME_CONSTANT * ((VACUUM if self.sealed else 0.0) - self.vacuum)

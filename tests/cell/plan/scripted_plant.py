@@ -7,8 +7,8 @@ from math import hypot
 
 from layflat.cell.plan.pick import Command, Phase, Readings, Relocation, Rules, State, Task
 from layflat.cell.plan.pick_machine import begun, step
-from layflat.cell.reach import Reach
 from layflat.machine import load
+from layflat.motion.reach import Reach
 
 CYCLE = 0.005
 REACH = Reach(load("paper-arm-fast"))

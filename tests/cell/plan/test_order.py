@@ -8,8 +8,8 @@ from places import places
 
 from layflat.cell.plan.containers import Fruit, Packing
 from layflat.cell.plan.order import cup_room, lift_room, next_pick
-from layflat.cell.reach import Angles, Reach
 from layflat.machine import load
+from layflat.motion.reach import Angles, Reach
 
 REACH = Reach(load("paper-arm-fast"))
 PACKING = Packing(places("tray", (0.35, 0.3, 0.0), 0.07, (1, 3)))

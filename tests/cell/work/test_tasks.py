@@ -11,9 +11,9 @@ from layflat.cell import Cell
 from layflat.cell.plan.containers import Fruit, Place, packing_of
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Task
-from layflat.cell.reach import Reach
 from layflat.cell.work.tasks import centred, rules_of, task_of
 from layflat.machine import load
+from layflat.motion.reach import Reach
 
 ANGLES = st.tuples(st.floats(-0.8, 0.8), st.floats(-0.8, 0.8))
 

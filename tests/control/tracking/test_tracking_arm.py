@@ -9,9 +9,9 @@ import pytest
 
 from layflat.description.change import changed_all, value_at
 from layflat.machine import Machine, load
+from layflat.motion.kinematics import tip_position
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
-from layflat.sim.kinematics import tip_position
 
 pytestmark = pytest.mark.compiled
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from layflat.cell.file.model import Cell
 from layflat.cell.geometry import looking, overlap, rotated
-from layflat.cell.reach import Reach
+from layflat.motion.reach import Reach
 
 
 def check(cell: Cell) -> None:

@@ -18,7 +18,7 @@ from math import hypot, sqrt
 from typing import NamedTuple
 
 from layflat.cell.plan.containers import Fruit, Packing, Place
-from layflat.cell.reach import Angles, Posture, Reach
+from layflat.motion.reach import Angles, Posture, Reach
 
 TravelTime = Callable[[Angles, Angles], float]  # from one posture to another, s
 GAP = 3e-3  # of the cup to every fruit that it is not meant for, m: as far as camera and arm may be off

@@ -6,7 +6,7 @@ from enum import Enum
 from math import radians
 from typing import NamedTuple, Self
 
-from layflat.cell.reach import Angles
+from layflat.motion.reach import Angles
 
 
 class Phase(Enum):

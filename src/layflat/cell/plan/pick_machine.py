@@ -12,7 +12,7 @@ from enum import Enum
 from math import dist
 
 from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Rules, State, Task
-from layflat.cell.reach import Angles
+from layflat.motion.reach import Angles
 
 Event = Enum("Event", "SETTLED CONTACT SEALED NO_SEAL RAISED DROPPED HEAVY RELEASED DISTURBED RELOCATED ENDED STUCK")
 """What ends a phase."""

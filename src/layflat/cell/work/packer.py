@@ -10,13 +10,13 @@ from layflat.cell.plan.containers import Fruit, free_place_at, packing_of
 from layflat.cell.plan.order import Choice, NotPicked, next_pick
 from layflat.cell.plan.pick import Command, Outcome, Phase, Relocation, State
 from layflat.cell.plan.pick_machine import begun, step
-from layflat.cell.reach import Angles, Reach
 from layflat.cell.vision import SURE
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.records import Pick
 from layflat.cell.work.station import Station
 from layflat.cell.work.tasks import centred, passing_height, rules_of, task_of
 from layflat.cell.work.world_model import WorldModel, apart, same
+from layflat.motion.reach import Angles, Reach
 
 IMAGES, PAUSE = 3, 0.2  # that are tried one after the other until one can be used, and the time between them, s
 STRAYED = 30e-3  # how far a fruit may have rolled when the cup missed it and still be taken for the same, m

@@ -6,12 +6,12 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.bridge import MujocoPlant
-from layflat.cell.plan.motion import LEAD, move_arm
 from layflat.cell.plan.pick import Command, Readings, Relocation
-from layflat.cell.reach import Angles
 from layflat.cell.scene import Scene
 from layflat.errors import RigStoppedError
 from layflat.machine import Machine
+from layflat.motion.reach import Angles
+from layflat.motion.travel import LEAD, move_arm
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.rig.clock import SECOND, Clock, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice

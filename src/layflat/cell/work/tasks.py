@@ -7,7 +7,7 @@ from layflat.cell.file.model import Cell
 from layflat.cell.plan.containers import Fruit, Place
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import Rules, Task
-from layflat.cell.reach import Angles, Reach
+from layflat.motion.reach import Angles, Reach
 
 GAP = 10e-3  # between what passes and what it passes over, m
 PRESSED = 3e-3  # by how much the cup is led lower than a fruit's top is thought to be, m; the lift gives way

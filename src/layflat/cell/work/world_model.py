@@ -20,9 +20,9 @@ from layflat.arrays import Array
 from layflat.cell.file.model import Cell
 from layflat.cell.perception import Observation, Perception
 from layflat.cell.plan.containers import Fruit
-from layflat.cell.reach import Angles, Reach
 from layflat.cell.work.observer import Observer
 from layflat.errors import PictureError
+from layflat.motion.reach import Angles, Reach
 
 SAME = 15e-3  # two detections nearer than this are of one fruit, m: no two fit there
 HANGING = 0.05  # radius of what hangs from the tip, m: lift, cup and the largest fruit

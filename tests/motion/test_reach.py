@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.reach import AMPLE_MARGIN, Angles, Reach
 from layflat.machine import changed, load
-from layflat.sim.kinematics import tip_position
+from layflat.motion.kinematics import tip_position
+from layflat.motion.reach import AMPLE_MARGIN, Angles, Reach
 
 ARM = load("paper-arm")
 STRAIGHT = changed(ARM, "arm.elbow", 0.0)

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.cell.plan.limits import MotionLimits, arm_limits
-from layflat.cell.plan.motion import LEAD, Path, move_arm, tip_peaks, travel
 from layflat.description.change import changed_all
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, changed, load, parameters
+from layflat.motion.limits import MotionLimits, arm_limits
+from layflat.motion.travel import LEAD, Travel, move_arm, tip_peaks, travel
 from layflat.rig.safety.demands import Demand, Gate, followed, margin
 from layflat.sim import rollout
 
@@ -84,7 +84,7 @@ def test_a_position_that_is_no_number_is_refused() -> None:
 
 def test_without_ruckig_it_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ruckig", None)
-    with pytest.raises(InputError, match=r"pip install 'layflat\[cell\]'"):
+    with pytest.raises(InputError, match=r"pip install 'layflat\[motion\]'"):
         travel(np.zeros(1), np.ones(1), MotionLimits((1.0,), (1.0,), (1.0,)))
 
 
@@ -176,7 +176,7 @@ def test_limits_grow_with_their_shares_and_fall_with_the_payload() -> None:
 def test_slower_limits_stretch_the_same_way() -> None:
     start, end = np.radians([-20.0, 10.0]), np.radians([20.0, 0.0])
     path = move_arm(ARM, start, end)
-    slow: Path = travel(start, end, path.limits.slower(1.7))
+    slow: Travel = travel(start, end, path.limits.slower(1.7))
     times = np.linspace(0.0, path.duration, 50)
     assert slow.duration == pytest.approx(1.7 * path.duration)
     assert slow.at(1.7 * times) == pytest.approx(path.at(times), abs=1e-9)

@@ -8,14 +8,18 @@
 | p_s, p_h | absolute pressure of the supply, and in hoses that leak equally to supply and exhaust | Pa |
 | V | volume of a hose in the middle of its travel | m3 |
 | M | mass matrix of the arm | kg m2 |
+| k | stiffness of a joint whose hoses are shut: torque per angle | N m/rad |
 
 Speed: w = C p_0 / K. Acceleration: the torque of a full hose against an empty one, less brake and gravity, over M, for
 all joints at once in their worst directions. Jerk: both hoses' pressures change by C p_0 (p_s phi + p_h phi) / V a
-second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md.
+second, which is a rate of torque, over M likewise. Derived in docs/cell-plan.md. Stiffness: a hose that keeps its air
+and its temperature changes its pressure by p_h K / V per radian, so that two of them give k = 2 K^2 p_h / V.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self
+from math import inf
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -28,6 +32,7 @@ from layflat.physics.flow import effective_pressure, laminar_slope
 from layflat.physics.joint import FILLED
 
 POSTURES = 9  # looked at along a move
+RESERVE = 0.35  # share of what joints can do that planned motions leave to feedback (docs/motion.md)
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,45 @@ class MotionLimits:
         return type(self)(*(tuple(share * limit for limit in limits) for share, limits in parts))
 
 
+class TipLimits(NamedTuple):
+    """What the tip may do at most."""
+
+    speed: float = inf  # m/s
+    acceleration: float = inf  # m/s2
+    jerk: float = inf  # along its path, m/s3
+
+
+class Ability(NamedTuple):
+    """What the joints of a machine can do with their valves fully open, and what opposes them; (joints,) each."""
+
+    speed: Array  # rad/s
+    torque: Array  # of a full hose against an empty one, N m
+    least_torque: Array  # that the other way, negative; 0 with a single hose
+    rate: Array  # of the torque, N m/s
+    stiffness: Array  # of hoses that are shut, N m/rad
+    friction: Array  # of brake and bearings, N m
+    loss: Array  # torque by which hoses and straps oppose motion, N m
+    damping: Array  # N m s/rad
+
+    def share(self, torques: Array) -> Array:
+        """Return how far torques (..., joints) are from the middle of what the hoses give, 1 at either end."""
+        middle = (self.torque + self.least_torque) / 2
+        return np.abs(torques - middle) / (self.torque - middle)
+
+    def room(self, way: Array) -> tuple[Array, Array]:
+        """Return the most and the least torque, (points, joints), that dry friction leaves to motions of some sign."""
+        rubbing = (self.friction + self.loss) * np.sign(way)
+        return self.torque - rubbing, self.least_torque - rubbing
+
+    def less(self, reserve: float) -> "Ability":
+        """Return what is left if a share of speeds, torques and their rates is kept as a reserve."""
+        left, middle = 1.0 - reserve, (self.torque + self.least_torque) / 2
+        reach = left * (self.torque - middle)
+        return self._replace(
+            speed=left * self.speed, torque=middle + reach, least_torque=middle - reach, rate=left * self.rate
+        )
+
+
 def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | None = None) -> MotionLimits:
     """Return what hoses and valves can do in a move between two postures (joints,), rad, at the worst on its way.
 
@@ -56,23 +100,37 @@ def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | N
     itself against gravity.
     """
     mass = machine.arm.payload if payload is None else payload
-    speed, torque, rate = np.array([_joint_ability(machine, name) for name in machine.joints]).T
+    able = abilities(machine)
     # Greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way.
     arm = parameters.arm(machine)
     on_way = [parameters.mass_and_pull(arm, mass, angles) for angles in np.linspace(start, end, POSTURES)]
     inertia, gravity = (np.abs(found).max(axis=0) for found in zip(*on_way, strict=True))
-    torque = torque - gravity
+    torque = able.torque - able.friction - gravity
     if torque.min() <= 0.0:
         name = list(machine.joints)[int(torque.argmin())]
         problem = f"joint {name!r} can't hold {mass:g} kg against gravity and its brake"
         right = "a smaller payload, a wider hose or more pressure"
         raise MachineError(problem, where=machine.origin, right=right)
-    acceleration, jerk = _together(inertia, torque), _together(inertia, rate)
-    return MotionLimits(tuple(speed.tolist()), tuple(acceleration.tolist()), tuple(jerk.tolist()))
+    acceleration, jerk = _together(inertia, torque), _together(inertia, able.rate)
+    return MotionLimits(tuple(able.speed.tolist()), tuple(acceleration.tolist()), tuple(jerk.tolist()))
 
 
-def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
-    """Return speed (rad/s), torque less friction (N m) and its rate (N m/s) of a joint with its valve fully open."""
+def abilities(machine: Machine) -> Ability:
+    """Return what the joints can do; raise MachineError if the machine has no valves."""
+    return Ability(*np.array([_joint_ability(machine, name) for name in machine.joints]).T)
+
+
+def check_holds(machine: Machine, gravity: Array, most: Array, least: Array, payload: float) -> None:
+    """Raise MachineError if a joint can't hold itself against gravity (points, joints) on the way."""
+    lacking = np.maximum(gravity - most, least - gravity).max(axis=0)
+    if lacking.max() >= 0.0:
+        name = list(machine.joints)[int(lacking.argmax())]
+        problem = f"joint {name!r} can't hold {payload:g} kg against gravity and friction on its way"
+        raise MachineError(problem, where=machine.origin, right="a smaller payload or reserve, or more pressure")
+
+
+def _joint_ability(machine: Machine, name: str) -> Sequence[float]:
+    """Return the values of `Ability` of a joint."""
     valve, _, _ = parameters.drive_parts(machine)
     joint = machine.joint[name]
     K = parameters.torque_constant(joint)
@@ -83,9 +141,19 @@ def _joint_ability(machine: Machine, name: str) -> tuple[float, float, float]:
     through = conductance * REFERENCE_PRESSURE
     filling = through * float(effective_pressure(supply, held, b, slope)) / volume
     venting = through * float(effective_pressure(held, outside, b, slope)) / volume
-    hoses = filling + venting if joint.acting == "double" else min(filling, venting)
-    gauge = machine.supply.pressure_gauge
-    return through / K, K * gauge - parameters.static_friction(joint, gauge), K * hoses
+    double = joint.acting == "double"
+    gauge, hoses = machine.supply.pressure_gauge, 2 if double else 1
+    _, damping = parameters.loss(joint)
+    return (
+        through / K,
+        K * gauge,
+        -K * gauge if double else 0.0,
+        K * (filling + venting if double else min(filling, venting)),
+        hoses * K**2 * held / volume,
+        parameters.static_friction(joint, gauge),
+        0.5 * parameters.loss_share(joint) * K * gauge,
+        joint.brake.viscous + hoses * (damping.base + damping.slope * (held - outside)),
+    )
 
 
 def _with_line(line: Line | None, volume: float, conductance: float) -> tuple[float, float]:

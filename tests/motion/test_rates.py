@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.machine import load
+from layflat.motion.rates import derived_rates
 from layflat.sim import Scenario
-from layflat.sim.rates import derived_rates
 from layflat.sim.scenario import shapes
 
 T = 0.005

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.machine import Machine
-from layflat.sim.kinematics import tip_position
+from layflat.motion.kinematics import tip_position
 
 Angles = tuple[float, ...]  # one angle a joint, from base to tip, rad
 END_MARGIN = radians(3.0)  # that is kept to the ends of a working stroke, rad: a joint may overshoot

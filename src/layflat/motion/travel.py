@@ -4,18 +4,18 @@ Time-optimal within the limits, all axes ending together. Source: berscheid2021,
 """
 
 from dataclasses import dataclass
-from math import ceil, inf, sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from layflat import extras
 from layflat.arrays import Array
-from layflat.cell.plan.limits import MotionLimits, arm_limits
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
-from layflat.sim.kinematics import tip_position
+from layflat.motion.kinematics import tip_position
+from layflat.motion.limits import MotionLimits, arm_limits
+from layflat.motion.trajectory import States, Trajectory
 
 LEAD = 0.2  # with which the paper's controllers follow best, s (docs/cell-plan.md)
 POINTS = 400  # at which the tip's motion along a path is looked at
@@ -25,44 +25,34 @@ SHARES = 0.3, 0.6, 0.6
 
 
 @dataclass(frozen=True)
-class Path:
-    """A motion from rest to rest."""
+class Travel(Trajectory):
+    """A motion from rest to rest, straight in joint space."""
 
     start: Array
     end: Array
     limits: MotionLimits  # that it keeps
-    duration: float  # s
     _trajectory: Any
 
-    def at(self, times: ArrayLike) -> Array:
-        """Return positions (times, axes) at times from the beginning on (s); at rest before and after."""
-        return self._states(times, 0)
-
-    def velocities(self, times: ArrayLike) -> Array:
-        """Return velocities, likewise."""
-        return self._states(times, 1)
-
-    def _states(self, times: ArrayLike, which: int) -> Array:
-        inside = np.clip(np.asarray(times, dtype=np.float64), 0.0, self.duration)
-        return np.array([self._trajectory.at_time(time)[which] for time in inside.tolist()])
+    def _states(self, times: Array) -> States:
+        return States(*(np.array(of) for of in zip(*map(self._trajectory.at_time, times.tolist()), strict=True)))
 
     def demand(self, cycle: float, *, lead: float = 0.0) -> Array:
         """Return one row a control cycle (s), (cycles, axes), from the start to the end.
 
-        The demand runs ahead by `lead` (s) at the path's speed, but not past its end: a controller of the error lags
+        The demand runs ahead by `lead` (s) at the motion's speed, but not past its end: a controller of the error lags
         behind what moves.
         """
-        times = cycle * np.arange(ceil(self.duration / cycle - 1e-9) + 1)
-        ahead = self.at(times) + lead * self.velocities(times)
+        angles, velocities, _ = self.rows(cycle)
+        ahead = angles + lead * velocities
         return np.clip(ahead, np.minimum(self.start, self.end), np.maximum(self.start, self.end))
 
 
-def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
+def travel(start: Array, end: Array, limits: MotionLimits) -> Travel:
     """Plan the quickest way from rest to rest between two positions (axes,), rad or m.
 
     Raise InputError if ruckig is not installed, or a number is not finite.
     """
-    otg, axes = extras.module("cell", "ruckig"), len(start)
+    otg, axes = extras.module("motion", "ruckig"), len(start)
     if not (np.isfinite(start).all() and np.isfinite(end).all()):
         raise InputError("a position is not finite", where="travel", right="give numbers only")
     wanted = otg.InputParameter(axes)
@@ -75,13 +65,13 @@ def travel(start: Array, end: Array, limits: MotionLimits) -> Path:
     result = otg.Ruckig(axes).calculate(wanted, trajectory)
     if result not in {otg.Result.Working, otg.Result.Finished}:
         raise LayflatError(f"no motion from {start.tolist()} to {end.tolist()} was found: {result}")
-    return Path(start.copy(), end.copy(), limits, float(trajectory.duration), trajectory)
+    return Travel(float(trajectory.duration), start.copy(), end.copy(), limits, trajectory)
 
 
 def move_arm(
     machine: Machine, start: Array, end: Array, *, payload: float | None = None,
     tip_acceleration: float = inf, tip_speed: float = inf,
-) -> Path:  # fmt: skip
+) -> Travel:  # fmt: skip
     """Plan a move of an arm's joints, from angles to angles (joints,), rad, within `SHARES` of what it can do.
 
     The payload (kg) is by default the machine's. The planned motion of the tip exceeds neither the speed (m/s) nor the
@@ -96,7 +86,7 @@ def move_arm(
     return path if factor <= 1.0 else travel(start, end, path.limits.slower(factor))
 
 
-def tip_peaks(machine: Machine, path: Path) -> tuple[float, float]:
+def tip_peaks(machine: Machine, path: Travel) -> tuple[float, float]:
     """Return the greatest speed (m/s) and acceleration (m/s2) of the tip along a planned motion of the arm."""
     if path.duration == 0.0:
         return 0.0, 0.0

@@ -1,0 +1,67 @@
+"""Torques that a motion asks of an arm's joints.
+
+| symbol | meaning | unit |
+|---|---|---|
+| s | how far along a path, q(s) | m or rad |
+| m, c, g | torques per acceleration s'', per s'^2, and of gravity | N m per that |
+| M, h | mass matrix; torques of the velocities, quadratic in them | kg m2, N m |
+
+M q'' + h + g with q' = dq/ds s' and q'' = dq/ds s'' + d2q/ds2 s'^2 is m s'' + c s'^2 + g, with m = M dq/ds and
+c = M d2q/ds2 + h(dq/ds). Source: bobrow1985.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.machine import Machine, parameters
+from layflat.motion.limits import Ability
+from layflat.motion.path import Path
+from layflat.motion.trajectory import States
+from layflat.physics.arms import dynamics
+
+
+class PathTorques(NamedTuple):
+    """Symbols m, c and g of the module's table, (points, joints) each, and the derivative of the angles, likewise."""
+
+    mass: Array
+    centrifugal: Array
+    gravity: Array
+    rate: Array
+
+
+def path_torques(machine: Machine, path: Path, s: Array, payload: float) -> PathTorques:
+    """Return what motions along a path ask of the joints at distances (points,), with a payload in kg."""
+    q, first, second = path.at(s)
+    mass, of_velocities, gravity = _rigid_body(machine, q, first, payload)
+    return PathTorques(_times(mass, first), _times(mass, second) + of_velocities, gravity, first)
+
+
+def rigid_torques(machine: Machine, states: States, payload: float) -> Array:
+    """Return the torques that move the masses and hold them against gravity, (instants, joints), N m."""
+    mass, of_velocities, gravity = _rigid_body(machine, states.angles, states.velocities, payload)
+    return _times(mass, states.accelerations) + of_velocities + gravity
+
+
+def hose_torques(machine: Machine, able: Ability, states: States, payload: float) -> Array:
+    """Return the torques that the hoses have to give, friction and losses included, (instants, joints), N m."""
+    opposing = (able.friction + able.loss) * np.sign(states.velocities) + able.damping * states.velocities
+    return rigid_torques(machine, states, payload) + opposing
+
+
+def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
+    """Return mass matrices (instants, joints, joints), and torques of velocities and of gravity (instants, joints)."""
+    arm, n = parameters.arm(machine), angles.shape[1]
+    postures = zip(angles.tolist(), velocities.tolist(), strict=True)
+    rows = [dynamics(arm, payload, tuple(q), tuple(v)) for q, v in postures]
+    upper, of_velocities, gravity = (np.array(column) for column in zip(*rows, strict=True))
+    mass = np.zeros((len(rows), n, n))
+    across, down = np.triu_indices(n)
+    mass[:, across, down] = mass[:, down, across] = upper
+    return mass, of_velocities, gravity
+
+
+def _times(mass: Array, of: Array) -> Array:
+    product: Array = np.einsum("tij,tj->ti", mass, of)
+    return product

@@ -1,0 +1,65 @@
+"""Where the tip of a machine's arm is, and how it moves.
+
+| symbol | meaning | unit |
+|---|---|---|
+| q | joint angles from the middle of each stroke | rad |
+| t_i | direction of link i: q_1, and q_1 + q_2 + e, with the elbow's angle e | rad |
+| l_i | length of link i | m |
+| u_i, n_i | unit vectors along link i and across it | 1 |
+
+The tip is at l_1 u_1 + l_2 u_2. It moves with l_1 t_1' n_1 + l_2 t_2' n_2, and is accelerated by
+l_1 (t_1'' n_1 - t_1'^2 u_1) + l_2 (t_2'' n_2 - t_2'^2 u_2); likewise with derivatives by anything else than time.
+"""
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.errors import MachineError
+from layflat.machine import Machine, parameters
+from layflat.physics.arms import tips_along
+from layflat.physics.arms.planar import PlanarArmPart
+
+
+def tip_position(machine: Machine, q: Array) -> Array:
+    """Position of the tip, (..., 2) in m, x along link 1 at mid-stroke, for angles (..., joints) in rad within +-pi."""
+    rows = np.ascontiguousarray(q.reshape(-1, q.shape[-1]))
+    tips: Array = tips_along(parameters.arm(machine), (0.0,) * q.shape[-1], rows)
+    return tips.reshape(*q.shape[:-1], 2)
+
+
+def links(machine: Machine) -> tuple[Array, Array]:
+    """Return the lengths of the links (m) and the angles between them at mid-stroke (rad), (joints,) each.
+
+    Raises:
+        MachineError: the arm is not a planar one.
+    """
+    if not isinstance(machine.arm, PlanarArmPart):
+        what, right = f"has an arm of kind {machine.arm.kind!r}", 'motions of the tip need one of kind "planar"'
+        raise MachineError(what, where=machine.origin, right=right)
+    lengths = np.array([joint.link.length for joint in machine.joints.values()])
+    return lengths, np.array([0.0, machine.arm.elbow][: len(lengths)])
+
+
+def directions(angles: Array) -> tuple[Array, Array]:
+    """Return unit vectors along and across directions (...,) in rad, (..., 2) each."""
+    c, s = np.cos(angles), np.sin(angles)
+    return np.stack([c, s], axis=-1), np.stack([-s, c], axis=-1)
+
+
+def tip_motion(machine: Machine, q: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    """Return the first and second derivative of the tip's position, (points, 2) each, from those of the angles.
+
+    Args:
+        machine: with a planar arm.
+        q: angles (points, joints), rad.
+        first: their derivatives by time, or by the length of a path.
+        second: their second derivatives.
+
+    Raises:
+        MachineError: as `links`.
+    """
+    lengths, bends = links(machine)
+    along, across = directions(np.cumsum(q + bends, axis=-1))
+    rate, change = (np.cumsum(of, axis=-1)[..., None] for of in (first, second))
+    arms = lengths[:, None]
+    return (arms * rate * across).sum(axis=-2), (arms * (change * across - rate**2 * along)).sum(axis=-2)
