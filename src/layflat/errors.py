@@ -97,6 +97,10 @@ class RigStoppedError(LayflatError):
     """The rig's supervisor holds the joints, or has let out the air; the message says for which fault."""
 
 
+class UnreachedError(LayflatError):
+    """A search did not find what brings an arm to its goal."""
+
+
 class DivergedError(LayflatError):
     """A run left the range in which the model is valid.
 

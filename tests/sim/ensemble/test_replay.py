@@ -80,3 +80,12 @@ def test_a_run_that_diverges_is_no_numbers_from_there() -> None:
     angles = traced(ARM, case, {"seed": [0.0]}, ("angle",))[0, :, 0, 0]
     assert np.isfinite(angles[0])
     assert np.isnan(angles[-1])
+
+
+def test_each_run_may_have_openings_of_its_own() -> None:
+    openings = np.random.default_rng(4).uniform(-1.0, 1.0, (3, 20, 2))
+    each = [Scenario(opening=one, duration=0.1, noise=False) for one in openings]
+    together = traced(ARM, each, {"scenario": np.arange(3)}, ("angle", "pressure_a"))
+    alone = [traced(ARM, one, {"seed": [0.0]}, ("angle", "pressure_a"))[0] for one in each]
+    assert np.array_equal(together, alone)
+    assert np.ptp(together[:, -1, :, 1], axis=0).min() > 5e3

@@ -99,8 +99,9 @@ def ensemble(
     from layflat.sim.ensemble.dataset import measured  # noqa: PLC0415  # xarray takes long to import
 
     chosen = checked_options(Options, options, "ensemble")
-    given = [scenario or Scenario()] if scenario is None or isinstance(scenario, Scenario) else list(scenario)
-    prepared = cases(load(machine), given, vary or {}, chosen.runs, controller=chosen.controller)
+    prepared = cases(
+        load(machine), _scenarios(scenario or Scenario()), vary or {}, chosen.runs, controller=chosen.controller
+    )
     bands = u.quantity(chosen.band, u.ANGLE, "band"), u.quantity(chosen.tip_band, u.LENGTH, "tip_band")
     if chosen.every < 1:
         raise InputError(f"{chosen.every} is out of range", where="every", right="give 1 or more")
@@ -114,7 +115,7 @@ def ensemble(
 
 def traced(
     machine: Machine,
-    scenario: Scenario,
+    scenario: Scenario | Sequence[Scenario],
     vary: Mapping[str, ArrayLike],
     traces: Sequence[str],
     *,
@@ -123,13 +124,15 @@ def traced(
 ) -> Array:
     """As `ensemble`, but nothing is measured: signals of all runs at the beginning of every control cycle.
 
+    Runs that differ in signals, such as their openings, have a scenario each: `vary["scenario"]` says which.
+
     Returns:
         (runs, cycles, joints, signals); not numbers from where a run diverged.
 
     Raises:
         InputError: as `ensemble`.
     """
-    prepared = cases(machine, [scenario], vary, None)
+    prepared = cases(machine, _scenarios(scenario), vary, None)
     results = room_for_results(prepared, _columns(traces), 1)
     for _ in _run_on_threads(
         threads or os.cpu_count() or 1, prepared, _timing(prepared, step), (BAND, TIP_BAND), results
@@ -138,6 +141,10 @@ def traced(
     begun = np.arange(prepared.cycles) > results.totals[:, DIVERGED, None]
     results.traces[begun] = np.nan
     return results.traces
+
+
+def _scenarios(given: Scenario | Sequence[Scenario]) -> list[Scenario]:
+    return [given] if isinstance(given, Scenario) else list(given)
 
 
 def _timing(prepared: Cases, step: Value) -> Timing:

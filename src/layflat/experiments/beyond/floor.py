@@ -1,0 +1,97 @@
+"""A time that no step can undercut by much: rigid links, and torques that are limited, and so are their rates.
+
+A linear program decides whether so many control cycles are enough. It is optimistic where the plant is not linear: the
+mass matrix is that of the elbow angle, anywhere in the stroke, at which the step is over soonest; hoses have all of the
+supply's pressure; air flows choked into the smaller volume and out of it; friction helps the arm to stop and never
+hinders it. What velocities do to each other (Coriolis terms) is left out.
+"""
+
+from bisect import bisect_left
+from functools import partial
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.experiments.beyond.double_integrators import Actuator, Motion, is_enough
+from layflat.experiments.beyond.shooting import Shooting
+from layflat.machine import Joint as JointPart
+from layflat.machine import Machine, parameters
+from layflat.motion.kinematics import tip_position
+from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENCE_TEMPERATURE
+from layflat.physics.arms import dynamics
+from layflat.physics.hose import swept_volume, torque_per_pressure
+from layflat.physics.joint import FILLED, Hose, Joint, Surroundings
+
+ELBOWS = 5  # angles of the last joint over its stroke
+FIRST = 40  # cycles that are tried at first
+DIRECTIONS = 16  # sides of the polygon about the band
+
+
+def settling_floor(shooting: Shooting, band: float) -> float:
+    """Return a time below the least after which the tip can stay within its band, s.
+
+    Args:
+        shooting: the step.
+        band: of the tip, m.
+    """
+    machine = shooting.machine
+    actuators = _actuators(shooting)
+    stroke = list(machine.joints.values())[-1].stops.working_stroke
+    elbows = np.linspace(-0.5, 0.5, ELBOWS) * stroke if len(actuators) > 1 else np.zeros(1)
+    way = np.subtract(shooting.start, shooting.end)
+    sides = _sides(machine, np.array(shooting.end))
+    motions = [Motion(mass_matrix(machine, q), actuators, way, sides, band, machine.cycle) for q in elbows.tolist()]
+    few, cycles = 0, FIRST
+    while not any(is_enough(motion, cycles) for motion in motions):
+        few, cycles = cycles, 2 * cycles
+    for motion in motions:
+        if cycles > few + 1 and is_enough(motion, cycles - 1):
+            cycles = bisect_left(range(cycles), True, lo=few + 1, key=partial(is_enough, motion))
+    return cycles * machine.cycle
+
+
+def _sides(machine: Machine, q: Array) -> Array:
+    """Distances of the tip from a goal in all directions by small changes of the angles, (sides, joints), m/rad."""
+    small = 1e-5 * np.identity(len(q))
+    jacobian = (tip_position(machine, q + small) - tip_position(machine, q - small)).T / 2e-5
+    angles = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1) @ jacobian
+
+
+def _actuators(shooting: Shooting) -> list[Actuator]:
+    machine = shooting.machine
+    joints, around = parameters.joints(machine), parameters.surroundings(machine)
+    parts, ends = machine.joints.values(), zip(shooting.start, shooting.end, strict=True)
+    return [actuator(*each, around) for each in zip(parts, joints, ends, strict=True)]
+
+
+def actuator(described: JointPart, joint: Joint, angles: tuple[float, float], around: Surroundings) -> Actuator:
+    """Return what a joint can do at best between two angles, rad."""
+    p_s, p_a = around.supply_pressure, around.ambient_pressure
+    hoses = [(hose, hose.neutral + sign * q) for hose, sign in ((joint.hose_a, 1), (joint.hose_b, -1)) for q in angles]
+    K = max(torque_per_pressure(hose.stroke, travel) for hose, travel in hoses)
+    volumes = [_volume(hose, travel, FILLED * p_s) for hose, travel in hoses]
+    fed = joint.valve.conductance * (REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE)
+    a, b = joint.hose_a.damping, joint.hose_b.damping
+    return Actuator(
+        torque=K * (p_s - p_a),
+        rate=2.0 * GAMMA * K * fed * p_s / min(volumes),
+        stiffness=2.0 * GAMMA * K * K * FILLED * p_s / float(np.mean(volumes)),
+        friction=joint.brake_torque + parameters.loss_share(described) * K * (p_s - p_a),
+        damping=joint.viscous_friction + a.base + b.base + (a.slope + b.slope) * (p_s - p_a),
+    )
+
+
+def _volume(hose: Hose, travel: float, p: float) -> float:
+    """Volume of air in a hose, with what its wall gives way as the pressure changes, m3."""
+    return float(hose.chamber.dead_volume + swept_volume(hose.stroke, travel) + GAMMA * hose.chamber.compliance * p)
+
+
+def mass_matrix(machine: Machine, elbow: float) -> Array:
+    """Return the mass matrix with the last joint at an angle (rad), (joints, joints), kg m2."""
+    n = len(machine.joints)
+    q = (0.0,) * (n - 1) + (elbow,)
+    mass, _, _ = dynamics(parameters.arm(machine), machine.arm.payload, q, (0.0,) * n)
+    full = np.zeros((n, n))
+    full[np.triu_indices(n)] = mass
+    return full + np.triu(full, 1).T
