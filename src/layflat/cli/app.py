@@ -36,6 +36,7 @@ app = LazyTyper(
         "studies": "study",
         "study": "study",
         "reproduce": "reproduce",
+        "beyond": "beyond",
         "excite": "identify",
         "identify": "identify",
         "log": "log:logs",

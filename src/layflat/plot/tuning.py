@@ -32,7 +32,7 @@ def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) 
     return made
 
 
-def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -> Figure:
+def settled_shares(settling: Mapping[str, Array], limit: float | None, window: float) -> Figure:
     """Draw the share of moves that have settled over time (s); what has not by the window's end never does."""
     with figure() as (made, (axes,)):
         for order, (label, times) in enumerate(settling.items()):
@@ -41,7 +41,8 @@ def settled_shares(settling: Mapping[str, Array], limit: float, window: float) -
             share = 100.0 * np.arange(1, len(ordered) + 1) / times.size
             time, last = np.append(ordered, window), share[-1:] if len(share) else 0.0
             axes.step(time, np.append(share, last), where="post", label=label, **LINES[order])
-        mark(axes, limit, f"{limit:g} s", upright=True)
+        if limit is not None:
+            mark(axes, limit, f"{limit:.3g} s", upright=True)
         axes.set_xlim(0.0, window)
         axes.set_ylim(0.0, 102.0)
         axes.set_xlabel("Time since the move began (s)")

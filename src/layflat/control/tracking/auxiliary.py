@@ -87,8 +87,8 @@ def _adjusted(joint, shares, wanted, T):
 
 
 @law
-def _pumped(joint, state, k, way):
-    return PUMPED * way * (1.0 - is_near(joint, state, k))
+def _pumped(joint, state, k, way, around):
+    return PUMPED * way * (1.0 - is_near(joint, state, k, around))
 
 
 @law
@@ -112,7 +112,8 @@ def asked_of(plant, auxiliary, states, demand, rests, stays, T):
     released = select((soft & (rested > RELEASED)) | (rests < 0.5), 1.0, 0.0)
     wanted = each(_wanted, plant.joints, states, demand.angle, k, plant.around, stays, quiet, released)
     mean, after = each(_adjusted, plant.joints, auxiliary.shares, wanted, T)
-    pumped = each(_pumped, plant.joints, states, k, select(rested > 0.0, 0.0, stays * auxiliary.way))
+    pumps = select(rested > 0.0, 0.0, stays * auxiliary.way)
+    pumped = each(_pumped, plant.joints, states, k, pumps, plant.around)
     led = select(soft & (rested > LET_GO), 0.0, released)
     compliant = select(soft & (rested > COMPLIANT), 1.0, 0.0)
     return Asked(wanted, mean, k, pumped, controls, led, compliant), Auxiliary(after, rested, k, -auxiliary.way)
@@ -143,7 +144,7 @@ def rested_for(plant, auxiliary, asked, states, response, estimate, resting, T):
     k, rested = asked.stiffness, auxiliary.rested
     loaded = each(_loaded, plant.joints, states, estimate.frictions, response.steady, estimate.loads, plant.around)
     most, speed = select(rested > QUIET, STILL_SURE, SURE), largest(each(_speed, states))
-    near = least(each(is_near, plant.joints, states, k)) > 0.5
+    near = least(each(is_near, plant.joints, states, k, plant.around)) > 0.5
     holds = (resting > 0.5) & (speed == 0.0) & (greatest(loaded) < most) & near
     calm = ((resting > 0.5) & (speed < CALM)) | (asked.compliant > 0.5)
     freed = (largest(k) > 0.0) & (rested > RELEASED)

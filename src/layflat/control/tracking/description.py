@@ -10,7 +10,7 @@
 """
 
 from math import ceil, pi
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import Field
@@ -18,7 +18,7 @@ from pydantic import Field
 from layflat.control.kind import ControllerPart
 from layflat.control.tracking.estimation import Prior, Shapes
 from layflat.control.tracking.law import Settings
-from layflat.control.tracking.limits import ActuatorLimits, Margins
+from layflat.control.tracking.limits import ActuatorLimits, Margins, Parts
 from layflat.control.tracking.model import STEP, ObserverTuning, Plant
 from layflat.control.tracking.torques import Feedback
 from layflat.description import units as u
@@ -38,6 +38,9 @@ SEEN = 0.1, 0.45  # periods of the dither in a control cycle between which sampl
 JERK = 0.8  # share of the torque's rate that is planned with: it falls as the hoses fill
 
 Part = Annotated[float, Field(gt=0.0, le=1.0)]
+PartOfLaw = Literal["feedback", "feedforward", "friction", "governor", "landing", "learning", "pressures"]
+"""Feedback of angles, feed-forward of accelerations, torque against friction, slowing down where valves saturate,
+setting out again from beside the goal, learning of loads, frictions and payload, correction by pressures."""
 
 
 class TrackingControllerPart(ControllerPart):
@@ -58,6 +61,7 @@ class TrackingControllerPart(ControllerPart):
     load_wander: u.Share = Field(default=0.1, description="by how much it changes in a second")
     friction_spread: u.Share = Field(default=0.2, description="by how much friction may differ from the described")
     angle_errors: u.Ratio = Field(default=2.0, description="errors of the model's angle over those of the sensor")
+    without: tuple[PartOfLaw, ...] = Field(default=(), description="parts of the law that are left out, to compare")
 
 
 def settings(described: TrackingControllerPart, machine: Any) -> Settings:
@@ -69,13 +73,17 @@ def settings(described: TrackingControllerPart, machine: Any) -> Settings:
     w = np.minimum(described.bandwidth, QUICKEST / T)
     error = np.sqrt(_variance(joints[0].angle_sensor))
     share, notch = described.pressure_trust, _notch(joints[0].valve, T)
+    has = {part: float(part not in described.without) for part in get_args(PartOfLaw)}
+    share = share * has["pressures"]
     observer = tuple(ObserverTuning(described.torque_errors * a.torque, error, share, notch) for a in actuators)
     margins = Margins(1.0 - described.reserve, JERK, described.quickest, described.tolerance)
+    w = w * has["feedback"]
     feedback = tuple(Feedback(w * w, 2.0 * w, described.valve_share, EASING * actuator.rate) for actuator in actuators)
+    parts = Parts(has["feedforward"], has["friction"], has["governor"], has["landing"])
     m = 2 * n + 1
     shapes = Shapes((0.0,) * (n * n), (0.0,) * (m * m), (0.0,) * (n * m))
-    prior = _unknowns(described, joints, actuators, plant.around.payload)
-    return Settings(plant, actuators, observer, feedback, margins, prior, shapes)
+    prior = _unknowns(described, joints, actuators, plant.around.payload, has["learning"])
+    return Settings(plant, actuators, observer, feedback, margins, parts, prior, shapes)
 
 
 def _plant(machine: Any) -> Plant:
@@ -125,18 +133,22 @@ def _variance(sensor: Sensor) -> float:
 
 
 def _unknowns(
-    described: TrackingControllerPart, joints: tuple[Joint, ...], actuators: tuple[ActuatorLimits, ...], payload: float
+    described: TrackingControllerPart,
+    joints: tuple[Joint, ...],
+    actuators: tuple[ActuatorLimits, ...],
+    payload: float,
+    learns: float,
 ) -> Prior:
     n = len(joints)
     torques, rubs = [actuator.torque for actuator in actuators], [joint.brake_torque for joint in joints]
     return Prior(
         (*[0.0] * (2 * n), payload),
         (
-            *[described.load_spread * torque for torque in torques],
-            *[described.friction_spread * rub for rub in rubs],
-            described.payload_spread,
+            *[learns * described.load_spread * torque for torque in torques],
+            *[learns * described.friction_spread * rub for rub in rubs],
+            learns * described.payload_spread,
         ),
-        (*[described.load_wander * torque for torque in torques], *[0.0] * (n + 1)),
+        (*[learns * described.load_wander * torque for torque in torques], *[0.0] * (n + 1)),
         (*[-0.5 * torque for torque in torques], *[-0.6 * rub for rub in rubs], 0.0),
         (*[0.5 * torque for torque in torques], *rubs, np.maximum(5.0, 3.0 * payload)),
         described.angle_errors * described.angle_errors * _variance(joints[0].angle_sensor),

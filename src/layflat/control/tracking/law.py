@@ -30,7 +30,7 @@ from layflat.control.tracking.estimation import (
     propagated,
     updated,
 )
-from layflat.control.tracking.limits import ActuatorLimits, Margins
+from layflat.control.tracking.limits import ActuatorLimits, Margins, Parts
 from layflat.control.tracking.model import (
     Innovation,
     ObserverTuning,
@@ -60,6 +60,7 @@ class Settings(NamedTuple):
     observer: tuple[ObserverTuning, ...]
     feedback: tuple[Feedback, ...]
     margins: Margins
+    parts: Parts
     prior: Prior
     shapes: Shapes
 
@@ -106,7 +107,7 @@ SIGNALS = {
     "estimated_friction": ("N*m", "friction of the shaft, as estimated"),
     "estimated_payload": ("kg", "payload, as estimated"),
     "landed": ("1", "1 while the reference is the demand"),
-    "estimated_stiffness": ("N*m/rad", "stiffness of the joint's air with shut valves"),
+    "estimated_stiffness": ("N*m/rad", "stiffness that the joint has with shut valves"),
     "brake_share": ("1", "share of its torque that the brake is given"),
     "dither_share": ("1", "share of the valve's dither"),
     "supply_share": ("1", "share of its gauge pressure that the supply is regulated to"),
@@ -175,12 +176,12 @@ def _moves(state):
 
 
 @law
-def _shown(joint, state, reference, wanted, load, friction, payload, landed, shares):
+def _shown(joint, state, reference, wanted, load, friction, payload, landed, shares, around):
     motion = state.motion
     dp = state.hose_a.pressure - state.hose_b.pressure
     return Report(
         motion.angle, motion.velocity, dp, reference.angle, reference.velocity, wanted, load, friction, payload, landed,
-        stiffness_of(joint, state), shares.brake, shares.dither, shares.supply,
+        stiffness_of(joint, state, around), shares.brake, shares.dither, shares.supply,
     )  # fmt: skip
 
 
@@ -213,7 +214,7 @@ def _landing(settings, memory, plan, references, goals, after, tolerance, T):
     waited = select(slow, memory.waited + T, 0.0)
     angles = each(angle_of_state, after)
     missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > tolerance
-    again = (waited > WAIT) & (plan.rests > 0.5) & missed
+    again = (waited > WAIT) & (plan.rests > 0.5) & missed & (settings.parts.landing > 0.5)
     path = PathState(each(_again, after, references, again), plan.length, select(again, 0.0, plan.landed))
     return path, select(again, 0.0, waited)
 
@@ -246,7 +247,7 @@ def step(settings, memory, sensed, demand, elapsed):
     rested = rested_for(plant, auxiliary, asked, after, response, estimate, plan.resting, T)
     report = each(
         _shown, plant.joints, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload,
-        plan.landed, asked.mean,
+        plan.landed, asked.mean, plant.around,
     )  # fmt: skip
     sent, auxiliary = (
         each(_sent, lines, openings),

@@ -35,6 +35,15 @@ class Margins(NamedTuple):
     tolerance: float  # distance of the tip from its goal within which the arm has arrived, m
 
 
+class Parts(NamedTuple):
+    """Parts of the law, 1, or 0 where it does without one: for comparisons."""
+
+    feedforward: float  # of accelerations
+    friction: float  # torque against friction
+    governor: float  # that slows a reference which valves can't follow
+    landing: float  # setting out again from beside the goal
+
+
 @law
 def _most(actuator, friction, speed, w):
     left = max(1.0 - abs(speed) / actuator.speed, 0.05)

@@ -158,7 +158,7 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
         _feasible, settings.actuators, estimate.frictions, plant.joints, response.states, speeds, inertial,
         response.steady, estimate.loads,
     )  # fmt: skip
-    share = max(min(least(shares), 1.0), LEAST_SHARE)
+    share = select(settings.parts.governor > 0.5, max(min(least(shares), 1.0), LEAST_SHARE), 1.0)
     rests = is_resting(goals)
     inside = tip_distance(plant.arm, response.angles, each(angle_of, goals)) < tolerance
     landed = _lands(path.landed > 0.5, rests, distance, largest(gains))
@@ -217,7 +217,7 @@ def governed(settings, plan, response, goals, lacks, T):
     own, w = diagonal(response.mass, direction), times(response.mass, direction)
     shorts = each(_short, settings.actuators, lacks, w, own, direction, brakes)
     much = select(greatest(shorts) > 0.0, greatest(shorts), least(shorts))
-    much = min(max(much, -limits.jerk * T), limits.jerk * T)
+    much = settings.parts.governor * min(max(much, -limits.jerk * T), limits.jerk * T)
     # It may wait, but does not turn back.
     much = select(plan.landed > 0.5, 0.0, min(much, max(going, 0.0) / T))
     return each(_one_back, plan.references, direction, much, T)

@@ -46,8 +46,8 @@ def _feedback(feedback, reference, q, v):
 
 
 @law
-def _acceleration(feedback, reference, q, v):
-    return reference.acceleration + _feedback(feedback, reference, q, v)
+def _acceleration(feedback, reference, q, v, forward):
+    return forward * reference.acceleration + _feedback(feedback, reference, q, v)
 
 
 @law
@@ -94,14 +94,21 @@ def _torque(
     return select((resting > 0.5) & (abs(free.motion.velocity) < SLOW), eased, moving)
 
 
+@law
+def _part(friction, part):
+    return part * friction
+
+
 @composition
 def computed_torques(settings, plan, states, response, goals, estimate, asked, T):
     """Return torques of the air at the end of the cycle, N m, a tuple; joints that arrived only bear their loads."""
     resting = plan.resting * (1.0 - asked.led)
-    wanted = each(_acceleration, settings.feedback, plan.references, response.angles, response.velocities)
+    parts, frictions = settings.parts, each(_part, estimate.frictions, settings.parts.friction)
+    wanted = each(
+        _acceleration, settings.feedback, plan.references, response.angles, response.velocities, parts.feedforward
+    )
     inertial, inertia = times(response.mass, wanted), diagonal(response.mass, wanted)
     return each(
         _torque, settings.plant.joints, settings.feedback, states, response.states, plan.references, goals, inertial,
-        inertia, response.steady, estimate.loads, estimate.frictions, asked.stiffness, resting,
-        settings.plant.around, T,
+        inertia, response.steady, estimate.loads, frictions, asked.stiffness, resting, settings.plant.around, T,
     )  # fmt: skip

@@ -8,10 +8,11 @@ from scipy.stats import qmc
 from layflat.arrays import Array
 from layflat.control.tracking import KIND
 from layflat.control.tracking.description import TrackingControllerPart
+from layflat.description.change import changed_all
 from layflat.errors import MachineError
 from layflat.experiments.beyond.search import LATE, TAIL, excess
 from layflat.experiments.beyond.shooting import Shooting, settled
-from layflat.machine import Machine, changed
+from layflat.machine import Machine
 from layflat.sim import rollout
 
 SAMPLES = 1024  # of switching openings, of which the best counts; a power of two
@@ -50,9 +51,11 @@ def with_tracking(machine: Machine) -> Machine | None:
     """Return the machine with a tracking controller, as it is where it has one; None if the law can't model it."""
     if isinstance(machine.controller, TrackingControllerPart):
         return machine
+    gains = {f"joint.{name}.gains": None for name in machine.joint}
+    controller = TrackingControllerPart(kind="tracking", cycle=f"{machine.cycle!r} s")
+    tracking = changed_all(machine, {**gains, "controller": controller})
     try:
-        tracking = changed(machine, "controller", TrackingControllerPart(kind="tracking", cycle=f"{machine.cycle!r} s"))
-        KIND.parameters(tracking.controller, tracking)
+        KIND.parameters(controller, tracking)
     except MachineError:
         return None
     return tracking

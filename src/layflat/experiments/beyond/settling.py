@@ -1,0 +1,107 @@
+"""How soon controllers bring the tip to rest: on the arm they know, on others, and with what they do not know."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from layflat.arrays import Array
+from layflat.control.tracking.description import PartOfLaw, TrackingControllerPart
+from layflat.description.change import changed_all, value_at
+from layflat.experiments.beyond.moves import POSTURES, sequences
+from layflat.machine import Machine
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+from layflat.tune.robust import robust_set
+
+MOVES = 5  # after each other, where what is learnt counts
+HEAVIEST = 2.0  # payload that may be carried, kg: the paper's
+SPREAD = 0.6  # standard deviation of an unknown payload, kg
+
+
+@dataclass(frozen=True)
+class Settling:
+    """Settling times of the tip under one law, s; infinite where it did not settle in `moves.PAUSE`."""
+
+    law: str
+    case: str
+    times: Array
+
+    @property
+    def median(self) -> float:
+        """Their median."""
+        return float(np.median(self.times))
+
+    @property
+    def late(self) -> float:
+        """The time within which 95 of 100 settle."""
+        return float(np.quantile(self.times, 0.95, method="higher"))
+
+    @property
+    def unsettled(self) -> int:
+        """How many did not settle."""
+        return int((~np.isfinite(self.times)).sum())
+
+
+NOMINAL, LATE, ROBUST = "as described", "a control cycle of delay, known", "plants that differ"
+FIRST, LATER = "payload unknown, first move", "payload unknown, later moves"
+BOTH = "plants that differ, payload unknown"
+
+
+def nominal(law: str, machine: Machine, runs: int) -> Settling:
+    """Return how a machine's own controller does on it."""
+    return Settling(law, NOMINAL, _times(machine, sequences(machine, 1), _each(runs), machine)[:, 0])
+
+
+def late(law: str, machine: Machine, runs: int) -> Settling:
+    """Return the same with valves that answer a control cycle late."""
+    delay = value_at(machine, "valve.delay") + machine.cycle
+    return Settling(law, LATE, nominal(law, changed_all(machine, {"valve.delay": delay}), runs).times)
+
+
+def robust(law: str, machine: Machine, runs: int, *, unknown_payload: bool = False) -> Settling:
+    """Return how it does on plants that differ from the machine (see `tune.robust`)."""
+    driver, draw, found = unsure(machine) if unknown_payload else machine, np.random.default_rng(3), []
+    for other in robust_set(machine, runs):
+        count = len(other.vary["valve.delay"])
+        vary: dict[str, ArrayLike] = _each(count) | dict(other.vary)
+        if unknown_payload:
+            vary["scenario.payload"] = draw.uniform(0.0, HEAVIEST, count)
+        found.append(_times(other.machine, sequences(machine, 1), vary, driver)[:, 0])
+    return Settling(law, BOTH if unknown_payload else ROBUST, np.concatenate(found))
+
+
+def unknown_payload(law: str, machine: Machine, runs: int, *, gravity: float = 0.0) -> tuple[Settling, Settling]:
+    """Return the first move with a payload that the controller does not know, and those after the first two."""
+    arm = changed_all(unsure(machine), {"arm.gravity": gravity} if gravity else {})
+    vary: dict[str, ArrayLike] = _each(runs)
+    vary["scenario.payload"] = np.random.default_rng(12).uniform(0.0, HEAVIEST, runs)
+    times = _times(arm, sequences(machine, MOVES), vary, arm)
+    return Settling(law, FIRST, times[:, 0]), Settling(law, LATER, times[:, 2:].ravel())
+
+
+def unsure(machine: Machine) -> Machine:
+    """Return the machine with a controller that does not know its payload, where it can estimate it."""
+    if not isinstance(machine.controller, TrackingControllerPart):
+        return machine
+    return changed_all(machine, {"arm.payload": HEAVIEST / 2, "controller.payload_spread": SPREAD})
+
+
+def ablations(machine: Machine, runs: int) -> list[Settling]:
+    """Return how the tracking law does on plants that differ without each of its parts in turn."""
+    found = []
+    for part in get_args(PartOfLaw):
+        lacking = changed_all(machine, {"controller.without": (part,)})
+        found.append(robust(f"tracking, without {part}", lacking, runs))
+    return found
+
+
+def _each(runs: int) -> dict[str, ArrayLike]:
+    return {"scenario": np.arange(runs) % POSTURES, "seed": np.arange(runs)}
+
+
+def _times(machine: Machine, scenarios: Sequence[Scenario], vary: Mapping[str, ArrayLike], driver: Machine) -> Array:
+    found: Array = ensemble(machine, scenarios, vary, controller=driver)["tip_settling"].to_numpy()
+    return np.where(np.isnan(found), np.inf, found)
