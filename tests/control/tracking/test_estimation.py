@@ -22,7 +22,7 @@ def with_sensitivities(seed: int) -> ParameterEstimate:
 def test_it_learns_as_a_kalman_filter_does(seed: int) -> None:
     parameters = with_sensitivities(seed)
     e = 1e-3 * np.random.default_rng(seed + 1).uniform(-1.0, 1.0, N)
-    after, turns, speeds = updated(UNKNOWNS, parameters, tuple(e), 1.0)
+    after, turns, speeds, doubt = updated(UNKNOWNS, parameters, tuple(e), 1.0)
     C, Q, V = (np.reshape(x, (-1, M)) for x in (parameters.covariance, parameters.angles, parameters.velocities))
     gain = C @ Q.T @ np.linalg.inv(Q @ C @ Q.T + UNKNOWNS.angle_variance * np.eye(N))
     change = gain @ e
@@ -30,6 +30,8 @@ def test_it_learns_as_a_kalman_filter_does(seed: int) -> None:
     assert np.reshape(after.covariance, (M, M)) == pytest.approx((np.eye(M) - gain @ Q) @ C, rel=1e-6, abs=1e-9)
     assert turns == pytest.approx(tuple(Q @ change))
     assert speeds == pytest.approx(tuple(V @ change))
+    first = e[0] ** 2 / (Q[0] @ C @ Q[0] + UNKNOWNS.angle_variance)
+    assert doubt >= first * (1.0 - 1e-9)
 
 
 def test_what_is_not_credible_teaches_the_less_the_further_off_it_is() -> None:
@@ -44,7 +46,7 @@ def test_what_is_not_credible_teaches_the_less_the_further_off_it_is() -> None:
 def test_what_is_known_stays_as_it_is_and_what_is_learnt_within_its_range() -> None:
     sure = UNKNOWNS._replace(spread=(2.0, 1.0, 1.5, 0.5, 0.0), high=(0.01,) * 4 + (9.0,), low=(-0.01,) * 4 + (0.0,))
     parameters = initial_estimate(sure, SHAPE)._replace(angles=with_sensitivities(5).angles)
-    after, _, _ = updated(sure, parameters, (2e-3, -2e-3), 1.0)
+    after, _, _, _ = updated(sure, parameters, (2e-3, -2e-3), 1.0)
     assert after.values[4] == 1.0
     assert np.abs(after.values[:4]).max() <= 0.01
     assert np.abs(after.values[:4]).max() > 0.0
@@ -52,6 +54,7 @@ def test_what_is_known_stays_as_it_is_and_what_is_learnt_within_its_range() -> N
 
 def test_an_arm_that_is_left_to_what_pushes_it_learns_nothing() -> None:
     parameters = with_sensitivities(3)
-    after, turns, speeds = updated(UNKNOWNS, parameters, (0.5, -0.5), 0.0)
+    after, turns, speeds, doubt = updated(UNKNOWNS, parameters, (0.5, -0.5), 0.0)
     assert after == parameters
     assert turns == speeds == (0.0, 0.0)
+    assert doubt == pytest.approx(0.25 / UNKNOWNS.angle_variance)

@@ -92,7 +92,9 @@ def _zero(joint, x):  # noqa: ARG001  (one a joint)
 
 @composition
 def updated(prior, parameters, errors, learns):
-    """Return the estimate after innovations of the angles, and by how much angles and velocities change with it.
+    """Return the estimate after innovations of the angles, by how much angles and velocities change with it, and doubt.
+
+    Doubt is the greatest innovation's square over its variance: 1 where the model is right.
 
     Args: learns: 0 where the arm is left to what pushes it, which is nothing to learn; else 1.
     """
@@ -121,7 +123,8 @@ def updated(prior, parameters, errors, learns):
     C[m * m - 1] = select(doubted, max(C[m * m - 1], _first(prior)), C[m * m - 1])
     after = ParameterEstimate(values, gather(parameters.covariance, C), parameters.angles, parameters.velocities)
     change = each(_less, values, parameters.values)
-    return after, _moved(parameters.angles, change, errors), _moved(parameters.velocities, change, errors)
+    turns, speeds = _moved(parameters.angles, change, errors), _moved(parameters.velocities, change, errors)
+    return after, turns, speeds, doubt
 
 
 @composition

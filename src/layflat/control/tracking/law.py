@@ -16,11 +16,13 @@ In a cycle it
 | T | time since the last cycle | s |
 """
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.kind import Command
 from layflat.control.tracking.algebra import diagonal, largest
 from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
+from layflat.control.tracking.doubt import Doubt, doubted
 from layflat.control.tracking.estimation import (
     ParameterEstimate,
     Prior,
@@ -74,6 +76,7 @@ class Memory(NamedTuple):
     parameters: ParameterEstimate
     path: PathState
     waited: float  # how long the arm has been at rest where it landed, s
+    doubt: Doubt
     auxiliary: Auxiliary
 
 
@@ -94,6 +97,8 @@ class Report(NamedTuple):
     brake_share: float
     dither_share: float
     supply_share: float
+    model_error: float
+    given_up: float
 
 
 SIGNALS = {
@@ -111,6 +116,8 @@ SIGNALS = {
     "brake_share": ("1", "share of its torque that the brake is given"),
     "dither_share": ("1", "share of the valve's dither"),
     "supply_share": ("1", "share of its gauge pressure that the supply is regulated to"),
+    "model_error": ("1", "errors of the model's angles lately, over those to be expected"),
+    "given_up": ("1", "1 while the model is too far from the plant, and the arm is held"),
 }
 """Unit and meaning of what is reported."""
 
@@ -134,7 +141,7 @@ def wake(settings, sensed):
     zero = 0.0 * settings.plant.around.ambient_pressure
     parameters = initial_estimate(settings.prior, settings.shapes)
     path = PathState(references, zero, zero)
-    return Memory(states, lines, innovations, parameters, path, zero, begun(joints))
+    return Memory(states, lines, innovations, parameters, path, zero, Doubt(zero, zero, sensed.angle), begun(joints))
 
 
 @law
@@ -176,12 +183,12 @@ def _moves(state):
 
 
 @law
-def _shown(joint, state, reference, wanted, load, friction, payload, landed, shares, around):
+def _shown(joint, state, reference, wanted, load, friction, payload, landed, shares, doubt, around):
     motion = state.motion
     dp = state.hose_a.pressure - state.hose_b.pressure
     return Report(
         motion.angle, motion.velocity, dp, reference.angle, reference.velocity, wanted, load, friction, payload, landed,
-        stiffness_of(joint, state, around), shares.brake, shares.dither, shares.supply,
+        stiffness_of(joint, state, around), shares.brake, shares.dither, shares.supply, sqrt(doubt.mean), doubt.held,
     )  # fmt: skip
 
 
@@ -195,7 +202,7 @@ def _observed(settings, memory, sensed, asked, T):
     """Return states, innovations and parameters after the measurements, and the gains that the angles had."""
     plant = settings.plant
     errors = each(_innovation, memory.states, sensed.angle)
-    parameters, turns, speeds = updated(settings.prior, memory.parameters, errors, 1.0 - asked.compliant)
+    parameters, turns, speeds, doubt = updated(settings.prior, memory.parameters, errors, 1.0 - asked.compliant)
     mass, _, _ = dynamics(
         plant.arm, estimate_of(parameters, plant.joints, asked.mean).payload, sensed.angle, sensed.angle
     )
@@ -204,7 +211,7 @@ def _observed(settings, memory, sensed, asked, T):
         _corrected, plant.joints, memory.states, memory.innovations, settings.observer, gains, sensed.angle,
         sensed.differential_pressure, turns, speeds, asked.mean, plant.around,
     )  # fmt: skip
-    return states, innovations, parameters, gains
+    return states, innovations, parameters, gains, doubt
 
 
 @composition
@@ -224,9 +231,12 @@ def step(settings, memory, sensed, demand, elapsed):
     """Do one cycle; return memory, command and report (see control/kind.py)."""
     plant, lines, T = settings.plant, memory.lines, elapsed
     goals = each(goal_of, demand.angle, demand.velocity, demand.acceleration, T * len(plant.late))
-    rests, remains = select(is_resting(goals), 1.0, 0.0), select(stays(memory.path, goals), 1.0, 0.0)
+    gave_up = memory.doubt.held > 0.5
+    rests = select(is_resting(goals) | gave_up, 1.0, 0.0)
+    remains = select(stays(memory.path, goals) & (memory.doubt.held < 0.5), 1.0, 0.0)
     asked, auxiliary = asked_of(plant, memory.auxiliary, memory.states, demand, rests, remains, T)
-    states, innovations, parameters, gains = _observed(settings, memory, sensed, asked, T)
+    states, innovations, parameters, gains, square = _observed(settings, memory, sensed, asked, T)
+    doubt = doubted(memory.doubt, square, demand.angle, T)
     estimate = estimate_of(parameters, plant.joints, asked.mean)
     tolerance = tolerance_of(settings.margins, auxiliary, asked)
     met, later = states_on_arrival(plant, states, lines, estimate, asked, T)
@@ -235,7 +245,9 @@ def step(settings, memory, sensed, demand, elapsed):
         settings, reanchored(settings, memory.path, response, asked.compliant), estimate, response, goals, tolerance, T
     )
     torques = computed_torques(settings, plan, met, response, goals, estimate, asked, T)
-    openings, after, lacks = valve_openings(settings, met, lines, response, estimate, asked, torques, T)
+    openings, after, lacks = valve_openings(
+        settings, met, lines, response, estimate, asked, torques, asked.controls * (1.0 - doubt.held), T
+    )
     if len(plant.late) == 0:
         later = after
     references = governed(settings, plan, response, goals, lacks, T)
@@ -247,12 +259,12 @@ def step(settings, memory, sensed, demand, elapsed):
     rested = rested_for(plant, auxiliary, asked, after, response, estimate, plan.resting, T)
     report = each(
         _shown, plant.joints, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload,
-        plan.landed, asked.mean, plant.around,
+        plan.landed, asked.mean, doubt, plant.around,
     )  # fmt: skip
     sent, auxiliary = (
         each(_sent, lines, openings),
         Auxiliary(auxiliary.shares, rested, auxiliary.stiffness, auxiliary.way),
     )
-    remembered = Memory(later, sent, innovations, parameters, path, waited, auxiliary)
+    remembered = Memory(later, sent, innovations, parameters, path, waited, doubt, auxiliary)
     command = Command(each(_voltage, plant.joints, openings), asked.shares)
     return remembered, command, report

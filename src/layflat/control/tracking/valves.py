@@ -95,12 +95,15 @@ def _lack(joint, after, opening, wanted, around):
 
 
 @composition
-def valve_openings(settings, states, lines, response, estimate, asked, torques, T):
-    """Return openings for torques, the states that follow, and the torques that open valves lack, N m."""
+def valve_openings(settings, states, lines, response, estimate, asked, torques, controls, T):
+    """Return openings for torques, the states that follow, and the torques that open valves lack, N m.
+
+    Args: controls: 1, or 0 where the valves are to stay centred.
+    """
     plant, around, passed = settings.plant, settings.plant.around, len(settings.plant.late)
     full = each(_full, plant.joints, response.states, torques, around)
     opened = _run(plant, states, lines, full, passed, estimate, asked, T)
     openings = each(_opening, plant.joints, settings.feedback, response.states, opened, full, torques, around)
-    openings = each(_commanded, openings, asked.pumped, asked.controls)
+    openings = each(_commanded, openings, asked.pumped, controls)
     after = _run(plant, states, lines, openings, passed, estimate, asked, T)
     return openings, after, each(_lack, plant.joints, after, openings, torques, around)
