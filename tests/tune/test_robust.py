@@ -3,7 +3,7 @@ import numpy as np
 from layflat.description.change import value_at
 from layflat.machine import load
 from layflat.sim.ensemble import ensemble
-from layflat.tune.robust import AIR, FRICTION, STATIC, robust_set
+from layflat.tune.robust import AIR, FRICTION, STATIC, plants, robust_set
 
 ARM = load("paper-arm-fast")
 
@@ -28,3 +28,11 @@ def test_they_are_the_same_for_the_same_seed_and_run() -> None:
         assert all(np.array_equal(one.vary[path], same.vary[path]) for path in one.vary)
         vary = {**one.vary, "seed": np.arange(8)}
         assert np.isfinite(ensemble(one.machine, vary=vary)["ripple"].to_numpy()).all()
+
+
+def test_plants_by_themselves_are_those_of_the_set() -> None:
+    single = plants(ARM, 6, seed=2)
+    brakes = np.concatenate([of.vary["joint.small.brake.torque"] for of in robust_set(ARM, 6, seed=2)])
+    supplies = np.concatenate([of.vary["scenario.supply"] for of in robust_set(ARM, 6, seed=2)])
+    assert [plant.joint["small"].brake.torque for plant in single] == brakes.tolist()
+    assert [plant.supply.pressure_gauge for plant in single] == supplies.tolist()

@@ -32,6 +32,7 @@ app = LazyTyper(
         "loop": "simulate",
         "motions": "motion",
         "motion": "motion",
+        "learn": "learn",
         "tune": "tune",
         "studies": "study",
         "study": "study",

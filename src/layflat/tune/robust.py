@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.description.change import value_at
+from layflat.description.change import changed_all, value_at
 from layflat.machine import Machine, changed
 from layflat.machine.parts import Joint
 from layflat.physics.friction.stribeck import StribeckPart
@@ -49,6 +49,16 @@ def robust_set(machine: Machine, runs: int, *, seed: int = 0) -> list[Differing]
         Differing(sticking, _differing(sticking, runs - half, draw)),
         Differing(_other_losses(sticking), _differing(sticking, half, draw)),
     ]
+
+
+def plants(machine: Machine, count: int, *, seed: int = 0) -> list[Machine]:
+    """Return so many plants of the `robust_set`, as machines of their own."""
+    found = []
+    for of in robust_set(machine, count, seed=seed):
+        paths = {"supply.pressure_gauge" if path == "scenario.supply" else path: of.vary[path] for path in of.vary}
+        rows = zip(*(numbers.tolist() for numbers in paths.values()), strict=True)
+        found += [changed_all(of.machine, dict(zip(paths, row, strict=True))) for row in rows]
+    return found
 
 
 def _sticking(machine: Machine) -> Machine:

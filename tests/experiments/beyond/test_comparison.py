@@ -17,7 +17,7 @@ from layflat.sim.scenario import shapes
 
 pytestmark = pytest.mark.compiled
 
-SMALL = Effort(runs=32, seeds=1, rest=5.0, bounds=1)
+SMALL = Effort(runs=32, seeds=1, rest=5.0, bounds=1, plants=2)
 
 
 @pytest.fixture(scope="module")
@@ -66,6 +66,7 @@ def test_what_is_written_is_what_was_found(found: Comparison, tmp_path: Path) ->
     told = json.loads(write_numbers(found, tmp_path / "beyond.json").read_text())
     assert told == numbers(found)
     assert told["stiffness_spread_percent"] is None
+    assert 0.0 < told["learnt_error_ratio"] < 0.6
     html = write_page(found, tmp_path / "beyond.html").read_text()
     assert f"{told['nominal_settling_95_s']:.4g}" in html
     assert html.count("<svg") == 4

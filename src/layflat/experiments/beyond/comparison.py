@@ -13,6 +13,7 @@ from layflat.experiments.beyond.belts import Following, following
 from layflat.experiments.beyond.guesses import with_tracking
 from layflat.experiments.beyond.moves import POSTURES, steps
 from layflat.experiments.beyond.optimum import settling_bound
+from layflat.experiments.beyond.repeating import learnt_ratio
 from layflat.experiments.beyond.resting import Resting, resting
 from layflat.experiments.beyond.settling import Settling
 from layflat.experiments.beyond.stiffness import Stiffness, adjustable, stiffnesses
@@ -33,9 +34,10 @@ class Effort:
     seeds: int = 3
     rest: float = 3600.0  # s
     bounds: int = POSTURES  # steps for which an optimum is sought
+    plants: int = 24  # on which moves are repeated
 
 
-QUICK = Effort(runs=128, seeds=1, rest=60.0, bounds=2)
+QUICK = Effort(runs=128, seeds=1, rest=60.0, bounds=2, plants=6)
 
 
 @dataclass
@@ -75,6 +77,7 @@ class Comparison:
             ("parts left out", self._ablate),
             ("gravity", self._hang),
             ("rest", self._rest),
+            ("repeats", self._repeat),
             ("stiffness", self._push),
             ("optimum", self._bound),
         ]
@@ -100,6 +103,9 @@ class Comparison:
 
     def _rest(self) -> None:
         self.resting = resting(self.machine, self.effort.rest)
+
+    def _repeat(self) -> None:
+        self.learnt = learnt_ratio(self.machine, self.effort.plants)
 
     def _push(self) -> None:
         self.stiffness = stiffnesses(adjustable(self.machine), min(self.effort.seeds, 2))
