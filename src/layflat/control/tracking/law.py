@@ -9,6 +9,9 @@ In a cycle it
 5. finds the openings that bring the air to these torques, by running the model with the valves open as well; a third
    run, with the openings found, is what the model predicts (valves.py).
 
+Besides, it sets brakes, dither and supply (auxiliary.py, stiffness.py), and gives up where its model is wrong
+(doubt.py).
+
 | symbol | meaning | unit |
 |---|---|---|
 | q, dp | angle and differential pressure that sensors say | rad, Pa |
@@ -241,9 +244,8 @@ def step(settings, memory, sensed, demand, elapsed):
     tolerance = tolerance_of(settings.margins, auxiliary, asked)
     met, later = states_on_arrival(plant, states, lines, estimate, asked, T)
     response = free_response(plant, met, lines, estimate, asked, T)
-    plan = plan_of(
-        settings, reanchored(settings, memory.path, response, asked.compliant), estimate, response, goals, tolerance, T
-    )
+    begun_anew = reanchored(settings, memory.path, response, asked.compliant)
+    plan = plan_of(settings, begun_anew, estimate, response, goals, tolerance, T)
     torques = computed_torques(settings, plan, met, response, goals, estimate, asked, T)
     openings, after, lacks = valve_openings(
         settings, met, lines, response, estimate, asked, torques, asked.controls * (1.0 - doubt.held), T
@@ -261,10 +263,8 @@ def step(settings, memory, sensed, demand, elapsed):
         _shown, plant.joints, later, path.references, torques, estimate.loads, estimate.frictions, estimate.payload,
         plan.landed, asked.mean, doubt, plant.around,
     )  # fmt: skip
-    sent, auxiliary = (
-        each(_sent, lines, openings),
-        Auxiliary(auxiliary.shares, rested, auxiliary.stiffness, auxiliary.way),
-    )
+    auxiliary = Auxiliary(auxiliary.shares, rested, auxiliary.stiffness, auxiliary.way)
+    sent = each(_sent, lines, openings)
     remembered = Memory(later, sent, innovations, parameters, path, waited, doubt, auxiliary)
     command = Command(each(_voltage, plant.joints, openings), asked.shares)
     return remembered, command, report
