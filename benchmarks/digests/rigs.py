@@ -29,7 +29,7 @@ class PlannedHost:
     """Asks for what it is told, and keeps the rows."""
 
     def __init__(self, joints: int) -> None:
-        self.demands, self.edges, self.ended = [nan] * joints, dict[str, bool](), False
+        self.demands, self.edges, self.ended = [nan] * joints, dict[str, Any](), False
         self.rows: list[Any] = []
 
     def request(self, _now: int) -> Any:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from layflat.bridge import MujocoPlant, arm_spec
 from layflat.errors import DivergedError, InputError
-from layflat.machine import load
+from layflat.machine import Machine, load
 from layflat.physics.driven import Plant
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
@@ -42,13 +42,13 @@ class Wanting:
     def publish(self, row: NDArray[np.float64]) -> None: ...
 
 
-def led(plant: Plant, seconds: float) -> tuple[NDArray[np.float64], Loop]:
+def led(plant: Plant, seconds: float, machine: Machine = ARM) -> tuple[NDArray[np.float64], Loop]:
     """Angles (cycles, joints) of a loop with driver, device and a plant, which is led to two places."""
     clock, host = VirtualClock(3 * SECOND), Wanting()
-    driver = SimulatedDriver(VirtualDevice(ARM, plant, clock, running=True))
+    driver = SimulatedDriver(VirtualDevice(machine, plant, clock, running=True))
     driver.configure()
     driver.activate()
-    loop = Loop(ARM, driver, clock, host)
+    loop = Loop(machine, driver, clock, host)
     loop.begin(Reading(plant.angles, plant.pressures @ [1.0, -1.0], plant.supply, False, DeviceState.RUNNING))
     angles, cycles = [], round(seconds / CYCLE)
     for k in range(cycles):
@@ -65,6 +65,16 @@ def test_a_loop_runs_on_it_as_on_our_own_plant() -> None:
     assert rms.max() < 0.1
     assert loop.supervisor.state is State.MOVING
     assert np.degrees(other[-1]) == pytest.approx([-10.0, 15.0], abs=0.5)
+
+
+def test_a_law_that_plans_its_motion_runs_on_it_as_on_our_own_plant() -> None:
+    machine = load("paper-arm-tracking")
+    own, _ = led(SteppedPlant(machine, start=0.0, seed=4), 2.0, machine)
+    other, loop = led(MujocoPlant(machine, seed=4), 2.0, machine)
+    rms = np.degrees(np.sqrt(np.mean((own - other) ** 2, axis=0)))
+    assert rms.max() < 0.5
+    assert loop.supervisor.state is State.MOVING
+    assert np.degrees(other[[100, -1]]) == pytest.approx(np.array([[30.0, -20.0], [-10.0, 15.0]]), abs=0.5)
 
 
 def test_a_loop_runs_at_a_scenes_timestep() -> None:

@@ -65,6 +65,7 @@ class PlannedHost(Recorder):
 
     def __init__(self, n: int) -> None:
         self.demands = [nan] * n
+        self.rates: tuple[list[float], list[float]] | None = None  # of the demands: velocities and accelerations
         self.start = self.stop = self.reset = self.ended = False
         self.age = 0.0
         self.rows: list[Array] = []
@@ -72,7 +73,8 @@ class PlannedHost(Recorder):
         self.recording = True
 
     def request(self, _now: int) -> HostRequest:
-        wish = HostRequest(list(self.demands), self.start, self.stop, self.reset, self.age)
+        v, a = self.rates or (None, None)
+        wish = HostRequest(list(self.demands), self.start, self.stop, self.reset, self.age, v, a)
         self.start = self.stop = self.reset = False
         return wish
 

@@ -150,6 +150,17 @@ def test_a_joint_that_hardly_moves_with_most_of_the_pressure_there_is_is_held_ba
     assert not any(follow(30, swift, demand=0.4, averaged=1e5, velocity=0.5)[1])
 
 
+def test_a_joint_that_another_may_hold_back_is_given_twice_the_time() -> None:
+    strained, push = 2.5e5, 3e5
+    for others, cycles in ((0.0, 60), (push, 120)):
+        memory, found = following.Memory(), []
+        for _ in range(130):
+            sample = Sample(0.0, strained, strained, others, 0.1, 0.5, 0.0, 0.2, 0.0, CYCLE, AIR, 1.0)
+            memory, fault = following.find(LIMITS.following, memory, sample)
+            found.append(fault)
+        assert np.flatnonzero(found)[0] == pytest.approx(cycles, abs=2)
+
+
 def test_a_ripple_that_is_gone_is_a_valve_that_does_not_respond() -> None:
     found = follow(60, [0.5, 0.5006], pressure=[0.3 * k for k in range(60)])[1]
     assert found[int(np.flatnonzero(found)[0])] is Fault.VALVE_UNRESPONSIVE

@@ -96,6 +96,24 @@ def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
     assert host.ended
 
 
+def test_rates_come_across_and_a_late_demand_counts_from_when_it_was_meant(path: Path) -> None:
+    box, clock = Mailbox(path, LAYOUT), VirtualClock()
+    host = RemoteHost(Mailbox(path, LAYOUT), clock, 2)
+    box.ask(Setpoints([0.1, 0.2]))
+    assert host.request(0)[5:7] == (None, None)
+    meant = SECOND - SECOND // 50
+    box.ask(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], accelerations=[3.0, 4.0], asks=1, meant=meant))
+    found = host.request(SECOND)
+    assert (found.velocities, found.accelerations) == ([1.0, 2.0], [3.0, 4.0])
+    assert found.since == pytest.approx(0.02)
+    box.ask(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], accelerations=[3.0, 4.0], asks=1, meant=meant))
+    again = host.request(SECOND + SECOND // 100)
+    assert again.age == 0.0
+    assert again.since == pytest.approx(0.03), "to live is not to ask"
+    box.ask(Setpoints([0.1, 0.2], velocities=[1.0, 2.0], asks=2, meant=5))
+    assert host.request(2 * SECOND).since == 0.0, "a clock of another kind is not believed"
+
+
 def test_the_mailbox_of_those_who_were_killed_is_swept_away() -> None:
     used, left = Mailbox.create(LAYOUT), Mailbox.create(LAYOUT)
     box, gone = Mailbox(used, LAYOUT), Mailbox(left, LAYOUT)

@@ -63,3 +63,9 @@ def test_every_fault_is_found_over_the_wire_in_time_and_the_rig_is_made_safe() -
     assert [outcome.row for outcome in outcomes] == list(ROWS)
     assert all(outcome.good for outcome in outcomes), [outcome for outcome in outcomes if not outcome.good]
     assert all(of["good"] == of["trials"] == 1 for of in judged(outcomes).values())
+
+
+def test_a_law_with_a_model_bears_cycles_that_are_much_too_short_or_long() -> None:
+    machine = load("paper-arm-tracking")
+    found = quiet(machine, VirtualRig(machine), 8.0 / 3600.0, seed=3, driver_of=SlowDriver)
+    assert found.trips == 0, found.messages

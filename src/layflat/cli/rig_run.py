@@ -130,10 +130,17 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
 
 def _from_file(machine: Machine, path: Path) -> Plan:
     from layflat.motion.demand_file import read_demand  # noqa: PLC0415
-    from layflat.rig.plan import Plan  # noqa: PLC0415
+    from layflat.motion.rates import derived_rates  # noqa: PLC0415
+    from layflat.rig.plan import Plan, check_accelerations  # noqa: PLC0415
 
-    rows = read_demand(machine, path, machine.cycle).angles
-    return Plan([k * machine.cycle for k in range(len(rows))], rows.tolist(), len(rows) * machine.cycle)
+    cycle = machine.cycle
+    angles, velocities, accelerations = read_demand(machine, path, cycle)
+    if accelerations is not None:
+        check_accelerations(machine, accelerations, f"--demand {path}")
+    if velocities is None or accelerations is None:
+        velocities, accelerations = derived_rates(angles, cycle)
+    times = [k * cycle for k in range(len(angles))]
+    return Plan(times, angles.tolist(), len(angles) * cycle, velocities.tolist(), accelerations.tolist())
 
 
 @contextmanager

@@ -83,6 +83,10 @@ class ControlKind(Kind):
     """`centre_shift(settings, memory, joints)` yields by how much each valve's centre is estimated to be off, V, a
     tuple with an item per joint, as the zeros `joints` are. A rig's supervision of air takes it into account; zero
     unless it is given."""
+    plans: bool = False
+    """Whether the law plans its own motion to a demand: one that jumps it may be given whole, one that moves with its
+    velocity and acceleration, and the arm is then as fast as hoses and valves allow. A law that goes by errors is led
+    by the rig: its demands jump only so far, go on with `safety.demand_speed`, and have no rates."""
 
     def __post_init__(self) -> None:
         """Refuse a report whose signals have no unit."""

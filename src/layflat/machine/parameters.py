@@ -27,7 +27,7 @@ from layflat.machine import parts, tube
 from layflat.machine.model import AngleSensor, Machine, PressureSensor
 from layflat.machine.tube import Line
 from layflat.physics.adjustable import FIXED, Adjustable, Adjustables
-from layflat.physics.air_balance import AirParts
+from layflat.physics.air_balance import SMOOTHING, AirParts
 from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.arrays import itemwise
 from layflat.physics.chamber import Chamber
@@ -43,7 +43,6 @@ from layflat.physics.valves import VALVES, ValvePart
 
 FOLLOW = 40.0  # rate at which estimate in the hoses' pressures follows what is measured: fast beside a move, 1/s
 DITHER_RATE = 1e3  # at which a driver's electronics change the share of their dither, 1/s
-SMOOTHING = 0.05  # time over which the residual of air is averaged: a few periods of the dither, s
 
 
 def full_travel(joint: parts.Joint) -> float:

@@ -30,6 +30,7 @@ REFERENCE_PRESSURE = REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE
 """p_0: pressure at which ISO 6358 counts volumes, Pa."""
 
 SUBSTEPS = 5  # in a control cycle: pressures may change by a bar in 10 ms
+SMOOTHING = 0.05  # time over which the residual is averaged: a few periods of the dither, s
 LONGEST = 0.02  # s: after a longer pause the estimate is followed for so long only, since larger steps would diverge
 
 

@@ -104,6 +104,8 @@ class DriverError(InputError):
 class Driver(ABC):
     """Base of all drivers: it keeps to the lifecycle, the methods with an underscore do the work."""
 
+    late = 0  # control cycles after which a command that is written reaches the device
+
     def __init__(self) -> None:
         self.state = Lifecycle.UNCONFIGURED
 

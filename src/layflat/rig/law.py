@@ -5,32 +5,42 @@ from collections.abc import Sequence
 import numpy as np
 
 from layflat.control import CONTROL_LAWS, Demand, Sensed, step, wake
+from layflat.description.change import changed_all
 from layflat.errors import KindError
 from layflat.jit.outside import blame_outside
 from layflat.lanes import leaves
-from layflat.machine import Machine, changed, parameters
+from layflat.machine import Machine, parameters
 from layflat.rig.named import NamedRows, blank
 from layflat.rig.record import Layout
 
 TRIED = (0.0, 0.2, 0.2, -0.2, -0.2, 0.0)  # demands, rad, by which a law at rest shows whether it commands shares
 
 
-def _always_dithering(machine: Machine) -> Machine:
-    """Return the machine as a rig has it: no device stops its dither."""
-    dithers = machine.valve is not None and machine.valve.dithered is not None
-    return changed(machine, "valve.dither.least", 1.0) if dithers else machine
+def on_rig(machine: Machine, late: int = 0) -> Machine:
+    """Return the machine as a law has it on a rig: no device stops its dither, and commands are so many cycles late.
+
+    Only laws that plan their motion go by the delay.
+    """
+    if machine.valve is None:
+        return machine
+    changes: dict[str, float] = {}
+    if machine.valve.dithered is not None:
+        changes["valve.dither.least"] = 1.0
+    if late and machine.controller is not None and machine.control_law.plans:
+        changes["valve.delay"] = machine.valve.delay + late * machine.cycle
+    return changed_all(machine, changes) if changes else machine
 
 
 class ArmLaw:
-    """The law of the whole arm.
+    """The law of the whole arm; its commands reach the device so many cycles `late`.
 
     Raises:
         MachineError: the machine has no controller, or a joint lacks gains.
         KindError: the law commands shares of brake, dither or supply, which no driver of a rig sets.
     """
 
-    def __init__(self, machine: Machine) -> None:
-        machine = _always_dithering(machine)
+    def __init__(self, machine: Machine, late: int = 0) -> None:
+        machine = on_rig(machine, late)
         settings, nothing = parameters.control(machine), (0.0,) * len(machine.joints)
         self.kind = CONTROL_LAWS.of(settings)
         with blame_outside():

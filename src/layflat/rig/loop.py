@@ -62,7 +62,7 @@ class Loop:
     def __init__(
         self, machine: Machine, driver: Driver, clock: Clock, host: Host, recorder: Recorder | None = None
     ) -> None:
-        law = ArmLaw(machine)
+        law = ArmLaw(machine, driver.late)
         self.driver, self.clock, self.host = driver, clock, host
         self.recorder = recorder or Recorder()
         self.supervisor = Supervisor(machine, law)

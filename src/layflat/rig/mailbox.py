@@ -10,7 +10,7 @@ import mmap
 import os
 import struct
 from dataclasses import dataclass
-from math import nan
+from math import isnan, nan
 from pathlib import Path
 from zlib import crc32
 
@@ -27,6 +27,7 @@ HEAD = struct.Struct("<QI4x")  # number of the message, checksum; the values fol
 
 # Of a reader that meets a message in the making, until it keeps what it had; and where there is time.
 TRIES, PEOPLE_TRIES = 4, 1000
+OFF = 0.1  # by which the instant that demands are meant for may differ from when they come, s
 PATIENCE = 2.0  # without a word of the host for so long the loop ends once the air is out, s
 
 
@@ -73,6 +74,10 @@ class Setpoints:
     stops: int = 0
     resets: int = 0
     ended: bool = False  # whether the loop is to end once it has let out the air
+    velocities: list[float] | None = None  # rad/s; None: they are derived from the demands, as the next
+    accelerations: list[float] | None = None  # rad/s2
+    asks: int = 0  # demands asked for so far, whether they differ or not
+    meant: int = 0  # instant for which the last ones are meant, by a monotonic clock, ns
 
 
 class Mailbox:
@@ -95,16 +100,22 @@ class Mailbox:
 
     def ask(self, wanted: Setpoints) -> None:
         """The host's: replace the setpoints; doing so again shows that it lives."""
-        edges = (wanted.starts, wanted.stops, wanted.resets, int(wanted.ended))
-        self.setpoints.write(self._format.pack(*edges, *wanted.demands))
+        edges = (wanted.starts, wanted.stops, wanted.resets, int(wanted.ended), wanted.asks, wanted.meant)
+        unknown = [nan] * len(wanted.demands)
+        rates = (*(wanted.velocities or unknown), *(wanted.accelerations or unknown))
+        self.setpoints.write(self._format.pack(*edges, *wanted.demands, *rates))
 
     def asked(self) -> tuple[int, Setpoints] | None:
         """The loop's: number of the setpoints, and they; None where there is nothing whole."""
         found = self.setpoints.read()
         if found is None:
             return None
-        starts, stops, resets, ended, *demands = self._format.unpack(found[1])
-        return found[0], Setpoints(demands, starts, stops, resets, bool(ended))
+        starts, stops, resets, ended, asks, meant, *numbers = self._format.unpack(found[1])
+        n = len(numbers) // 3
+        demands, *rates = (numbers[k * n : (k + 1) * n] for k in range(3))
+        velocities, accelerations = (None if all(map(isnan, of)) else of for of in rates)
+        wanted = Setpoints(demands, starts, stops, resets, bool(ended), velocities, accelerations, asks, meant)
+        return found[0], wanted
 
     def publish(self, row: Array) -> None:
         """The loop's: show a row of `record.Layout`."""
@@ -126,7 +137,7 @@ class Mailbox:
 
 def _plan(layout: Layout) -> tuple[struct.Struct, int, int]:
     """How setpoints are written, where the snapshot's slot begins behind theirs, and where it ends."""
-    setpoints = struct.Struct(f"<4q{len(layout.joints)}d")
+    setpoints = struct.Struct(f"<6q{3 * len(layout.joints)}d")
     second = HEAD.size + setpoints.size
     return setpoints, second, second + HEAD.size + 8 * layout.width
 
@@ -135,14 +146,15 @@ class RemoteHost:
     """The host as the loop sees it through a mailbox.
 
     How old setpoints are is told by the loop's own clock, from the cycle in which it first saw them: what the host
-    believes of the time can't keep stale ones alive.
+    believes of the time can't keep stale ones alive. For which instant demands are meant it may say: a host that wakes
+    late asks for where the motion is to be by then, if its clock is the loop's.
     """
 
     def __init__(self, mailbox: Mailbox, clock: Clock, joints: int) -> None:
         self._mailbox, self._clock = mailbox, clock
         self._number = -1
         self._last = Setpoints([nan] * joints)
-        self._heard = clock.now()
+        self._heard = self._meant = clock.now()
 
     def request(self, now: int) -> HostRequest:
         """What is wanted now; edges are given once."""
@@ -150,8 +162,13 @@ class RemoteHost:
         if self._mailbox.setpoints.number != self._number and (found := self._mailbox.asked()) is not None:
             self._number, last = found
             self._last, self._heard = last, now
+            if last.asks != before.asks:
+                self._meant = last.meant if abs(now - last.meant) <= OFF * SECOND else now
         start, stop, reset = last.starts > before.starts, last.stops > before.stops, last.resets > before.resets
-        return HostRequest(last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND)
+        return HostRequest(
+            last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND, last.velocities,
+            last.accelerations, (now - self._meant) / SECOND,
+        )  # fmt: skip
 
     def publish(self, row: Array) -> None:
         """Show a row to it."""

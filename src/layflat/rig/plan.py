@@ -6,7 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from layflat.errors import LayflatError
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.errors import InputError, LayflatError
+from layflat.machine import Machine
+from layflat.rig.abilities import demand_limits
 from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Snapshot
@@ -30,6 +35,23 @@ class Plan:
     times: Sequence[float]  # from which on each holds, growing, s
     demands: Sequence[Sequence[float]]  # rad, one for each joint from base to tip, a row for each time
     duration: float  # until the joints are held and the air is let out, s
+    velocities: Sequence[Sequence[float]] | None = None  # rad/s, rows likewise; None: they are derived, or zero
+    accelerations: Sequence[Sequence[float]] | None = None  # rad/s2, beside velocities
+
+
+def check_accelerations(machine: Machine, accelerations: Array, where: str) -> None:
+    """Refuse accelerations (rad/s2, (cycles, joints)) that no posture of the arm has; raise InputError naming where.
+
+    Those of a control law that goes by errors are of no account.
+    """
+    if not machine.control_law.plans:
+        return
+    most = demand_limits(machine).acceleration
+    row, j = np.unravel_index(int(np.argmax(np.abs(accelerations) / most)), accelerations.shape)
+    if abs(accelerations[row, j]) > most[j]:
+        asked, can = np.degrees(accelerations[row, j]), np.degrees(most[j])
+        what = f"asks joint {list(machine.joints)[j]!r} for {asked:.4g} deg/s2 at {row * machine.cycle:.6g} s"
+        raise InputError(what, where=where, right=f"it can do {can:.4g} deg/s2 at most")
 
 
 def free_place(folder: Path, name: str) -> Path:
@@ -74,11 +96,17 @@ class PlanRunner:
             due = bisect_right(plan.times, now)
             if due > done and shot is not None:
                 self.asked += [float(shot["time"])] * (due - done)
-                self._rig.session.ask(plan.demands[due - 1])
+                self._ask(plan, due - 1, begin)
                 done = due
             coming = plan.times[done] if done < len(plan.times) else plan.duration
             time.sleep(min(max(begin + coming - time.monotonic(), 1e-3), TICK))
         self._look()
+
+    def _ask(self, plan: Plan, row: int, begin: float) -> None:
+        """Ask for a row of a plan that began then (s, monotonic); one that moves counts from when it was due."""
+        v, a = (None if rates is None else rates[row] for rates in (plan.velocities, plan.accelerations))
+        at = None if v is None else begin + plan.times[row]
+        self._rig.session.ask(plan.demands[row], v, a, at=at)
 
     def _look(self) -> Snapshot | None:
         """The last cycle; raise EarlyEndError if the run has ended."""

@@ -32,8 +32,9 @@ LEADS = 4  # shorter cycles than so many leads of a punctual clock leave others 
 class Resting(Driver):
     """A machine at rest, of which nothing is real: it gives noisy readings and forgets commands."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: Machine, late: int = 0) -> None:
         super().__init__()
+        self.late = late
         rng, n, supply = np.random.default_rng(0), len(machine.joints), machine.supply.pressure
         self._machine, self._count, self._readings = machine, 0, list[Reading]()
         for k in range(READINGS):
@@ -58,7 +59,7 @@ class Resting(Driver):
 class WarmupLoop:
     """Cycles of a loop in motion, with everything around it, on a machine that is not there."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: Machine, late: int = 0) -> None:
         n, clock = len(machine.joints), VirtualClock()
         layout = Layout.of(machine)
         path = Mailbox.create(layout)
@@ -67,7 +68,7 @@ class WarmupLoop:
         self.ring = Ring.create(layout.width, rows=READINGS)
         self.ring.remove()
         self._wanted = Setpoints([0.0] * n)
-        driver = Resting(machine)
+        driver = Resting(machine, late)
         driver.configure()
         driver.activate()
         self.loop = Loop(machine, driver, clock, RemoteHost(ours, clock, n), RecorderClient(self.ring))
@@ -95,9 +96,10 @@ def run_loop(
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         # What the first cycle calls is loaded in any case, and before every cycle if a processor can be had for that.
-        warmup, roomy = WarmupLoop(machine), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
+        made = driver()
+        warmup, roomy = WarmupLoop(machine, made.late), machine.cycle * SECOND >= LEADS * LEAD and processors() > 1
         clock = PunctualClock(warmup) if roomy else MonotonicClock()
-        shared, made = Mailbox(mailbox, Layout.of(machine)), driver()
+        shared = Mailbox(mailbox, Layout.of(machine))
         keeper = recorder()
         with ExitStack() as ending:
             for end in (shared.close, keeper.end, made.finalize):  # the last one first

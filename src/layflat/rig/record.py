@@ -33,7 +33,9 @@ SHARED: dict[str, tuple[str, str]] = {
 
 # What there is of every joint, whatever law controls it; behind it stands what the law tells, then its fault.
 RIG_SIGNALS: dict[str, tuple[str, str]] = {
-    **{name: SIGNALS[name] for name in ("demand", "voltage", "measured_angle", "measured_pressure")},
+    "demand": SIGNALS["demand"],
+    "demand_velocity": ("rad/s", "velocity of the demand; zero where the control law takes none"),
+    **{name: SIGNALS[name] for name in ("voltage", "measured_angle", "measured_pressure")},
     **AVERAGED,
 }
 

@@ -2,6 +2,7 @@
 
 import multiprocessing
 import threading
+import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
 from dataclasses import replace
@@ -13,6 +14,7 @@ from typing import Any
 from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
+from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
 from layflat.rig.loop import Recorder
 from layflat.rig.mailbox import Mailbox, Setpoints
@@ -106,13 +108,39 @@ class Session(AbstractContextManager["Session"]):
         self.check()
         self._want(resets=self._wanted.resets + 1)
 
-    def ask(self, demands: Sequence[float]) -> None:
-        """Ask for angles (rad) of all joints, from base to tip; raise InputError if it is not one for each joint."""
+    def ask(
+        self, angles: Sequence[float], velocities: Sequence[float] | None = None,
+        accelerations: Sequence[float] | None = None, *, at: float | None = None,
+    ) -> None:  # fmt: skip
+        """Ask for angles of all joints, from base to tip, and for how they move on from there.
+
+        With velocities the motion goes on for `moving.GOES_ON` unless something else is asked for, then comes to rest.
+        Without them a rate is derived from the angles where they change smoothly from one call to the next, up to
+        `moving.STREAM` apart; else they are asked for at rest. Control laws that go by errors take the angles alone.
+
+        Args:
+            angles: rad.
+            velocities: rad/s.
+            accelerations: rad/s2, beside velocities; without them zero.
+            at: instant for which they are meant, by `time.monotonic()`; default: now. Others than about now are not
+                believed.
+
+        Raises:
+            InputError: it is not one for each joint, or accelerations are without velocities.
+            LoopError: the loop does not run.
+        """
+        if accelerations is not None and velocities is None:
+            raise InputError("are given without velocities", where="accelerations", right="give both")
+        given = {"angles": angles, "velocities": velocities, "accelerations": accelerations}
         joints = len(self._layout.joints)
-        if len(demands) != joints:
-            raise InputError(f"{len(demands)} angles for {joints} joints", where="demand", right="give one a joint")
+        for name, values in given.items():
+            if values is not None and len(values) != joints:
+                what = f"{len(values)} {name} for {joints} joints"
+                raise InputError(what, where="demand", right="give one a joint")
         self.check()
-        self._want(demands=[float(demand) for demand in demands])
+        rates = {name: of if of is None else [float(x) for x in of] for name, of in list(given.items())[1:]}
+        meant = time.monotonic_ns() if at is None else round(at * SECOND)
+        self._want(demands=[float(x) for x in angles], **rates, asks=self._wanted.asks + 1, meant=meant)
 
     def snapshot(self) -> Snapshot | None:
         """The last cycle; None before the first."""

@@ -13,4 +13,5 @@ KIND = ControlKind(
     step=step,
     report=Report,
     signals=SIGNALS,
+    plans=True,
 )

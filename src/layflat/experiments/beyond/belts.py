@@ -41,6 +41,21 @@ def following(law: str, machine: Machine, speed: float, seeds: int) -> Following
 
     The arm is told angle, velocity and acceleration of its joints; the belt turns round at both ends.
     """
+    angles, velocities, accelerations = to_and_fro(machine, speed)
+    wanted, first = tip_position(machine, angles), round(CAUGHT / machine.cycle)
+    found = []
+    for seed in range(seeds):
+        run = rollout(
+            machine, angles, demand_velocity=velocities, demand_acceleration=accelerations,
+            duration=len(angles) * machine.cycle, start=_elsewhere(angles[0]), seed=seed,
+        )  # fmt: skip
+        apart = np.linalg.norm(tip_position(machine, run["angle"].to_numpy()[:-1]) - wanted, axis=1)
+        found.append(apart[first:])
+    return Following(law, speed, np.concatenate(found))
+
+
+def to_and_fro(machine: Machine, speed: float) -> tuple[Array, Array, Array]:
+    """Return angles, velocities and accelerations (cycles, joints) of an arm of two joints whose tip is on the belt."""
     reach, size = Reach(machine), sum(joint.link.length for joint in machine.joints.values())
     x, low, way = PLACE * size, 0.02 * size, LENGTH * size
     start = np.array(reach.postures(x, low)[0].angles)
@@ -48,16 +63,7 @@ def following(law: str, machine: Machine, speed: float, seeds: int) -> Following
     turns = [(k * lasts, speed if k % 2 == 0 else -speed) for k in range(int(SECONDS / lasts))]
     motion = follow_belt(machine, start, UPWARDS, [*turns, (len(turns) * lasts, 0.0)], ACCELERATION)
     angles, velocities, accelerations = motion.rows(machine.cycle)
-    wanted, first = tip_position(machine, angles), round(CAUGHT / machine.cycle)
-    found = []
-    for seed in range(seeds):
-        run = rollout(
-            machine, angles, demand_velocity=velocities, demand_acceleration=accelerations,
-            duration=len(angles) * machine.cycle, start=_elsewhere(start), seed=seed,
-        )  # fmt: skip
-        apart = np.linalg.norm(tip_position(machine, run["angle"].to_numpy()[:-1]) - wanted, axis=1)
-        found.append(apart[first:])
-    return Following(law, speed, np.concatenate(found))
+    return angles, velocities, accelerations
 
 
 def _elsewhere(start: Array) -> list[float]:

@@ -69,6 +69,8 @@ def lock_rig(endpoint: str) -> int:
 class LinkedDriver(Driver):
     """A driver whose device answers commands; the endpoint names it for people and for the lock."""
 
+    late = 1
+
     def __init__(self, machine: Machine, endpoint: str) -> None:
         super().__init__()
         self.endpoint = endpoint

@@ -1,7 +1,7 @@
 """The numbers of a rig's control cycle, and what performs it on them."""
 
-from collections.abc import Callable
-from math import inf, isfinite
+from collections.abc import Callable, Sequence
+from math import inf, isfinite, nan
 from struct import Struct
 
 import numpy as np
@@ -14,7 +14,7 @@ from layflat.rig.driver import Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.named import NamedRows
 from layflat.rig.safety import cycle as compiled
-from layflat.rig.safety import estimator
+from layflat.rig.safety import estimator, moving
 from layflat.rig.safety.detectors import joint, supply
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import joint_settings, rig_settings
@@ -45,12 +45,16 @@ class Core:
             own, memory, report = law.settings, law.memory, law.report
             self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
             self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
-        # What comes in: samples (rad, Pa), and the demands of the host (rad), (joints,).
-        self.angles, self.pressures, self.asked = (self._given[:, column] for column in compiled.IN_GIVEN)
+        # What comes in: samples (rad, Pa), and the demands of the host (rad, rad/s, rad/s2), (joints,).
+        self.angles, self.pressures, self._asked, *self._rates = (
+            self._given[:, column] for column in compiled.IN_GIVEN
+        )
+        self._meant, self._plans = 0.0, law is not None and law.kind.plans
         self.between: Callable[[], object] | None = None  # is called between control law and the gate of its voltages
         self.voltages_asked = self.memory["asked"]  # what the control law asked for, V, (joints,)
         self.demands, self.voltages = self.memory["demand.demand"], self.memory["voltage"]  # let through, rad and V
         self.faults, self.outcomes = self.memory["fault"], self.memory["outcome"]  # of the joints in this cycle
+        self.memory.replace("stream", moving.Stream())
         self.voltages[:] = self.voltages_asked[:] = self.rig["centre"][0]
         self.reset()
 
@@ -80,6 +84,17 @@ class Core:
         """Take in what was sampled."""
         self.angles[:], self.pressures[:] = reading.angles, reading.pressures
 
+    def ask(
+        self, angles: Sequence[float], velocities: Sequence[float] | None = None,
+        accelerations: Sequence[float] | None = None, since: float = 0.0,
+    ) -> None:  # fmt: skip
+        """Take in what the host asks for, rad, rad/s and rad/s2, meant so many seconds ago; see `HostRequest`."""
+        self._asked[:] = angles
+        if self._plans:
+            v, a = self._rates
+            v[:], a[:] = nan if velocities is None else velocities, nan if accelerations is None else accelerations
+            self._meant = since
+
     def perform(
         self, stages: int, supply_now: float, elapsed: float, since: float, level: float, *, follow: bool = False,
         wake: bool = False,
@@ -89,7 +104,7 @@ class Core:
         What comes in are the first fields of `cycle.Inputs`: absolute supply (Pa), times since the last samples and
         since the last cycle (s), what there is to watch, whether demands are obeyed, whether controllers begin anew.
         """
-        HEAD.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake)
+        HEAD.pack_into(self._head, 0, supply_now, elapsed, since, level, follow, wake, self._meant)
         if self.law is None:
             return self._perform(*self._arrays)
         if self.between is None:
@@ -102,9 +117,22 @@ class Core:
         return came | self._perform(*self._arrays, stages & compiled.GATE)
 
     def freeze(self, angles: Array | None = None) -> None:
-        """From now on ask the joints for these angles, rad; where they are not given, for those where they are."""
-        wanted = self.memory["estimate.averaged_angle"] if angles is None else angles
+        """From now on ask the joints for these angles, rad; where they are not given, for those where they are.
+
+        A law that plans its motion is asked to brake instead: what stops at once flings the other joints on.
+        """
+        wanted = self._stopping() if angles is None else angles
         self.demands[:] = self.memory["demand.reference"][:] = np.where(np.isfinite(wanted), wanted, self.demands)
+        self.memory["velocity"][:] = self.memory["acceleration"][:] = 0.0
+
+    def _stopping(self) -> Array:
+        """Return where joints are held that are to stop, rad."""
+        here = self.memory["estimate.averaged_angle"]
+        if not self._plans:
+            return here
+        braking, working = self.settings["moving.braking"], self.settings["moving.working"]
+        velocity = self.memory["estimate.averaged_velocity"]
+        return np.clip(here + 0.5 * velocity * np.abs(velocity) / braking, -working, working)
 
     def air_is_there(self, supply_now: float, ready: float) -> bool:
         """Whether supply (absolute, Pa) and ripple are those of a machine that can move."""

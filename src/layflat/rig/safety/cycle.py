@@ -14,7 +14,7 @@ from layflat.lanes import gather, in_lanes, leaves, mapped, read_numbers, slots,
 from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
 from layflat.physics.arms import dynamics
 from layflat.rig.named import blank, places
-from layflat.rig.safety import demands, estimator
+from layflat.rig.safety import demands, estimator, moving
 from layflat.rig.safety.detectors import joint, sample, supply
 
 JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16  # stages of a cycle
@@ -23,6 +23,8 @@ FOUND, CHANGED, BAD = 1, 2, 4
 TURNS = 0.05  # speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s
 # A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s.
 UNEVEN, CALM = 0.3, 0.1
+# Cycles that a law which plans its motion takes for one at least, and at most: it steps its model by the time.
+SHORTEST, LONGEST = 0.5, 2.0
 
 
 class Rig(NamedTuple):
@@ -37,6 +39,7 @@ class Rig(NamedTuple):
     voltage_high: float
     demand_lead: float  # by which demands may be ahead of their references, rad
     demand_margin: float  # of what is left to the stops, 1
+    plans: float  # 1 where the control law plans its own motion to its demands, which then have rates; else 0
     supply: supply.Limits
 
 
@@ -46,6 +49,7 @@ class Settings(NamedTuple):
     detectors: joint.Limits
     air: AirParts
     gate: demands.Gate
+    moving: moving.Limits
     torque_constant: float  # torque per pressure, m3/rad
     averaged: float  # 1 where signals are averaged over a dither period, else 0
 
@@ -58,6 +62,9 @@ class Memory(NamedTuple):
     estimator: estimator.Memory
     estimate: estimator.Estimate
     demand: demands.Demand
+    velocity: float  # of the demand, rad/s
+    acceleration: float  # of the demand, rad/s2
+    stream: moving.Stream
     neutral: float  # estimated shift of the valve's neutral voltage, V
     asked: float  # voltage that the control law asked for, V
     voltage: float  # voltage that was let through, V
@@ -74,6 +81,7 @@ class Inputs(NamedTuple):
     level: float  # what there is to watch
     follow: float  # 1 where demands are obeyed
     wake: float  # 1 where controllers begin anew
+    meant: float  # since the instant for which demands are meant, s
     even: float  # for how long cycles have been even, s
     lines: supply.Memory
     fault: float  # number of the machine's fault of this cycle; 0: none
@@ -85,12 +93,15 @@ class JointInputs(NamedTuple):
     angle: float
     pressure: float
     asked: float
+    velocity: float  # of what is asked for; not a number: it is derived, as the next
+    acceleration: float
 
 
 class Known(NamedTuple):
     """What a row says of a joint under any control law; names are those of `rig.record.RIG_SIGNALS`."""
 
     demand: float
+    demand_velocity: float
     voltage: float
     measured_angle: float
     measured_pressure: float
@@ -183,9 +194,40 @@ def judge(rig_numbers, settings, inputs, given, memory):
 
 
 @kernel
+def _let_move(now, settings, given, memory):
+    """Let demands of a control law that plans through (see moving.py), with their rates; returns CHANGED or 0."""
+    changed, turns, jumps = 0, False, False
+    for j in range(len(settings)):
+        own, came = read_numbers(SETTINGS, settings[j]).moving, read_numbers(JOINT, given[j])
+        before = read_numbers(MEMORY, memory[j])
+        stream = moving.derived(own, before.stream, came.asked, now.meant, now.since)
+        write_numbers(memory[j, IN_MEMORY.stream :], stream)
+        where, _ = moving.by_now(own, stream, came.asked, came.velocity, came.acceleration)
+        turns = turns or moving.turns(own, came.angle, before.estimate.averaged_velocity, where)
+        jumps = jumps or moving.jumps(before.demand.demand, before.velocity, where, now.since)
+    for j in range(len(settings)):
+        own, came = read_numbers(SETTINGS, settings[j]), read_numbers(JOINT, given[j])
+        before = read_numbers(MEMORY, memory[j])
+        after, outcome = moving.Moving(before.demand.demand, 0.0, 0.0), 0
+        if now.follow > 0.0 and turns and jumps:
+            outcome = demands.LIMITED
+        elif now.follow > 0.0:
+            where, limited = moving.by_now(own.moving, before.stream, came.asked, came.velocity, came.acceleration)
+            after, outcome = moving.let_through(own.moving, before.demand.demand, came.asked, where, limited, now.since)
+        reference = demands.settled(own.gate, demands.Demand(after.angle, before.demand.reference), now.since)
+        write_numbers(memory[j, IN_MEMORY.demand :], reference)
+        memory[j, IN_MEMORY.velocity], memory[j, IN_MEMORY.acceleration] = after.velocity, after.acceleration
+        memory[j, IN_MEMORY.outcome] = outcome
+        changed = CHANGED if outcome > 0 else changed
+    return changed
+
+
+@kernel
 def let_through(rig_numbers, settings, inputs, given, memory):
     """Let demands through their gates (arguments as of `judge`); returns CHANGED where one was, else 0."""
     n, rig, now = len(settings), read_numbers(RIG, rig_numbers), read_numbers(INPUTS, inputs)
+    if rig.plans > 0.0:
+        return _let_move(now, settings, given, memory)
     least, changed = inf, 0
     for j in range(n):
         gate, before = read_numbers(SETTINGS, settings[j]).gate, read_numbers(MEMORY, memory[j]).demand
@@ -244,7 +286,10 @@ def record(rows, given, memory, report, recorded):
     """
     for j in range(len(rows)):
         came, after = read_numbers(JOINT, given[j]), read_numbers(MEMORY, memory[j])
-        write_numbers(rows[j], Known(after.demand.demand, after.voltage, came.angle, came.pressure, after.estimate))
+        write_numbers(
+            rows[j],
+            Known(after.demand.demand, after.velocity, after.voltage, came.angle, came.pressure, after.estimate),
+        )
         for k in range(len(recorded)):
             rows[j, KNOWN + k] = report[j, recorded[k]]
         rows[j, KNOWN + len(recorded)] = 0.0
@@ -286,12 +331,19 @@ def _cycle(arm_like, settings_like, memory_like, nothing):
             estimate(settings, inputs, given, memory)
         if stages & CONTROL:
             now, own = read_numbers(INPUTS, inputs), read_numbers(settings_like, law_settings)
+            planned = read_numbers(RIG, rig).plans
             sensed = Sensed(gather(nothing, given[:, IN_GIVEN.angle]), gather(nothing, given[:, IN_GIVEN.pressure]))
-            demand = Demand(gather(nothing, memory[:, IN_MEMORY.demand]), nothing, nothing, nothing)
+            demand = Demand(
+                gather(nothing, memory[:, IN_MEMORY.demand]), gather(nothing, memory[:, IN_MEMORY.velocity]),
+                gather(nothing, memory[:, IN_MEMORY.acceleration]), nothing,
+            )  # fmt: skip
             before = read_numbers(memory_like, law_memory)
             if now.wake > 0.0:
                 before = in_lanes(wake(own, sensed), 0.0)
-            after, command, signals = step(own, before, sensed, demand, now.elapsed)
+            cycle_time, elapsed = read_numbers(RIG, rig).cycle, now.elapsed
+            if planned > 0.0:
+                elapsed = min(max(elapsed, SHORTEST * cycle_time), LONGEST * cycle_time)
+            after, command, signals = step(own, before, sensed, demand, elapsed)
             write_numbers(law_memory, in_lanes(after, 0.0))
             voltages, rows = slots(in_lanes(command.voltage, 0.0)), slots(in_lanes(signals, 0.0))
             shifts = slots(in_lanes(centre_shift(own, after, nothing), 0.0))

@@ -3,11 +3,17 @@
 Raises MachineError where it has none.
 """
 
-from math import inf
+from math import hypot, inf, sqrt
 
 from layflat.machine import Machine, parameters
 from layflat.machine.parameters import drive_parts
 from layflat.machine.parameters import sensor as sensor_law
+from layflat.motion.limits import abilities
+from layflat.motion.rates import JERK, SURGE
+from layflat.physics.air import GAMMA
+from layflat.physics.joint import FILLED
+from layflat.rig.abilities import demand_limits
+from layflat.rig.safety import moving
 from layflat.rig.safety.cycle import Rig, Settings
 from layflat.rig.safety.demands import Gate
 from layflat.rig.safety.detectors import (
@@ -27,6 +33,13 @@ RAIL = 2.0  # counts from the end of a converter's range, at which a sensor is t
 NOISE = 2.0  # counts by which a sample may be wrong: a joint at a limit is found in spite of them
 # Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none.
 SPARE, RIPPLE_AFTER = 2.0, 4.0
+NEVER = 4.5  # standard errors of the pressure that its ripple would have to be without dither
+PAUSES = (
+    0.65  # of the time to find that a ripple is gone in which a law that plans leaves the spool room for its dither
+)
+LANDS = 0.05  # error within which a law that plans its motion stops a joint as soon as it can, rad
+AVERAGED = 3.5  # cycles after which an average of four samples has none of before
+SPEED_IS_GIVEN = "demand_speed"  # in a machine's file: then laws that plan their motion keep to it, too
 # Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit.
 DOUBTFUL, SURE = 2.5, 7.5
 
@@ -46,6 +59,7 @@ def rig_settings(machine: Machine) -> Rig:
         valve.centre_voltage + span,
         safety.demand_lead,
         safety.demand_margin,
+        1.0 if plans(machine) else 0.0,
         supply.Limits(
             low=source.ambient_pressure + safety.supply_low * source.pressure_gauge,
             high=source.ambient_pressure + safety.overpressure * source.pressure_gauge,
@@ -56,15 +70,85 @@ def rig_settings(machine: Machine) -> Rig:
 
 def joint_settings(machine: Machine, name: str) -> Settings:
     """What holds of a joint."""
-    stops, safety = machine.joint[name].stops, machine.safety
+    stops = machine.joint[name].stops
     averaged = getattr(machine.controller, "averaged", True)
     return Settings(
         joint_limits(machine, name),
         parameters.air_parts(machine, name),
-        Gate(0.5 * stops.working_stroke, 0.5 * stops.mechanical_stroke, safety.demand_speed),
+        Gate(0.5 * stops.working_stroke, 0.5 * stops.mechanical_stroke, demand_pace(machine, name)),
+        demands_move(machine, name),
         parameters.torque_constant(machine.joint[name]),
         1.0 if averaged else 0.0,
     )
+
+
+def plans(machine: Machine) -> bool:
+    """Whether the machine's control law, if it has one, plans its own motion."""
+    return machine.controller is not None and machine.control_law.plans
+
+
+def demand_pace(machine: Machine, name: str) -> float:
+    """Speed with which a joint goes on to its demand at least, rad/s."""
+    most = machine.safety.demand_speed
+    if not plans(machine):
+        return most
+    own = float(demand_limits(machine).pace[list(machine.joints).index(name)])
+    return min(own, most) if SPEED_IS_GIVEN in machine.safety.model_fields_set else own
+
+
+def demands_move(machine: Machine, name: str) -> moving.Limits:
+    """What demands of a joint may do; nothing counts of it where the control law does not plan its motion."""
+    safety, working = machine.safety, 0.5 * machine.joint[name].stops.working_stroke
+    if not plans(machine):
+        return moving.Limits(working, safety.demand_speed, 0.0, 0.0, 0.0, machine.cycle, SURGE, JERK)
+    found, j = demand_limits(machine), list(machine.joints).index(name)
+    pace = safety.demand_speed if SPEED_IS_GIVEN in safety.model_fields_set else inf
+    speed, acceleration, braking = (float(of[j]) for of in (found.speed, found.acceleration, found.braking))
+    speed = min(speed, pace, safety.speed)
+    return moving.Limits(working, pace, speed, acceleration, braking, machine.cycle, SURGE, JERK)
+
+
+def least_ripple(machine: Machine) -> float:
+    """Amplitude of a pressure that shows that there is air, Pa: of the law's description, or what noise never makes."""
+    _, _, pressure = drive_parts(machine)
+    noise = sensor_law(pressure)
+    own = getattr(machine.controller, "air_ripple", None)
+    return float(own) if own is not None else NEVER * hypot(noise.noise, noise.lsb / sqrt(12.0))
+
+
+def speed_limit(machine: Machine, name: str) -> float:
+    """Speed above which a joint runs away, rad/s.
+
+    A law that plans its motion may use all that an open valve feeds, unless the machine's file says what it may.
+    """
+    safety = machine.safety
+    if not plans(machine) or "speed" in safety.model_fields_set:
+        return safety.speed
+    return max(safety.speed, float(abilities(machine).speed[list(machine.joints).index(name)]))
+
+
+def residual_of_warmth(machine: Machine, name: str) -> float:
+    """Residual per speed (s/rad) of air that is compressed so fast that it keeps all of its warmth.
+
+    Derived: the air balance takes air for isothermal, and misses (gamma - 1) p K v of either hose; a residual of 1 is
+    half of what an open valve feeds a hose, p_s C p_0, and w = C p_0 / K. So it is 2 (gamma - 1) p / p_s over w.
+    """
+    fastest = float(abilities(machine).speed[list(machine.joints).index(name)])
+    return 2.0 * (GAMMA - 1.0) * FILLED / fastest
+
+
+def held_back_for(machine: Machine, name: str) -> float:
+    """Time for which a joint is slow in spite of its pressure that something holds back, s.
+
+    Of a law that plans its motion such a pressure is meant to move the joint: in twice the time that it takes from one
+    end of what is slow to the other, in the worst posture.
+    """
+    j = list(machine.joints).index(name)
+    able, limits = abilities(machine), demand_limits(machine)
+    opposes = float(able.friction[j] + able.loss[j])
+    share = (following.STRAINS * float(able.torque[j]) - opposes) / (float(able.torque[j]) - opposes)
+    takes = 2.0 * following.SLOW / (share * float(limits.braking[j])) if share > 0.0 else inf
+    return max(min(2.0 * takes, following.LONG), SURE * machine.cycle)
 
 
 def joint_limits(machine: Machine, name: str) -> joint.Limits:
@@ -80,18 +164,27 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
     return joint.Limits(
         rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb),
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
-        safety.speed - NOISE * angle.lsb / cycle,
+        speed_limit(machine, name) - NOISE * angle.lsb / cycle,
         working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
         doubt.Limits(
             angle.lsb,
             1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
             safety.air_residual if part.acting == "double" else inf,
             DOUBTFUL * cycle,
+            residual_of_warmth(machine, name) if plans(machine) else 0.0,
         ),
-        angle_frozen.Limits(angle.lsb, friction, cycle, sure, Fault.ANGLE_FROZEN.seconds - SPARE * cycle),
+        angle_frozen.Limits(
+            angle.lsb,
+            friction,
+            cycle,
+            sure,
+            Fault.ANGLE_FROZEN.seconds - SPARE * cycle,
+            LANDS if plans(machine) else 0.0,
+            AVERAGED * cycle if plans(machine) else 0.0,
+        ),
         valve_unresponsive.Limits(
-            getattr(machine.controller, "air_ripple", 0.0) if seen else 0.0,
-            Fault.VALVE_UNRESPONSIVE.seconds - (SPARE + RIPPLE_AFTER) * cycle,
+            least_ripple(machine) if seen else 0.0,
+            (PAUSES if plans(machine) else 1.0) * Fault.VALVE_UNRESPONSIVE.seconds - (SPARE + RIPPLE_AFTER) * cycle,
             valve_unresponsive.SHOWS * gauge,
             1.0 - (dither.amplitude if dither is not None else 0.0),
         ),
@@ -99,8 +192,9 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
         following.Limits(
             safety.following_error,
             safety.following_time,
-            safety.demand_speed,
+            demand_pace(machine, name),
             Fault.FOLLOWING_ERROR.seconds - SPARE * cycle,
             following.STRAINS * gauge,
+            held_back_for(machine, name) if plans(machine) else following.LONG,
         ),
     )

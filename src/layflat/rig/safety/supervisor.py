@@ -4,6 +4,7 @@ A cycle of a rig in motion is one call of compiled code (cycle.py). Python decid
 request, a fault, a lost reply, or a state that time leads on from; the stages are then performed one by one.
 """
 
+from collections.abc import Sequence
 from math import isnan
 from typing import NamedTuple
 
@@ -29,6 +30,9 @@ class HostRequest(NamedTuple):
     stop: bool = False  # edge: hold, then let out the air
     reset: bool = False  # edge: latched faults may go
     age: float = 0.0  # since the host was last heard, s
+    velocities: Sequence[float] | None = None  # rad/s; None, or not a number: derived from the demands, as the next
+    accelerations: Sequence[float] | None = None  # rad/s2
+    since: float = 0.0  # the instant for which the demands are meant, s
 
 
 class Supervisor(StateMachine):
@@ -61,7 +65,7 @@ class Supervisor(StateMachine):
         """
         self.ledger.new_cycle()
         core = self.core
-        core.asked[:] = request.demands
+        core.ask(request.demands, request.velocities, request.accelerations, request.since)
         if reading is not None:
             core.take(reading)
             self.lost = 0

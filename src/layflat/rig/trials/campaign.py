@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from layflat.rig.abilities import swings_on
 from layflat.rig.clock import SECOND
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState
+from layflat.rig.safety.limits import plans
 from layflat.rig.trials.cases import HOST_GONE, ROWS, FaultCase
 from layflat.rig.trials.rig import TrialRig
 
@@ -16,6 +18,7 @@ SPAN = 0.5  # of the working stroke in which moves end: an arm that stops at onc
 PAUSE = (0.7, 2.0)  # between two demands, s
 WHEN = (0.3, 2.0)  # after the first demand, in which the failure comes, s
 ON_ITS_WAY = (0.06, 0.2)  # after the demand that sets a joint going, in which the failure comes, s
+ARRIVES = 1.0  # after that instant, in which a joint that was to be on its way has arrived, s
 GOING = 0.6  # speed that it has then at least, rad/s
 GONE = (0.5, 2.0)  # for which a loop is stopped, s
 PATIENCE = 1.0  # beyond the time in which a fault has to be found, until it counts as missed, s
@@ -39,11 +42,17 @@ class Outcome(NamedTuple):
     turned: float  # the furthest that a joint was from mid-stroke, as a share of half its mechanical stroke
     above_supply: float  # highest pressure in a hose less the highest that the supply line had, Pa
     pushed: bool  # whether somebody pushed the joint, or its valve did: into its stop, which alone could hold it
+    swung: bool  # whether the arm was so fast by then that its stops alone could hold it
 
     @property
     def good(self) -> bool:
         """Whether it was found in time, and what is safe was reached."""
-        return self.found_after <= self.limit + 1e-9 and self.safe_after < inf and (self.turned <= 1.0 or self.pushed)
+        return self.found_after <= self.limit + 1e-9 and self.safe_after < inf and self.kept
+
+    @property
+    def kept(self) -> bool:
+        """Whether no joint passed its mechanical stroke that anything but its stop could have held."""
+        return self.turned <= 1.0 or self.pushed or self.swung
 
 
 def campaign(rig: TrialRig, instants: int = 20, seed: int = 0) -> Iterator[Outcome]:
@@ -83,6 +92,7 @@ class Trial:
         else:
             rig.clock.at(instant, lambda: case.switch(rig, self.joint, True))
             found, by, limit = self._found(instant)
+        swung = self._swings_on()
         safe = self._safe(instant)
         turned = max(
             angle / (0.5 * joint.stops.mechanical_stroke)
@@ -92,7 +102,7 @@ class Trial:
         self._mend()
         return Outcome(
             self.row, case.name, list(rig.machine.joints)[self.joint], (instant - begun) / SECOND, found, limit, by,
-            safe, case.safe.name, turned, above_supply, case.pushed,
+            safe, case.safe.name, turned, above_supply, case.pushed, swung,
         )  # fmt: skip
 
     # Before
@@ -107,8 +117,13 @@ class Trial:
         if not self.case.moving:
             return rig.clock.now() + int(random.integers(1, round(rig.period * SECOND)))
         instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
-        while rig.clock.now() + rig.period * SECOND < instant or abs(rig.truth.velocities[self.joint]) < GOING:
+        while rig.clock.now() + rig.period * SECOND < instant or not self._goes():
             rig.cycle()
+            if rig.clock.now() > instant + ARRIVES * SECOND:  # it has arrived before: once more
+                while not self._off():
+                    self._move()
+                    rig.cycle()
+                instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
         return max(instant, rig.clock.now() + 1)
 
     def _move(self) -> None:
@@ -132,7 +147,19 @@ class Trial:
         self._next = self.rig.clock.now() + round(PAUSE[1] * SECOND)
         return True
 
+    def _goes(self) -> bool:
+        """Whether the joint is on its way, and has some of it left."""
+        angle, velocity = self.rig.truth.angles[self.joint], self.rig.truth.velocities[self.joint]
+        left = abs(self.rig.host.demands[self.joint] - angle)
+        return abs(velocity) >= GOING and left >= self.case.way_left
+
     # After
+
+    def _swings_on(self) -> bool:
+        """Whether nothing but its stops may hold the arm from now on: brakes can where a rig leads it slowly."""
+        core, truth = self.rig.supervisor.core, self.rig.truth
+        torques = core.settings["torque_constant"] * core.memory["estimate.averaged_pressure"]
+        return plans(self.rig.machine) and swings_on(self.rig.machine, truth.angles, truth.velocities, torques)
 
     def _found(self, instant: int) -> tuple[float, str, float]:
         """After how long the fault was found (s), as what, and in which time it had to be (s)."""

@@ -13,6 +13,7 @@ from layflat.rig.device.failures import failure
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.safety.detectors.following import allowed
 from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.limits import speed_limit
 from layflat.rig.trials.rig import TrialRig
 
 EMPTY = 0.3e5  # gauge pressure below which a hose is empty, Pa
@@ -62,6 +63,7 @@ class FaultCase(NamedTuple):
     since: Callable[[TrialRig, int], bool] | None = None  # where time counts only as long as a limit is passed in truth
     brief: bool = False  # whether it ends by itself when it is found: who pushes a joint lets go of it
     way_to_go: float = 0.35  # a joint that has to be on its way is asked to go at least so far, rad
+    way_left: float = 0.0  # and has as much as that before it when it fails, rad
     # Whether somebody, a valve that stays open, or a hose that a small valve empties too slowly, pushes it into its
     # stop, which alone holds it.
     pushed: bool = False
@@ -112,9 +114,10 @@ def _too_high(rig: TrialRig, _: int) -> bool:
 
 
 def _away(rig: TrialRig, joint: int) -> bool:
-    safety, stops = rig.machine.safety, list(rig.machine.joints.values())[joint].stops
+    name, (safety, joints) = list(rig.machine.joints)[joint], (rig.machine.safety, rig.machine.joint)
+    stops = joints[name].stops
     stroke = 0.5 * (stops.working_stroke + safety.overrun * (stops.mechanical_stroke - stops.working_stroke))
-    return abs(rig.truth.velocities[joint]) > safety.speed or abs(rig.truth.angles[joint]) > stroke
+    return abs(rig.truth.velocities[joint]) > speed_limit(rig.machine, name) or abs(rig.truth.angles[joint]) > stroke
 
 
 def _left_behind(rig: TrialRig, joint: int) -> bool:
@@ -125,6 +128,8 @@ def _left_behind(rig: TrialRig, joint: int) -> bool:
 LINK = (Fault.LINK_LOST, Fault.DEVICE_CENTRED, Fault.DEVICE_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
+# A joint that is stopped at once may fling another out of its stroke before it is told that it was held back itself.
+HELD_BACK = (Fault.FOLLOWING_ERROR, Fault.ANGLE_FROZEN, Fault.OUTSIDE_STROKE)
 ANSWER = (Fault.VALVE_UNRESPONSIVE, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
 BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.VALVE_UNRESPONSIVE)
 
@@ -150,8 +155,8 @@ ROWS: dict[str, tuple[FaultCase, ...]] = {
     ),
     "following error": (
         _of_rig(
-            "grip", (Fault.FOLLOWING_ERROR, Fault.ANGLE_FROZEN), HELD, size=GRIP, seconds=0.1, moving=True,
-            since=_left_behind, brief=True, way_to_go=0.9,
+            "grip", HELD_BACK, HELD, size=GRIP, seconds=0.1, moving=True,
+            since=_left_behind, brief=True, way_to_go=0.9, way_left=0.35,
         ),
     ),
     "valve driven, pressure does not answer": (

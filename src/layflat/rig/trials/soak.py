@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from math import inf
 
 import numpy as np
 
@@ -13,10 +14,8 @@ from layflat.rig.drivers.simulated import SimulatedDriver
 from layflat.rig.loop import Loop
 from layflat.rig.safety.faults import Reaction
 from layflat.rig.safety.states import State
-from layflat.rig.trials.rig import Script
+from layflat.rig.trials.work import RandomWork
 
-SPAN = 0.9  # of the working stroke in which moves end
-PAUSE = (0.1, 4.0)  # between two demands, s
 PAYLOAD_EVERY = 5.0  # mean time between two changes of the payload, s
 
 
@@ -31,6 +30,11 @@ class SoakResult:
     trips: int = 0  # how often the rig was held or vented for nothing
 
 
+def payload_is_open(machine: Machine) -> bool:
+    """Whether the control law works with another payload than the described one: not if it is told that it is known."""
+    return getattr(machine.controller, "payload_spread", inf) > 0.0
+
+
 def quiet(
     machine: Machine, device_of: Callable[[VirtualClock], VirtualDevice], hours: float, seed: int,
     progress: Callable[[float], None] | None = None, clock: VirtualClock | None = None,
@@ -41,25 +45,22 @@ def quiet(
     The device is a sound one; the seed is that of moves and payloads; `progress` is told the share that is done. The
     loop waits by the clock; default: one that is never late.
     """
-    clock, host = clock or VirtualClock(), Script(len(machine.joints))
+    clock, random = clock or VirtualClock(), np.random.default_rng(seed)
+    host = RandomWork(machine, random)
     device = device_of(clock)
     driver = driver_of(device)
     driver.configure()
     loop = Loop(machine, driver, clock, host)
     driver.activate()
     supervisor = loop.supervisor
-    random, found = np.random.default_rng(seed), SoakResult(hours)
-    half = np.array([0.5 * SPAN * joint.stops.working_stroke for joint in machine.joints.values()])
-    end, next_move, next_payload, shown = round(hours * 3600 * SECOND), 0, 0, 0
+    found, changes = SoakResult(hours), payload_is_open(machine)
+    end, next_payload, shown = round(hours * 3600 * SECOND), 0, 0
     while clock.now() < end:
         now, before = clock.now(), supervisor.state
         if before in {State.OFF, State.FAULT, State.STOPPED}:
             host.edges = {"reset"} if before is State.FAULT else {"start"}
-        if now >= next_move:
-            next_move = now + round(random.uniform(*PAUSE) * SECOND)
-            host.demands = random.uniform(-half, half).tolist()
-            found.moves += 1
-        if now >= next_payload:
+        host.ask(now)
+        if changes and now >= next_payload:
             next_payload = now + round(random.exponential(PAYLOAD_EVERY) * SECOND)
             device.plant.payload = random.uniform(0.0, machine.arm.payload)
             found.payloads += 1
@@ -72,4 +73,5 @@ def quiet(
             shown = now
             progress(now / end)
     driver.finalize()
+    found.moves = host.moves
     return found

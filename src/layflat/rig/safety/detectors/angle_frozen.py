@@ -28,6 +28,8 @@ class Limits(NamedTuple):
     cycle: float  # time between two samples that are in time, s
     sure: float  # time of the same sample after which a sensor that does not fit the valve is frozen, s
     patience: float  # the same of one that bears too much, s
+    lands: float = 0.0  # error up to which the control law may bring the joint to rest at once, rad
+    fades: float = 0.0  # time at rest until the averaged pressure has none of what braked the joint, s
 
 
 class Memory(NamedTuple):
@@ -52,11 +54,12 @@ def blocked(limits, memory, now):
 def find(limits, memory, doubts, before, now, sample):
     """Follow what the joint bears, and how long it stays where it is; traces are those before and after the sample."""
     same, p, net = unchanged(before, sample), sample.averaged_pressure, sample.averaged_pressure - sample.others
-    least = min(memory.least, p) if same else p
-    most = max(memory.most, p) if same else p
+    bears = same and before.same_angle >= limits.fades
+    least = min(memory.least, p) if bears else p
+    most = max(memory.most, p) if bears else p
     # Shaken by the others, or not as much as is believed: it is blocked if it bears both.
-    net_least = min(memory.net_least, net) if same else net
-    net_most = max(memory.net_most, net) if same else net
+    net_least = min(memory.net_least, net) if bears else net
+    net_most = max(memory.net_most, net) if bears else net
     borne = min(most - least, net_most - net_least)
     driven = sample.level >= AIR and abs(sample.demand - sample.angle) > DRIVEN
     drives = driven and (abs(sample.opening) > OPEN or abs(sample.demand - sample.angle) > PARKED)
@@ -68,7 +71,8 @@ def find(limits, memory, doubts, before, now, sample):
     after = Memory(least, most, net_least, net_most, asleep, anchor, held)
     stays = now.same_angle > limits.sure
     # By both: a sample after a late one is further from it, and what came late was sampled some time before.
-    brisk = min(now.step, now.speed * limits.cycle) > BRISK * limits.lsb
+    landed = abs(sample.demand - sample.angle) < limits.lands
+    brisk = min(now.step, now.speed * limits.cycle) > BRISK * limits.lsb and not landed
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))

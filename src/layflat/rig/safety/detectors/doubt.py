@@ -1,8 +1,10 @@
 """Whether a sensor may be frozen: until that is known, what is computed from it says nothing of the valve."""
 
+from math import isfinite
 from typing import NamedTuple
 
 from layflat.jit import law
+from layflat.physics.air_balance import SMOOTHING
 from layflat.rig.safety.detectors.sample import AIR, lasted
 
 MOVING = 2.5  # counts from one sample to the next that are motion, not noise
@@ -15,6 +17,7 @@ class Limits(NamedTuple):
     lively: float  # 1 if a sound pressure sensor changes all the time, else 0
     residual: float  # of air, as an opening of the valve; infinite where air can't be watched: a joint of one hose
     doubtful: float  # of the same sample, after which a sensor may be frozen, s
+    warmth: float = 0.0  # residual per speed of air that keeps the warmth of its compression; 0: joints are slow, s/rad
 
 
 class Memory(NamedTuple):
@@ -22,6 +25,7 @@ class Memory(NamedTuple):
 
     same_pressure: float = 0.0
     suspect: float = 0.0
+    speed: float = 0.0  # of the joint over the time in which the residual is averaged, rad/s
 
 
 class Doubt(NamedTuple):
@@ -34,6 +38,14 @@ class Doubt(NamedTuple):
 
 
 @law
+def averaged_speed(before, sample):
+    """The joint's speed (rad/s), averaged as the residual of its air is."""
+    share = min(sample.elapsed / SMOOTHING, 1.0)
+    after = before + share * (sample.velocity - before)
+    return after if isfinite(after) else before
+
+
+@law
 def doubt(limits, memory, before, now, sample):
     """Memory and doubts after a sample, with the traces before and after it."""
     airy = sample.level >= AIR
@@ -41,6 +53,10 @@ def doubt(limits, memory, before, now, sample):
     same_pressure = lasted(memory.same_pressure, repeated, sample.elapsed)
     angle = now.same_angle > limits.doubtful and now.step > MOVING * limits.lsb
     either = same_pressure > limits.doubtful or angle
-    wrong = airy and sample.alone > 0.0 and abs(sample.residual) > limits.residual
+    speed = averaged_speed(memory.speed, sample)
+    # The hose that a joint compresses gains more pressure than what is computed with one temperature.
+    warm = -limits.warmth * speed
+    beyond = sample.residual > limits.residual + max(warm, 0.0) or sample.residual < min(warm, 0.0) - limits.residual
+    wrong = airy and sample.alone > 0.0 and beyond
     suspect = either and (wrong or memory.suspect > 0.0)
-    return Memory(same_pressure, 1.0 if suspect else 0.0), Doubt(angle, either, wrong, suspect)
+    return Memory(same_pressure, 1.0 if suspect else 0.0, speed), Doubt(angle, either, wrong, suspect)

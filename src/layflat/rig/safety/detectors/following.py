@@ -21,6 +21,7 @@ class Limits(NamedTuple):
     demand_speed: float  # at which demands may go on for long, rad/s
     patience: float  # s
     strained: float  # differential pressure with which no joint is slow, Pa
+    long: float = LONG  # for which one is slow in spite of it that is held back, s
 
 
 class Memory(NamedTuple):
@@ -56,6 +57,9 @@ def find(limits, memory, sample):
     error = abs(sample.angle - reach)
     off = lasted(memory.off, airy and error > allowed(limits, sample.velocity, sample.lead), sample.elapsed)
     beside = airy and abs(sample.angle - sample.demand) > BESIDE
-    strains = beside and abs(sample.averaged_pressure) > limits.strained and abs(sample.velocity) < SLOW
-    strained = lasted(memory.strained, strains, sample.elapsed)
-    return Memory(reach, off, strained), FAULT if off >= limits.patience or strained >= LONG else 0
+    p = sample.averaged_pressure
+    strains = beside and abs(p) > limits.strained and abs(sample.velocity) < SLOW
+    # Another joint that brakes may hold this one for a while: where that would explain it, time counts half.
+    alone = abs(p - sample.others) > limits.strained
+    strained = lasted(memory.strained, strains, sample.elapsed if alone else 0.5 * sample.elapsed)
+    return Memory(reach, off, strained), FAULT if off >= limits.patience or strained >= limits.long else 0

@@ -1,0 +1,91 @@
+"""What a sound rig is asked for: random steps and, of control laws that plan their motion, motions and belts."""
+
+from collections.abc import Iterator
+from math import pi
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.errors import LayflatError
+from layflat.machine import Machine
+from layflat.motion.belt import follow_belt
+from layflat.motion.trajectory import States
+from layflat.rig.abilities import demand_limits
+from layflat.rig.clock import SECOND
+from layflat.rig.safety.supervisor import HostRequest
+from layflat.rig.trials.rig import Script
+
+SPAN = 0.9  # of the working stroke in which moves end
+PAUSE = (0.1, 4.0)  # between two demands, s
+MOTIONS, BELTS = 0.2, 0.2  # shares of the demands that are motions of the joints, and that follow a belt
+HARD = 0.6  # of what every posture can do that motions ask for
+BELT_SPEED, BELT_ACCELERATION = (0.05, 0.5), 4.0  # m/s, m/s2
+BELT_TURNS = (0.2, 1.5)  # after which a belt turns round, and after which it stops, s
+PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of a polynomial of fifth degree: velocity over L/T, acceleration over L/T2
+
+
+class RandomWork(Script):
+    """A host that asks for another place, or another motion, now and then; its random numbers are given."""
+
+    def __init__(self, machine: Machine, random: np.random.Generator) -> None:
+        super().__init__(len(machine.joints))
+        self.moves = 0
+        self._machine, self._random = machine, random
+        self._half = np.array([0.5 * SPAN * joint.stops.working_stroke for joint in machine.joints.values()])
+        self._moves_on = machine.control_law.plans
+        self._next = 0
+        self._rows: Iterator[tuple[Array, Array, Array]] = iter(())
+
+    def ask(self, now: int) -> None:
+        """Ask for what is due in the cycle that begins now (ns)."""
+        if now >= self._next:
+            self._next = now + round(self._random.uniform(*PAUSE) * SECOND)
+            self._rows = iter(())
+            self.moves += 1
+            states = self._motion() if self._moves_on else None
+            if states is None:
+                self.demands, self.rates = self._random.uniform(-self._half, self._half).tolist(), None
+            else:
+                self._rows = zip(*states, strict=True)
+        row = next(self._rows, None)
+        if row is not None:
+            self.demands, self.rates = row[0].tolist(), (row[1].tolist(), row[2].tolist())
+
+    def request(self, now: int) -> HostRequest:
+        """What is wanted now."""
+        asked = super().request(now)
+        return asked if self.rates is None else asked._replace(velocities=self.rates[0], accelerations=self.rates[1])
+
+    rates: tuple[list[float], list[float]] | None = None
+
+    def _motion(self) -> States | None:
+        """Return a motion from the last demand on, or None for a step."""
+        kind, start = self._random.uniform(), np.array(self.demands)
+        if not np.isfinite(start).all() or kind > MOTIONS + BELTS:
+            return None
+        if kind < MOTIONS:
+            return smooth(self._machine, start, self._random.uniform(-self._half, self._half))
+        turns, goes_back = self._random.uniform(*BELT_TURNS, 2)
+        speed = self._random.uniform(*BELT_SPEED)
+        speeds = [(0.0, speed), (1.0 + turns, -speed), (2.0 + turns + goes_back, 0.0)]
+        try:
+            belt = follow_belt(self._machine, start, self._random.uniform(-pi, pi), speeds, BELT_ACCELERATION)
+        except LayflatError:  # it begins at the border, or the arm has no tip that moves in a plane
+            return None
+        return belt.rows(self._machine.cycle)
+
+
+def smooth(machine: Machine, start: Array, end: Array) -> States:
+    """Return a motion from rest to rest (rad, (joints,)) by a polynomial of fifth degree, as hard as `HARD` has it."""
+    can, way = demand_limits(machine), np.abs(end - start)
+    slow = np.maximum(PEAKS[0] * way / (HARD * can.speed), np.sqrt(PEAKS[1] * way / (HARD * can.braking)))
+    T = max(float(slow.max()), machine.cycle)
+    t = np.arange(0.0, T + machine.cycle, machine.cycle)[:, None]
+    x = np.minimum(t / T, 1.0)
+    place, speed, surge = (
+        x**3 * (10.0 - 15.0 * x + 6.0 * x**2),
+        30.0 * (x - x**2) ** 2,
+        60.0 * x * (1 - x) * (1 - 2 * x),
+    )
+    L = end - start
+    return States(start + L * place, L * speed / T, L * surge / T**2)
