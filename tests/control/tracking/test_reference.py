@@ -10,6 +10,7 @@ from layflat.control.tracking.reference import (
     PathLimits,
     Reference,
     advanced,
+    kept_before,
     next_acceleration,
     path_acceleration,
     stop_at,
@@ -89,6 +90,34 @@ def test_what_goes_across_the_way_dies_out() -> None:
         a = path_acceleration(tuple(at), tuple(goals), (1.0, 0.0), PACE, T)
         at = [advanced(reference, each, T) for reference, each in zip(at, a, strict=True)]
     assert abs(at[1].velocity) < 0.05
+
+
+@pytest.mark.parametrize("keeps", [False, True])
+def test_a_joint_on_the_way_of_another_goal_does_not_pass_its_own(keeps: bool) -> None:
+    # The first is far from its goal and goes away from it; the second is soon at its own, and fast.
+    at, goals = [Reference(0.2, 3.0, 20.0), Reference(-0.7, 4.0, 20.0)], [Reference(0.0, 0.0, 0.0)] * 2
+    furthest = -1.0
+    for _ in range(120):
+        apart = np.array([goal.angle - one.angle for goal, one in zip(goals, at, strict=True)])
+        e = tuple((apart / max(np.linalg.norm(apart), 1e-9)).tolist())
+        a = path_acceleration(tuple(at), tuple(goals), e, PACE, T)
+        if keeps:
+            joints = zip(a, at, goals, e, strict=True)
+            a = tuple(kept_before(*joint, PACE, PACE.deceleration, PACE.jerk, T) for joint in joints)
+        at = [advanced(reference, each, T) for reference, each in zip(at, a, strict=True)]
+        furthest = max(furthest, at[1].angle)
+    assert (furthest < 0.025) is keeps
+    if keeps:
+        assert max(abs(one.angle) for one in at) < 0.02
+
+
+@given(st.floats(0.002, 1.5))
+def test_a_move_from_rest_is_left_as_it_is(distance: float) -> None:
+    at, goal = Reference(0.0, 0.0, 0.0), Reference(distance, 0.0, 0.0)
+    for _ in range(100):
+        (a,) = path_acceleration((at,), (goal,), (1.0 if goal.angle > at.angle else -1.0,), PACE, T)
+        assert kept_before(a, at, goal, 1.0, PACE, 1.0, 1.0, T) == a
+        at = advanced(at, a, T)
 
 
 def test_nothing_is_left_to_choose_where_the_jerk_decides() -> None:

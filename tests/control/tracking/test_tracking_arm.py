@@ -99,6 +99,16 @@ def test_a_target_that_moves_is_followed(arm: Machine) -> None:
     assert apart.max() < 3e-3
 
 
+def test_an_arm_whose_goal_changes_on_its_way_stays_in_its_stroke(arm: Machine) -> None:
+    draw, time, demand = np.random.default_rng(6), 0.0, list[tuple[float, list[float]]]()
+    while time < 20.0:
+        demand.append((time, draw.uniform(-0.94, 0.94, 2).tolist()))
+        time += draw.uniform(0.05, 0.6)
+    run = rollout(arm, demand, duration=20.0)
+    half = np.array([0.5 * joint.stops.working_stroke for joint in arm.joints.values()])
+    assert (np.abs(run["angle"].to_numpy()).max(axis=0) < half + np.radians(3.0)).all()
+
+
 def test_an_arm_that_is_pushed_away_comes_back(arm: Machine) -> None:
     push = [("0.3 s", {"large": "60 N m", "small": "20 N m"}), ("0.5 s", 0.0)]
     run = rollout(arm, 0.0, duration="1.5 s", load=push)

@@ -71,6 +71,18 @@ def _heavier(here, there):
     return max(heavier, LEAST_INERTIA)
 
 
+@law
+def own_deceleration(actuator, friction, inertia, margins):
+    """Return the greatest deceleration of a joint alone (rad/s2), which has an inertia (kg m2)."""
+    return margins.braking * _brakes(actuator, friction, max(inertia, LEAST_INERTIA))
+
+
+@law
+def own_jerk(actuator, inertia, margins):
+    """Return the greatest jerk of a joint alone, rad/s3."""
+    return margins.jerk * _jerk(actuator, max(inertia, LEAST_INERTIA))
+
+
 @composition
 def path_limits(margins, actuators, estimate, arm, response, goals, direction, references):
     """Return limits along a path, by the torques that remain here and at the goal, whichever leave less."""

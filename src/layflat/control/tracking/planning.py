@@ -10,13 +10,21 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.tracking.algebra import diagonal, dot, greatest, largest, least, times
-from layflat.control.tracking.limits import LEAST_INERTIA, LEAST_SHARE, for_length, path_limits
+from layflat.control.tracking.limits import (
+    LEAST_INERTIA,
+    LEAST_SHARE,
+    for_length,
+    own_deceleration,
+    own_jerk,
+    path_limits,
+)
 from layflat.control.tracking.model import loss_torque
 from layflat.control.tracking.reference import (
     PathLimits,
     Reference,
     advanced,
     angle_of,
+    kept_before,
     path_acceleration,
     taken_back,
     velocity_of,
@@ -152,6 +160,10 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
     full = path_limits(margins, settings.actuators, estimate, plant.arm, response, goals, direction, references)
     limits = for_length(full, max(length, SHORTEST), margins.quickest)
     a = path_acceleration(references, goals, direction, limits, T)
+    inertias = diagonal(response.mass, direction)
+    d = each(own_deceleration, settings.actuators, estimate.frictions, inertias, margins)
+    j = each(own_jerk, settings.actuators, inertias, margins)
+    a = each(kept_before, a, references, goals, direction, limits, d, j, T)
     speeds, gains = each(velocity_of, references), each(_gain, references, goals)
     inertial = times(response.mass, a)
     shares = each(

@@ -20,6 +20,7 @@ from layflat.jit import composition, law
 from layflat.lanes import gather, select, slots
 
 HALVINGS = 14
+PASSES = 0.02  # angle by which a joint may pass its goal, rad
 ACROSS = 40.0  # rate at which the velocity across the path dies out, 1/s
 
 
@@ -87,6 +88,23 @@ def next_acceleration(left, v, a, limits, T):
         over = _too_fast(middle, left, v, a, limits, T)
         low, high = select(over, low, middle), select(over, middle, high)
     return 0.5 * (low + high)
+
+
+@law
+def kept_before(a, reference, goal, e, limits, deceleration, jerk, T):
+    """Return a joint's acceleration, no more than that with which it stops at its own goal as soon as it can.
+
+    A joint that is on another way than its path, from a goal before, would pass it. `e`: its share of the path;
+    `deceleration`, `jerk`: what it can do alone.
+    """
+    d, j = max(deceleration, limits.deceleration * abs(e)), max(jerk, limits.jerk * abs(e))
+    v, a_0, a_1 = reference.velocity - goal.velocity, reference.acceleration - goal.acceleration, a - goal.acceleration
+    forward = select(v >= 0.0, 1.0, -1.0)
+    v_1 = v + 0.5 * T * (a_0 + a_1)
+    ends = reference.angle + 0.5 * T * (v + v_1) + stop_at(v_1, a_1, d, j)
+    brake = max(forward * a_0 - j * T, -d)
+    passes = (forward * (ends - goal.angle) > PASSES) & (forward * a_1 > brake)
+    return select(passes, forward * brake + goal.acceleration, a)
 
 
 @law
