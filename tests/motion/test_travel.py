@@ -3,14 +3,15 @@ from math import radians
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from layflat.description.change import changed_all
 from layflat.errors import InputError, MachineError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.motion.limits import MotionLimits, arm_limits
-from layflat.motion.travel import LEAD, Travel, move_arm, tip_peaks, travel
+from layflat.motion.trajectory import States
+from layflat.motion.travel import LEAD, Travel, move_arm, tip_peaks, transfer, travel
 from layflat.rig.safety.demands import Demand, Gate, followed, margin
 from layflat.sim import rollout
 
@@ -206,3 +207,17 @@ def test_a_rig_lets_demands_pass_in_time_and_unchanged_at_300_degrees_a_second(
     arrived = CYCLE * (1 + int(np.flatnonzero(np.any(slowed != end, axis=1)).max(initial=0)))
     longest = np.abs(end - start).max() / ARM.safety.demand_speed
     assert arrived <= max(longest, CYCLE * len(rows)) + CYCLE
+
+
+@settings(max_examples=30)
+@given(st.lists(st.floats(-0.6, 0.6), min_size=8, max_size=8))
+def test_a_motion_goes_on_into_another(numbers: list[float]) -> None:
+    q, v, end, w = np.array(numbers).reshape(4, 2)
+    limits = MotionLimits((2.0, 2.0), (9.0, 9.0), (200.0, 200.0))
+    path = transfer(States(q, v, 0 * v), States(end, w, 0 * w), limits)
+    rows = path.states(np.linspace(0.0, path.duration, 2001))
+    assert np.allclose([rows.angles[0], rows.velocities[0]], [q, v])
+    assert np.allclose([rows.angles[-1], rows.velocities[-1]], [end, w], atol=1e-6)
+    assert (np.abs(rows.accelerations) <= 9.0 + 1e-6).all()
+    slow = transfer(States(q, v, 0 * v), States(end, w, 0 * w), limits, duration=path.duration + 1.0)
+    assert slow.duration >= path.duration + 1.0 - 1e-9

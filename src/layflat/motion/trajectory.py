@@ -18,11 +18,16 @@ Timing = Callable[[Array], tuple[Array, Array, Array]]
 
 
 class States(NamedTuple):
-    """Of all joints at several instants, (instants, joints) each."""
+    """Of all joints at several instants, (instants, joints) each, or at one, (joints,) each."""
 
     angles: Array  # rad
     velocities: Array  # rad/s
     accelerations: Array  # rad/s2
+
+
+def at_rest(angles: Array) -> States:
+    """Return joints that stand still at angles, rad."""
+    return States(angles, np.zeros_like(angles), np.zeros_like(angles))
 
 
 @dataclass(frozen=True)

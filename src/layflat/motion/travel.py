@@ -1,4 +1,4 @@
-"""Demands that go from rest to rest with limited speed, acceleration and jerk, one row a control cycle.
+"""Demands with limited speed, acceleration and jerk, one row a control cycle: from rest to rest, or between motions.
 
 Time-optimal within the limits, all axes ending together. Source: berscheid2021, the library ruckig.
 """
@@ -15,7 +15,7 @@ from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.motion.kinematics import tip_position
 from layflat.motion.limits import MotionLimits, arm_limits
-from layflat.motion.trajectory import States, Trajectory
+from layflat.motion.trajectory import States, Trajectory, at_rest
 
 LEAD = 0.2  # with which the paper's controllers follow best, s (docs/cell-plan.md)
 POINTS = 400  # at which the tip's motion along a path is looked at
@@ -26,7 +26,7 @@ SHARES = 0.3, 0.6, 0.6
 
 @dataclass(frozen=True)
 class Travel(Trajectory):
-    """A motion from rest to rest, straight in joint space."""
+    """A motion between two postures; from rest to rest it is straight in joint space."""
 
     start: Array
     end: Array
@@ -48,42 +48,54 @@ class Travel(Trajectory):
 
 
 def travel(start: Array, end: Array, limits: MotionLimits) -> Travel:
-    """Plan the quickest way from rest to rest between two positions (axes,), rad or m.
+    """Plan the quickest way from rest to rest between two positions (axes,), rad or m; raise as `transfer`."""
+    return transfer(at_rest(start), at_rest(end), limits)
 
-    Raise InputError if ruckig is not installed, or a number is not finite.
+
+def transfer(start: States, end: States, limits: MotionLimits, *, duration: float = 0.0) -> Travel:
+    """Plan the quickest way from one motion into another, (axes,) each; it takes at least `duration`, s.
+
+    Raises:
+        InputError: ruckig is not installed, or a number is not finite.
+        LayflatError: the motion at the end is beyond the limits.
     """
-    otg, axes = extras.module("motion", "ruckig"), len(start)
+    otg, axes = extras.module("motion", "ruckig"), len(start.angles)
     if not (np.isfinite(start).all() and np.isfinite(end).all()):
         raise InputError("a position is not finite", where="travel", right="give numbers only")
     wanted = otg.InputParameter(axes)
-    wanted.current_position, wanted.target_position = start.tolist(), end.tolist()
+    wanted.current_position, wanted.current_velocity, wanted.current_acceleration = (of.tolist() for of in start)
+    wanted.target_position, wanted.target_velocity, wanted.target_acceleration = (of.tolist() for of in end)
     wanted.max_velocity, wanted.max_acceleration = list(limits.speed), list(limits.acceleration)
     wanted.max_jerk = list(limits.jerk)
-    # Phases that agree keep to the straight line between both postures.
+    if duration > 0.0:
+        wanted.minimum_duration = duration
+    # Phases that agree keep to the straight line between both postures, where there is one.
     wanted.synchronization = otg.Synchronization.Phase
     trajectory = otg.Trajectory(axes)
     result = otg.Ruckig(axes).calculate(wanted, trajectory)
     if result not in {otg.Result.Working, otg.Result.Finished}:
-        raise LayflatError(f"no motion from {start.tolist()} to {end.tolist()} was found: {result}")
-    return Travel(float(trajectory.duration), start.copy(), end.copy(), limits, trajectory)
+        raise LayflatError(f"no motion from {start.angles.tolist()} to {end.angles.tolist()} was found: {result}")
+    return Travel(float(trajectory.duration), start.angles.copy(), end.angles.copy(), limits, trajectory)
 
 
 def move_arm(
-    machine: Machine, start: Array, end: Array, *, payload: float | None = None,
-    tip_acceleration: float = inf, tip_speed: float = inf,
+    machine: Machine, start: Array | States, end: Array, *, payload: float | None = None,
+    tip_acceleration: float = inf, tip_speed: float = inf, shares: tuple[float, float, float] = SHARES,
 ) -> Travel:  # fmt: skip
-    """Plan a move of an arm's joints, from angles to angles (joints,), rad, within `SHARES` of what it can do.
+    """Plan a move of an arm's joints to angles (joints,), rad, within shares of what it can do.
 
-    The payload (kg) is by default the machine's. The planned motion of the tip exceeds neither the speed (m/s) nor the
-    acceleration (m/s2) that are given for it: soft fruit bruises. Raise as `travel` and `arm_limits`.
+    It starts at rest at angles, or in motion. The payload (kg) is by default the machine's. The planned motion of the
+    tip exceeds neither the speed (m/s) nor the acceleration (m/s2) that are given for it, as far as it does not begin
+    with more: soft fruit bruises. Raise as `travel` and `arm_limits`.
     """
-    path = travel(start, end, arm_limits(machine, start, end, payload=payload).shares(*SHARES))
+    begin, rest = start if isinstance(start, States) else at_rest(start), at_rest(end)
+    path = transfer(begin, rest, arm_limits(machine, begin.angles, end, payload=payload).shares(*shares))
     if tip_acceleration == tip_speed == inf:
         return path
     speed, acceleration = tip_peaks(machine, path)
-    # The same way in k times the time has 1/k of the speed and 1/k^2 of the acceleration.
+    # From rest, the same way in k times the time has 1/k of the speed and 1/k^2 of the acceleration.
     factor = max(speed / tip_speed, sqrt(acceleration / tip_acceleration))
-    return path if factor <= 1.0 else travel(start, end, path.limits.slower(factor))
+    return path if factor <= 1.0 else transfer(begin, rest, path.limits.slower(factor))
 
 
 def tip_peaks(machine: Machine, path: Travel) -> tuple[float, float]:

@@ -33,11 +33,12 @@ def broken(path: str, value: Any) -> str:
 
 
 def test_built_in_cells_and_layouts_are_sound_and_sourced(packing: Cell) -> None:
-    assert names() == ("packing",)
+    assert names() == ("belt", "packing")
     assert set(LAYOUTS.names) == {"punnet-2x3", "tray-12"}
     assert {pack.layout.name for pack in packing.container.values()} == set(LAYOUTS.names)
-    unsourced = [path for path, found in packing.provenance.items() if path not in {"name", "title"} and not found.note]
-    assert unsourced == []
+    for cell in (packing, load("belt")):
+        sources = cell.provenance.items()
+        assert [path for path, found in sources if path not in {"name", "title"} and not found.note] == []
 
 
 def test_units_are_si_behind_the_file(packing: Cell) -> None:

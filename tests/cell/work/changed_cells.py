@@ -1,4 +1,4 @@
-"""Cells that differ from the built-in one."""
+"""Cells that differ from the built-in ones."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from layflat.cell import Cell
 from layflat.cell.file.loader import CELLS, build
 
 
-def cell_with(changes: dict[str, Any], *, without: tuple[str, ...] = ()) -> Cell:
-    """The built-in cell with values by their paths, such as "tray/infeed/touching", and without some parts."""
-    plain, _ = CELLS.tables("packing")
+def cell_with(changes: dict[str, Any], *, without: tuple[str, ...] = (), of: str = "packing") -> Cell:
+    """A built-in cell with values by their paths, such as "tray/infeed/touching", and without some parts."""
+    plain, _ = CELLS.tables(of)
     plain = deepcopy(plain)
     for path in without:
         *above, last = path.split("/")

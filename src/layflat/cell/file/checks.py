@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from layflat.cell.file.model import Cell
-from layflat.cell.geometry import looking, overlap, rotated
+from layflat.cell.geometry import overlap
 from layflat.motion.reach import Reach
 
 
 def check(cell: Cell) -> None:
     """Raise ValueError, one clear line, for the first thing because of which a cell can't be."""
-    for rule in (_arm, _kinds, _markers, _sizes, _apart, _in_reach, _in_view, _lifted):
+    for rule in (_arm, _sources, _kinds, _markers, _sizes, _apart, _in_reach, _in_view, _lifted):
         rule(cell)
 
 
@@ -29,11 +29,22 @@ def _arm(cell: Cell) -> None:
             raise ValueError(f"mount.home.{name} is outside of the joint's working stroke")
 
 
+def _sources(cell: Cell) -> None:
+    if not cell.sources:
+        raise ValueError("there is neither a tray nor a conveyor, by which produce comes; give one")
+    if cell.tray and cell.conveyor is not None:
+        raise ValueError(f"there are trays ({', '.join(cell.tray)}) and a conveyor; leave one of them out by omits")
+    if (belt := cell.conveyor) is not None and belt.spacing[0] < (
+        largest := max((cell.produce[kind].diameter.most for kind in belt.produce if kind in cell.produce), default=0.0)
+    ):
+        raise ValueError(f"conveyor.spacing is less than the largest fruit, {_mm(largest)}; give more")
+
+
 def _kinds(cell: Cell) -> None:
     known = sorted(cell.produce)
-    for name, tray in cell.tray.items():
-        if unknown := [kind for kind in tray.produce if kind not in cell.produce]:
-            raise ValueError(f"tray.{name}.produce names the unknown kind {unknown[0]!r}; known are {known}")
+    for key, source in cell.sources.items():
+        if unknown := [kind for kind in source.produce if kind not in cell.produce]:
+            raise ValueError(f"{key}.produce names the unknown kind {unknown[0]!r}; known are {known}")
     for name, container in cell.container.items():
         key, kind = f"container.{name}", container.kind
         if kind not in cell.produce:
@@ -68,10 +79,10 @@ def _sizes(cell: Cell) -> None:
                 f"container.{name} is too small: a place of {layout.name!r} takes {_mm(layout.opening)}, "
                 f"{container.kind} of grade {container.grade!r} has up to {_mm(greatest)}"
             )
-    for name, tray in cell.tray.items():
-        for kind_name in tray.produce:
-            if min(tray.size) < cell.produce[kind_name].diameter.most:
-                raise ValueError(f"tray.{name} is too small for one {kind_name}")
+    for key, source in cell.sources.items():
+        for kind_name in source.produce:
+            if min(source.size) < cell.produce[kind_name].diameter.most:
+                raise ValueError(f"{key} is too small for one {kind_name}")
     cup = cell.cup.diameter
     smallest = min((kind.diameter.least for kind in cell.incoming.values()), default=cup)
     if cup > smallest:
@@ -90,13 +101,17 @@ def _apart(cell: Cell) -> None:
 
 
 def _in_reach(cell: Cell) -> None:
-    targets = {}
+    targets, reach = {}, Reach(cell.machine)
     for name, tray in cell.tray.items():
         least = min(cell.produce[kind].diameter.least for kind in tray.produce)
         across = [np.linspace(-1, 1, 9) * (side - least) / 2 for side in tray.size]
         targets[f"tray.{name}"] = tray.placed(np.stack(np.meshgrid(*across), axis=-1).reshape(-1, 2))
+    if (belt := cell.conveyor) is not None:
+        # Somewhere on its way, not all over it: it brings and takes away.
+        along = np.linspace(-belt.size[0] / 2, belt.size[0] / 2, 41)
+        middle = belt.placed(np.stack([along, 0.0 * along], axis=1))
+        targets["conveyor"] = min(middle, key=lambda point: reach.missing(*point.tolist()))[None]
     targets |= {f"container.{name}": container.places for name, container in cell.container.items()}
-    reach = Reach(cell.machine)
     for name, points in targets.items():
         for x, y in points.tolist():
             if (missing := reach.missing(x, y)) > 0.0:
@@ -112,22 +127,13 @@ def _in_view(cell: Cell) -> None:
         raise ValueError(f"camera.position is not above the lift, {_mm(cell.lift.clearance)}; raise it")
     if camera.looks_at[2] >= camera.position[2]:
         raise ValueError(f"camera looks up, not at the table; {mend}")
-    centres = {f"tray.{name}": tray.centre for name, tray in cell.tray.items()}
+    centres = {name: source.centre for name, source in cell.sources.items()}
     centres |= {f"container.{name}": container.centre for name, container in cell.container.items()}
     for name, centre in centres.items():
-        if not _sees(cell, centre):
+        if not cell.camera.sees(centre):
             raise ValueError(f"camera does not see {name}: its centre is outside of the picture; {mend}")
-    if not any(_sees(cell, marker.centre) for marker in cell.base_markers.marker.values()):
+    if not any(cell.camera.sees(marker.centre) for marker in cell.base_markers.marker.values()):
         raise ValueError(f"camera sees none of base_markers; {mend}, or move the markers")
-
-
-def _sees(cell: Cell, point: tuple[float, float]) -> bool:
-    """Return whether a point of the table (m) is in the picture of a pinhole camera without distortion."""
-    camera = cell.camera
-    orientation = np.array(looking(camera.position, camera.looks_at, camera.rotation))
-    x, y, z = rotated(orientation * [1.0, -1.0, -1.0, -1.0], np.subtract([*point, 0.0], camera.position))
-    half = np.array([camera.width, camera.height]) / 2 / camera.focal_pixels
-    return bool(z < 0.0 and abs(x) < half[0] * -z and abs(y) < half[1] * -z)
 
 
 def _lifted(cell: Cell) -> None:

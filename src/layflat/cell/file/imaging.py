@@ -2,12 +2,13 @@
 
 from typing import Annotated
 
+import numpy as np
 from pydantic import Field
 
 from layflat.arrays import Array
 from layflat.cell.file.parts import Extent, PlanePoint, Point
 from layflat.cell.file.produce import Spread
-from layflat.cell.geometry import rectangle
+from layflat.cell.geometry import looking, rectangle, rotated
 from layflat.description import Part
 from layflat.description import units as u
 
@@ -50,6 +51,13 @@ class Camera(Part):
     def focal_pixels(self) -> float:
         """Focal length in pixels."""
         return self.focal_length / self.pixel
+
+    def sees(self, point: tuple[float, float]) -> bool:
+        """Return whether a point of the table (m) is in the picture of a pinhole camera without distortion."""
+        orientation = np.array(looking(self.position, self.looks_at, self.rotation))
+        x, y, z = rotated(orientation * [1.0, -1.0, -1.0, -1.0], np.subtract([*point, 0.0], self.position))
+        half = np.array([self.width, self.height]) / 2 / self.focal_pixels
+        return bool(z < 0.0 and abs(x) < half[0] * -z and abs(y) < half[1] * -z)
 
 
 class Overview(Part):

@@ -5,12 +5,18 @@ from math import pi
 from pydantic import Field
 
 from layflat.arrays import Array
+from layflat.cell.file.conveyor import Conveyor
 from layflat.cell.file.imaging import BaseMarkers, Board, Camera, Light, Network, Overview
 from layflat.cell.file.parts import Container, Cup, HandlingLimits, Lift, Mount, Table, Tray
 from layflat.cell.file.produce import Clutter, Produce, Spread
 from layflat.cell.geometry import rectangle
 from layflat.description.part import Described
 from layflat.machine import Machine
+
+
+def floor_of(source: Tray | Conveyor) -> float:
+    """Return how high over the table fruit lies in a tray or on a conveyor, m."""
+    return source.wall if isinstance(source, Tray) else source.height
 
 
 class Cell(Described):
@@ -28,7 +34,8 @@ class Cell(Described):
     ambient: Spread = Field(description="light from everywhere, 1 for a white that fills the picture's range")
     light: dict[str, Light]
     produce: dict[str, Produce]
-    tray: dict[str, Tray]
+    tray: dict[str, Tray] = Field(default_factory=dict)
+    conveyor: Conveyor | None = Field(default=None, description="brings produce, in place of trays")
     container: dict[str, Container]
     network: Network | None = Field(default=None, description="detects produce; default: colours do")
     clutter: dict[str, Clutter] = Field(default_factory=dict)
@@ -36,13 +43,19 @@ class Cell(Described):
 
     @property
     def incoming(self) -> dict[str, Produce]:
-        """Produce that comes in any tray, by kind."""
-        return {kind: self.produce[kind] for tray in self.tray.values() for kind in tray.produce}
+        """Produce that comes, by kind."""
+        return {kind: self.produce[kind] for source in self.sources.values() for kind in source.produce}
+
+    @property
+    def sources(self) -> dict[str, Tray | Conveyor]:
+        """Trays or the conveyor, by which produce comes, by their keys in the file."""
+        trays: dict[str, Tray | Conveyor] = {f"tray.{name}": tray for name, tray in self.tray.items()}
+        return trays if self.conveyor is None else trays | {"conveyor": self.conveyor}
 
     @property
     def outlines(self) -> dict[str, Array]:
         """Corners of all that stands on the table, by its key in the file, (4, 2) m."""
-        found = {f"tray.{name}": tray.outline for name, tray in self.tray.items()}
+        found = {name: source.outline for name, source in self.sources.items()}
         found |= {f"container.{name}": container.outline for name, container in self.container.items()}
         found |= {f"base_markers.marker.{name}": marker.outline for name, marker in self.base_markers.marker.items()}
         column = 2 * self.column_radius
@@ -55,12 +68,12 @@ class Cell(Described):
 
     @property
     def tallest_fruit(self) -> float:
-        """Height of the tallest fruit that comes in any tray, m."""
+        """Height of the tallest fruit that comes, m."""
         return max(kind.diameter.most * kind.flattening.most for kind in self.incoming.values())
 
     @property
     def heaviest_fruit(self) -> float:
-        """Mass of the heaviest fruit that comes in any tray, taken for an ellipsoid, kg."""
+        """Mass of the heaviest fruit that comes, taken for an ellipsoid, kg."""
         kinds = self.incoming.values()
         return max(pi / 6 * kind.diameter.most**3 * kind.flattening.most * kind.density.most for kind in kinds)
 
@@ -69,11 +82,16 @@ class Cell(Described):
         """Height over the table of all that the cup has to pass over: fruit in trays, and walls, m."""
         walls = [tray.height + tray.wall for tray in self.tray.values()]
         walls += [one.layout.height + one.layout.wall for one in self.container.values()]
-        return max(self.tallest_fruit + max(tray.wall for tray in self.tray.values()), *walls)
+        floors = [floor_of(source) for source in self.sources.values()]
+        return max(self.tallest_fruit + max(floors), *walls)
 
     def tray_at(self, x: float, y: float) -> Tray | None:
         """Return the tray that a point (m) is over, None where it is over none."""
         return next((tray for tray in self.tray.values() if tray.holds(x, y)), None)
+
+    def floor_at(self, x: float, y: float) -> float:
+        """Return how high over the table fruit lies at a point (m), m."""
+        return next((floor_of(source) for source in self.sources.values() if source.holds(x, y)), 0.0)
 
     def place_at(self, x: float, y: float) -> tuple[str, int] | None:
         """Return the container's name and the place's number that a point (m) is over, None where it is over none."""

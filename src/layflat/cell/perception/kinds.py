@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from layflat.cell.file.model import Cell
+from layflat.cell.file.model import Cell, floor_of
 from layflat.cell.file.produce import Produce
 from layflat.cell.perception.skins import GREY, SATURATION_MARGIN, Region, hsv, share, span
 from layflat.cell.scene.produce import CAP
@@ -18,7 +18,7 @@ ROUND = 0.05  # how far the outline of fruit is from that of a spheroid, share o
 def detector_of(cell: Cell) -> ColourDetector | OnnxDetector:
     """Return a detector of the cell's produce, in trays and containers on its table: its network, or one by colour."""
     red, green, blue = (255.0 * channel for channel in cell.table.colour)
-    plane = float(np.mean([tray.wall for tray in cell.tray.values()] or [0.0]))
+    plane = float(np.mean([floor_of(source) for source in cell.sources.values()]))
     if (given := cell.network) is not None:
         return OnnxDetector(Path(given.file), kinds_of(cell), (red, green, blue), (given.rows, given.columns), plane)
     return ColourDetector(kinds_of(cell), (red, green, blue), background_of(cell), plane)
@@ -66,4 +66,4 @@ def _flattening(kind: Produce) -> float:
 
 def _backgrounds(cell: Cell) -> list[tuple[float, float, float]]:
     containers = [container.layout.colour for container in cell.container.values()]
-    return [cell.table.colour, *(tray.colour for tray in cell.tray.values()), *containers]
+    return [cell.table.colour, *(source.colour for source in cell.sources.values()), *containers]

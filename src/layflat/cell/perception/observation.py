@@ -75,12 +75,12 @@ class ScenePerception:
         self.position = np.array(scene.cell.camera.position)
 
     def observe(self, time: float) -> Observation:
-        """Return all fruit that is not held."""
+        """Return all fruit in the camera's view that is not held."""
         found = []
         for fruit in self._scene.truth().fruits.values():
             x, y = fruit.position[:2] + self._rng.normal(0.0, self.SPREAD, 2)
             diameter = fruit.diameter * (1.0 + self._rng.normal(0.0, self.SIZE))
-            if not fruit.held:
+            if fruit.here and not fruit.held and self._scene.cell.camera.sees((x, y)):
                 found.append(Fruit(float(x), float(y), float(diameter), fruit.kind, fruit.grade or ""))
         return Observation(time, tuple(found))
 

@@ -14,6 +14,7 @@ apart, or if the neighbour is no higher: the way between them then only grows.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import hypot, sqrt
 from typing import NamedTuple
 
@@ -58,6 +59,15 @@ def next_pick(
     Of all `fruits` that were detected, those that are not picked stand in the way too. The arm is `here` (rad), and
     `cup` is its cup's radius (m).
     """
+    way = partial(_way, packing=packing, reach=reach, here=here, travel_time=travel_time)
+    return selected(fruits, cup, way, least_confidence=least_confidence, given_up=given_up)
+
+
+def selected(
+    fruits: Sequence[Fruit], cup: float, way: Callable[[Fruit], Choice | str], *, least_confidence: float,
+    given_up: frozenset[Fruit],
+) -> Selection:  # fmt: skip
+    """Return the fruit to pick next, as `next_pick`, by the ways of getting there or the reasons against them."""
     choices, not_picked = [], []
     for fruit in fruits:
         if fruit in given_up:
@@ -68,7 +78,7 @@ def next_pick(
             found = fruit.doubt
         else:
             others = [other for other in fruits if other is not fruit]
-            found = _blocked(fruit, others, cup) or _way(fruit, packing, reach, here, travel_time)
+            found = _blocked(fruit, others, cup) or way(fruit)
         if isinstance(found, Choice):
             choices.append(found)
         else:

@@ -13,6 +13,7 @@ class Phase(Enum):
     """What a pick is doing; the value goes behind "the arm" in a sentence."""
 
     APPROACH = "moves over the fruit and settles there"
+    FOLLOW = "meets the moving fruit and follows it"
     LOWER = "lowers the cup on the fruit"
     SEAL = "waits for the vacuum"
     LIFT = "lifts the fruit"
@@ -88,6 +89,14 @@ class Relocation(NamedTuple):
     task: Task | None
 
 
+class Moving(NamedTuple):
+    """A fruit that moves, as it is known in one cycle."""
+
+    over: Angles  # posture over it, or where the arm waits if it can't be followed, rad
+    velocities: Angles  # of the joints over it, rad/s
+    trouble: str = ""  # why it can't be followed any longer, as one clause
+
+
 @dataclass(frozen=True)
 class Readings:
     """What sensors give in one cycle."""
@@ -99,6 +108,7 @@ class Readings:
     height: float  # of the cup's lip over the table, m, by the lift's stroke
     lift_speed: float = 0.0  # upwards, m/s
     relocation: Relocation | None = None  # the answer to an image that was asked for
+    moving: Moving | None = None  # the fruit, where it moves
 
 
 class Command(NamedTuple):
@@ -108,6 +118,7 @@ class Command(NamedTuple):
     height: float  # of the cup's lip, m
     suction: bool
     image: bool  # whether to take one
+    follow: bool = False  # whether the target moves on, with the fruit
 
 
 @dataclass(frozen=True)

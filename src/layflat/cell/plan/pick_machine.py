@@ -11,17 +11,25 @@ from dataclasses import replace
 from enum import Enum
 from math import dist
 
-from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Rules, State, Task
+from layflat.cell.plan.pick import Command, Moving, Outcome, Phase, Readings, Rules, State, Task
 from layflat.motion.reach import Angles
 
-Event = Enum("Event", "SETTLED CONTACT SEALED NO_SEAL RAISED DROPPED HEAVY RELEASED DISTURBED RELOCATED ENDED STUCK")
+Event = Enum(
+    "Event", "SETTLED CONTACT SEALED NO_SEAL RAISED DROPPED HEAVY RELEASED DISTURBED LEFT RELOCATED ENDED STUCK"
+)
 """What ends a phase."""
 
 TRANSITIONS: dict[Phase, dict[Event, Phase]] = {
     Phase.APPROACH: {Event.SETTLED: Phase.LOWER},
-    # Suction that was on may hold something by now: a disturbed arm lifts it.
-    Phase.LOWER: {Event.CONTACT: Phase.SEAL, Event.DISTURBED: Phase.LIFT},
-    Phase.SEAL: {Event.SEALED: Phase.LIFT, Event.NO_SEAL: Phase.RELEASE_BACK, Event.DISTURBED: Phase.LIFT},
+    Phase.FOLLOW: {Event.SETTLED: Phase.LOWER, Event.LEFT: Phase.RAISE},
+    # Suction that was on may hold something by now: an arm that is disturbed, or stops at its reach, lifts it.
+    Phase.LOWER: {Event.CONTACT: Phase.SEAL, Event.DISTURBED: Phase.LIFT, Event.LEFT: Phase.LIFT},
+    Phase.SEAL: {
+        Event.SEALED: Phase.LIFT,
+        Event.NO_SEAL: Phase.RELEASE_BACK,
+        Event.DISTURBED: Phase.LIFT,
+        Event.LEFT: Phase.LIFT,
+    },
     Phase.LIFT: {Event.RAISED: Phase.CARRY, Event.DROPPED: Phase.RAISE, Event.HEAVY: Phase.PUT_BACK},
     Phase.CARRY: {Event.SETTLED: Phase.PLACE, Event.DROPPED: Phase.RAISE},
     Phase.PLACE: {Event.CONTACT: Phase.RELEASE, Event.DROPPED: Phase.RAISE, Event.DISTURBED: Phase.CARRY},
@@ -41,28 +49,52 @@ DOWN = frozenset({Phase.LOWER, Phase.SEAL, Phase.PLACE, Phase.RELEASE, Phase.PUT
 SUCTION = frozenset({Phase.LOWER, Phase.SEAL, Phase.LIFT, Phase.CARRY, Phase.PLACE, Phase.PUT_BACK})
 """Phases with suction on; a pick that is done keeps what it had."""
 
+LEAVES = frozenset({Phase.FOLLOW, Phase.LOWER, Phase.SEAL})
+"""Phases in which a fruit that moves may get away."""
+
+OVER_FRUIT = frozenset({
+    Phase.FOLLOW, Phase.LOWER, Phase.SEAL, Phase.LIFT, Phase.PUT_BACK, Phase.RELEASE_BACK
+})  # fmt: skip
+"""Phases in which the arm goes with a fruit that moves."""
+
 Found = tuple[Event | None, State]
 """What has happened, if anything, and the state with what is known by it, still in the same phase."""
 
 
 def begun(task: Task, measured: Readings) -> State:
     """Return a pick that begins with an empty cup."""
-    return State(task, Phase.APPROACH, measured.time, measured.angles)
+    phase = Phase.APPROACH if measured.moving is None else Phase.FOLLOW
+    return State(task, phase, measured.time, measured.angles)
 
 
 def step(rules: Rules, state: State, measured: Readings) -> tuple[State, Command]:
     """Return a pick after one cycle, and what it commands until the next."""
-    disturbed = state.phase in DOWN and _shaken(rules, state, measured)
-    event, after = _disturbed(state) if disturbed else _RULES[state.phase](rules, state, measured)
+    follows = measured.moving is not None and state.phase in OVER_FRUIT
+    if measured.moving is not None and follows:
+        state, measured = _beside(state, measured, measured.moving)
+    if measured.moving is not None and measured.moving.trouble and state.phase in LEAVES:
+        event, after = _ended(Event.LEFT, state, None, measured.moving.trouble)
+    elif state.phase in DOWN and _shaken(rules, state, measured):
+        event, after = _disturbed(state)
+    else:
+        event, after = _RULES[state.phase](rules, state, measured)
     if event is not None:
         phase = Phase.DONE if event is Event.STUCK else TRANSITIONS[state.phase][event]
         suction = after.suction if phase is Phase.DONE else phase in SUCTION
         after = replace(after, phase=phase, suction=suction, since=measured.time, near_since=None)
     up = _up(rules, after, measured)
-    # What is down would be dragged.
-    after = replace(after, target=_posture(rules, after) if up else after.target)
+    follows = measured.moving is not None and after.phase in OVER_FRUIT
+    # What is down would be dragged, unless what it is on moves too.
+    after = replace(after, target=_posture(rules, after) if up or follows else after.target)
     image = after.phase is Phase.AWAIT_IMAGE and up and _near(rules, rules.clear, measured)
-    return after, Command(after.target, _height(after), after.suction, image)
+    follows = follows and measured.moving is not None and not measured.moving.trouble
+    return after, Command(after.target, _height(after), after.suction, image, follows)
+
+
+def _beside(state: State, measured: Readings, moving: Moving) -> tuple[State, Readings]:
+    """Return state and measurements as they are beside a fruit that moves: the arm is to go with it."""
+    relative = tuple(v - of_fruit for v, of_fruit in zip(measured.velocities, moving.velocities, strict=True))
+    return replace(state, task=replace(state.task, over_fruit=moving.over)), replace(measured, velocities=relative)
 
 
 def _posture(rules: Rules, state: State) -> Angles:
@@ -137,6 +169,11 @@ def _approach(rules: Rules, state: State, measured: Readings) -> Found:
     return event, replace(after, tried=state.tried + 1, trouble="") if event is Event.SETTLED else after
 
 
+def _follow(rules: Rules, state: State, measured: Readings) -> Found:
+    event, after = _approach(rules, state, measured)
+    return (Event.LEFT, replace(after, outcome=None)) if event is Event.STUCK else (event, after)
+
+
 def _lower(rules: Rules, state: State, measured: Readings) -> Found:
     """The cup comes down: on the fruit, with it into its place, or with it to where it was."""
     holds = measured.vacuum >= rules.gone
@@ -192,7 +229,8 @@ def _release(rules: Rules, state: State, measured: Readings) -> Found:
 def _raise(rules: Rules, state: State, measured: Readings) -> Found:
     if not _up(rules, state, measured):
         return _waiting(state, measured, rules.raise_time)
-    if state.outcome is None and state.tried < rules.tries:
+    # What moves is chosen anew, where it is by then.
+    if state.outcome is None and state.tried < rules.tries and measured.moving is None:
         return Event.RAISED, state
     return Event.ENDED, replace(state, outcome=state.outcome or Outcome.MISSED)
 
@@ -207,6 +245,7 @@ def _await_image(rules: Rules, state: State, measured: Readings) -> Found:
 
 _RULES: dict[Phase, Callable[[Rules, State, Readings], Found]] = {
     Phase.APPROACH: _approach,
+    Phase.FOLLOW: _follow,
     Phase.LOWER: _lower,
     Phase.SEAL: _seal,
     Phase.LIFT: _lift,

@@ -19,6 +19,7 @@ LINK = (0.75, 0.77, 0.80, 1.0)
 DRUM = (0.16, 0.30, 0.52, 1.0)
 RUBBER = (0.12, 0.12, 0.13, 1.0)
 SEPALS = 5  # of a tomato's calyx
+BELT = 2  # bit of the contacts with a conveyor's plate, which nothing else touches but fruit and cup
 LIP = 0.012  # height of the cup, m
 
 
@@ -29,7 +30,7 @@ def add_fruit(spec: Any, cell: Cell, fruit: SceneFruit) -> None:
     body.add_freejoint(name=fruit.name)
     material = spec.add_material(name=fruit.name, rgba=[*fruit.rgb, 1.0], specular=0.35, shininess=0.4)
     kind = cell.produce[fruit.kind]
-    touch = {"condim": 6, "friction": [kind.friction, kind.rolling, kind.rolling]}
+    touch = {"condim": 6, "conaffinity": 1 | BELT, "friction": [kind.friction, kind.rolling, kind.rolling]}
     radius, over = fruit.diameter / 2, fruit.over
     whole = fruit.shape == "round"
     skin = {"size": (radius, radius, over), "material": material.name}
@@ -95,7 +96,7 @@ def add_tool(spec: Any, cell: Cell) -> None:
     rod = {"fromto": [0.0, 0.0, LIP, 0.0, 0.0, lift.stroke + 0.06], "mass": 0.9 * lift.mass}
     shapes.add(body, "cylinder", "cup.rod", size=(0.005,), rgba=STEEL, **rod)
     lips = {"fromto": [0.0, 0.0, 0.0, 0.0, 0.0, LIP], "mass": 0.1 * lift.mass}
-    shapes.add(body, "cylinder", "cup", size=(cup.diameter / 2,), rgba=RUBBER, condim=4, **lips)
+    shapes.add(body, "cylinder", "cup", size=(cup.diameter / 2,), rgba=RUBBER, condim=4, conaffinity=1 | BELT, **lips)
     body.add_site(name="cup", size=[0.002, 0.002, 0.002], rgba=[0, 0, 0, 0])
     motor = spec.add_actuator(name="lift", trntype=mj.mjtTrn.mjTRN_JOINT, target="lift")
     motor.set_to_motor()

@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.cell.file.conveyor import Conveyor
 from layflat.cell.file.model import Cell
 from layflat.cell.file.parts import Tray
 from layflat.cell.file.produce import Clutter
@@ -20,6 +21,9 @@ TRIES = 400
 GAP = 2e-3  # between fruit that does not touch, m, at least
 CLUTTER_TRIES = 60  # to find room for a piece; one that finds none is left out
 CLEAR = 1e-3  # between clutter and where fruit is laid, m: neither lies on the other
+EDGE = 10e-3  # that fruit keeps to the sides of a belt, m
+SHELF = -0.35  # height of the shelf under the table, m,
+GRID = 15, 0.11  # and of what rests on it: how many a row, and how far apart, m
 THIN = 2e-4  # half the thickness of leaves and sheets, m
 
 
@@ -45,6 +49,8 @@ class SceneFruit(Specimen):
     top: str
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     orientation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    # Of fruit that comes on a belt: the belt's way by when it comes, and how far from its middle, m.
+    comes: tuple[float, float] | None = None
 
     @property
     def under(self) -> float:
@@ -58,7 +64,7 @@ class SceneFruit(Specimen):
 
 
 def fruit_of(cell: Cell, rng: np.random.Generator) -> list[SceneFruit]:
-    """Draw random fruit for all trays; raise CellError if one has no room for as many as are drawn."""
+    """Draw random fruit for all trays, or the conveyor; raise CellError if a tray has no room for what is drawn."""
     found: list[SceneFruit] = []
     for name, tray in cell.tray.items():
         count = int(rng.integers(tray.count.least, tray.count.most + 1))
@@ -72,7 +78,27 @@ def fruit_of(cell: Cell, rng: np.random.Generator) -> list[SceneFruit]:
             position = float(spot[0]), float(spot[1]), tray.wall + one.under + GAP
             orientation = _tilted(cell.produce[one.kind].tilt if free else 0.0, rng)
             found.append(replace(one, position=position, orientation=orientation))
+    return found if cell.conveyor is None else _coming(cell, cell.conveyor, rng)
+
+
+def _coming(cell: Cell, belt: Conveyor, rng: np.random.Generator) -> list[SceneFruit]:
+    """Draw fruit that comes on a belt, one after the other, each on the shelf until then."""
+    found, way = [], 0.0
+    for number in range(int(rng.integers(belt.count.least, belt.count.most + 1))):
+        one = _drawn(cell, str(rng.choice(belt.produce)), number, rng)
+        room = max(belt.size[1] / 2 - EDGE - one.diameter / 2, 0.0)
+        position = (*on_shelf(belt.centre, number), SHELF + one.under + GAP)
+        orientation = _tilted(cell.produce[one.kind].tilt, rng)
+        comes = way, float(rng.uniform(-room, room))
+        found.append(replace(one, position=position, orientation=orientation, comes=comes))
+        way += float(rng.uniform(*belt.spacing))
     return found
+
+
+def on_shelf(centre: tuple[float, float], number: int) -> tuple[float, float]:
+    """Return where on the shelf under the table, about a centre (m), the fruit of a number rests, m."""
+    row, column = divmod(number, GRID[0])
+    return centre[0] + (column - GRID[0] // 2) * GRID[1], centre[1] + (row - GRID[0] // 2) * GRID[1]
 
 
 def _drawn(cell: Cell, kind: str, number: int, rng: np.random.Generator) -> SceneFruit:

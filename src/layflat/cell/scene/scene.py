@@ -9,10 +9,11 @@ from layflat.arrays import Array
 from layflat.bridge.arm import arm_spec
 from layflat.cell.extras import mujoco
 from layflat.cell.file.model import Cell
+from layflat.cell.scene.belt import BeltDrive, add_belt
 from layflat.cell.scene.furniture import furnish
 from layflat.cell.scene.grip import Grip
 from layflat.cell.scene.movables import add_fruit, add_shapes, add_tool
-from layflat.cell.scene.produce import SceneFruit, add_clutter, fruit_of
+from layflat.cell.scene.produce import GRID, SHELF, SceneFruit, add_clutter, fruit_of
 from layflat.cell.scene.tool import LiftDrive
 from layflat.cell.scene.truth import Truth, TruthRecorder
 from layflat.errors import CellError
@@ -35,6 +36,7 @@ class Scene:
         data: MjData.
         lift: set `lift.demand`, m of stroke.
         cup: set `cup.on`; `cup.vacuum` is what a vacuum sensor gives.
+        belt: the conveyor's drive; None where there is none.
         board_held: whether the calibration board is before the camera; set False to put it away.
     """
 
@@ -53,6 +55,7 @@ class Scene:
         self.lift = LiftDrive(cell.lift, step)
         self._grip = Grip(self.model, self.data, cell, self.fruits)
         self._recorder = TruthRecorder(self.model, self.data, cell, self.fruits)
+        self.belt = None if cell.conveyor is None else BeltDrive(self.model, self.data, cell.conveyor, self.fruits)
         self.cup = self._grip.cup
         slide = self.model.joint("lift")
         self._slide = int(slide.qposadr[0]), int(slide.dofadr[0])
@@ -66,6 +69,8 @@ class Scene:
         place, speed = self._slide
         for _ in range(count):
             self.data.ctrl[self._motor] = self.lift.force(self.data.qpos[place], self.data.qvel[speed])
+            if self.belt is not None and self.belt.advance(self._grip.held):
+                self._recorder.restart()
             if advance is None:
                 self._mj.mj_step(self.model, self.data)
             else:
@@ -91,7 +96,7 @@ class Scene:
 
     def truth(self) -> Truth:
         """Return what is true now: for evaluation only."""
-        return self._recorder.truth(self._grip)
+        return self._recorder.truth(self._grip, None if self.belt is None else self.belt.here)
 
     def _settled(self) -> bool:
         """Let all fruit come to rest with heavy damping; return whether it did, in its trays."""
@@ -116,6 +121,10 @@ class Scene:
         self._mj.mj_forward(model, data)
         for fruit in self.fruits:
             x, y, z = data.body(fruit.name).xpos
+            if fruit.comes is not None:
+                if z < SHELF or not np.allclose((x, y), fruit.position[:2], atol=GRID[1] / 2 - fruit.diameter / 2):
+                    return False
+                continue
             tray = self.cell.tray_at(float(x), float(y))
             if tray is None or z >= 2 * tray.height + tray.wall:
                 return False
@@ -140,6 +149,8 @@ def _spec_of(cell: Cell, fruits: list[SceneFruit], rng: np.random.Generator, ste
     # Fruit is drawn as a polyhedron within it: with MuJoCo's 28 slices it would be 0.4 % too small.
     spec.visual.quality.numslices, spec.visual.quality.numstacks = 64, 32
     furnish(spec, cell, rng)
+    if cell.conveyor is not None:
+        add_belt(spec, cell.conveyor)
     add_shapes(spec, cell)
     add_tool(spec, cell)
     for fruit in fruits:

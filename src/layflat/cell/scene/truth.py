@@ -5,6 +5,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.cell.file.model import Cell
@@ -22,6 +23,7 @@ class FruitTruth(Specimen):
     peak_acceleration: float  # m/s^2
     press: float  # greatest force of the cup on it, N
     held: bool  # whether the cup holds it
+    here: bool  # whether it is in the cell: has come on a belt, and was not carried away by it
     place: tuple[str, int] | None  # name of the container and number of the place that it lies in, None if in none
 
 
@@ -79,8 +81,12 @@ class TruthRecorder:
                 names = (self._model.geom(geom).name for geom in key)
                 self._collisions[key] = Collision(float(self._data.time), *names)
 
-    def truth(self, grip: Grip) -> Truth:
-        """Return all that is true now."""
+    def restart(self) -> None:
+        """Take speeds as they are: fruit was laid down or taken away, which is no motion of the scene."""
+        self._before = self._data.qvel[self._dofs]
+
+    def truth(self, grip: Grip, here: NDArray[np.bool_] | None) -> Truth:
+        """Return all that is true now, with what is `here` of all fruit, (fruit,); None: all of it."""
         data, step, fruits = self._data, self._model.opt.timestep, {}
         for number, (fruit, body) in enumerate(zip(self._fruits, self._bodies, strict=True)):
             held, at = grip.held == number, data.xpos[body].copy()
@@ -88,7 +94,8 @@ class TruthRecorder:
                 **{field.name: getattr(fruit, field.name) for field in fields(Specimen)},
                 position=at, orientation=data.xquat[body].copy(),
                 acceleration=sqrt(self._change[number]) / step, peak_acceleration=sqrt(self._greatest[number]) / step,
-                press=float(grip.press[number]), held=held, place=None if held else self._place(at, fruit),
+                press=float(grip.press[number]), held=held, here=here is None or bool(here[number]),
+                place=None if held else self._place(at, fruit),
             )  # fmt: skip
         return Truth(float(data.time), data.site("cup").xpos.copy(), fruits, tuple(self._collisions.values()))
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 from math import dist
 
 from layflat.cell.file.model import Cell
-from layflat.cell.perception import Perception
+from layflat.cell.perception import Observation, Perception
 from layflat.cell.plan.containers import Fruit, free_place_at, packing_of
 from layflat.cell.plan.order import Choice, NotPicked, next_pick
-from layflat.cell.plan.pick import Command, Outcome, Phase, Relocation, State
+from layflat.cell.plan.pick import Command, Outcome, Phase, Readings, Relocation, State
 from layflat.cell.plan.pick_machine import begun, step
 from layflat.cell.vision import SURE
 from layflat.cell.work.observer import Observer
@@ -76,12 +76,12 @@ class Packer:
         return selection.choice
 
     def _pick(self, number: int, choice: Choice) -> Pick:
-        station, observation = self._station, self._world.seen_in[choice.fruit]
+        station, observation = self._station, self._observation(choice)
         begin, air, self._current = station.time, station.air, False
-        state, relocation = begun(task_of(self._cell, choice), station.measure()), None
+        state, relocation = begun(task_of(self._cell, choice), self._measure()), None
         while state.phase is not Phase.DONE:
             before = state
-            state, command = step(self._rules, before, station.measure(relocation))
+            state, command = step(self._rules, before, self._measure(relocation))
             relocation = None
             if state.phase is not before.phase:
                 self._observer.phase(choice, before, state)
@@ -90,7 +90,7 @@ class Packer:
                 again = self._again(choice.fruit)
                 choice = again or choice
                 relocation = Relocation(task_of(self._cell, again) if again else None)
-            station.advance(command)
+            self._perform(command)
         assert state.outcome is not None  # it has ended
         if state.outcome is Outcome.PLACED:
             self.packing = self.packing.filled(choice.place, choice.fruit)
@@ -98,6 +98,18 @@ class Packer:
             self._given_up.append(choice.fruit)
         taken = station.air - air
         return Pick(number, choice, state.outcome, state.trouble, state.tried, begin, station.time, taken, observation)
+
+    def _observation(self, choice: Choice) -> Observation:
+        """Return the last one in which the chosen fruit was seen."""
+        return self._world.seen_in[choice.fruit]
+
+    def _measure(self, relocation: Relocation | None = None) -> Readings:
+        """Return what the sensors give, and what is known of the fruit that is picked."""
+        return self._station.measure(relocation)
+
+    def _perform(self, command: Command) -> None:
+        """Go through a cycle."""
+        self._station.advance(command)
 
     def _follow(self, choice: Choice, before: State, after: State) -> State:
         """Do what a new phase asks for beside commands; return the state to go on from."""
@@ -149,4 +161,4 @@ class Packer:
 
     def _advance(self, posture: Angles) -> None:
         """Go through a cycle between picks."""
-        self._station.advance(Command(posture, self._passing, suction=False, image=False))
+        self._perform(Command(posture, self._passing, suction=False, image=False))

@@ -11,12 +11,16 @@ from layflat.cell.perception import CameraPerception, Perception, ScenePerceptio
 from layflat.cell.scene import Scene
 from layflat.cell.scene.camera import SimulatedCamera
 from layflat.cell.vision import Calibration
+from layflat.cell.work.belt_packer import packer_of
 from layflat.cell.work.evaluation import Evaluator
 from layflat.cell.work.observer import Observer, Observers
-from layflat.cell.work.packer import Packer
 from layflat.cell.work.records import Delivery, Pick
 from layflat.cell.work.station import Station
 from layflat.errors import CellError, DivergedError, LayflatError, PictureError, RigStoppedError, StoppedError
+
+# Of trays, and of a conveyor.
+NOTHING = "there is nothing in the trays", "nothing came on the conveyor"
+RIGHT = "lay produce into them that a container takes", "let produce come within reach that a container takes"
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +64,8 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
         error = delivery.error
         if not delivery.picks:
             why = sorted({one.reason for one in delivery.not_picked})
-            reason = f"nothing can be picked: {'; '.join(why)}" if why else "there is nothing in the trays"
-            error = CellError(reason, where=cell.origin, right="lay produce into them that a container takes")
+            reason = f"nothing can be picked: {'; '.join(why)}" if why else NOTHING[cell.conveyor is not None]
+            error = CellError(reason, where=cell.origin, right=RIGHT[cell.conveyor is not None])
     return Run(cell, seed, tuple(deliveries), calibration, error)
 
 
@@ -84,7 +88,7 @@ def _worked(scene: Scene, perception: Perception, most: int, observer: Observer)
     station = Station(scene, scene.seed, lambda: observer.cycle(station.time))
     evaluator = Evaluator(scene)
     observers = Observers(evaluator, observer)
-    packer = Packer(scene.cell, station, perception, observers)
+    packer = packer_of(scene.cell, station, perception, observers)
     picks: list[Pick] = []
     error: LayflatError | None = None
     try:

@@ -10,8 +10,12 @@ from layflat.cell.plan.pick import Command, Readings, Relocation
 from layflat.cell.scene import Scene
 from layflat.errors import RigStoppedError
 from layflat.machine import Machine
+from layflat.motion.following import following
+from layflat.motion.limits import arm_limits
+from layflat.motion.meeting import Course, Meeting, meet
 from layflat.motion.reach import Angles
-from layflat.motion.travel import LEAD, move_arm
+from layflat.motion.trajectory import States, at_rest
+from layflat.motion.travel import move_arm
 from layflat.physics.air import NORMAL_DENSITY
 from layflat.rig.clock import SECOND, Clock, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
@@ -23,6 +27,9 @@ from layflat.rig.safety.states import State
 from layflat.rig.safety.supervisor import HostRequest
 
 LITRES = 1000.0  # in a m3
+MEAN_AGE = 1.5  # of averaged angles, cycles: they are means of four samples
+SOON = 0.4  # in which a meeting usually comes, s
+NOWHERE: Angles = ()  # target of an arm that goes with what moves
 
 
 class Arm:
@@ -42,10 +49,15 @@ class Arm:
         self.loop = Loop(machine, driver, clock, self, None)
         first = driver.read()
         self.loop.begin(first)
-        self.angles: Angles = tuple(first.angles.tolist())  # averaged, rad
+        self.angles: Angles = tuple(first.angles.tolist())  # averaged, and led on by what that is late, rad
         self.velocities: Angles = (0.0,) * len(self.angles)  # averaged, rad/s
         self.target: Angles = self.angles  # where it is on the way to, rad
-        self._demand, self._course, self._at = first.angles.copy(), first.angles[None], 0
+        self._following = following(machine)
+        self._asked = at_rest(first.angles)  # in the last cycle
+        self._course = at_rest(first.angles[None])  # a row a cycle
+        self._at = 0  # row that is next
+        self._passing: Course | None = None  # of what it meets, and goes on with after the last row
+        self._now = clock.now() / SECOND  # of the last cycle, s
 
     @property
     def cycle(self) -> float:
@@ -55,9 +67,28 @@ class Arm:
     def go(self, target: Angles) -> None:
         """Move to a posture, rad."""
         if target != self.target:
-            start, end = self._demand, np.array(target)
-            path = move_arm(self._machine, start, end, payload=self._load, tip_speed=self._tip_speed)
-            self._course, self._at, self.target = path.demand(self.cycle, lead=LEAD), 0, target
+            way = move_arm(
+                self._machine, self._asked, np.array(target), payload=self._load, tip_speed=self._tip_speed,
+                shares=self._following.shares,
+            )  # fmt: skip
+            self._course, self._at = self._following.demands(way, self.cycle), 1
+            self._passing, self.target = None, target
+
+    def meeting(self, course: Course) -> Meeting | None:
+        """Return how it would soonest come over what moves, and with its velocity; None where it can't."""
+        soon = min(max(course.enters, self._now + SOON), course.leaves)
+        if soon < self._now:
+            return None
+        middle = course.state(soon).angles
+        limits = arm_limits(self._machine, self._asked.angles, middle, payload=self._load)
+        shares = limits.shares(*self._following.shares)
+        return meet(self._machine, self._asked, self._now, course, shares, self._tip_speed)
+
+    def follow(self, course: Course) -> None:
+        """Go on to what moves, and with it; where it can't be met, what was known of its course before still counts."""
+        if course is not self._passing and (found := self.meeting(course)) is not None:
+            self._course, self._at = self._following.demands(found.way, self.cycle), 1
+            self._passing, self.target = course, NOWHERE
 
     def advance(self) -> None:
         """Go through one control cycle; raise RigStoppedError where the rig's supervisor does not let it move."""
@@ -66,16 +97,23 @@ class Arm:
         if supervisor.state not in {State.READY, State.MOVING}:
             raise RigStoppedError(f"the rig stopped: {supervisor.ledger.worst.title}")
 
-    def request(self, now: int) -> HostRequest:  # noqa: ARG002  (as the rig's hosts)
-        """Return the next row of the course that it is on."""
-        self._demand = self._course[min(self._at, len(self._course) - 1)]
+    def request(self, now: int) -> HostRequest:
+        """Return what the course that it is on demands in this cycle."""
+        self._now, row = now / SECOND, self._at
+        last = len(self._course.angles) - 1
+        if row > last and self._passing is not None and self._now < self._passing.leaves:
+            self._asked = self._following.demand(self._passing.state(self._now))
+        else:
+            self._asked = States(*(of[min(row, last)] for of in self._course))
         self._at += 1
-        return HostRequest(self._demand.tolist())
+        angles, velocities, accelerations = (of.tolist() for of in self._asked)
+        return HostRequest(angles, velocities=velocities, accelerations=accelerations)
 
     def publish(self, row: Array) -> None:
         """Read what the controllers know."""
-        self.angles = tuple(self._layout.named(row, "averaged_angle").tolist())
-        self.velocities = tuple(self._layout.named(row, "averaged_velocity").tolist())
+        angles, velocities = self._layout.named(row, "averaged_angle"), self._layout.named(row, "averaged_velocity")
+        self.angles = tuple((angles + MEAN_AGE * self.cycle * velocities).tolist())
+        self.velocities = tuple(velocities.tolist())
 
 
 class Station:
@@ -111,9 +149,15 @@ class Station:
         lip, speed = self._top - scene.stroke, -scene.stroke_speed
         return Readings(self.time, arm.angles, arm.velocities, scene.cup.vacuum, lip, speed, relocation)
 
-    def advance(self, command: Command) -> None:
-        """Go through one control cycle; raise RigStoppedError as `Arm.advance`, DivergedError if the simulation did."""
-        self.arm.go(command.target)
+    def advance(self, command: Command, course: Course | None = None) -> None:
+        """Go through one control cycle, with the arm on its way to the command's target, or with what is on a course.
+
+        Raises RigStoppedError as `Arm.advance`, DivergedError if the simulation did.
+        """
+        if course is None:
+            self.arm.go(command.target)
+        else:
+            self.arm.follow(course)
         self._scene.lift.demand = self._top - command.height
         self._scene.cup.on = command.suction
         self.arm.advance()

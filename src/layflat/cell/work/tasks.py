@@ -11,6 +11,7 @@ from layflat.motion.reach import Angles, Reach
 
 GAP = 10e-3  # between what passes and what it passes over, m
 PRESSED = 3e-3  # by how much the cup is led lower than a fruit's top is thought to be, m; the lift gives way
+SEALING = 0.25  # for settling, and until the vacuum is sound, s
 DROP = 2e-3  # over the floor of its place, at which a fruit is released, m
 
 
@@ -24,8 +25,7 @@ def task_of(cell: Cell, choice: Choice) -> Task:
     flattening, passing = cell.produce[choice.fruit.kind].flattening, passing_height(cell)
     tall = flattening.mean * choice.fruit.diameter
     least, most = flattening.least * choice.fruit.diameter, flattening.most * choice.fruit.diameter
-    tray = cell.tray_at(choice.fruit.x, choice.fruit.y)
-    floor = tray.wall if tray is not None else 0.0
+    floor = cell.floor_at(choice.fruit.x, choice.fruit.y)
     return Task(
         choice.over_fruit.angles,
         choice.over_place.angles,
@@ -35,6 +35,12 @@ def task_of(cell: Cell, choice: Choice) -> Task:
         passing=passing,
         carrying=min(passing + most, cell.lift.clearance),
     )
+
+
+def handling_time(cell: Cell, fruit: Fruit) -> float:
+    """Return how long the arm has to stay over a fruit: from when it is there until the fruit hangs on the cup, s."""
+    lift, top = cell.lift, cell.floor_at(fruit.x, fruit.y) + cell.produce[fruit.kind].flattening.mean * fruit.diameter
+    return (passing_height(cell) - top) / lift.speed + lift.speed / lift.acceleration + SEALING
 
 
 def centred(task: Task, fruit: Fruit, place: Place, at: Angles, reach: Reach) -> Task:

@@ -84,7 +84,7 @@ class WorldModel:
         Raises PictureError where it can't be used; all that was known is known still.
         """
         observation = self._perception.observe(time)
-        occlusion = self._occlusion(arm) if arm is not None else None
+        occlusion = self.occlusion(arm) if arm is not None else None
         self.known = remembered(self.known, observation.fruits, occlusion)
         # What is remembered is the very same fruit as in the observation that showed it.
         self.seen_in = {fruit: self.seen_in.get(fruit, observation) for fruit in self.known}
@@ -102,7 +102,8 @@ class WorldModel:
         """Drop a fruit that was picked up."""
         self.known = [other for other in self.known if other != fruit]
 
-    def _occlusion(self, arm: Angles) -> OcclusionModel:
+    def occlusion(self, arm: Angles) -> OcclusionModel:
+        """Return what the arm hides with its joints at angles, rad."""
         joints = self._cell.machine.joints.values()
         radius = max(joint.cylinder.diameter for joint in joints) / 2
         half_height = max(joint.body.height for joint in joints) / 2
