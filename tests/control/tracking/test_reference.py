@@ -102,8 +102,9 @@ def test_a_joint_on_the_way_of_another_goal_does_not_pass_its_own(keeps: bool) -
         e = tuple((apart / max(np.linalg.norm(apart), 1e-9)).tolist())
         a = path_acceleration(tuple(at), tuple(goals), e, PACE, T)
         if keeps:
+            going = sum(one.velocity * share for one, share in zip(at, e, strict=True))
             joints = zip(a, at, goals, e, strict=True)
-            a = tuple(kept_before(*joint, PACE, PACE.deceleration, PACE.jerk, T) for joint in joints)
+            a = tuple(kept_before(*joint, going, PACE, PACE.deceleration, PACE.jerk, T) for joint in joints)
         at = [advanced(reference, each, T) for reference, each in zip(at, a, strict=True)]
         furthest = max(furthest, at[1].angle)
     assert (furthest < 0.025) is keeps
@@ -116,7 +117,7 @@ def test_a_move_from_rest_is_left_as_it_is(distance: float) -> None:
     at, goal = Reference(0.0, 0.0, 0.0), Reference(distance, 0.0, 0.0)
     for _ in range(100):
         (a,) = path_acceleration((at,), (goal,), (1.0 if goal.angle > at.angle else -1.0,), PACE, T)
-        assert kept_before(a, at, goal, 1.0, PACE, 1.0, 1.0, T) == a
+        assert kept_before(a, at, goal, 1.0, at.velocity, PACE, 1.0, 1.0, T) == a
         at = advanced(at, a, T)
 
 

@@ -163,8 +163,9 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
     inertias = diagonal(response.mass, direction)
     d = each(own_deceleration, settings.actuators, estimate.frictions, inertias, margins)
     j = each(own_jerk, settings.actuators, inertias, margins)
-    a = each(kept_before, a, references, goals, direction, limits, d, j, T)
     speeds, gains = each(velocity_of, references), each(_gain, references, goals)
+    going = dot(direction, gains)
+    a = each(kept_before, a, references, goals, direction, going, limits, d, j, T)
     inertial = times(response.mass, a)
     shares = each(
         _feasible, settings.actuators, estimate.frictions, plant.joints, response.states, speeds, inertial,
@@ -177,7 +178,7 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
     landed = landed | (rests & inside & (largest(response.velocities) < CALM))
     onward = each(_onward, references, goals, a, share, landed, T)
     # A path begins where the arm turns to the goal.
-    turns = (dot(direction, gains) <= 0.0) & (dot(direction, each(_gain, onward, goals)) > 0.0)
+    turns = (going <= 0.0) & (dot(direction, each(_gain, onward, goals)) > 0.0)
     return Plan(
         onward,
         select(turns, distance, length),

@@ -20,7 +20,8 @@ from layflat.jit import composition, law
 from layflat.lanes import gather, select, slots
 
 HALVINGS = 14
-PASSES = 0.02  # angle by which a joint may pass its goal, rad
+# Of a joint on another way than its path: speed from which that counts, rad/s; how far it may pass its goal, rad.
+ASIDE, PASSES = 0.2, 0.02
 ACROSS = 40.0  # rate at which the velocity across the path dies out, 1/s
 
 
@@ -91,11 +92,11 @@ def next_acceleration(left, v, a, limits, T):
 
 
 @law
-def kept_before(a, reference, goal, e, limits, deceleration, jerk, T):
+def kept_before(a, reference, goal, e, going, limits, deceleration, jerk, T):
     """Return a joint's acceleration, no more than that with which it stops at its own goal as soon as it can.
 
-    A joint that is on another way than its path, from a goal before, would pass it. `e`: its share of the path;
-    `deceleration`, `jerk`: what it can do alone.
+    A joint that is on another way than its path, from a goal before, would pass it. `e`: its share of the path, on
+    which the reference is `going` so fast, rad/s; `deceleration`, `jerk`: what it can do alone.
     """
     d, j = max(deceleration, limits.deceleration * abs(e)), max(jerk, limits.jerk * abs(e))
     v, a_0, a_1 = reference.velocity - goal.velocity, reference.acceleration - goal.acceleration, a - goal.acceleration
@@ -103,7 +104,7 @@ def kept_before(a, reference, goal, e, limits, deceleration, jerk, T):
     v_1 = v + 0.5 * T * (a_0 + a_1)
     ends = reference.angle + 0.5 * T * (v + v_1) + stop_at(v_1, a_1, d, j)
     brake = max(forward * a_0 - j * T, -d)
-    passes = (forward * (ends - goal.angle) > PASSES) & (forward * a_1 > brake)
+    passes = (forward * (ends - goal.angle) > PASSES) & (forward * a_1 > brake) & (abs(v - going * e) > ASIDE)
     return select(passes, forward * brake + goal.acceleration, a)
 
 
