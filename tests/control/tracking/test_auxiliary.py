@@ -55,10 +55,29 @@ def test_an_arm_has_the_stiffness_that_is_asked_for_and_stays_where_it_is(arm: M
     pushes = [("8 s", [0.0, 0.1 * asked[1]]), ("9.5 s", [0.0, 0.0])]
     run = rollout(arm, STEP, duration="10 s", demand_stiffness=asked.tolist(), load=pushes, seed=2)
     rest = run.sel(time=slice(0.8, 7.99))
-    assert np.abs(rest.angle.values - [0.0, 0.3]).max() < np.radians(0.6)
+    assert np.abs(rest.angle.values - [0.0, 0.3]).max() < np.radians(0.3)
     assert np.abs(rest.estimated_stiffness.values[-1] / asked - 1.0).max() < 0.05
     gives = run.angle.sel(time=slice(8.5, 9.4), joint="small").mean() - 0.3
     assert 0.06 < float(gives) < 0.2
+
+
+def test_a_position_is_kept_while_stiffness_rises_and_falls(arm: Machine) -> None:
+    t = np.arange(4800) * arm.cycle
+    levels = np.array([0.3, 0.9, 0.4])[(t / 8.0).astype(int)]
+    goal = [-0.65, 0.65]
+    asked = levels[:, None] * np.array([190.0, 50.0])
+    run = rollout(arm, [(0.0, [-0.4, 0.4]), (0.1, goal)], duration="24 s", demand_stiffness=asked, seed=1)
+    late = run.sel(time=slice(1.5, None))
+    assert np.abs(late.angle.values - goal).max() < np.radians(0.45)
+    for ends in (7.99, 15.99, 23.99):
+        assert np.all(run.dither_share.sel(time=ends, method="nearest") == 0.0)
+
+
+def test_a_stiffness_that_is_out_of_reach_ends_at_the_nearest(arm: Machine) -> None:
+    run = rollout(arm, STEP, duration="8 s", demand_stiffness=[20.0, 5.0], seed=1)
+    assert np.all(run.estimated_stiffness[-1] > [25.0, 6.0])
+    assert np.all(run.dither_share[-1] == 0.0)
+    assert np.all(run.brake_share[-1] < 0.1)
 
 
 def test_without_a_stiffness_a_push_is_held(arm: Machine) -> None:

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.tracking.stiffness import stiffness, supply_share
+from layflat.control.tracking.stiffness import is_near, stiffness, supply_share
 from layflat.machine import load, parameters
 from layflat.physics.flow import effective_pressure
 from layflat.physics.joint import joint_at_rest
@@ -35,3 +35,17 @@ def test_pressures_that_are_too_high_call_for_less_supply_but_no_less_than_the_h
     assert share == pytest.approx(
         (4.2e5 - AROUND.ambient_pressure) / (AROUND.supply_pressure - AROUND.ambient_pressure)
     )
+
+
+def test_what_is_out_of_reach_is_near_at_the_limits_of_the_supply() -> None:
+    joint, p_a, p_s = JOINTS[0], AROUND.ambient_pressure, AROUND.supply_pressure
+
+    def near(p: float, k: float) -> bool:
+        return bool(is_near(joint, joint_at_rest(joint, 0.0, p, p, AROUND), k, AROUND))
+
+    assert near(3e5, 0.0)
+    assert near(3e5, stiffness(joint, 0.0, 3e5, 3e5, p_a))
+    assert not near(3e5, 1.0)
+    assert not near(3e5, 1e4)
+    assert near(p_a + 0.005 * (p_s - p_a), 1.0)
+    assert near(0.76 * p_s, 1e4)

@@ -23,12 +23,17 @@ from layflat.lanes import each, select
 from layflat.physics.adjustable import Shares, adjusted
 
 QUIET, FADE = 0.1, 0.1  # time at rest after which dither fades, and time in which it does so, s
+SLOW_FADE = (
+    0.5  # such a time where the arm is left to its stiffness: the slower, the nearer its centre the spool ends, s
+)
 SURE = 0.75  # share of its friction that a joint may be loaded with to rest without dither
 # Once it does so: the same, and how many times the tolerance its tip may be off.
 STILL_SURE, STILL_INSIDE = 0.95, 1.25
 # Time at rest after which an arm that is to be compliant has its brakes released, is no longer led to its goal, has its
-# valves shut, and has shown that they leak alike, so that it is left to its stiffness, s.
-RELEASED, LET_GO, SHUT, COMPLIANT = 0.05, 0.25, 0.4, 1.0
+# valves shut, and has stayed where it is, so that it is left to its stiffness, s. It is led for long, since air that
+# was taken in or let out is warmer or colder than its hose, and pushes the joint as it takes the hose's temperature.
+RELEASED, LET_GO, SHUT, COMPLIANT = 0.05, 1.6, 1.7, 3.0
+BACK, AGAIN = 10.0, 0.3  # how much faster that time runs back where it is not calm, and for how long it is led then, s
 CALM = 0.1  # velocity at which it is taken for calm in between, rad/s
 PUMPED = 0.6  # opening to and fro, cycle by cycle, that takes air into or out of both hoses
 ANYWHERE = 1e3  # tolerance of a compliant arm, m
@@ -108,7 +113,7 @@ def asked_of(plant, auxiliary, states, demand, rests, stays, T):
     since = rested - select(soft, SHUT, QUIET)
     # A spool is centred before its dither fades, since friction keeps it where it is then.
     controls = select((since > 0.0) & (stays > 0.5), 0.0, 1.0)
-    quiet = min(max(since / FADE, 0.0), 1.0)
+    quiet = min(max(since / select(soft, SLOW_FADE, FADE), 0.0), 1.0)
     released = select((soft & (rested > RELEASED)) | (rests < 0.5), 1.0, 0.0)
     wanted = each(_wanted, plant.joints, states, demand.angle, k, plant.around, stays, quiet, released)
     mean, after = each(_adjusted, plant.joints, auxiliary.shares, wanted, T)
@@ -148,4 +153,6 @@ def rested_for(plant, auxiliary, asked, states, response, estimate, resting, T):
     holds = (resting > 0.5) & (speed == 0.0) & (greatest(loaded) < most) & near
     calm = ((resting > 0.5) & (speed < CALM)) | (asked.compliant > 0.5)
     freed = (largest(k) > 0.0) & (rested > RELEASED)
-    return select(freed, select(calm, rested, RELEASED) + T, select(holds, rested + T, 0.0))
+    # Noise may look like a motion for a cycle.
+    back = max(rested - BACK * T, min(rested, LET_GO - AGAIN) + T)
+    return select(freed, select(calm | (rested < LET_GO), rested + T, back), select(holds, rested + T, 0.0))

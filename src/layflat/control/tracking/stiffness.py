@@ -26,6 +26,7 @@ ITERATIONS = 5  # by which the pressure for a stiffness is found: the last chang
 LEAD = 3.0  # times by which the supply is led beyond a pressure that is not reached
 AUTHORITY = 1.0  # of the pressures in the hoses that the supply has at least
 NEAR = 0.03  # of a stiffness that is as good as it
+LIMIT = 0.01, 0.03  # shares of the supply by which hoses are as good as at its least pressure, and at its greatest
 
 
 @law
@@ -60,13 +61,24 @@ def supply_share(joint, state, q, k, around):
     p_1, p_2 = state.hose_a.pressure, state.hose_b.pressure
     # Dither moves little air near the pressure that it leads to.
     p = max(p + LEAD * (p - 0.5 * (p_1 + p_2)), p_a)
-    b = joint.valve.critical_ratio
-    out = effective_pressure(p, p_a, b, joint.valve.laminar_slope)
     # A valve that is fed with less than its hoses have can't control them.
-    return (max(upstream_pressure(out, p, b), AUTHORITY * max(p_1, p_2)) - p_a) / (p_s - p_a)
+    return (max(_feeding(joint, p, p_a), AUTHORITY * max(p_1, p_2)) - p_a) / (p_s - p_a)
+
+
+@law
+def _feeding(joint, p, p_a):
+    # Supply with which dither leaves a pressure in the hoses as it is.
+    b = joint.valve.critical_ratio
+    return upstream_pressure(effective_pressure(p, p_a, b, joint.valve.laminar_slope), p, b)
 
 
 @law
 def is_near(joint, state, k, around):
-    """Return 1 where a joint has a stiffness, or none is asked for, else 0."""
-    return select((k <= 0.0) | (abs(stiffness_of(joint, state, around) - k) < NEAR * k), 1.0, 0.0)
+    """Return 1 where a joint has a stiffness, or what it can have nearest to it, or none is asked for, else 0."""
+    missing, p_a = stiffness_of(joint, state, around) - k, around.ambient_pressure
+    p = max(0.5 * (state.hose_a.pressure + state.hose_b.pressure), p_a)
+    share = (_feeding(joint, p, p_a) - p_a) / (around.supply_pressure - p_a)
+    low, high = LIMIT
+    least = (missing > 0.0) & (share < joint.adjustables.supply.least + low)
+    most = (missing < 0.0) & (share > 1.0 - high)
+    return select((k <= 0.0) | (abs(missing) < NEAR * k) | least | most, 1.0, 0.0)

@@ -14,8 +14,8 @@ from layflat.sim import rollout
 ADJUSTABLE = "paper-arm-adjustable"  # built-in machine whose callipers, regulators and supply others are given
 LEVELS = (0.24, 0.48, 0.96)  # shares of what the joints have at full supply in the middle of their strokes
 POSTURES = (0.0, 1 / 3, -2 / 3, 3 / 4)  # of the first joint, as shares of half the stroke; the next are mirrored
-ADJUSTS, PUSHED = 9.0, 1.0  # time for each level, and of each of three pushes and of a rest after them, s
-CALM = 0.25  # share of a push that does not count
+ADJUSTS, PUSHED = 9.0, 2.0  # time for each level, and of each of three pushes and of a rest after them, s
+CALM = 0.8  # share of a push in which it comes up, so slowly that the joint does not swing
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,7 @@ def _one(machine: Machine, asked: Array, share: float, pushed: int, seed: int) -
     T, lasts = machine.cycle, ADJUSTS + 4 * PUSHED
     t = T * np.arange(round(levels * lasts / T))
     level, since = np.minimum((t / lasts + 1e-9).astype(int), levels - 1), np.mod(t + 1e-9, lasts) - ADJUSTS
-    sides = np.array([0.0, 1.0, -1.0, 1.0, 0.0])  # before, and in each push and after it
-    side = sides[np.floor(np.maximum(since, -PUSHED) / PUSHED).astype(int) + 1]
+    side = _sides(since / PUSHED)
     load_torque = np.zeros((len(t), joints))
     load_torque[:, pushed] = side * TURN * asked[level, pushed]
     half = np.array([value_at(machine, f"joint.{name}.stops.working_stroke") for name in machine.joints]) / 2
@@ -98,3 +97,12 @@ def _one(machine: Machine, asked: Array, share: float, pushed: int, seed: int) -
         settled = np.abs(angles[(level == i) & (since >= 1.0 - ADJUSTS) & (since < 0.0)] - goal)
         moved[i] = (settled - settled[0]).max(axis=0)
     return measured, moved
+
+
+def _sides(time: Array) -> Array:
+    """Return to which side joints are pushed, -1..1: three times to and fro, smoothly, once a unit of time."""
+    sides = np.array([0.0, 1.0, -1.0, 1.0, 0.0])  # before, and in each push and after it
+    push = np.clip(np.floor(time).astype(int) + 1, 0, len(sides) - 1)
+    share = 0.5 - 0.5 * np.cos(np.pi * np.clip((time - push + 1) / CALM, 0.0, 1.0))
+    before = sides[np.maximum(push - 1, 0)]
+    return np.asarray(before + share * (sides[push] - before))
