@@ -3,25 +3,19 @@ import pytest
 
 from layflat.machine import Machine, changed, load
 from layflat.tune import search as s
-from layflat.tune.conditions import conditions
-from layflat.tune.knobs import (
-    PHASES,
-    Part,
-    Stage,
-    from_shares,
-    gain_knobs,
-    neutral_gains,
-    parts,
-    rounded,
-    to_shares,
-    values_of,
-)
-from layflat.tune.search import Found, judge, search
+from layflat.tune.conditions import Conditions, conditions
+from layflat.tune.knobs import Part, Stage, from_shares, neutral_values, rounded, to_shares, values_of
+from layflat.tune.papers_law import PHASES, TUNABLE, gain_knobs
+from layflat.tune.search import Found, judge, panel, search
 
 JOINT = load("paper-small-joint")
 KNOBS = gain_knobs("small")
-NEUTRAL = neutral_gains(1)
+NEUTRAL = neutral_values(KNOBS)
 ALL = Part("all", tuple(range(len(KNOBS))), 12, (Stage(6, 8),))
+
+
+def meet(runs: int, seed: int) -> Conditions:
+    return conditions(JOINT, runs, seed=seed)
 
 
 @pytest.fixture(autouse=True)
@@ -39,7 +33,7 @@ def test_knobs_read_and_write_what_stands_in_the_machine() -> None:
 
 
 def test_neutral_gains_lie_within_their_ranges() -> None:
-    for knob, value in zip([*KNOBS, *KNOBS], neutral_gains(2), strict=True):
+    for knob, value in zip(KNOBS, NEUTRAL, strict=True):
         assert knob.low < value < knob.high
 
 
@@ -59,12 +53,12 @@ def test_candidates_are_judged_one_by_one() -> None:
 
 def test_a_search_finds_better_gains_and_repeats_itself() -> None:
     seen: list[Found] = []
-    one = search(JOINT, KNOBS, NEUTRAL, [ALL], progress=lambda found, *_: seen.append(found))
-    two = search(JOINT, KNOBS, NEUTRAL, [ALL])
+    one = search(JOINT, KNOBS, NEUTRAL, [ALL], meet, progress=lambda found, *_: seen.append(found))
+    two = search(JOINT, KNOBS, NEUTRAL, [ALL], meet)
     assert one.cost < 0.9 * seen[0].cost
     assert np.array_equal(one.values, two.values)
     assert np.array_equal(one.values, rounded(one.values))
-    assert float(judge(JOINT, KNOBS, one.values[None], s.panel(JOINT))[0]) == one.cost
+    assert float(judge(JOINT, KNOBS, one.values[None], panel(meet))[0]) == one.cost
     assert [f.cost for f in seen] == sorted((f.cost for f in seen), reverse=True)
     assert len(seen) == 1 + 6
     for knob, value in zip(KNOBS, one.values, strict=True):
@@ -74,7 +68,7 @@ def test_a_search_finds_better_gains_and_repeats_itself() -> None:
 def test_each_phase_turns_its_own_gains_of_one_joint_only() -> None:
     arm = load("paper-arm")
     knobs = [*gain_knobs("large"), *gain_knobs("small")]
-    wanted = parts(arm, "phases", 36)
+    wanted = TUNABLE.parts(arm, "phases", 36)
     order = [f"round 1, {joint} joint, {phase}" for joint in ("large", "small") for phase in ("far", "near", "close")]
     assert [part.name for part in wanted] == order
     for part, (joint, phase) in zip(wanted, ((j, p) for j in arm.joints for p in PHASES), strict=True):
@@ -83,13 +77,13 @@ def test_each_phase_turns_its_own_gains_of_one_joint_only() -> None:
         assert names <= belongs
     assert sorted(place for part in wanted for place in part.knobs) == list(range(len(knobs)))
 
-    twice = parts(arm, "phases", 40)
+    twice = TUNABLE.parts(arm, "phases", 40)
     assert twice[:6] == wanted
     assert (twice[6].knobs, twice[6].stages[0].generations) == (wanted[0].knobs, 4)
 
     part = Part("small joint, near", wanted[4].knobs, 8, (Stage(2, 8),))
     before = values_of(arm, knobs)
-    found = search(arm, knobs, before, [part])
+    found = search(arm, knobs, before, [part], lambda runs, seed: conditions(arm, runs, seed=seed))
     turned = set(np.flatnonzero(found.values != rounded(before)))
     assert turned <= set(part.knobs)
 
@@ -97,6 +91,6 @@ def test_each_phase_turns_its_own_gains_of_one_joint_only() -> None:
 @pytest.mark.parametrize("wanted", [1, 2, 7, 50, 110, 333])
 def test_generations_are_what_was_asked_for(wanted: int) -> None:
     arm = load("paper-arm")
-    (part,) = parts(arm, "global", wanted)
+    (part,) = TUNABLE.parts(arm, "global", wanted)
     assert sum(stage.generations for stage in part.stages) == wanted
-    assert sum(stage.generations for part in parts(arm, "phases", wanted) for stage in part.stages) == wanted
+    assert sum(stage.generations for part in TUNABLE.parts(arm, "phases", wanted) for stage in part.stages) == wanted

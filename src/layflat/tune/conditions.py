@@ -1,23 +1,27 @@
-"""What gains have to stand, and what they cost.
+"""What a controller has to stand, and what it costs.
 
-They have to stand payloads, supplies, losses, drifts and noise that differ from run to run, in several moves. They cost
-the seconds until moves settle, over all conditions, the worst of them and the nominal ones most. A move costs the time
-until the joint stays within 0.3 deg of its goal. Where it does not, it costs the whole window, 0.3 s, and 0.1 s for
-every 0.3 deg that error and swing remain (2 s at most). Overshoot beyond 1 deg costs 0.05 s per degree. A run that
-diverges costs 5 s a move. To the mean of all moves come half the mean of the worst twentieth, and the slowest move
-under nominal conditions.
+It has to stand payloads, supplies, losses, drifts and noise that differ from run to run, in several moves. It costs the
+seconds until moves settle, over all conditions, the worst of them and the nominal ones most. A move costs the time
+until the joint stays within 0.3 deg of its goal, or the tip within 2 mm of its. Where it does not, it costs the whole
+window, 0.3 s, and 0.1 s for every such distance that error and swing remain (2 s at most). Overshoot of a joint beyond
+1 deg costs 0.05 s per degree. A run that diverges costs 5 s a move. To the mean of all moves come half the mean of the
+worst twentieth, and the slowest move under nominal conditions.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.description.change import value_at
 from layflat.machine import Machine
 from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import BAND
 
 POSTURES = {
@@ -39,16 +43,46 @@ PULL = 0.15  # shares of a range that count as its ends: there the worst is met
 NOMINAL = 8  # one run in so many is nominal
 
 
-STATEMENT = (
-    "The cost: seconds until moves settle within 0.3 deg, as a mean over all conditions, plus half the mean of the "
-    "worst twentieth, plus the slowest move under nominal conditions; moves that never settle or overshoot cost more."
-)
-"""The same in a sentence, for people."""
-
 NEVER, REMAINS, MOST = 0.3, 0.1, 2.0
 OVERSHOOT, FREE = 0.05, 1.0
 DIVERGED = 5.0
 WORST, WEIGHT = 20, 0.5
+
+
+@dataclass(frozen=True)
+class Measure:
+    """By what moves are judged; arrays are (run, move, joint), or (run, move, 1) where it is the tip."""
+
+    within: str  # distance from the goal within which a move has settled, for people
+    what: str  # settles, for people
+    settling: Callable[[xarray.Dataset], Array]  # s
+    remains: Callable[[xarray.Dataset], Array]  # error and swing at the end of a move, over that distance
+    overshoot: Callable[[xarray.Dataset], Array]  # deg
+
+    @property
+    def statement(self) -> str:
+        """What it costs, in a sentence, for people."""
+        return (
+            f"The cost: seconds until {self.what} within {self.within}, as a mean over all conditions, plus half the "
+            "mean of the worst twentieth, plus the slowest move under nominal conditions; moves that never settle or "
+            "overshoot cost more."
+        )
+
+
+JOINTS = Measure(
+    f"{np.degrees(BAND):g} deg",
+    "moves settle",
+    lambda runs: runs["settling"].to_numpy(),
+    lambda runs: (np.abs(runs["steady_error"].to_numpy()) + runs["ripple"].to_numpy()) / BAND,
+    lambda runs: np.degrees(runs["overshoot"].to_numpy()),
+)
+TIP = Measure(
+    f"{1e3 * TIP_BAND:g} mm",
+    "the tip settles",
+    lambda runs: runs["tip_settling"].to_numpy()[..., None],
+    lambda runs: runs["tip_error"].to_numpy()[..., None] / TIP_BAND,
+    lambda runs: np.zeros((*runs["tip_settling"].shape, 1)),
+)
 
 
 @dataclass(frozen=True)
@@ -72,6 +106,11 @@ class Conditions:
     vary: Mapping[str, Array]  # one number a run, by path (see `sim.ensemble`)
     nominal: int  # so many runs, the first ones, are nominal; they make the first sequence
     window: float  # time that a move is given, s
+    measure: Measure = JOINTS
+    # Plants that are driven by the controller of the machine that is judged, and which of them each run has; none: that
+    # machine is the plant.
+    plants: tuple[Machine, ...] = ()
+    which: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     @property
     def runs(self) -> int:
@@ -81,6 +120,18 @@ class Conditions:
     def of(self, candidates: int) -> dict[str, Array]:
         """Return what varies over the runs of so many candidates, one candidate after the other."""
         return {path: np.tile(values, candidates) for path, values in self.vary.items()}
+
+    def simulate(self, machine: Machine, vary: Mapping[str, Array], **options: Any) -> xarray.Dataset:
+        """Return what becomes of these runs of so many candidates (see `of`)."""
+        if not self.plants:
+            return ensemble(machine, self.scenarios, vary, **options)
+        which = np.tile(self.which, len(vary["seed"]) // self.runs)
+        found = []
+        for number, plant in enumerate(self.plants):
+            own = {path: values[which == number] for path, values in vary.items()}
+            found.append(ensemble(plant, self.scenarios, own, controller=machine, **options))
+        order = np.argsort(np.argsort(which, kind="stable"), kind="stable")
+        return xarray.concat(found, "run").isel(run=order)
 
 
 def conditions(machine: Machine, runs: int, spread: Spread | None = None, seed: int = 0) -> Conditions:
@@ -106,11 +157,16 @@ def conditions(machine: Machine, runs: int, spread: Spread | None = None, seed: 
             vary[f"joint.{name}.{part}.loss_share"] = usual.loss_share * (1.0 + spread.losses * about[:, 2])
     for path, values in vary.items():
         values[:nominal] = 0.0 if path.startswith("scenario.") else value_at(machine, path)
-    scenarios = [_moves(machine, postures, spread.window) for postures in POSTURES[len(names)]]
+    scenarios = sequences(machine, spread.window)
     sequence = np.arange(runs) % len(scenarios)
     sequence[:nominal] = 0
     vary |= {"seed": seed + np.arange(runs, dtype=float), "scenario": sequence.astype(float)}
     return Conditions(scenarios, vary, nominal, spread.window)
+
+
+def sequences(machine: Machine, window: float) -> list[Scenario]:
+    """Return the sequences of moves of a machine, each given so much time, s."""
+    return [_moves(machine, postures, window) for postures in POSTURES[len(machine.joints)]]
 
 
 def _moves(machine: Machine, postures: tuple[tuple[float, ...], ...], window: float) -> Scenario:
@@ -120,18 +176,17 @@ def _moves(machine: Machine, postures: tuple[tuple[float, ...], ...], window: fl
     return Scenario(demand=list(zip(times, rows, strict=True)), duration=REST + window * (len(rows) - 1))
 
 
-def move_costs(runs: xarray.Dataset, window: float) -> Array:
-    """Return the cost of every joint's every move, s, (run, move, joint)."""
-    settling, overshoot = runs["settling"].to_numpy(), np.degrees(runs["overshoot"].to_numpy())
-    remains = (np.abs(runs["steady_error"].to_numpy()) + runs["ripple"].to_numpy()) / BAND
-    never = window + NEVER + np.minimum(REMAINS * remains, MOST)
+def move_costs(runs: xarray.Dataset, window: float, measure: Measure = JOINTS) -> Array:
+    """Return the cost of every move, s, (run, move, joint), or (run, move, 1) of the tip."""
+    settling, overshoot = measure.settling(runs), measure.overshoot(runs)
+    never = window + NEVER + np.minimum(REMAINS * measure.remains(runs), MOST)
     cost = np.where(np.isfinite(settling), settling, never) + OVERSHOOT * np.maximum(overshoot - FREE, 0.0)
     return np.where(np.isnan(settling), DIVERGED, cost)
 
 
 def candidate_costs(runs: xarray.Dataset, by: Conditions, candidates: int) -> Array:
     """Return the cost of every candidate, s: its runs follow each other."""
-    costs = move_costs(runs, by.window).reshape(candidates, by.runs, -1)
+    costs = move_costs(runs, by.window, by.measure).reshape(candidates, by.runs, -1)
     nominal = costs[:, : by.nominal].max(axis=2).mean(axis=1)
     ordered = np.sort(costs.reshape(candidates, -1), axis=1)
     worst = ordered[:, -max(1, ordered.shape[1] // WORST) :].mean(axis=1)

@@ -12,7 +12,7 @@ from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim.metrics import BAND
-from layflat.tune.conditions import POSTURES, REST, STATEMENT
+from layflat.tune.conditions import POSTURES, REST
 from layflat.tune.knobs import values_of
 from layflat.tune.tuning import Tuning
 from layflat.tune.validation import LIMIT, Validation, fresh, warnings
@@ -20,9 +20,9 @@ from layflat.tune.validation import LIMIT, Validation, fresh, warnings
 Row = list[str]
 
 
-def figures_of(machine: Machine, before: Validation | None, after: Validation) -> list[Row]:
+def figures_of(tuning: Tuning, before: Validation | None, after: Validation) -> list[Row]:
     """Return what is compared: its name, before, after."""
-    by = fresh(machine)
+    by, machine = fresh(tuning.meet), tuning.machine
 
     def figures(of: Validation) -> dict[str, str]:
         moves = {f"{machine.arm.payload:g} kg: {m}": s for m, s in zip(nominal_moves(machine), of.nominal, strict=True)}
@@ -50,7 +50,7 @@ def nominal_moves(machine: Machine) -> list[str]:
 
 def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after: Validation, path: Path) -> Path:
     """Write the page (OutputError: it can't be written there)."""
-    by = fresh(tuning.machine, tuning.spread)
+    by = fresh(tuning.meet)
     html = page(
         "layflat.tune",
         "tuning.html.j2",
@@ -62,21 +62,23 @@ def write_page(tuning: Tuning, tuned: Machine, before: Validation | None, after:
         seconds=f"{tuning.seconds:.1f}",
         kept=tuning.kept,
         file=tuning.path.name,
-        figures=figures_of(tuning.machine, before, after),
-        statement=STATEMENT,
+        values=tuning.law.values,
+        within=by.measure.within,
+        figures=figures_of(tuning, before, after),
+        statement=by.measure.statement,
         warnings=warnings(before, after),
         runs=by.runs,
         nominal=by.nominal,
-        payload=f"{by.vary['arm.payload'].max():.3g}",
+        spread=tuning.law.spread(by, tuning.machine),
         usual=f"{tuning.machine.arm.payload:g}",
         drawn=_drawn(tuning, before, after),
-        gains=gains_table(tuning, tuned),
+        found=values_table(tuning, tuned),
     )
     return write_text(path, html)
 
 
-def gains_table(tuning: Tuning, tuned: Machine) -> list[Row]:
-    """Return every gain: its path, and its value and source before and after."""
+def values_table(tuning: Tuning, tuned: Machine) -> list[Row]:
+    """Return every value that was tuned: its path, and its value and source before and after."""
 
     def source(machine: Machine, path: str) -> str:
         known = machine.provenance[path]
@@ -104,14 +106,13 @@ def _drawn(tuning: Tuning, before: Validation | None, after: Validation) -> list
         Drawn(
             "settled",
             "How soon moves settle.",
-            f"Share of all joints' moves that have settled, over all {len(after.settling)} runs; "
-            f"the line stands at {LIMIT:g} s.",
-            to_svg(settled_shares(settled, LIMIT, fresh(tuning.machine).window)),
+            f"Share of moves that have settled, over all {len(after.settling)} runs; the line stands at {LIMIT:g} s.",
+            to_svg(settled_shares(settled, LIMIT, fresh(tuning.meet).window)),
         ),
         Drawn(
             "cost",
             "The search.",
-            "Cost of the best gains so far, by a panel of conditions that stays the same.",
+            "Cost of the best so far, by a panel of conditions that stays the same.",
             to_svg(cost_history([found.cost for found in tuning.history], tuning.begun)),
         ),
     ]

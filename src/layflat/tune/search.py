@@ -15,8 +15,7 @@ from layflat.arrays import Array
 from layflat.extras import module
 from layflat.machine import Machine
 from layflat.sim import STEP
-from layflat.sim.ensemble import ensemble
-from layflat.tune.conditions import Conditions, Spread, candidate_costs, conditions
+from layflat.tune.conditions import Conditions, candidate_costs
 from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to_shares
 
 WIDTH = 0.15  # spread of the first generation, share of each knob's range
@@ -65,12 +64,16 @@ def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Condit
     for knob, values in zip(knobs, rounded(candidates).T, strict=True):
         for path in knob.paths:
             vary[path] = np.repeat(values * knob.si, by.runs)
-    return candidate_costs(ensemble(machine, by.scenarios, vary, step=step), by, len(candidates))
+    return candidate_costs(by.simulate(machine, vary, step=step), by, len(candidates))
 
 
-def panel(machine: Machine, spread: Spread | None = None) -> Conditions:
+Meet = Callable[[int, int], Conditions]
+"""Yields the conditions of so many runs, from a seed."""
+
+
+def panel(meet: Meet) -> Conditions:
     """The conditions by which the best is chosen."""
-    return conditions(machine, PANEL, spread, seed=PANEL_SEED)
+    return meet(PANEL, PANEL_SEED)
 
 
 def search(
@@ -78,9 +81,9 @@ def search(
     knobs: Sequence[Knob],
     start: Array,
     parts: Sequence[Part],
+    meet: Meet,
     *,
     seed: int = 1,
-    spread: Spread | None = None,
     progress: Callable[[Found, int, str], None] = lambda *_: None,
 ) -> Found:
     """Least cost over the knobs' ranges, one part after the other; each goes on from the best of the last.
@@ -90,14 +93,14 @@ def search(
         knobs: what may be turned.
         start: where to begin, in the knobs' units.
         parts: what is looked for, in order.
+        meet: yields the conditions that candidates are judged by.
         seed: of the search.
-        spread: how far conditions may be from nominal.
         progress: is told the best so far, the generations done, and the part's name, after every generation.
 
     Raises:
         InputError: the machine can't be simulated, or cma is not installed.
     """
-    by, done = panel(machine, spread), 0
+    by, done = panel(meet), 0
     best = Found(rounded(start), float(judge(machine, knobs, start[None], by)[0]), 0)
     progress(best, 0, "")
     for part in parts:
@@ -112,7 +115,7 @@ def search(
         strategy = Strategy(to_shares(turned, base[places]), part.population, seed + 1 + done)
         todo = [stage.runs for stage in part.stages for _ in range(stage.generations)]
         for left, runs in zip(reversed(range(len(todo))), todo, strict=True):
-            met = conditions(machine, runs, spread, seed=seed * GENERATIONS + done)
+            met = meet(runs, seed * GENERATIONS + done)
             asked = strategy.ask()
             strategy.tell(judge(machine, knobs, whole(asked), met, COARSE))
             done += 1

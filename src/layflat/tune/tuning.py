@@ -1,4 +1,4 @@
-"""A tuning from its beginning to a description with better gains. `begin` checks, `seek` searches, `keep` writes."""
+"""A tuning from its beginning to a description with better values. `begin` checks, `seek` searches, `keep` writes."""
 
 import time
 from collections.abc import Callable
@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from layflat.description.change import value_at
 from layflat.description.provenance import Provenance
 from layflat.errors import InputError
 from layflat.extras import require
@@ -15,9 +14,11 @@ from layflat.files import check_folder
 from layflat.machine import Machine, load
 from layflat.machine.derived import derived_path, write_derived
 from layflat.machine.members import differing
-from layflat.tune.conditions import Spread
-from layflat.tune.knobs import INTEGRAL_LIMIT, Knob, Part, knobs_of, neutral_gains, parts, values_of, with_gains
+from layflat.tune.conditions import Conditions, Spread
+from layflat.tune.knobs import Knob, Part, neutral_values, values_of
+from layflat.tune.laws import tunable
 from layflat.tune.search import Found, judge, panel, search
+from layflat.tune.tunable import Tunable
 
 Progress = Callable[[Found, int, str], None]
 """Told the best so far, the generations done, and what is looked for; before the first generation too."""
@@ -28,11 +29,12 @@ SEEDS = 10_000
 
 @dataclass
 class Tuning:
-    """A search for the gains of a machine."""
+    """A search for the values of a machine's controller."""
 
     given: str  # built-in name or file
     base: Machine  # what it describes; its joints may have no gains
-    machine: Machine  # the same with neutral gains where it has none
+    machine: Machine  # the same with neutral values where it has none
+    law: Tunable  # what of its control law is tuned
     method: str
     start: str
     seed: int
@@ -43,12 +45,16 @@ class Tuning:
     history: list[Found] = field(default_factory=list)  # the best after every generation, the start first
     seconds: float = 0.0  # that the search took, compilation not counted
     stopped: bool = False
-    kept: bool = False  # whether the gains that were there stay, since none better were found
+    kept: bool = False  # whether the values that were there stay, since none better were found
 
     @property
     def knobs(self) -> list[Knob]:
-        """The gains of all joints."""
-        return knobs_of(self.machine)
+        """What is turned."""
+        return self.law.knobs(self.machine)
+
+    def meet(self, runs: int, seed: int) -> Conditions:
+        """Return so many runs that candidates are judged by."""
+        return self.law.conditions(self.machine, runs, self.spread, seed)
 
     @property
     def generations(self) -> int:
@@ -67,13 +73,13 @@ class Tuning:
         return found
 
     @property
-    def has_gains(self) -> bool:
-        """Whether every joint had gains before."""
-        return all(joint.gains is not None for joint in self.base.joints.values())
+    def was_complete(self) -> bool:
+        """Whether all values were there before."""
+        return not self.law.complete(self.base)
 
     @property
     def command(self) -> str:
-        """What finds the same gains again."""
+        """What finds the same values again."""
         words = f"layflat tune {self.given} --method {self.method} --seed {self.seed}"
         words += f" --from {self.start}" if self.start != STARTS[0] else ""
         words += " --over cloud" if self.spread is not None else ""
@@ -92,31 +98,24 @@ class Tuning:
             self.seconds = time.perf_counter() - begun
             progress(best, done, name)
 
-        first = (
-            neutral_gains(len(self.machine.joints)) if self.start == "neutral" else values_of(self.machine, self.knobs)
-        )
+        first = neutral_values(self.knobs) if self.start == "neutral" else values_of(self.machine, self.knobs)
         try:
-            search(self.machine, self.knobs, first, self.parts, seed=self.seed, spread=self.spread, progress=tell)
+            search(self.machine, self.knobs, first, self.parts, self.meet, seed=self.seed, progress=tell)
         except KeyboardInterrupt:
             if not self.history:
                 raise
             self.stopped = True
 
     def keep(self) -> Machine:
-        """Write the best gains and load them; where none better were found, those that were there stand as they do."""
-        best, texts, sources = self.history[-1], dict[str, str](), dict[str, Provenance]()
-        self.kept = (
-            self.has_gains and judge(self.base, [], np.zeros((1, 0)), panel(self.base, self.spread))[0] <= best.cost
-        )
+        """Write the best values and load them; where none better were found, those that were there stand as they do."""
+        best, texts, sources = self.history[-1], dict[str, str | float](), dict[str, Provenance]()
+        self.kept = self.was_complete and judge(self.base, [], np.zeros((1, 0)), panel(self.meet))[0] <= best.cost
         if not self.kept:
             for knob, value in zip(self.knobs, best.values, strict=True):
-                texts[knob.paths[0]] = str(knob.text(value))
+                texts[knob.paths[0]] = knob.text(value)
                 sources[knob.paths[0]] = Provenance("calibrated", self.command)
-        for name in self.base.joints:
-            if self.base.joint[name].gains is None:
-                limit = f"joint.{name}.gains.integral_limit"
-                texts[limit] = f"{INTEGRAL_LIMIT * value_at(self.base, 'valve.volts_to_full'):g} V"
-                sources[limit] = Provenance("assumed", f"{100 * INTEGRAL_LIMIT:g} % of full opening")
+        for path, (text, reason) in self.law.complete(self.base).items():
+            texts[path], sources[path] = text, Provenance("assumed", reason)
         return write_derived(self.given, f"{self.base.title}, tuned", texts, sources, self.path)
 
 
@@ -135,27 +134,31 @@ def begin(
     Args:
         given: built-in machine or file.
         out: folder for the results.
-        method: one of `METHODS`.
-        start: "neutral", gains that know nothing of the machine, or "current", its own.
+        method: one of the methods of its control law.
+        start: "neutral", values that know nothing of the machine, or "current", its own.
         seed: of the search.
         generations: in all; default: as many as the method needs.
         over: "cloud": conditions have the values of every member of the machine's cloud; default: its own.
 
     Raises:
-        MachineError: the machine is wrong or has no controller.
+        MachineError: the machine is wrong, or has no controller that can be tuned.
         InputError: an option is wrong, or cma is not installed.
         OutputError: the folder can't be written to.
     """
     base = load(given)
-    machine = with_gains(base)
-    wanted = parts(machine, method, generations)
+    law = tunable(base)
+    machine = law.begun(base)
+    wanted = law.parts(machine, method, generations)
     if start not in STARTS:
         raise InputError(f"unknown start {start!r}", where="--from", right=f"give {' or '.join(STARTS)}")
     if not 0 <= seed < SEEDS:
         raise InputError(f"{seed} is out of range", where="--seed", right=f"give 0 to {SEEDS - 1}")
     if over not in {"", "cloud"}:
         raise InputError(f"{over!r} is nothing to tune over", where="--over", right="give cloud, or leave it out")
+    if over and not law.clouds:
+        right = "tune for each member by itself"
+        raise InputError("the tracking law is told which machine it has", where="--over", right=right)
     require("tune", "cma", where="tune")
     path = derived_path(given, check_folder(out), "tuned")
     spread = Spread(members=differing(given)) if over else None
-    return Tuning(given, base, machine, method, start, seed, generations, wanted, path, spread)
+    return Tuning(given, base, machine, law, method, start, seed, generations, wanted, path, spread)

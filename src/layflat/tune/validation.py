@@ -1,4 +1,4 @@
-"""What gains are worth in the end: over conditions that no search has met, the same for every method and seed."""
+"""What a controller is worth in the end: over conditions that no search has met, the same for every method and seed."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,10 @@ import xarray
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import disturbance
 from layflat.sim.run import rollout_as_far
-from layflat.tune.conditions import POSTURES, REST, Conditions, Spread, candidate_costs, conditions
+from layflat.tune.conditions import POSTURES, REST, Conditions, candidate_costs
+from layflat.tune.search import Meet
 
 FRESH, FRESH_SEED = 256, 2_000_000_000  # runs of the validation, and their seed
 LIMIT = 1.5  # time in which the paper's arm settles, s: section 4.2
@@ -22,7 +22,7 @@ PUSHED, MORE = np.radians(3.0), 2.0
 class Validation:
     """What a machine does over the fresh conditions."""
 
-    settling: Array  # of every joint in every move of every run, s; infinite where it does not settle
+    settling: Array  # of every joint, or of the tip, in every move of every run, s; infinite where it does not settle
     nominal: Array  # time until both joints have settled in each move, one joint's step each, mean of nominal runs, s
     cost: float  # s
     response: "xarray.Dataset"  # the first nominal run, with its trace
@@ -39,16 +39,16 @@ class Validation:
         return int((self.settling > LIMIT).sum())
 
 
-def fresh(machine: Machine, spread: Spread | None = None) -> Conditions:
+def fresh(meet: Meet) -> Conditions:
     """Return the conditions of the validation."""
-    return conditions(machine, FRESH, spread, seed=FRESH_SEED)
+    return meet(FRESH, FRESH_SEED)
 
 
-def validate(machine: Machine, spread: Spread | None = None) -> Validation:
+def validate(machine: Machine, meet: Meet) -> Validation:
     """Simulate a machine as it is described over the fresh conditions."""
-    by = fresh(machine, spread)
-    runs = ensemble(machine, by.scenarios, by.of(1))
-    settling = runs["settling"].to_numpy()
+    by = fresh(meet)
+    runs = by.simulate(machine, by.of(1))
+    settling = by.measure.settling(runs)
     settling = np.where(np.isnan(settling), np.inf, settling)
     nominal: Array = settling[: by.nominal].max(axis=2).mean(axis=0)
     response = rollout_as_far(machine, scenario=by.scenarios[0], seed=int(by.vary["seed"][0]))
