@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import layflat
+from layflat.description.provenance import Provenance
 from layflat.files import write_text
 from layflat.machine import Machine
 from layflat.plot.page import Drawn, page
@@ -81,13 +82,14 @@ def values_table(tuning: Tuning, tuned: Machine) -> list[Row]:
     """Return every value that was tuned: its path, and its value and source before and after."""
 
     def source(machine: Machine, path: str) -> str:
-        known = machine.provenance[path]
+        known = machine.provenance.get(path, Provenance("default"))
         return f"{known.source}: {known.note}" if known.note else known.source
 
     rows, now = [], values_of(tuning.machine, tuning.knobs)
     for knob, was, found in zip(tuning.knobs, now, values_of(tuned, tuning.knobs), strict=True):
         path = knob.paths[0]
-        old = [str(knob.text(was)), source(tuning.base, path)] if path in tuning.base.provenance else ["none", ""]
+        there = tuning.was_complete or path in tuning.base.provenance
+        old = [str(knob.text(was)), source(tuning.base, path)] if there else ["none", ""]
         rows.append([path, *old, str(knob.text(found)), source(tuned, path)])
     return rows
 

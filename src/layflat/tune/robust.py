@@ -17,7 +17,7 @@ from layflat.physics.friction.stribeck import StribeckPart
 from layflat.physics.hysteresis.bouc_wen import BoucWenPart
 
 STATEMENT = (
-    "friction and losses +-30 %, conductance and supply +-20 %, friction at rest 1 to 1.5 times that in motion, "
+    "friction and losses ±30 %, conductance and supply ±20 %, friction at rest 1 to 1.5 times that in motion, "
     "up to a control cycle of delay, and in every second run another law of losses (Bouc and Wen's)"
 )
 """The set in words, for people."""

@@ -48,19 +48,19 @@ class TrackingControllerPart(ControllerPart):
 
     kind: Literal["tracking"]
     bandwidth: u.Rate = Field(default=30.0, description="of angles about their reference, at most 0.15 in a cycle")
-    torque_errors: u.Share = Field(default=0.04, description="error of the model's torques, over the greatest torque")
-    pressure_trust: Part = Field(default=0.5, description="share of a pressure's innovation taken over in a cycle")
-    valve_share: Part = Field(default=0.5, description="share of a missing torque that valves make up in a cycle")
+    torque_errors: u.Share = Field(default=0.008, description="error of the model's torques, over the greatest torque")
+    pressure_trust: Part = Field(default=0.95, description="share of a pressure's innovation taken over in a cycle")
+    valve_share: Part = Field(default=0.56, description="share of a missing torque that valves make up in a cycle")
     reserve: u.Share = Field(default=0.25, description="share of its torques that the arm plans without")
     quickest: u.Time = Field(default=0.08, description="no move is meant to take less")
     tolerance: u.Length = Field(default=0.0015, description="distance of the tip from its goal that is left as it is")
     payload_spread: u.Mass = Field(
         default=0.0, description="by how much the payload may differ from the described (standard deviation); 0: known"
     )
-    load_spread: u.Share = Field(default=0.02, description="load on a joint that may be there, over its torque")
-    load_wander: u.Share = Field(default=0.1, description="by how much it changes in a second")
-    friction_spread: u.Share = Field(default=0.2, description="by how much friction may differ from the described")
-    angle_errors: u.Ratio = Field(default=2.0, description="errors of the model's angle over those of the sensor")
+    load_spread: u.Share = Field(default=0.007, description="load on a joint that may be there, over its torque")
+    load_wander: u.Share = Field(default=0.04, description="by how much it changes in a second")
+    friction_spread: u.Share = Field(default=0.25, description="by how much friction may differ from the described")
+    angle_errors: u.Ratio = Field(default=7.0, description="errors of the model's angle over those of the sensor")
     without: tuple[PartOfLaw, ...] = Field(default=(), description="parts of the law that are left out, to compare")
 
 
