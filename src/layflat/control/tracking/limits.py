@@ -45,9 +45,8 @@ class Parts(NamedTuple):
 
 
 @law
-def _most(actuator, friction, speed, w):
-    left = max(1.0 - abs(speed) / actuator.speed, 0.05)
-    return max(actuator.torque * left - friction, LEAST_SHARE * actuator.torque) / w
+def _most(actuator, friction, w):
+    return max(actuator.torque - friction, LEAST_SHARE * actuator.torque) / w
 
 
 @law
@@ -62,7 +61,7 @@ def _jerk(actuator, w):
 
 @law
 def _speed(actuator, e):
-    return 0.95 * actuator.speed / max(abs(e), 1e-6)
+    return actuator.speed / max(abs(e), 1e-6)
 
 
 @law
@@ -72,25 +71,24 @@ def _heavier(here, there):
 
 
 @law
-def own_deceleration(actuator, friction, inertia, margins):
-    """Return the greatest deceleration of a joint alone (rad/s2), which has an inertia (kg m2)."""
-    return margins.braking * _brakes(actuator, friction, max(inertia, LEAST_INERTIA))
-
-
-@law
-def own_jerk(actuator, inertia, margins):
-    """Return the greatest jerk of a joint alone, rad/s3."""
-    return margins.jerk * _jerk(actuator, max(inertia, LEAST_INERTIA))
+def own_limits(actuator, friction, inertia, margins):
+    """Return the limits of a joint alone, which has an inertia (kg m2)."""
+    w = max(inertia, LEAST_INERTIA)
+    return PathLimits(
+        _most(actuator, friction, w),
+        margins.braking * _brakes(actuator, friction, w),
+        margins.jerk * _jerk(actuator, w),
+        actuator.speed,
+    )
 
 
 @composition
-def path_limits(margins, actuators, estimate, arm, response, goals, direction, references):
+def path_limits(margins, actuators, estimate, arm, response, goals, direction):
     """Return limits along a path, by the torques that remain here and at the goal, whichever leave less."""
     there, _, _ = dynamics(arm, estimate.payload, each(angle_of, goals), each(velocity_of, goals))
     w = each(_heavier, times(response.mass, direction), times(there, direction))
-    speeds = each(velocity_of, references)
     return PathLimits(
-        least(each(_most, actuators, estimate.frictions, speeds, w)),
+        least(each(_most, actuators, estimate.frictions, w)),
         margins.braking * least(each(_brakes, actuators, estimate.frictions, w)),
         margins.jerk * least(each(_jerk, actuators, w)),
         least(each(_speed, actuators, direction)),

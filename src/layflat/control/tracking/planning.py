@@ -10,14 +10,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.tracking.algebra import diagonal, dot, greatest, largest, least, times
-from layflat.control.tracking.limits import (
-    LEAST_INERTIA,
-    LEAST_SHARE,
-    for_length,
-    own_deceleration,
-    own_jerk,
-    path_limits,
-)
+from layflat.control.tracking.limits import LEAST_INERTIA, LEAST_SHARE, for_length, own_limits, path_limits
 from layflat.control.tracking.model import loss_torque
 from layflat.control.tracking.reference import (
     PathLimits,
@@ -157,15 +150,14 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
     distance = sqrt(dot(apart, apart))
     direction = each(_per, apart, max(distance, 1e-9))
     length = max(select(path.landed > 0.5, 0.0, path.length), distance)
-    full = path_limits(margins, settings.actuators, estimate, plant.arm, response, goals, direction, references)
+    full = path_limits(margins, settings.actuators, estimate, plant.arm, response, goals, direction)
     limits = for_length(full, max(length, SHORTEST), margins.quickest)
     a = path_acceleration(references, goals, direction, limits, T)
     inertias = diagonal(response.mass, direction)
-    d = each(own_deceleration, settings.actuators, estimate.frictions, inertias, margins)
-    j = each(own_jerk, settings.actuators, inertias, margins)
+    alone = each(own_limits, settings.actuators, estimate.frictions, inertias, margins)
     speeds, gains = each(velocity_of, references), each(_gain, references, goals)
     going = dot(direction, gains)
-    a = each(kept_before, a, references, goals, direction, going, limits, d, j, T)
+    a = each(kept_before, a, references, goals, direction, going, limits, alone, T)
     inertial = times(response.mass, a)
     shares = each(
         _feasible, settings.actuators, estimate.frictions, plant.joints, response.states, speeds, inertial,

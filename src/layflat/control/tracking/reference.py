@@ -8,8 +8,8 @@ velocity are those relative to the goal, which may move.
 |---|---|---|
 | x | distance from the goal, along the path to it: negative before it | rad |
 | v, a | velocity and acceleration along the path, relative to the goal | rad/s, rad/s2 |
-| d, j | greatest deceleration and jerk | rad/s2, rad/s3 |
-| u | most that v may be | rad/s |
+| d, j | greatest deceleration, and jerk at rest | rad/s2, rad/s3 |
+| u | velocity at which open valves just feed the hoses | rad/s |
 | T | control cycle | s |
 """
 
@@ -20,6 +20,10 @@ from layflat.jit import composition, law
 from layflat.lanes import gather, select, slots
 
 HALVINGS = 14
+# Hoses of a joint that moves are springs: what valves feed makes up for that before it turns into torque. Share of the
+# jerk that is gone at u, least share that is left, and the greatest velocity over u: for a while hoses drive by what
+# they hold.
+GONE, LEFT, BEYOND = 0.4, 0.4, 1.25
 # Of a joint on another way than its path: speed from which that counts, rad/s; how far it may pass its goal, rad.
 ASIDE, PASSES = 0.2, 0.02
 ACROSS = 40.0  # rate at which the velocity across the path dies out, 1/s
@@ -39,7 +43,7 @@ class PathLimits(NamedTuple):
     acceleration: float  # greatest, rad/s2
     deceleration: float  # d
     jerk: float  # j
-    velocity: float  # u
+    velocity: float  # u, which it may exceed for a while
 
 
 @law
@@ -55,12 +59,16 @@ def velocity_of(reference):
 
 
 @law
-def stop_at(v, a, d, j):
+def stop_at(v, a, limits):
     """Return how far it still goes when it stops as soon as it can, rad."""
+    d, j = limits.deceleration, limits.jerk
     forward = select(v + a * abs(a) / (2.0 * j) >= 0.0, 1.0, -1.0)
     v, a = forward * v, forward * a
-    peak = max(min(sqrt(max(j * v + 0.5 * a * a, 0.0)), d), -a)
-    t_1, t_3 = (a + peak) / j, peak / j
+    # The jerk that ends the stop has the springs against it.
+    j_3 = j * max(1.0 - GONE * v / limits.velocity, LEFT)
+    turned = max(v + 0.5 * a * a / j, 0.0)
+    peak = max(min(sqrt(2.0 * turned / (1.0 / j + 1.0 / j_3)), d), -a)
+    t_1, t_3 = (a + peak) / j, peak / j_3
     v_1 = v + a * t_1 - 0.5 * j * t_1 * t_1
     held = max(v_1 - 0.5 * peak * t_3, 0.0) / max(peak, 1e-9)
     v_2 = v_1 - peak * held
@@ -71,14 +79,15 @@ def stop_at(v, a, d, j):
 @law
 def _too_fast(a_1, left, v, a, limits, T):
     v_1 = v + 0.5 * T * (a + a_1)
-    beyond = 0.5 * T * (v + v_1) + stop_at(v_1, a_1, limits.deceleration, limits.jerk) > left
-    return beyond | (v_1 + 0.5 * a_1 * max(a_1, 0.0) / limits.jerk > limits.velocity)
+    beyond = 0.5 * T * (v + v_1) + stop_at(v_1, a_1, limits) > left
+    return beyond | (v_1 + 0.5 * a_1 * max(a_1, 0.0) / limits.jerk > BEYOND * limits.velocity)
 
 
 @law
 def next_acceleration(left, v, a, limits, T):
     """Return the greatest acceleration a cycle later with which it still stops at what is left of the path."""
-    low, high = a - limits.jerk * T, a + limits.jerk * T
+    rise = limits.jerk * min(max(1.0 - GONE * v / limits.velocity, LEFT), 1.0)
+    low, high = a - limits.jerk * T, a + rise * T
     low, high = (
         min(max(low, -limits.deceleration), limits.acceleration),
         max(min(high, limits.acceleration), -limits.deceleration),
@@ -92,17 +101,18 @@ def next_acceleration(left, v, a, limits, T):
 
 
 @law
-def kept_before(a, reference, goal, e, going, limits, deceleration, jerk, T):
+def kept_before(a, reference, goal, e, going, limits, alone, T):
     """Return a joint's acceleration, no more than that with which it stops at its own goal as soon as it can.
 
     A joint that is on another way than its path, from a goal before, would pass it. `e`: its share of the path, on
-    which the reference is `going` so fast, rad/s; `deceleration`, `jerk`: what it can do alone.
+    which the reference is `going` so fast, rad/s; `alone`: what it can do alone.
     """
-    d, j = max(deceleration, limits.deceleration * abs(e)), max(jerk, limits.jerk * abs(e))
+    d, j = max(alone.deceleration, limits.deceleration * abs(e)), max(alone.jerk, limits.jerk * abs(e))
+    own = PathLimits(alone.acceleration, d, j, alone.velocity)
     v, a_0, a_1 = reference.velocity - goal.velocity, reference.acceleration - goal.acceleration, a - goal.acceleration
     forward = select(v >= 0.0, 1.0, -1.0)
     v_1 = v + 0.5 * T * (a_0 + a_1)
-    ends = reference.angle + 0.5 * T * (v + v_1) + stop_at(v_1, a_1, d, j)
+    ends = reference.angle + 0.5 * T * (v + v_1) + stop_at(v_1, a_1, own)
     brake = max(forward * a_0 - j * T, -d)
     passes = (forward * (ends - goal.angle) > PASSES) & (forward * a_1 > brake) & (abs(v - going * e) > ASIDE)
     return select(passes, forward * brake + goal.acceleration, a)
