@@ -32,7 +32,7 @@ STILL_SURE, STILL_INSIDE = 0.95, 1.25
 # Time at rest after which an arm that is to be compliant has its brakes released, is no longer led to its goal, has its
 # valves shut, and has stayed where it is, so that it is left to its stiffness, s. It is led for long, since air that
 # was taken in or let out is warmer or colder than its hose, and pushes the joint as it takes the hose's temperature.
-RELEASED, LET_GO, SHUT, COMPLIANT = 0.05, 1.6, 1.7, 3.0
+RELEASED, LET_GO, SHUT, COMPLIANT = 0.05, 2.6, 2.7, 4.0
 BACK, AGAIN = 10.0, 0.3  # how much faster that time runs back where it is not calm, and for how long it is led then, s
 CALM = 0.1  # velocity at which it is taken for calm in between, rad/s
 PUMPED = 0.6  # opening to and fro, cycle by cycle, that takes air into or out of both hoses

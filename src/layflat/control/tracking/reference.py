@@ -41,7 +41,8 @@ class PathLimits(NamedTuple):
     """Limits of a motion along its path."""
 
     acceleration: float  # greatest, rad/s2
-    deceleration: float  # d
+    deceleration: float  # d, with which stops are planned
+    hardest: float  # deceleration, of a motion that is late, rad/s2
     jerk: float  # j
     velocity: float  # u, which it may exceed for a while
 
@@ -89,8 +90,8 @@ def next_acceleration(left, v, a, limits, T):
     rise = limits.jerk * min(max(1.0 - GONE * v / limits.velocity, LEFT), 1.0)
     low, high = a - limits.jerk * T, a + rise * T
     low, high = (
-        min(max(low, -limits.deceleration), limits.acceleration),
-        max(min(high, limits.acceleration), -limits.deceleration),
+        min(max(low, -limits.hardest), limits.acceleration),
+        max(min(high, limits.acceleration), -limits.hardest),
     )
     low, high = min(low, high), max(low, high)
     for _ in range(HALVINGS):
@@ -108,7 +109,7 @@ def kept_before(a, reference, goal, e, going, limits, alone, T):
     which the reference is `going` so fast, rad/s; `alone`: what it can do alone.
     """
     d, j = max(alone.deceleration, limits.deceleration * abs(e)), max(alone.jerk, limits.jerk * abs(e))
-    own = PathLimits(alone.acceleration, d, j, alone.velocity)
+    own = PathLimits(alone.acceleration, d, d, j, alone.velocity)
     v, a_0, a_1 = reference.velocity - goal.velocity, reference.acceleration - goal.acceleration, a - goal.acceleration
     forward = select(v >= 0.0, 1.0, -1.0)
     v_1 = v + 0.5 * T * (a_0 + a_1)
