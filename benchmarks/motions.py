@@ -49,6 +49,8 @@ def performed(machine: Machine, motion: Trajectory, start: Array, end: Array, se
 def main() -> None:
     """Print a row for each reserve."""
     machine = with_tracking(load(sys.argv[1] if len(sys.argv) > 1 else "paper-arm-fast"))
+    if machine is None:
+        raise SystemExit("no tracking controller can drive this machine")
     for reserve in RESERVES:
         found, durations, gentle = [], [], []
         for start, end in steps(machine):

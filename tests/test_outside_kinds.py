@@ -197,6 +197,7 @@ def broken(folder: Path, name: str, old: str, new: str) -> str:
     ("name", "old", "new", "said"),
     [
         ("relay", "        step=step,\n", "", "lacks step"),
+        ("relay", "        step=step,\n", '        step=step,\n        gives_up="doubt",\n', "gives up by 'doubt'"),
         ("relay", 'signals={"error": ("rad", "demand less angle")}', "signals={}", "signal 'error' has no unit"),
         ("relay", 'kind: Literal["relay"]', 'kind: Literal["other"]', "does not bear its name"),
         (

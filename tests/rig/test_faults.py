@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fake_rig import Array, Rig
 
-from layflat.machine import load
+from layflat.machine import changed, load
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import CENTRED
@@ -189,6 +189,20 @@ def test_every_fault_has_a_row_and_severity_grows_with_its_number() -> None:
     reactions = [fault.reaction for fault in Fault]
     assert reactions == sorted(reactions)
     assert all(fault.title and (fault.seconds > 0.0 or fault.cycles > 0) for fault in Fault if fault)
+
+
+def test_a_law_that_gives_up_is_told_and_tries_again_with_another_demand() -> None:
+    described = load("paper-arm-tracking")
+    rig = Rig(changed(described, "arm.payload", "12 kg"), np.zeros(2), described=described).seconds(0.1)
+    rig.host.demands = [0.5, -0.5]
+    rig.until(lambda: rig.supervisor.ledger.now is Fault.MODEL_DOUBTED, 1.5)
+    rig.seconds(0.2)
+    assert rig.shows(State.MOVING, Fault.MODEL_DOUBTED)
+    assert list(rig.driver.commands[-1].voltages) == [CENTRE, CENTRE]
+    assert sum(Fault.MODEL_DOUBTED.title in line for line in rig.host.lines) == 1
+    rig.host.demands = [0.0, 0.0]
+    rig.until(lambda: list(rig.driver.commands[-1].voltages) != [CENTRE, CENTRE], 0.5)
+    assert rig.shows(Fault.NONE)
 
 
 @pytest.mark.parametrize("bad", [float("nan"), float("inf"), 10.001, -0.001])

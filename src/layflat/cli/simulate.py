@@ -152,8 +152,9 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, de
         print_missed(run, demand.name)
     elif scenario.opening is None:
         print_moves(moves_of(run), machine.name)
-    if "given_up" in run and run["given_up"].any():
-        since = float(run["time"][run["given_up"].any("joint").argmax()])
+    gives_up = machine.control_law.gives_up if machine.controller is not None else None
+    if gives_up is not None and run[gives_up].any():
+        since = float(run["time"][run[gives_up].any("joint").argmax()])
         typer.echo(f"the controller gave up at {since:.2f} s: its model is too far from the plant (docs/control.md)")
     acceleration = peak_tip_acceleration(run)
     typer.echo(f"air used {air_used(run):.2f} normal litres, peak tip acceleration {acceleration:.1f} m/s2")

@@ -87,6 +87,9 @@ class ControlKind(Kind):
     """Whether the law plans its own motion to a demand: one that jumps it may be given whole, one that moves with its
     velocity and acceleration, and the arm is then as fast as hoses and valves allow. A law that goes by errors is led
     by the rig: its demands jump only so far, go on with `safety.demand_speed`, and have no rates."""
+    gives_up: str | None = None
+    """Field of `report` that is 1 while the law holds the arm instead of following, since what it believes of the arm
+    is too far from it; runs and rigs tell so. None: it never does."""
 
     def __post_init__(self) -> None:
         """Refuse a report whose signals have no unit."""
@@ -94,6 +97,8 @@ class ControlKind(Kind):
         unexplained = [name for name in getattr(self.report, "_fields", ()) if name not in self.signals]
         if unexplained:
             raise KindError(f"signal {unexplained[0]!r} has no unit and meaning", where=f"control law {self.name!r}")
+        if self.gives_up is not None and self.gives_up not in self.signals:
+            raise KindError(f"gives up by {self.gives_up!r}, which is no signal", where=f"control law {self.name!r}")
 
     def check_compiled(self, where: str) -> None:
         """Make sure that the law can be compiled, as it has to be `where`; raise KindError if it is plain Python."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from rigrows import BEGIN, CYCLE, HEADING, JOINTS, column, log_of, rows
+from rigrows import BEGIN, CYCLE, HEADING, JOINTS, LAYOUT, column, log_of, rows
 
 from layflat.errors import InputError, OutputError
 from layflat.identify.logs import check, read_log
@@ -18,6 +18,7 @@ from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.ring import Event, Level
 from layflat.rig.recorder.run import export, read_run
+from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.sim import rollout
 from layflat.sim.dataset import open_run
@@ -170,3 +171,20 @@ def test_a_log_of_the_first_version_still_reads() -> None:
     assert run["demand"].values[-1, 0] == 0.2
     assert {"phase", "short_term", "long_term", "learning"} <= set(run.variables)
     assert list(run["event_text"].values) == ["off -> ready", "ready -> moving"]
+
+
+def test_faults_of_a_log_go_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Logs of other versions have other numbers, and logs of the first ones do not say which."""
+    made = rows(4)
+    made[:, LAYOUT.shared["fault"]] = [0.0, 5.0, 6.0, 21.0]
+    LAYOUT.named(made, "joint_fault")[:] = 0.0
+    now = read_run(log_of(tmp_path / "now.mcap", made))
+    assert [Fault(int(n)).name for n in now["fault"]] == ["NONE", "REPLY_LOST", "MODEL_DOUBTED", "DEVICE_DUMPED"]
+
+    monkeypatch.setattr("layflat.rig.recorder.bag.FAULTS", ["NONE", *["E_STOP"] * 4, "LINK_LOST", *["of_later"] * 16])
+    other = read_run(log_of(tmp_path / "other.mcap", made))
+    assert [Fault(int(n)).name for n in other["fault"]] == ["NONE", "LINK_LOST", "E_STOP", "E_STOP"]
+
+    monkeypatch.setattr("layflat.rig.recorder.run.METADATA", "missing")
+    first = read_run(tmp_path / "now.mcap")
+    assert [Fault(int(n)).name for n in first["fault"]] == ["NONE", "REPLY_LOST", "FOLLOWING_ERROR", "E_STOP"]

@@ -14,4 +14,5 @@ KIND = ControlKind(
     report=Report,
     signals=SIGNALS,
     plans=True,
+    gives_up="given_up",
 )

@@ -35,6 +35,7 @@ QUICKEST = 0.15  # bandwidth in a control cycle, at most
 REACHED = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
 EASING = 0.1  # share of the torque's rate at which a joint that arrived gives up what it does not need
 SEEN = 0.1, 0.45  # periods of the dither in a control cycle between which samples show it
+LATE = 0.5  # of its reserve that the arm keeps where it has to brake late
 JERK = 0.8  # share of the torque's rate that is planned with: it falls as the hoses fill
 
 Part = Annotated[float, Field(gt=0.0, le=1.0)]
@@ -76,7 +77,8 @@ def settings(described: TrackingControllerPart, machine: Any) -> Settings:
     has = {part: float(part not in described.without) for part in get_args(PartOfLaw)}
     share = share * has["pressures"]
     observer = tuple(ObserverTuning(described.torque_errors * a.torque, error, share, notch) for a in actuators)
-    margins = Margins(1.0 - described.reserve, JERK, described.quickest, described.tolerance)
+    kept, late = 1.0 - described.reserve, 1.0 - LATE * described.reserve
+    margins = Margins(kept, late, JERK, described.quickest, described.tolerance)
     w = w * has["feedback"]
     feedback = tuple(Feedback(w * w, 2.0 * w, described.valve_share, EASING * actuator.rate) for actuator in actuators)
     parts = Parts(has["feedforward"], has["friction"], has["governor"], has["landing"])

@@ -30,6 +30,7 @@ class Margins(NamedTuple):
     """How much of its actuators' limits the arm uses, and how exact it is."""
 
     braking: float  # share of the torque to decelerate that is planned with
+    late: float  # the same where a motion is late
     jerk: float  # share of the torque's rate
     quickest: float  # no move is meant to take less, s
     tolerance: float  # distance of the tip from its goal within which the arm has arrived, m
@@ -77,7 +78,7 @@ def own_limits(actuator, friction, inertia, margins):
     return PathLimits(
         _most(actuator, friction, w),
         margins.braking * _brakes(actuator, friction, w),
-        _brakes(actuator, friction, w),
+        margins.late * _brakes(actuator, friction, w),
         margins.jerk * _jerk(actuator, w),
         actuator.speed,
     )
@@ -88,11 +89,11 @@ def path_limits(margins, actuators, estimate, arm, response, goals, direction):
     """Return limits along a path, by the torques that remain here and at the goal, whichever leave less."""
     there, _, _ = dynamics(arm, estimate.payload, each(angle_of, goals), each(velocity_of, goals))
     w = each(_heavier, times(response.mass, direction), times(there, direction))
-    hardest = least(each(_brakes, actuators, estimate.frictions, w))
+    brakes = least(each(_brakes, actuators, estimate.frictions, w))
     return PathLimits(
         least(each(_most, actuators, estimate.frictions, w)),
-        margins.braking * hardest,
-        hardest,
+        margins.braking * brakes,
+        margins.late * brakes,
         margins.jerk * least(each(_jerk, actuators, w)),
         least(each(_speed, actuators, direction)),
     )

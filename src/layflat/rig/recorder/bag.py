@@ -13,11 +13,13 @@ from layflat.rig.clock import SECOND
 from layflat.rig.record import SHARED, Layout
 from layflat.rig.recorder.messages import CYCLE, JOINT_STATE, LOG, Fixed, encoded_event, schemas_of
 from layflat.rig.recorder.ring import Event
+from layflat.rig.safety.faults import Fault
 
 if TYPE_CHECKING:
     from layflat.machine import Machine
 
 METADATA, MACHINE = "layflat", "machine.json"  # names of the metadata, and of the attachment that describes the machine
+FAULTS = list(Fault.__members__)  # names by the numbers that stand in rows
 CHUNK = 2**17  # bytes that are compressed at a time: more would keep the recorder from its log
 
 
@@ -62,6 +64,7 @@ class Bag:
         start = datetime.fromtimestamp(begin / SECOND, UTC).isoformat()
         about = {"layflat_version": layflat.__version__, "machine_name": heading.machine_name, "start": start}
         told = {**about, "joints": json.dumps(layout.joints), "notes": json.dumps(heading.notes)}
+        told["faults"] = json.dumps(FAULTS)
         self._writer.add_metadata(METADATA, told)
         self._writer.add_attachment(begin, begin, MACHINE, "application/json", heading.machine.encode())
 

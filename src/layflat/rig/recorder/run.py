@@ -35,6 +35,8 @@ BEST_KNOWN = {
 # Columns that stand for something else than a quantity.
 FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
 RENAMED = {"far": "device"}  # columns that logs of earlier versions have, by their present names
+# Faults by their numbers in logs that do not say so themselves: all but what there has been since.
+FIRST_FAULTS = [fault.name for fault in Fault if fault is not Fault.MODEL_DOUBTED]
 # What readers raise on bytes that make no sense.
 UNREADABLE = (ValueError, struct.error, KeyError, IndexError, NotImplementedError)
 
@@ -95,6 +97,11 @@ def _recording(reader: "McapReader", path: Path) -> Recording:
     joints = tuple(decoded(CYCLE, cycles[:1])[0].name)
     columns = Fixed(definition, joints).decoded(message.data for message in cycles)
     begin = cycles[0].log_time - round(float(columns["time"][0]) * SECOND)
+    about = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
+    names, known = json.loads(about["faults"]) if "faults" in about else FIRST_FAULTS, Fault.__members__
+    if names != list(known):
+        numbers = np.array([known.get(name, max(Fault)) for name in names], dtype=np.float64)
+        columns |= {name: numbers[columns[name].astype(int)] for name in ("fault", "joint_fault") if name in columns}
     return Recording(
         joints=joints,
         columns={RENAMED.get(name, name): values for name, values in columns.items()},
@@ -104,7 +111,7 @@ def _recording(reader: "McapReader", path: Path) -> Recording:
             for message, one in zip(events, decoded(LOG, events), strict=True)
         ],
         begin=begin,
-        about=next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {}),
+        about=about,
         machine=next((one.data.decode() for one in reader.iter_attachments() if one.name == MACHINE), ""),
     )
 
@@ -135,7 +142,7 @@ def read_run(path: Path) -> "xarray.Dataset":
     run["event_time"] = ("event", np.array([e.time for e in log.events]), {"units": "s", "long_name": "of an event"})
     run["event_level"] = ("event", np.array([e.level for e in log.events], dtype=np.int64), {"units": "1"})
     run["event_text"] = ("event", np.array([e.text for e in log.events], dtype=object))
-    run.attrs = {"machine": log.machine, **{k: v for k, v in log.about.items() if k != "joints"}}
+    run.attrs = {"machine": log.machine, **{k: v for k, v in log.about.items() if k not in {"joints", "faults"}}}
     return run
 
 

@@ -18,8 +18,9 @@ from layflat.rig.safety import demands, estimator, moving
 from layflat.rig.safety.detectors import joint, sample, supply
 
 JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16  # stages of a cycle
-# What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad.
-FOUND, CHANGED, BAD = 1, 2, 4
+# What came of it: a fault was found, and nothing was done after it; a demand was changed; a voltage was bad; the law
+# goes by what it believes of the machine no more.
+FOUND, CHANGED, BAD, DOUBTED = 1, 2, 4, 8
 TURNS = 0.05  # speed from which a joint shakes the others by its torque, which its own brake holds before, rad/s
 # A cycle that is longer or shorter by this share is uneven; for so long after it the air is not judged, s.
 UNEVEN, CALM = 0.3, 0.1
@@ -307,13 +308,16 @@ def cycle_with(arm: Any, settings: Any, memory: Any, joints: int) -> Callable[..
     # By text: tuples of different classes are equal where their items are.
     kind = repr((arm, settings, memory, joints))
     if kind not in _known:
-        cycle = _cycle(arm, settings, memory, (0.0,) * joints)
-        performed = "dispatcher" if CONTROL_LAWS.of(settings).compiled else "py_func"
+        law_kind = CONTROL_LAWS.of(settings)
+        doubts = list(law_kind.signals).index(law_kind.gives_up) if law_kind.gives_up is not None else -1
+        cycle = _cycle(arm, settings, memory, (0.0,) * joints, doubts)
+        performed = "dispatcher" if law_kind.compiled else "py_func"
         _known[kind] = getattr(cycle, performed, cycle)
     return _known[kind]
 
 
-def _cycle(arm_like, settings_like, memory_like, nothing):
+def _cycle(arm_like, settings_like, memory_like, nothing, doubts):
+    # doubts: column of the law's report that says whether it gave up; below zero: none.
     n = len(nothing)
 
     @kernel
@@ -350,6 +354,8 @@ def _cycle(arm_like, settings_like, memory_like, nothing):
             for j in range(n):
                 memory[j, IN_MEMORY.asked], memory[j, IN_MEMORY.neutral] = voltages[j], shifts[j]
                 write_numbers(report[j], rows[j])
+                if doubts >= 0 and report[j, doubts] > 0.5:
+                    came |= DOUBTED
         if stages & GATE:
             came |= gate(rig, memory)
         return came

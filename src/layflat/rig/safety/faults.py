@@ -46,26 +46,27 @@ class Fault(IntEnum):
     DEMAND_REFUSED = 3, "demand outside the working stroke: refused", Reaction.WARN, False
     CYCLE_MISSED = 4, "a cycle came too late and was left out", Reaction.WARN, False
     REPLY_LOST = 5, "a reply was lost", Reaction.WARN, False
-    FOLLOWING_ERROR = 6, "following error", Reaction.HOLD, True, 0.1
-    BAD_COMMAND = 7, "command not a number or out of range: refused", Reaction.HOLD, True
-    DEVICE_CENTRED = 8, "the device heard nothing and centred the valves", Reaction.HOLD, True
-    SETPOINT_STALE = 9, "setpoint stale", Reaction.STOP, False, 0.1
-    NO_AIR = 10, "the air did not come", Reaction.STOP, True, 5.0
-    PRESSURE_FROZEN = 11, "pressure sensor frozen", Reaction.VENT_JOINT, True, 0.1
+    MODEL_DOUBTED = 6, "the control law gave up: its model does not fit the machine", Reaction.WARN, False
+    FOLLOWING_ERROR = 7, "following error", Reaction.HOLD, True, 0.1
+    BAD_COMMAND = 8, "command not a number or out of range: refused", Reaction.HOLD, True
+    DEVICE_CENTRED = 9, "the device heard nothing and centred the valves", Reaction.HOLD, True
+    SETPOINT_STALE = 10, "setpoint stale", Reaction.STOP, False, 0.1
+    NO_AIR = 11, "the air did not come", Reaction.STOP, True, 5.0
+    PRESSURE_FROZEN = 12, "pressure sensor frozen", Reaction.VENT_JOINT, True, 0.1
     ANGLE_FROZEN = (
-        12, "angle does not change although it should: sensor frozen, or joint blocked", Reaction.VENT_JOINT, True, 0.1
+        13, "angle does not change although it should: sensor frozen, or joint blocked", Reaction.VENT_JOINT, True, 0.1
     )  # fmt: skip
-    ANGLE_AT_RAIL = 13, "angle sensor open or shorted", Reaction.VENT_JOINT, True, 0.0, 3
-    SUPPLY_LOST = 14, "supply lost", Reaction.VENT, True, 0.1
+    ANGLE_AT_RAIL = 14, "angle sensor open or shorted", Reaction.VENT_JOINT, True, 0.0, 3
+    SUPPLY_LOST = 15, "supply lost", Reaction.VENT, True, 0.1
     VALVE_UNRESPONSIVE = (
-        15, "air does not answer the valve (stuck spool, burst or kinked hose)", Reaction.VENT, True, 0.2
+        16, "air does not answer the valve (stuck spool, burst or kinked hose)", Reaction.VENT, True, 0.2
     )  # fmt: skip
-    LINK_LOST = 16, "link lost", Reaction.VENT, True, 0.0, 3
-    OVER_PRESSURE = 17, "over-pressure", Reaction.VENT, True, 0.0, 2
-    OUTSIDE_STROKE = 18, "outside the stroke", Reaction.VENT, True, 0.0, 2
-    OVER_SPEED = 19, "over-speed", Reaction.VENT, True, 0.0, 2
-    DEVICE_DUMPED = 20, "the device let out the air", Reaction.DUMP, True
-    E_STOP = 21, "e-stop", Reaction.DUMP, True
+    LINK_LOST = 17, "link lost", Reaction.VENT, True, 0.0, 3
+    OVER_PRESSURE = 18, "over-pressure", Reaction.VENT, True, 0.0, 2
+    OUTSIDE_STROKE = 19, "outside the stroke", Reaction.VENT, True, 0.0, 2
+    OVER_SPEED = 20, "over-speed", Reaction.VENT, True, 0.0, 2
+    DEVICE_DUMPED = 21, "the device let out the air", Reaction.DUMP, True
+    E_STOP = 22, "e-stop", Reaction.DUMP, True
 
 
 class Ledger:

@@ -13,7 +13,7 @@ from layflat.machine import Machine
 from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import Core
-from layflat.rig.safety.cycle import BAD, CHANGED, CONTROL, DEMAND, ESTIMATE, FOUND, GATE, JUDGE
+from layflat.rig.safety.cycle import BAD, CHANGED, CONTROL, DEMAND, DOUBTED, ESTIMATE, FOUND, GATE, JUDGE
 from layflat.rig.safety.demands import REFUSED
 from layflat.rig.safety.faults import Fault, Reaction
 from layflat.rig.safety.state_machine import StateMachine
@@ -148,7 +148,9 @@ class Supervisor(StateMachine):
             self.enter(State.MOVING, ValveMode.FOLLOW)
 
     def _note_changes(self, came: int) -> None:
-        """Note demands that were changed, and voltages that may not be sent."""
+        """Note demands that were changed, a law that gave up, and voltages that may not be sent."""
+        if came & DOUBTED:
+            self.ledger.note(Fault.MODEL_DOUBTED)
         if came & CHANGED:
             for j, outcome in enumerate(self.core.outcomes.tolist()):
                 if outcome:
