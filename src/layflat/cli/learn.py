@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from layflat.motion.learning import Learnt
 
 SUFFIX = ".learnt"
-SAME = 1e-3  # by which the demand in a log may differ from what was to be sent, rad
 
 
 @dataclass(frozen=True)
@@ -108,9 +107,8 @@ def _logged(learnt: "Learnt", path: Path) -> "tuple[Learnt, Array]":
     Raises:
         InputError: the log lacks angles or demands, or is not one of a run of that demand.
     """
-    import numpy as np  # noqa: PLC0415
-
     from layflat.identify.logs import read_log  # noqa: PLC0415
+    from layflat.motion.learning.matching import measured_during  # noqa: PLC0415
 
     machine = learnt.machine
     log = read_log(path, joints=list(machine.joints), cycle=machine.cycle)
@@ -123,12 +121,10 @@ def _logged(learnt: "Learnt", path: Path) -> "tuple[Learnt, Array]":
     if len(asked) < cycles:
         what = f"lasts {len(asked)} control cycles, and the demand {cycles}"
         raise InputError(what, where=str(path), right=right)
-    windows = np.lib.stride_tricks.sliding_window_view(asked, cycles, axis=0)
     for sent, demand in ((learnt.sent, learnt.demand()), (learnt.best, learnt.best_demand())):
-        apart = np.nan_to_num(np.abs(windows - demand.angles.T).max(axis=(1, 2)), nan=np.inf)
-        first = int(np.argmin(apart))
-        if apart[first] <= SAME:
-            return replace(learnt, sent=sent), np.ascontiguousarray(angle[first : first + cycles])
+        measured = measured_during(demand, asked, angle, machine.cycle)
+        if measured is not None:
+            return replace(learnt, sent=sent), measured
     raise InputError("is not of a run of the demand to send next", where=str(path), right=right)
 
 
