@@ -10,6 +10,7 @@ import pytest
 from layflat.description.change import changed_all, value_at
 from layflat.machine import Machine, load
 from layflat.motion.kinematics import tip_position
+from layflat.physics.friction.stribeck import StribeckPart
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
 
@@ -71,6 +72,16 @@ def test_a_payload_is_learnt_in_the_first_move(arm: Machine) -> None:
     for payload in (0.1, 1.9):
         run = rollout(unsure, scenario=steps()[0], payload=payload)
         assert abs(run.estimated_payload.values[-1, 0] - payload) < 0.1
+
+
+def test_a_light_joint_that_breaks_away_is_caught(arm: Machine) -> None:
+    """Friction at rest is far above that in motion: what it takes to start a joint flings it past its goal."""
+    sticks = StribeckPart(kind="stribeck", static_ratio=1.45, velocity="2 deg/s")
+    plant = changed_all(arm, {"joint.small.friction": sticks, "joint.small.brake.torque": 2.7})
+    unsure = changed_all(arm, {"arm.payload": 1.0, "controller.payload_spread": 0.6})
+    times = settled(plant, {"scenario.payload": np.full(RUNS, 0.03)}, controller=unsure)
+    assert np.median(times) < 0.5
+    assert np.mean(times > 0.6) < 0.35
 
 
 def test_gravity_is_borne_and_its_payload_learnt(arm: Machine) -> None:

@@ -26,6 +26,7 @@ ONWARD = 30.0  # per angle that is left to the goal, 1/s
 LEAD = 0.02  # per acceleration of the goal, s: a motion that turns needs its friction turned in time
 BEHIND = 20.0  # per angle that a joint is behind its reference by more than `SLACK`, 1/s
 SLACK = 0.001  # rad
+PAST = 200.0  # per angle by which a joint has passed its goal before its reference is there: it broke away, 1/s
 STIFFEST = 3.0  # times as stiff as feedback friction may so make a light joint
 SLOW = 0.03  # velocity below which a joint is taken for resting, rad/s
 FREELY = 1e3  # length of a path that is not begun at rest, rad: it is not limited for its length
@@ -82,8 +83,10 @@ def _torque(
 ):
     e = reference.angle - free.motion.angle
     beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
+    left, beside = goal.angle - reference.angle, free.motion.angle - goal.angle
+    past = select(left > 0.0, max(beside, 0.0), select(left < 0.0, min(beside, 0.0), 0.0))
     behind = min(BEHIND, STIFFEST * feedback.stiffness * inertia * CREEP / max(friction, 1e-3))
-    sliding = reference.velocity + ONWARD * (goal.angle - reference.angle) + LEAD * goal.acceleration + behind * beyond
+    sliding = reference.velocity + ONWARD * left + LEAD * goal.acceleration + behind * beyond - PAST * past
     rubs = friction * min(max(sliding / CREEP, -1.0), 1.0)
     opposes = opposing_torque(joint, free, around)
     moving = inertial + steady - load + rubs + opposes
