@@ -30,6 +30,12 @@ def late(learnt: Learnt, share: float = 0.05, cycles: int = 2) -> Array:
     return np.vstack([np.repeat(behind[:1], cycles, axis=0), behind[: len(behind) - cycles]])
 
 
+def test_a_demand_of_any_length_has_corrections() -> None:
+    for cycles in range(40, 400):
+        errors = np.ones((cycles, 2))
+        assert np.isfinite(Corrections(0.005, cycles, HOW).filtered(errors)).all()
+
+
 def test_slow_errors_pass_ahead_of_time_and_fast_ones_do_not() -> None:
     """With 1 / (1 + (T_s w)^4), T_l earlier, far from the ends."""
     made = Corrections(0.005, 401, HOW)

@@ -88,7 +88,9 @@ class Corrections:
         """Return the values of all splines of a degree whose support lies within the knots, (cycles, splines)."""
         spacing, last = self._knots[1], len(self._knots) - 1
         wider = spacing * np.arange(-degree, last + degree + 1)
-        return csc_array(BSpline.design_matrix(self._times, wider, degree))[:, degree:last]
+        # The last instant is the last knot, but for rounding.
+        times = np.minimum(self._times, wider[degree + last])
+        return csc_array(BSpline.design_matrix(times, wider, degree))[:, degree:last]
 
     @cached_property
     def _values(self) -> csc_array:
