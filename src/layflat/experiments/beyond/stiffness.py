@@ -14,7 +14,8 @@ from layflat.sim import rollout
 ADJUSTABLE = "paper-arm-adjustable"  # built-in machine whose callipers, regulators and supply others are given
 LEVELS = (0.24, 0.48, 0.96)  # shares of what the joints have at full supply in the middle of their strokes
 POSTURES = (0.0, 1 / 3, -2 / 3, 3 / 4)  # of the first joint, as shares of half the stroke; the next are mirrored
-ADJUSTS, PUSHED = 9.0, 2.0  # time for each level, and of each of three pushes and of a rest after them, s
+ADJUSTS, FILLS = 6.0, 50.0  # time for each level: so many seconds, and times in which an open valve fills hoses
+PUSHED = 2.0  # of each of three pushes, and of a rest after them, s
 CALM = 0.8  # share of a push in which it comes up, so slowly that the joint does not swing
 
 
@@ -67,6 +68,12 @@ def _greatest(machine: Machine) -> Array:
     )
 
 
+def _adjusts(machine: Machine) -> float:
+    actuators = parameters.control(machine).actuators
+    fills = max(actuator.torque / actuator.rate for actuator in actuators)
+    return float(machine.cycle * np.ceil((ADJUSTS + FILLS * fills) / machine.cycle))
+
+
 def _pushed(machine: Machine, asked: Array, share: float, seed: int) -> tuple[Array, Array]:
     """Stiffnesses, (levels, joints), and by how much the joints moved before they were pushed, likewise."""
     results = [_one(machine, asked, share, j, seed) for j in range(asked.shape[1])]
@@ -76,9 +83,10 @@ def _pushed(machine: Machine, asked: Array, share: float, seed: int) -> tuple[Ar
 
 def _one(machine: Machine, asked: Array, share: float, pushed: int, seed: int) -> tuple[Array, Array]:
     levels, joints = asked.shape
-    T, lasts = machine.cycle, ADJUSTS + 4 * PUSHED
+    T, adjusts = machine.cycle, _adjusts(machine)
+    lasts = adjusts + 4 * PUSHED
     t = T * np.arange(round(levels * lasts / T))
-    level, since = np.minimum((t / lasts + 1e-9).astype(int), levels - 1), np.mod(t + 1e-9, lasts) - ADJUSTS
+    level, since = np.minimum((t / lasts + 1e-9).astype(int), levels - 1), np.mod(t + 1e-9, lasts) - adjusts
     side = _sides(since / PUSHED)
     load_torque = np.zeros((len(t), joints))
     load_torque[:, pushed] = side * TURN * asked[level, pushed]
@@ -94,7 +102,7 @@ def _one(machine: Machine, asked: Array, share: float, pushed: int, seed: int) -
             for w in range(3)
         ]
         measured[i, pushed] = 2.0 * TURN * asked[i, pushed] / ((at[0] + at[2]) / 2 - at[1])
-        settled = np.abs(angles[(level == i) & (since >= 1.0 - ADJUSTS) & (since < 0.0)] - goal)
+        settled = np.abs(angles[(level == i) & (since >= 1.0 - adjusts) & (since < 0.0)] - goal)
         moved[i] = (settled - settled[0]).max(axis=0)
     return measured, moved
 
