@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from layflat.jit import composition, kernel, law
 from layflat.lanes import (
     Lanes,
+    abreast,
+    apart,
     halves,
     in_lanes,
     join,
@@ -89,6 +91,25 @@ def test_joining_and_parting() -> None:
     assert joined == Pair(Lanes((1.0, 3.0)), Lanes((2.0, 4.0)))  # type: ignore[arg-type]
     assert halves(join(joined, joined)) == (joined, joined)
     assert halves(joined) == (Pair(1.0, 2.0), Pair(3.0, 4.0))
+
+
+@kernel
+def there_and_back(items: Any) -> Any:
+    beside = abreast(items)
+    return apart(everything(beside, 0.5), items)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 8])
+def test_any_number_of_items_stand_abreast(count: int) -> None:
+    items = tuple(Pair(0.3 * i - 1.0, 2.0 - 0.7 * i) for i in range(count))
+    assert apart(abreast(items), items) == items
+    assert there_and_back(items) == tuple(everything(item, 0.5) for item in items)
+
+
+def test_lanes_stand_abreast_too() -> None:
+    low, high = Lanes((1.0, 2.0)), Lanes((3.0, 4.0))
+    assert abreast((low, high)) == Lanes((1.0, 2.0, 3.0, 4.0))
+    assert apart(abreast((low, high)), (low, high)) == (low, high)
 
 
 def test_lanes_of_unequal_number_do_not_mix() -> None:

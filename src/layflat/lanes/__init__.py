@@ -5,12 +5,12 @@ numbers is compiled to vector instructions and works on all of them at once, eac
 gives. A law needs nothing for this but `select` where it would write `a if condition else b`, and `&` and `|` where
 it would write `and` and `or`.
 
-`join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them apart.
-`write_row` is the way out of named tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named
-tuples and back, which costs far less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead
-from arrays into lanes and back: an item of a named tuple is a row there, a lane is a column. `slots` are lists without
-a heap, `gather` makes a tuple of what they hold, `total` adds the items of one, and `each` calls a law
-for every item of tuples.
+`join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them
+apart. `abreast` and `apart` do the same with all items of a tuple, however many. `write_row` is the way out of named
+tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named tuples and back, which costs far
+less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead from arrays into lanes and back:
+an item of a named tuple is a row there, a lane is a column. `slots` are lists without a heap, `gather` makes a tuple
+of what they hold, `total` adds the items of one, and `each` calls a law for every item of tuples.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.
@@ -95,6 +95,29 @@ def halves(joined: Any) -> tuple[Any, Any]:
         return (Lanes(joined[:half]), Lanes(joined[half:])) if half > 1 else (joined[0], joined[1])
     pairs = [halves(leaf) for leaf in joined]
     return _rebuild(joined, [pair[0] for pair in pairs]), _rebuild(joined, [pair[1] for pair in pairs])
+
+
+def abreast(items: tuple[Any, ...]) -> Any:
+    """Lanes of all items of a tuple, one after the other, leaf by leaf: as `join`, for as many as there are."""
+    first = items[0]
+    if isinstance(first, tuple) and not isinstance(first, Lanes):
+        return _rebuild(first, [abreast(leaves_of) for leaves_of in zip(*items, strict=True)])
+    parts = [item if isinstance(item, Lanes) else (item,) for item in items]
+    lanes = Lanes(number for part in parts for number in part)
+    return lanes if len(lanes) > 1 else lanes[0]
+
+
+def apart(lanes: Any, like: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What `abreast` put side by side: a tuple with as many items as `like`."""
+    count = len(like)
+    if isinstance(lanes, tuple) and not isinstance(lanes, Lanes):
+        parts = zip(*[apart(leaf, like) for leaf in lanes], strict=True)
+        return tuple(_rebuild(lanes, list(part)) for part in parts)
+    if count == 1:
+        return (lanes,)
+    size = len(lanes) // count
+    pieces = [Lanes(lanes[size * i : size * (i + 1)]) for i in range(count)]
+    return tuple(piece if size > 1 else piece[0] for piece in pieces)
 
 
 def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:

@@ -24,6 +24,7 @@ from layflat.lanes.typing import (
     LOGIC,
     LanesType,
     half_type,
+    part_type,
     width_in,
 )
 
@@ -135,6 +136,51 @@ def _half_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int) 
     if joined.count == 2:
         return builder.extract_element(value, ir.Constant(INDEX, which))
     return _shuffled(builder, value, value, which * joined.count // 2, joined.count // 2)
+
+
+@lower_builtin(lanes.abreast, types.UniTuple)
+def _abreast(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _abreast_leaf(context, builder, sig.return_type, cgutils.unpack_tuple(builder, args[0]))
+
+
+def _abreast_leaf(context: Any, builder: Any, joined: Any, items: Any) -> Any:
+    if isinstance(joined, types.BaseTuple):
+        leaves = zip(*[cgutils.unpack_tuple(builder, item) for item in items], strict=True)
+        made = [_abreast_leaf(context, builder, *leaf) for leaf in zip(joined.types, leaves, strict=True)]
+        return context.make_tuple(builder, joined, made)
+    if len(items) == 1:
+        return items[0]
+    numbers = [number for item in items for number in _numbers_in(builder, item)]
+    vector = ir.Constant(ir.VectorType(ir.DoubleType(), len(numbers)), ir.Undefined)
+    for i, number in enumerate(numbers):
+        vector = builder.insert_element(vector, number, ir.Constant(INDEX, i))
+    return vector
+
+
+def _numbers_in(builder: Any, value: Any) -> Any:
+    if not isinstance(value.type, ir.VectorType):
+        return [value]
+    return [builder.extract_element(value, ir.Constant(INDEX, i)) for i in range(value.type.count)]
+
+
+@lower_builtin(lanes.apart, types.Any, types.BaseTuple)
+def _apart(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    count = sig.return_type.count
+    parts = [_part_leaf(context, builder, sig.args[0], args[0], i, count) for i in range(count)]
+    return context.make_tuple(builder, sig.return_type, parts)
+
+
+def _part_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int, count: int) -> Any:
+    if isinstance(joined, types.BaseTuple):
+        items = zip(joined.types, cgutils.unpack_tuple(builder, value), strict=True)
+        leaves = [_part_leaf(context, builder, kind, item, which, count) for kind, item in items]
+        return context.make_tuple(builder, part_type(joined, count), leaves)
+    if count == 1:
+        return value
+    size = joined.count // count
+    if size == 1:
+        return builder.extract_element(value, ir.Constant(INDEX, which))
+    return _shuffled(builder, value, value, which * size, size)
 
 
 @lower_builtin(lanes.write_row, types.Array, types.Integer, types.Integer, types.BaseTuple)

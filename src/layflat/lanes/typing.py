@@ -70,6 +70,20 @@ def joined_type(first: Any, second: Any) -> Any:
     return LanesType(types.float64, 2 * getattr(first, "count", 1))
 
 
+def abreast_type(item: Any, count: int) -> Any:
+    """Type of so many items of one type side by side."""
+    if isinstance(item, types.BaseTuple):
+        return _tuple_like(item, [abreast_type(leaf, count) for leaf in item.types])
+    return lanes_type(count * getattr(item, "count", 1))
+
+
+def part_type(joined: Any, count: int) -> Any:
+    """Type of each of so many parts of lanes."""
+    if isinstance(joined, types.BaseTuple):
+        return _tuple_like(joined, [part_type(leaf, count) for leaf in joined.types])
+    return lanes_type(getattr(joined, "count", 1) // count)
+
+
 def half_type(joined: Any) -> Any:
     """Type of either of `halves(joined)`."""
     if isinstance(joined, types.BaseTuple):
@@ -119,6 +133,10 @@ def _selected(condition: Any, yes: Any, no: Any) -> Any:
     return signature(lanes, condition, lanes, lanes)
 
 
+def _parts(joined: Any, count: int) -> Any:
+    return types.UniTuple(part_type(joined, count), count)
+
+
 def _typed(functions: Iterable[Any], rule: Callable[..., Any]) -> None:
     # Let the compiler ask `rule` for the signature of these functions; None: not for lanes.
     for function in functions:
@@ -138,6 +156,8 @@ _typed(LOGIC, _combined)
 _typed([lanes.select], _selected)
 _typed([lanes.join], lambda first, second: signature(joined_type(first, second), first, second))
 _typed([lanes.halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
+_typed([lanes.abreast], lambda items: signature(abreast_type(items.dtype, items.count), items))
+_typed([lanes.apart], lambda joined, like: signature(_parts(joined, like.count), joined, like))
 _typed([lanes.write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
 _typed([lanes.read_numbers], lambda like, numbers: signature(like, like, numbers))
 _typed([lanes.write_numbers], lambda numbers, values: signature(types.none, numbers, values))
