@@ -10,6 +10,7 @@ from layflat.jit import composition, kernel, law
 from layflat.lanes import (
     Lanes,
     abreast,
+    anywhere,
     apart,
     halves,
     in_lanes,
@@ -110,6 +111,18 @@ def test_lanes_stand_abreast_too() -> None:
     low, high = Lanes((1.0, 2.0)), Lanes((3.0, 4.0))
     assert abreast((low, high)) == Lanes((1.0, 2.0, 3.0, 4.0))
     assert apart(abreast((low, high)), (low, high)) == (low, high)
+
+
+@kernel
+def any_left(a: Any, b: Any) -> Any:
+    pair = packed(a, b)
+    return anywhere(pair.x), anywhere(pair.x - pair.y), anywhere(a[0])
+
+
+@given(st.tuples(*[st.sampled_from([0.0, -0.0, 1.5])] * 4))
+def test_what_is_in_any_lane_is_anywhere(a: tuple[float, ...]) -> None:
+    assert any_left(a, a) == (any(a), False, a[0] != 0.0)
+    assert (anywhere(packed(a, a).x), anywhere(a[0])) == (any(a), a[0] != 0.0)
 
 
 def test_lanes_of_unequal_number_do_not_mix() -> None:

@@ -79,6 +79,11 @@ def select(condition: Any, yes: Any, no: Any) -> Any:
     return yes if condition else no
 
 
+def anywhere(number: Any) -> bool:
+    """Whether a number is not zero in any lane."""
+    return any(number) if isinstance(number, Lanes) else number != 0.0
+
+
 def join(first: Any, second: Any) -> Any:
     """Lanes of `first`, then those of `second`, leaf by leaf."""
     if isinstance(first, Lanes):

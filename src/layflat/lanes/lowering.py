@@ -96,6 +96,17 @@ def _select(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: AR
     return builder.select(*args)
 
 
+@lower_builtin(lanes.anywhere, types.Float)
+@lower_builtin(lanes.anywhere, LanesType)
+def _anywhere(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    (number,) = args
+    some = builder.fcmp_unordered("!=", number, ir.Constant(number.type, None))
+    if not isinstance(some.type, ir.VectorType):
+        return some
+    bits = builder.bitcast(some, ir.IntType(some.type.count))
+    return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+
+
 def _shuffled(builder: Any, first: Any, second: Any, start: int, count: int) -> Any:
     # `count` of the lanes of first and second together, from the one numbered `start`.
     picked = ir.Constant(ir.VectorType(INDEX, count), list(range(start, start + count)))

@@ -1,0 +1,133 @@
+"""Dry friction of any number of coupled joints, which holds exactly, as impulses over one step.
+
+| symbol | meaning | unit |
+|---|---|---|
+| M | mass matrix | kg m2 |
+| p | momentum (M v)_i that the step would end with, were there no friction | kg m2 rad/s |
+| B | greatest impulse of friction in this step: torque x step | N m s |
+| J | impulse of friction | N m s |
+| w | velocity after the step | rad/s |
+| c | how a joint is taken to go: 1 or -1 where it slides that way, 0 where it is held | 1 |
+
+The problem of box.py for more than two joints: M w = p + J, where a joint is held (w = 0, |J| <= B) or slides
+(J = -B sign w). With c given it is linear; what then is against c changes it: a joint that would slide the other way is
+held, one that is held by more than B slides. From how the joints went before the step one round mostly does. All that
+is against c changes at once, and where that goes on for `BLOCKS` rounds, only the first of it, which comes to an end
+since M is positive definite (judice1994).
+"""
+
+from layflat.jit import composition, law
+from layflat.lanes import anywhere, each, gather, select, slots, total
+
+BLOCKS, ROUNDS = 6, 60  # rounds in which all may change, and rounds at most
+ROUNDING = 1e-12  # of an impulse
+
+
+@law
+def _way(u):
+    return select(u > 0.0, 1.0, select(u < 0.0, -1.0, 0.0))
+
+
+@law
+def _open(entry, c_i, c_j, unit):
+    # Rows and columns of held joints are those of the unit matrix.
+    return select((c_i == 0.0) | (c_j == 0.0), unit, entry)
+
+
+@law
+def _if_sliding(c, x):
+    return select(c == 0.0, 0.0, x)
+
+
+@composition
+def _velocities(M, p, B, c):
+    """Velocities of joints that slide as `c` says, and zero of those that are held."""
+    n = len(p)
+    A, x, ways, limits = slots(M), slots(p), slots(c), slots(B)
+    for i in range(n):
+        row = i * n - i * (i - 1) // 2
+        for j in range(i, n):
+            A[row + j - i] = _open(A[row + j - i], ways[i], ways[j], 1.0 if i == j else 0.0)
+        x[i] = _if_sliding(ways[i], x[i] - ways[i] * limits[i])
+    # A = L D L^T in place, row by row.
+    for i in range(n):
+        row = i * n - i * (i - 1) // 2
+        per = 1.0 / A[row]
+        for j in range(i + 1, n):
+            share = A[row + j - i] * per
+            below = j * n - j * (j - 1) // 2
+            for k in range(j, n):
+                A[below + k - j] = A[below + k - j] - share * A[row + k - i]
+            x[j] = x[j] - share * x[i]
+    for back in range(n):
+        i = n - 1 - back
+        row = i * n - i * (i - 1) // 2
+        for j in range(i + 1, n):
+            x[i] = x[i] - A[row + j - i] * x[j]
+        x[i] = _if_sliding(ways[i], x[i] / A[row])
+    return gather(p, x)
+
+
+@composition
+def _impulses(M, p, w):
+    """What it takes beside p for these velocities."""
+    n, entries, v, needed = len(p), slots(M), slots(w), slots(p)
+    for i in range(n):
+        needed[i] = -needed[i]
+        for j in range(n):
+            first, other = min(i, j), max(i, j)
+            needed[i] = needed[i] + entries[first * n - first * (first - 1) // 2 + other - first] * v[j]
+    return gather(p, needed)
+
+
+@law
+def _turned(c, w, J, B):
+    # How a joint goes instead: as before, unless that is against what follows from it.
+    slips = select(J > B + ROUNDING * B, -1.0, select(J < -B - ROUNDING * B, 1.0, 0.0))
+    return select(c == 0.0, slips, select(c * w < 0.0, 0.0, c))
+
+
+@law
+def _limited(J, B):
+    return min(max(J, -B), B)
+
+
+@law
+def _change(c, better):
+    return abs(better - c)
+
+
+@law
+def _first(c, better, free):
+    # Changed, if nothing was before it; and whether the next may still be.
+    here = (free > 0.5) & ((c < better) | (c > better))
+    return select(here, better, c), select(here, 0.0, free)
+
+
+@composition
+def _first_change(c, better):
+    ways, others = slots(c), slots(better)
+    free = 0.0 * ways[0] + 1.0
+    for i in range(len(c)):
+        ways[i], free = _first(ways[i], others[i], free)
+    return gather(c, ways)
+
+
+@composition
+def brake_many(M, p, u, B):
+    """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0.
+
+    Args: upper triangle of the mass matrix; tuples of momenta, velocities before the step, and greatest impulses.
+    """
+    c = each(_way, u)
+    w = _velocities(M, p, B, c)
+    J = _impulses(M, p, w)
+    better = each(_turned, c, w, J, B)
+    turn = 0
+    while anywhere(total(each(_change, c, better))) and turn < ROUNDS:
+        c = _first_change(c, better) if turn >= BLOCKS else better
+        w = _velocities(M, p, B, c)
+        J = _impulses(M, p, w)
+        better = each(_turned, c, w, J, B)
+        turn += 1
+    return w, each(_limited, J, B)
