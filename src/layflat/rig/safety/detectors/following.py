@@ -11,6 +11,7 @@ FAULT = int(Fault.FOLLOWING_ERROR)
 # Beside its goal by so much (rad), with so much of the supply's gauge pressure and slower than this (rad/s) for so long
 # (s), something holds a joint back: alone it would have left all of that within hundredths of a second.
 BESIDE, STRAINS, SLOW, LONG = 0.09, 0.6, 0.35, 0.3
+EXPLAINED = 0.25  # of the time counts where another joint that brakes would explain it: it may do so for 0.15 s
 
 
 class Limits(NamedTuple):
@@ -59,7 +60,7 @@ def find(limits, memory, sample):
     beside = airy and abs(sample.angle - sample.demand) > BESIDE
     p = sample.averaged_pressure
     strains = beside and abs(p) > limits.strained and abs(sample.velocity) < SLOW
-    # Another joint that brakes may hold this one for a while: where that would explain it, time counts half.
+    # Another joint that brakes may hold this one for a while.
     alone = abs(p - sample.others) > limits.strained
-    strained = lasted(memory.strained, strains, sample.elapsed if alone else 0.5 * sample.elapsed)
+    strained = lasted(memory.strained, strains, sample.elapsed if alone else EXPLAINED * sample.elapsed)
     return Memory(reach, off, strained), FAULT if off >= limits.patience or strained >= limits.long else 0
