@@ -61,7 +61,7 @@ def test_size_names_the_file_and_the_command_that_tunes_it(tmp_path: Path) -> No
     assert f"layflat tune {path}" in done.stdout
     machine = load(path)
     assert machine.name == "wrist"
-    assert machine.joint["small"].link.length == pytest.approx(0.3)
+    assert machine.joint["small"].planar_link.length == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize("name", ["", "../../evil", "/abs/path", "nul\0"])

@@ -115,7 +115,7 @@ def test_what_is_given_is_kept() -> None:
     assert described.cylinder.diameter == pytest.approx(0.11)
     assert described.strap.width == pytest.approx(0.04)
     assert described.strap.thickness == pytest.approx(1e-4)
-    assert sized.machine.arm.payload * described.link.length**2 == pytest.approx(0.5, rel=1e-3)
+    assert sized.machine.arm.payload * described.planar_link.length**2 == pytest.approx(0.5, rel=1e-3)
 
 
 def gains_of(request: SizingRequest) -> tuple[PaperGainsPart, PaperGainsPart]:
@@ -148,7 +148,7 @@ def test_only_a_joint_that_carries_more_meets_its_phases_at_lower_speeds() -> No
 @pytest.mark.parametrize("length", [0.2, 0.9])
 def test_a_link_of_another_length_is_a_uniform_bar_with_the_same_payload_inertia(length: float) -> None:
     usual, own = (size_joint(request).machine for request in (SMALL, replace(SMALL, link_length=length)))
-    link, other = own.joint["small"].link, usual.joint["small"].link
+    link, other = own.joint["small"].planar_link, usual.joint["small"].planar_link
     share = length / other.length
     assert (link.length, link.centre) == pytest.approx((length, length / 2))
     assert link.mass == pytest.approx(share * other.mass, rel=1e-3)

@@ -26,8 +26,8 @@ def derived(folder: Path, text: str = "") -> Machine:
 
 def test_what_is_not_given_follows_from_the_sizes(tmp_path: Path) -> None:
     large = derived(tmp_path, '[joint.large.link]\nlength = "600 mm"\n').joint["large"]
-    assert large.link.centre == pytest.approx(0.3)
-    assert large.link.inertia == pytest.approx(0.6 * 0.6**2 / 12)
+    assert large.planar_link.centre == pytest.approx(0.3)
+    assert large.planar_link.inertia == pytest.approx(0.6 * 0.6**2 / 12)
     assert large.body.mass == body_mass(large)
 
 
@@ -40,17 +40,17 @@ def test_the_papers_joints_weigh_what_follows_from_their_sizes(name: str) -> Non
 def test_derived_values_follow_a_change(tmp_path: Path) -> None:
     machine = derived(tmp_path)
     longer = changed(machine, "joint.large.link.length", "800 mm").joint["large"]
-    assert longer.link.centre == pytest.approx(0.4)
+    assert longer.planar_link.centre == pytest.approx(0.4)
     wider = changed(machine, "joint.large.hose.width", 0.2).joint["large"]
     assert wider.body.mass > 1.1 * machine.joint["large"].body.mass
     given = changed(changed(machine, "joint.large.link.centre", 0.1), "joint.large.link.length", 0.8)
-    assert given.joint["large"].link.centre == 0.1
-    assert changed(load("paper-arm"), "joint.large.link.length", 0.8).joint["large"].link.centre == 0.2
+    assert given.joint["large"].planar_link.centre == 0.1
+    assert changed(load("paper-arm"), "joint.large.link.length", 0.8).joint["large"].planar_link.centre == 0.2
 
 
 def test_derived_values_follow_every_run_of_an_ensemble(tmp_path: Path) -> None:
     lengths = np.array([0.2, 0.4, 0.8])
-    many = changed(derived(tmp_path), "joint.large.link.length", lengths).joint["large"].link
+    many = changed(derived(tmp_path), "joint.large.link.length", lengths).joint["large"].planar_link
     assert np.array_equal(many.centre, lengths / 2)
     assert np.array_equal(many.inertia, 0.6 * lengths**2 / 12)
 

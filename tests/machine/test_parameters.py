@@ -67,15 +67,15 @@ def test_two_links_with_a_locked_elbow_weigh_as_one() -> None:
     arm = parameters.arm(ARM)
     assert isinstance(arm, LevelTwoLink)
     large, small = ARM.joint["large"], ARM.joint["small"]
-    far = np.hypot(large.link.length, small.link.centre)
+    far = np.hypot(large.planar_link.length, small.planar_link.centre)
     expected = (
-        large.link.rotor_inertia
-        + large.link.inertia
-        + large.link.mass * large.link.centre**2
-        + small.body.mass * large.link.length**2
-        + small.link.rotor_inertia
-        + small.link.inertia
-        + small.link.mass * far**2
+        large.planar_link.rotor_inertia
+        + large.planar_link.inertia
+        + large.planar_link.mass * large.planar_link.centre**2
+        + small.body.mass * large.planar_link.length**2
+        + small.planar_link.rotor_inertia
+        + small.planar_link.inertia
+        + small.planar_link.mass * far**2
     )
     at_right_angle = arm.a + 2 * arm.b * np.cos(arm.elbow)
     assert at_right_angle == pytest.approx(expected, rel=1e-12)

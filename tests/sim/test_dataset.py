@@ -32,6 +32,6 @@ def test_a_file_that_is_no_run(tmp_path: Path) -> None:
 
 def test_tip_of_a_stretched_and_of_a_bent_arm() -> None:
     arm = load("paper-arm")
-    reach = sum(joint.link.length for joint in arm.joints.values())
+    reach = sum(joint.planar_link.length for joint in arm.joints.values())
     assert tip_position(arm, np.array([0.0, -arm.arm.elbow])) == pytest.approx([reach, 0.0], abs=1e-12)
     assert tip_position(arm, np.array([0.0, 0.0])) == pytest.approx([0.4, 0.4], abs=1e-12)

@@ -90,7 +90,7 @@ def test_moves_follow_each_other_without_a_gap(demand: Array) -> None:
 
 @given(angles, angles)
 def test_the_tip_of_two_links(first: float, second: float) -> None:
-    links = [ARM.joint[name].link.length for name in ("large", "small")]
+    links = [ARM.joint[name].planar_link.length for name in ("large", "small")]
     # Complex numbers for vectors: the elbow's angle counts from where it stands at mid-stroke.
     tip = links[0] * np.exp(1j * first) + links[1] * np.exp(1j * (first + second + ARM.arm.elbow))
     assert tip_position(ARM, np.array([first, second])) == pytest.approx([tip.real, tip.imag], abs=1e-12)
@@ -98,7 +98,7 @@ def test_the_tip_of_two_links(first: float, second: float) -> None:
 
 @given(arrays(np.float64, (3, 4, 1), elements=angles))
 def test_the_tip_of_one_link_in_any_shape(q: Array) -> None:
-    length = SMALL.joint["small"].link.length
+    length = SMALL.joint["small"].planar_link.length
     assert tip_position(SMALL, q) == pytest.approx(
         length * np.stack([np.cos(q), np.sin(q)], axis=-1)[..., 0, :], abs=1e-12
     )

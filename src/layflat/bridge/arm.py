@@ -27,7 +27,7 @@ def bodies(machine: Machine) -> list[tuple[str, Link, float]]:
     """Joint, link and mass carried at the link's end (the next joint's body), from base to tip."""
     described = list(machine.joints.items())
     carried = [joint.body.mass for _, joint in described[1:]] + [0.0]
-    return [(name, joint.link, mass) for (name, joint), mass in zip(described, carried, strict=True)]
+    return [(name, joint.planar_link, mass) for (name, joint), mass in zip(described, carried, strict=True)]
 
 
 def gravity_of(machine: Machine) -> tuple[float, float, float]:

@@ -63,12 +63,12 @@ class _Ratios(NamedTuple):
 def description(sized: SizedJoint, model: Machine, extends: str) -> str:
     """Return TOML text of a machine with the sized joint, laid out as the built-in machines are."""
     joint_name, base = next(iter(model.joints.items()))
-    request, length = sized.request, sized.request.link_length or base.link.length
+    request, length = sized.request, sized.request.link_length or base.planar_link.length
     ratios = _Ratios(
         torque=sized.torque / (torque_constant(base) * model.supply.pressure_gauge),
         volume=sized.swept_volume / travel_volume(base),
         width=sized.joint.hose.width / base.hose.width,
-        length=length / base.link.length,
+        length=length / base.planar_link.length,
         supply=request.supply / model.supply.pressure_gauge,
     )
     stroke, bar = degrees(request.stroke), request.supply / 1e5
@@ -129,7 +129,7 @@ def _sizes(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
 def _scaled(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
     """Yield what is scaled: a link is as heavy per length as its torque is greater."""
     torque, length, stroke = ratios.torque, ratios.length, degrees(sized.request.stroke)
-    stops, link = base.stops, base.link
+    stops, link = base.stops, base.planar_link
     yield "brake.torque", f"{BRAKE_SHARE * sized.torque:.4g} N m", "8 % of maximum torque, section 4.2"
     yield "brake.viscous", f"{base.brake.viscous * torque:.4g} N m s/rad", BY_TORQUE
     yield "stops.working_stroke", f"{stroke:.6g} deg", ASKED
@@ -151,7 +151,7 @@ def _scaled(sized: SizedJoint, base: Joint, ratios: _Ratios) -> Rows:
 
 def _slowness(sized: SizedJoint, model: Machine, base: Joint, ratios: _Ratios) -> float:
     """How slowly the sized joint moves beside the model's, sqrt(T/J) over the model's: at most 1."""
-    link = base.link
+    link = base.planar_link
     along = link.inertia + link.mass * link.centre**2
     own = sized.payload_inertia + along * ratios.torque * ratios.length**3 + link.rotor_inertia * ratios.width**5
     models = model.arm.payload * link.length**2 + along + link.rotor_inertia

@@ -110,4 +110,4 @@ def maximum_torque(machine: Machine, joint: str) -> float:
 
 def payload_for_inertia(machine: Machine, joint: str, inertia: float) -> float:
     """Return the payload (kg) at the link's end that makes an inertia (kg m2)."""
-    return inertia / machine.joint[joint].link.length ** 2
+    return inertia / machine.joint[joint].planar_link.length ** 2

@@ -6,7 +6,8 @@ gives. A law needs nothing for this but `select` where it would write `a if cond
 it would write `and` and `or`.
 
 `join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them
-apart. `abreast` and `apart` do the same with all items of a tuple, however many. `write_row` is the way out of named
+apart. `abreast` and `apart` do the same with all items of a tuple, however many, and `sums_up_to` and
+`sums_from` add these up. `write_row` is the way out of named
 tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named tuples and back, which costs far
 less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead from arrays into lanes and back:
 an item of a named tuple is a row there, a lane is a column. `slots` are lists without a heap, `gather` makes a tuple
@@ -125,6 +126,29 @@ def apart(lanes: Any, like: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(piece if size > 1 else piece[0] for piece in pieces)
 
 
+def sums_up_to(lanes: Any, like: tuple[Any, ...]) -> Any:
+    """Of what `abreast` put side by side, each item with all before it added, leaf by leaf.
+
+    It takes as many additions one after the other as `len(like)` can be halved: first each item and the one before,
+    then that and what is two before, four before and so on.
+    """
+    return _summed(lanes, like, 1)
+
+
+def sums_from(lanes: Any, like: tuple[Any, ...]) -> Any:
+    """As `sums_up_to`, with all that come after."""
+    return _summed(lanes, like, -1)
+
+
+def _summed(lanes: Any, like: tuple[Any, ...], way: int) -> Any:
+    if isinstance(lanes, tuple) and not isinstance(lanes, Lanes):
+        return _rebuild(lanes, [_summed(leaf, like, way) for leaf in lanes])
+    items, step = list(apart(lanes, like))[::way], 1
+    while step < len(items):
+        items, step = items[:step] + [a + b for a, b in zip(items[step:], items, strict=False)], 2 * step
+    return abreast(tuple(items[::way]))
+
+
 def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
     """Write a named tuple of floats into rows[i, j, :]."""
     rows[i, j] = values
@@ -222,7 +246,7 @@ def slots(items: Any, value: Any = None) -> Any:
 
 
 def gather(like: Any, items: Any) -> Any:
-    """A tuple of the first items of slots or of an array, as many as the tuple `like` has."""
+    """A tuple of the first items of slots or of an array, as many as `like` (a tuple, or slots) has."""
     return tuple(items[i] for i in range(len(like)))
 
 

@@ -194,6 +194,34 @@ def _part_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int, 
     return _shuffled(builder, value, value, which * size, size)
 
 
+@lower_builtin(lanes.sums_up_to, types.Any, types.BaseTuple)
+def _sums_up_to(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _summed_leaf(context, builder, sig.args[0], args[0], len(sig.args[1]), 1)
+
+
+@lower_builtin(lanes.sums_from, types.Any, types.BaseTuple)
+def _sums_from(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _summed_leaf(context, builder, sig.args[0], args[0], len(sig.args[1]), -1)
+
+
+def _summed_leaf(context: Any, builder: Any, kind: Any, value: Any, items: int, way: int) -> Any:
+    if isinstance(kind, types.BaseTuple):
+        leaves = zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True)
+        return context.make_tuple(builder, kind, [_summed_leaf(context, builder, *leaf, items, way) for leaf in leaves])
+    if items == 1:
+        return value
+    # What is added where there is nothing to add leaves every bit as it is.
+    nothing, size, step = ir.Constant(value.type, [-0.0] * kind.count), kind.count // items, 1
+    while step < items:
+        apart = step * size
+        if way > 0:
+            more = _shuffled(builder, nothing, value, kind.count - apart, kind.count)
+        else:
+            more = _shuffled(builder, value, nothing, apart, kind.count)
+        value, step = builder.fadd(value, more), 2 * step
+    return value
+
+
 @lower_builtin(lanes.write_row, types.Array, types.Integer, types.Integer, types.BaseTuple)
 def _write_row(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     # Unrolled: to index a tuple with a variable would compile to a jump table.

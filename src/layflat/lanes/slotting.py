@@ -28,6 +28,9 @@ class SlotsType(types.Type):
         self.item, self.count = item, count
         super().__init__(name=f"Slots({item} x {count})")
 
+    def __len__(self) -> int:
+        return self.count
+
 
 @register_model(SlotsType)
 class _Pointer(models.PrimitiveModel):

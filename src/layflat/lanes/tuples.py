@@ -27,6 +27,7 @@ class _Gather(AbstractTemplate):
 
 
 @lower_builtin(gather, types.BaseTuple, SlotsType)
+@lower_builtin(gather, SlotsType, SlotsType)
 def _gather_slots(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     found = [builder.load(cgutils.gep_inbounds(builder, args[1], 0, i)) for i in range(len(sig.return_type))]
     return context.make_tuple(builder, sig.return_type, found)

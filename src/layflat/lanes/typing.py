@@ -159,6 +159,7 @@ _typed([lanes.join], lambda first, second: signature(joined_type(first, second),
 _typed([lanes.halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
 _typed([lanes.abreast], lambda items: signature(abreast_type(items.dtype, items.count), items))
 _typed([lanes.apart], lambda joined, like: signature(_parts(joined, like.count), joined, like))
+_typed([lanes.sums_up_to, lanes.sums_from], lambda joined, like: signature(joined, joined, like))
 _typed([lanes.write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
 _typed([lanes.read_numbers], lambda like, numbers: signature(like, like, numbers))
 _typed([lanes.write_numbers], lambda numbers, values: signature(types.none, numbers, values))

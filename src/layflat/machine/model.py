@@ -82,6 +82,10 @@ class Machine(Described):
         missing = [name for name in self.arm.joints if name not in self.joint]
         if missing:
             raise ValueError(f"arm.joints names the unknown joint {missing[0]!r}; joints are {sorted(self.joint)}")
+        bare = [name for name in self.arm.joints if self.joint[name].link is None and not self.arm.own_links]
+        if bare:
+            name, kind = bare[0], self.arm.kind
+            raise ValueError(f"joint {name!r} has no link, which a {kind} arm needs; add [joint.{name}.link]")
         if self.valve is not None and self.controller is not None:
             longest = LONGEST * self.cycle
             if self.valve.delay > longest:

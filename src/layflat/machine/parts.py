@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, model_validator
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.description.wrong import INPUT, wrong
+from layflat.errors import MachineError
 from layflat.kinds import AnyOf
 from layflat.machine.gains import Gains
 from layflat.machine.mass import body_mass
@@ -190,7 +191,7 @@ class Joint(Part):
     losses: Annotated[LossesPart, AnyOf(HYSTERESIS)]
     brake: Brake
     stops: Stops
-    link: Link
+    link: Link | None = Field(default=None, description="of a planar arm")
     body: Body
     deflecting_roller: DeflectingRoller | None = None
     friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
@@ -208,6 +209,13 @@ class Joint(Part):
             body.__dict__["mass"] = body_mass(self)
             self.__dict__["body"] = body
         return self
+
+    @property
+    def planar_link(self) -> Link:
+        """Its link in a planar arm; raise MachineError if it has none."""
+        if self.link is None:
+            raise MachineError("joint has no link of a planar arm", right="describe it as [joint.NAME.link]")
+        return self.link
 
     @model_validator(mode="after")
     def _fits(self) -> Self:

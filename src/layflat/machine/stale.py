@@ -90,12 +90,10 @@ def _value(joint: Joint, key: str) -> float:
 
 def _derived(joint: Joint) -> dict[str, float]:
     """What the values would be where they are not given."""
-    link = joint.link
-    return {
-        "link.centre": link.length / 2,
-        "link.inertia": link.mass * link.length**2 / 12,
-        "body.mass": body_mass(joint),
-    }
+    mass, link = {"body.mass": body_mass(joint)}, joint.link
+    if link is None:
+        return mass
+    return {"link.centre": link.length / 2, "link.inertia": link.mass * link.length**2 / 12, **mass}
 
 
 def _changed_above(layers: list[Layer], path: str, sizes: list[str]) -> str:

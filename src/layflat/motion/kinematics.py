@@ -21,10 +21,10 @@ from layflat.physics.arms.planar import PlanarArmPart
 
 
 def tip_position(machine: Machine, q: Array) -> Array:
-    """Position of the tip, (..., 2) in m, x along link 1 at mid-stroke, for angles (..., joints) in rad within +-pi."""
+    """Position of the tip, (..., axes) in m, in the plane or in space, for angles (..., joints) in rad within +-pi."""
     rows = np.ascontiguousarray(q.reshape(-1, q.shape[-1]))
     tips: Array = tips_along(parameters.arm(machine), (0.0,) * q.shape[-1], rows)
-    return tips.reshape(*q.shape[:-1], 2)
+    return tips.reshape(*q.shape[:-1], tips.shape[-1])
 
 
 def links(machine: Machine) -> tuple[Array, Array]:
@@ -36,7 +36,7 @@ def links(machine: Machine) -> tuple[Array, Array]:
     if not isinstance(machine.arm, PlanarArmPart):
         what, right = f"has an arm of kind {machine.arm.kind!r}", 'motions of the tip need one of kind "planar"'
         raise MachineError(what, where=machine.origin, right=right)
-    lengths = np.array([joint.link.length for joint in machine.joints.values()])
+    lengths = np.array([joint.planar_link.length for joint in machine.joints.values()])
     return lengths, np.array([0.0, machine.arm.elbow][: len(lengths)])
 
 

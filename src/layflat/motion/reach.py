@@ -56,7 +56,7 @@ class Reach:
 
     def __init__(self, machine: Machine, margin: float = END_MARGIN) -> None:
         self.machine = machine
-        self.lengths = tuple(joint.link.length for joint in machine.joints.values())
+        self.lengths = tuple(joint.planar_link.length for joint in machine.joints.values())
         self.limits = tuple(joint.stops.working_stroke / 2 - margin for joint in machine.joints.values())
         self._kept = margin
         self._arcs = self._boundary()

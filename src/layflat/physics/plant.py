@@ -1,9 +1,10 @@
 """The whole plant: an arm with its joints, advanced by a number of steps under constant drives."""
 
-from layflat.jit import Law, composition, kernel
-from layflat.lanes import gather, halves, join, slots
+from layflat.jit import Law, composition, kernel, law
+from layflat.lanes import abreast, apart, each, gather, halves, join, slots
+from layflat.physics.algebra import times
 from layflat.physics.arms import ARMS, dynamics
-from layflat.physics.friction import levels, rub_one, rub_two
+from layflat.physics.friction import levels, rub_many, rub_one, rub_two
 from layflat.physics.joint import supplied
 from layflat.physics.step import finish, midpoint, pack, unpack
 from layflat.physics.valves import turn_wave
@@ -61,7 +62,52 @@ def advance_one(arm, joints, states, drives, waves, around, h, n):
     states[0], waves[0] = unpack(running), wave
 
 
-_advance = ARMS.law(lambda laws: advance_one if laws.joints == 1 else advance_two)
+@law
+def _scaled(x, h):
+    return h * x
+
+
+@law
+def _sum(x, y):
+    return x + y
+
+
+@law
+def _pushed(momentum, of_velocities, load, torque, h):
+    # The air's torque comes last, as in `_step_two`.
+    return momentum + h * (of_velocities + load) + h * torque
+
+
+@composition
+def _step_many(arm, like, joints, running, drives, waves, around, h):
+    surroundings = abreast(gather(like, slots(like, around)))
+    mid = midpoint(joints, running, drives.opening, waves, supplied(surroundings, drives), h)
+    before = running.motion.velocity
+    sliding, held = levels(joints.friction, drives.brake_torque, before, mid.velocity, mid.pull)
+    M, moving, pulls = dynamics(arm, around.payload, apart(mid.angle, like), apart(mid.velocity, like))
+    v, loads = apart(before, like), each(_sum, apart(drives.load_torque, like), pulls)
+    p = each(_pushed, times(M, v), moving, loads, apart(mid.torque, like), h)
+    limits = apart(_scaled(sliding, h), like), apart(_scaled(held, h), like)
+    w, J = rub_many(joints.friction, M, p, v, limits[0], limits[1])
+    return finish(joints, running, mid, abreast(w), abreast(J), abreast(loads), h)
+
+
+@composition
+def advance_many(arm, joints, states, drives, waves, around, h, n):
+    """Advance states and waves (slots) of all joints by n steps of h, however many there are."""
+    like = gather(joints, joints)
+    all_joints, drive, wave = abreast(like), abreast(gather(like, drives)), abreast(gather(like, waves))
+    running = pack(abreast(gather(like, states)))
+    for _ in range(n):
+        running = _step_many(arm, like, all_joints, running, drive, wave, around, h)
+        wave = turn_wave(all_joints.valve, wave)
+    after, waves_after = slots(apart(unpack(running), like)), slots(apart(wave, like))
+    for j in range(len(like)):
+        states[j], waves[j] = after[j], waves_after[j]
+
+
+_ADVANCES = {1: advance_one, 2: advance_two}
+_advance = ARMS.law(lambda laws: _ADVANCES.get(laws.joints, advance_many))
 
 
 def _inlined(arm, joints, states, drives, waves, around, h, n):

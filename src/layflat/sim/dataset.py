@@ -36,8 +36,13 @@ def dataset(machine: Machine, scenario: Scenario, prepared: Prepared, rows: Arra
     said["demand"] = (both, acting.demand[cycle], attributes("demand"))
     said["payload"] = ("time", acting.payload[cycle], attributes("payload"))
     said["supply"] = ("time", acting.supply[cycle], attributes("supply"))
-    said["tip"] = (("time", "axis"), tip_position(machine, said["angle"][1]), attributes("tip"))
-    coords = {"time": ("time", time, {"units": "s"}), "joint": list(machine.joints), "axis": ["x", "y"]}
+    tips = tip_position(machine, said["angle"][1])
+    said["tip"] = (("time", "axis"), tips, attributes("tip"))
+    coords = {
+        "time": ("time", time, {"units": "s"}),
+        "joint": list(machine.joints),
+        "axis": list("xyz")[: tips.shape[1]],
+    }
     # All at once: laid into a dataset one by one, they would be merged with all others each time.
     run = xarray.Dataset(said, coords)
     run.attrs = {

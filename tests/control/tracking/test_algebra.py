@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.tracking.algebra import diagonal, dot, greatest, inverse, largest, least, times
+from layflat.physics.algebra import diagonal, dot, greatest, inverse, largest, least, times
 
 SIZES, SEEDS = st.integers(1, 4), st.integers(0, 10_000)
 

@@ -70,7 +70,7 @@ def test_a_double_integrator_takes_its_known_time(monkeypatch: pytest.MonkeyPatc
     torque = parameters.torque_constant(machine.joint["small"]) * machine.supply.pressure_gauge
     inertia, friction = mass_matrix(machine, 0.0)[0, 0], machine.joint["small"].brake.torque
     faster, slower = (torque - friction) / inertia, (torque + friction) / inertia
-    band = TIP_BAND / machine.joint["small"].link.length
+    band = TIP_BAND / machine.joint["small"].planar_link.length
     # Speed up, brake, and be within the band from its near side on, coming to rest at its far side.
     whole = sqrt(2.0 * (END - START + band) * (faster + slower) / (faster * slower))
     known = whole - sqrt(4.0 * band / slower)

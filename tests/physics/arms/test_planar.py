@@ -67,7 +67,7 @@ def test_moments_of_both_links_are_those_of_their_masses() -> None:
         link = SimpleNamespace(
             mass=MASSES[i], centre=CENTRES[i], length=LENGTH, inertia=0.6 * INERTIAS[i], rotor_inertia=0.4 * INERTIAS[i]
         )
-        return SimpleNamespace(link=link, body=SimpleNamespace(mass=carried))
+        return SimpleNamespace(planar_link=link, body=SimpleNamespace(mass=carried))
 
     size, way = float(np.hypot(*GRAVITY)), float(np.arctan2(GRAVITY[1], GRAVITY[0]))
     described: Any = SimpleNamespace(gravity=size, gravity_direction=way, elbow=ELBOW)

@@ -77,7 +77,7 @@ def add_shapes(spec: Any, cell: Cell) -> None:
         link, radius = spec.joint(name).parent, joint.cylinder.diameter / 2
         shapes.add(link, "cylinder", f"{name}.drum", size=(radius, joint.body.height / 2), rgba=DRUM, mass=0.0)
         for side in (-1.0, 1.0):
-            along = [0.0, side * 0.6 * radius, 0.0, joint.link.length, side * 0.018, 0.0]
+            along = [0.0, side * 0.6 * radius, 0.0, joint.planar_link.length, side * 0.018, 0.0]
             shapes.add(link, "capsule", f"{name}.tube{side:+.0f}", fromto=along, size=(0.009,), rgba=LINK, mass=0.0)
 
 
@@ -87,7 +87,7 @@ def add_tool(spec: Any, cell: Cell) -> None:
     last = list(cell.machine.joints)[-1]
     tip = spec.joint(last).parent
     lift, cup = cell.lift, cell.cup
-    x, lip = cell.machine.joint[last].link.length, lift.clearance - cell.mount.height
+    x, lip = cell.machine.joint[last].planar_link.length, lift.clearance - cell.mount.height
     cylinder = [x, 0.0, 0.05, x, 0.0, lip + LIP + 0.035]
     shapes.add(tip, "cylinder", "lift.cylinder", fromto=cylinder, size=(0.016,), rgba=STEEL, mass=0.0)
     body = tip.add_body(name="cup", pos=[x, 0.0, lip], gravcomp=1.0)

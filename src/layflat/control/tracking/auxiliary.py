@@ -15,12 +15,12 @@ arm: it gives way to what pushes it, and comes back. It takes no notice of where
 
 from typing import NamedTuple
 
-from layflat.control.tracking.algebra import greatest, largest, least
 from layflat.control.tracking.model import gas_torque, opposing_torque
 from layflat.control.tracking.stiffness import is_near, supply_share
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.adjustable import Shares, adjusted
+from layflat.physics.algebra import greatest, largest, least
 
 QUIET, FADE = 0.1, 0.1  # time at rest after which dither fades, and time in which it does so, s
 SLOW_FADE = (

@@ -7,9 +7,9 @@ brakes stay closed, until another goal is asked for, which is tried anew.
 
 from typing import NamedTuple
 
-from layflat.control.tracking.algebra import largest
 from layflat.jit import composition, law
 from layflat.lanes import each, select
+from layflat.physics.algebra import largest
 
 MEMORY = 0.3  # time over which squares are averaged, s
 MOST = 64.0  # mean square over the variance from which the model is not gone by

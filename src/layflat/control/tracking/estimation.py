@@ -18,10 +18,10 @@ A short one would teach less of it than friction, as it is at rest, would preten
 
 from typing import NamedTuple
 
-from layflat.control.tracking.algebra import inverse, largest, times
 from layflat.control.tracking.model import angle_of_state
 from layflat.jit import composition, law
 from layflat.lanes import each, gather, select, slots
+from layflat.physics.algebra import inverse, largest, times
 from layflat.physics.arms import dynamics
 
 FAR = 0.05  # length of a move from which it is open what the arm carries, rad

@@ -23,7 +23,6 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.kind import Command
-from layflat.control.tracking.algebra import diagonal, largest
 from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
 from layflat.control.tracking.doubt import Doubt, doubted
 from layflat.control.tracking.estimation import (
@@ -53,6 +52,7 @@ from layflat.control.tracking.torques import SLOW, Feedback, computed_torques, r
 from layflat.control.tracking.valves import free_response, states_on_arrival, valve_openings
 from layflat.jit import composition, law
 from layflat.lanes import each, select
+from layflat.physics.algebra import diagonal, largest
 from layflat.physics.arms import dynamics
 from layflat.physics.delay import Line
 

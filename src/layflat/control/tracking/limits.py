@@ -8,10 +8,10 @@
 
 from typing import NamedTuple
 
-from layflat.control.tracking.algebra import least, times
 from layflat.control.tracking.reference import PathLimits, angle_of, velocity_of
 from layflat.jit import composition, law
 from layflat.lanes import each
+from layflat.physics.algebra import least, times
 from layflat.physics.arms import dynamics
 
 LEAST_SHARE = 0.1  # of its torque that a joint is always given to accelerate, whatever its friction is estimated to be

@@ -9,7 +9,6 @@
 from math import sqrt
 from typing import Any, NamedTuple
 
-from layflat.control.tracking.algebra import diagonal, dot, greatest, largest, least, times
 from layflat.control.tracking.limits import LEAST_INERTIA, LEAST_SHARE, for_length, own_limits, path_limits
 from layflat.control.tracking.model import loss_torque
 from layflat.control.tracking.reference import (
@@ -24,6 +23,7 @@ from layflat.control.tracking.reference import (
 )
 from layflat.jit import composition, law
 from layflat.lanes import each, select
+from layflat.physics.algebra import diagonal, dot, greatest, largest, least, times
 from layflat.physics.arms import tip
 
 SHORTEST = 1e-4  # path that is planned, rad
@@ -116,11 +116,16 @@ def stays(path, goals):
     return (path.landed > 0.5) & is_resting(goals) & (sqrt(dot(apart, apart)) < KEPT.angle)
 
 
+@law
+def _difference(x, y):
+    return x - y
+
+
 @composition
 def tip_distance(arm, q, p):
     """Return the distance of the tips of an arm at two postures, m."""
-    (x, y), (x_p, y_p) = tip(arm, q), tip(arm, p)
-    return sqrt((x - x_p) * (x - x_p) + (y - y_p) * (y - y_p))
+    between = each(_difference, tip(arm, q), tip(arm, p))
+    return sqrt(dot(between, between))
 
 
 @law

@@ -13,12 +13,12 @@ motion begins, goes as it ends, and brings back a joint that friction holds besi
 
 from typing import NamedTuple
 
-from layflat.control.tracking.algebra import diagonal, greatest, times
 from layflat.control.tracking.model import gas_torque, opposing_torque
 from layflat.control.tracking.planning import PathState
 from layflat.control.tracking.reference import Reference
 from layflat.jit import composition, law
 from layflat.lanes import each, select
+from layflat.physics.algebra import diagonal, greatest, times
 
 CREEP = 0.06  # velocity below which friction is compensated in part, rad/s
 # What counts as velocity there:

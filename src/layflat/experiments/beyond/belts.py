@@ -56,7 +56,7 @@ def following(law: str, machine: Machine, speed: float, seeds: int) -> Following
 
 def to_and_fro(machine: Machine, speed: float) -> tuple[Array, Array, Array]:
     """Return angles, velocities and accelerations (cycles, joints) of an arm of two joints whose tip is on the belt."""
-    reach, size = Reach(machine), sum(joint.link.length for joint in machine.joints.values())
+    reach, size = Reach(machine), sum(joint.planar_link.length for joint in machine.joints.values())
     x, low, way = PLACE * size, 0.02 * size, LENGTH * size
     start = np.array(reach.postures(x, low)[0].angles)
     lasts = way / speed

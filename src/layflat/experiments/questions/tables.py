@@ -26,7 +26,7 @@ def grid(frame: pandas.DataFrame, across: str, upward: str, column: str) -> tupl
 
 def inertia_per_torque(machine: Machine, payload: Array) -> Array:
     """Return inertia of payloads (kg) at the end of the link, per maximum torque, kg m2 per N m."""
-    return payload * machine.joint[JOINT].link.length ** 2 / maximum_torque(machine, JOINT)
+    return payload * machine.joint[JOINT].planar_link.length ** 2 / maximum_torque(machine, JOINT)
 
 
 def limits(ratios: Array, times: Array, allowed: float) -> Array:

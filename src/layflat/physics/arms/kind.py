@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -12,17 +12,18 @@ from layflat.kinds import REQUIRED, Kind, KindPart
 
 Law = Callable[..., Any]
 
+MOST = 7  # joints of an arm
+
 NONE = -0.0
 """A torque that is not there: added to any number it leaves every bit as it was, which +0.0 does not do to -0.0."""
 
 
 class ArmPart(KindPart):
-    """What all descriptions of arms say: the joints that make it, from the base to the tip, its load, and gravity."""
+    """What all descriptions of arms say: the joints that make it, from the base to the tip, and its load."""
 
     joints: Annotated[tuple[str, ...], Field(min_length=1)]
     payload: u.Mass
-    gravity: u.Acceleration = Field(description="in the arm's plane; zero for an arm that moves horizontally")
-    gravity_direction: u.Angle = Field(description="from link 1 at mid-stroke")
+    own_links: ClassVar[bool] = False  # whether it says itself what its links are: its joints then need none
 
     @model_validator(mode="after")
     def _each_once(self) -> Self:
@@ -36,14 +37,15 @@ class ArmPart(KindPart):
 class ArmLaws:
     """The laws of arms whose parameters are of one class. Angles and torques are tuples with an item per joint."""
 
-    joints: int  # how many joints such an arm has, 1 or 2
+    joints: int | None  # how many joints such an arm has; None: as many as its parameters say
     dynamics: Law
     """`dynamics(arm, payload, q, v)` yields three tuples at angles q (rad) and velocities v (rad/s): the upper triangle
     of the mass matrix, row by row (kg m2); the torques that come of the velocities (N m, `NONE` where there are none);
     and those that come of the angles (gravity, springs)."""
     points: Law
-    """`points(arm, q)` yields positions (x, y) of the base, of every further joint, and of the tip, m; x along link 1
-    at mid-stroke."""
+    """`points(arm, q)` yields positions of all joints from the base on, and of the tip, m: (x, y), x along link 1 at
+    mid-stroke; or (x, y, z) in the frame of the base."""
+    axes: int = 2  # of these positions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,8 +61,10 @@ class ArmKind(Kind):
         """Refuse parameters without laws."""
         super().__post_init__()
         for cls in self.parameter_types:
-            if cls not in self.laws or self.laws[cls].joints not in (1, 2):
-                raise KindError(f"{cls.__name__} has no laws for one or two joints", where=f"kind {self.name!r} of arm")
+            if cls not in self.laws or self.laws[cls].joints not in (None, *range(1, MOST + 1)):
+                raise KindError(
+                    f"{cls.__name__} has no laws for one to {MOST} joints", where=f"kind {self.name!r} of arm"
+                )
 
     def entries(self) -> Mapping[type, Any]:
         """What holds the laws, by class of the parameters."""

@@ -31,6 +31,8 @@ class PlanarArmPart(ArmPart):
 
     kind: Literal["planar"] = "planar"
     joints: Annotated[tuple[str, ...], Field(min_length=1, max_length=2)]
+    gravity: u.Acceleration = Field(description="in the arm's plane; zero for an arm that moves horizontally")
+    gravity_direction: u.Angle = Field(description="from link 1 at mid-stroke")
     elbow: u.Angle = Field(description="angle between the links when the second joint is in mid-stroke")
 
 
@@ -74,11 +76,11 @@ def parameters(described: PlanarArmPart, joints: Sequence[Any]) -> OneLink | Two
     """Masses of the arm, without payload."""
     g_x = described.gravity * np.cos(described.gravity_direction)
     g_y = described.gravity * np.sin(described.gravity_direction)
-    first = joints[0].link
+    first = joints[0].planar_link
     own_1 = first.rotor_inertia + first.inertia + first.mass * first.centre**2
     if len(joints) == 1:
         return OneLink(own_1, first.mass * first.centre, first.length, g_x, g_y)
-    second, carried = joints[1].link, joints[1].body.mass
+    second, carried = joints[1].planar_link, joints[1].body.mass
     own_2 = second.rotor_inertia + second.inertia + second.mass * second.centre**2
     masses = (
         own_1 + own_2 + (carried + second.mass) * first.length**2,

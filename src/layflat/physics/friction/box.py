@@ -45,8 +45,8 @@ def brake_two(M_11, M_12, M_22, p_1, p_2, B_1, B_2):
 
 
 @law
-def _passing(u, v, B, S):
-    # The limit of a joint that goes from velocity u to v: that at rest if there is an instant of rest on the way.
+def passing(u, v, B, S):
+    """The limit of a joint that goes from velocity u to v: that at rest if there is an instant of rest on the way."""
     return select(u * v <= 0.0, S, B)
 
 
@@ -54,7 +54,7 @@ def _passing(u, v, B, S):
 def slide_one(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
     """As `brake_one`, of friction that holds up to S and slides at B."""
     v, _ = brake_one(M, p, B)
-    return brake_one(M, p, _passing(u, v, B, S))
+    return brake_one(M, p, passing(u, v, B, S))
 
 
 @law
@@ -62,7 +62,7 @@ def slide_two(friction, M, p_1, p_2, u_1, u_2, B_1, B_2, S_1, S_2):  # noqa: ARG
     """As `brake_two`, of friction that holds up to S and slides at B; M is (M_11, M_12, M_22)."""
     M_11, M_12, M_22 = M
     v_1, v_2, _, _ = brake_two(M_11, M_12, M_22, p_1, p_2, B_1, B_2)
-    return brake_two(M_11, M_12, M_22, p_1, p_2, _passing(u_1, v_1, B_1, S_1), _passing(u_2, v_2, B_2, S_2))
+    return brake_two(M_11, M_12, M_22, p_1, p_2, passing(u_1, v_1, B_1, S_1), passing(u_2, v_2, B_2, S_2))
 
 
 @law

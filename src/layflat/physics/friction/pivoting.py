@@ -18,6 +18,8 @@ since M is positive definite (judice1994).
 
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, gather, select, slots, total
+from layflat.physics.algebra import place, times
+from layflat.physics.friction.box import passing
 
 BLOCKS, ROUNDS = 6, 60  # rounds in which all may change, and rounds at most
 ROUNDING = 1e-12  # of an impulse
@@ -45,39 +47,28 @@ def _velocities(M, p, B, c):
     n = len(p)
     A, x, ways, limits = slots(M), slots(p), slots(c), slots(B)
     for i in range(n):
-        row = i * n - i * (i - 1) // 2
         for j in range(i, n):
-            A[row + j - i] = _open(A[row + j - i], ways[i], ways[j], 1.0 if i == j else 0.0)
+            A[place(i, j, n)] = _open(A[place(i, j, n)], ways[i], ways[j], 1.0 if i == j else 0.0)
         x[i] = _if_sliding(ways[i], x[i] - ways[i] * limits[i])
     # A = L D L^T in place, row by row.
     for i in range(n):
-        row = i * n - i * (i - 1) // 2
-        per = 1.0 / A[row]
+        per = 1.0 / A[place(i, i, n)]
         for j in range(i + 1, n):
-            share = A[row + j - i] * per
-            below = j * n - j * (j - 1) // 2
+            share = A[place(i, j, n)] * per
             for k in range(j, n):
-                A[below + k - j] = A[below + k - j] - share * A[row + k - i]
+                A[place(j, k, n)] = A[place(j, k, n)] - share * A[place(i, k, n)]
             x[j] = x[j] - share * x[i]
     for back in range(n):
         i = n - 1 - back
-        row = i * n - i * (i - 1) // 2
         for j in range(i + 1, n):
-            x[i] = x[i] - A[row + j - i] * x[j]
-        x[i] = _if_sliding(ways[i], x[i] / A[row])
+            x[i] = x[i] - A[place(i, j, n)] * x[j]
+        x[i] = _if_sliding(ways[i], x[i] / A[place(i, i, n)])
     return gather(p, x)
 
 
-@composition
-def _impulses(M, p, w):
-    """What it takes beside p for these velocities."""
-    n, entries, v, needed = len(p), slots(M), slots(w), slots(p)
-    for i in range(n):
-        needed[i] = -needed[i]
-        for j in range(n):
-            first, other = min(i, j), max(i, j)
-            needed[i] = needed[i] + entries[first * n - first * (first - 1) // 2 + other - first] * v[j]
-    return gather(p, needed)
+@law
+def _missing(needed, p):
+    return needed - p
 
 
 @law
@@ -121,13 +112,26 @@ def brake_many(M, p, u, B):
     """
     c = each(_way, u)
     w = _velocities(M, p, B, c)
-    J = _impulses(M, p, w)
+    J = each(_missing, times(M, w), p)
     better = each(_turned, c, w, J, B)
     turn = 0
     while anywhere(total(each(_change, c, better))) and turn < ROUNDS:
         c = _first_change(c, better) if turn >= BLOCKS else better
         w = _velocities(M, p, B, c)
-        J = _impulses(M, p, w)
+        J = each(_missing, times(M, w), p)
         better = each(_turned, c, w, J, B)
         turn += 1
     return w, each(_limited, J, B)
+
+
+@composition
+def keep_many(friction, M, p, u, B, S):  # noqa: ARG001  (as `slide_many`)
+    """As `slide_many`, of friction that holds as much as it slides at: S is B."""
+    return brake_many(M, p, u, B)
+
+
+@composition
+def slide_many(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
+    """As `brake_many`, of friction that holds up to S and slides at B."""
+    v, _ = brake_many(M, p, u, B)
+    return brake_many(M, p, u, each(passing, u, v, B, S))

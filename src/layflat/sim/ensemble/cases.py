@@ -12,9 +12,9 @@ from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
-from layflat.lanes import leaves, mapped
+from layflat.lanes import leaves, mapped, read_numbers
 from layflat.machine import Machine, parameters
-from layflat.physics.arms import tip
+from layflat.physics.arms import tip_in_space
 from layflat.physics.joint import FILLED
 from layflat.physics.noise import sensor_noise
 from layflat.sim.ensemble.kernel import Plan, Runs
@@ -130,11 +130,12 @@ class Cases:
             self._plans[distinct] = self._planned(distinct)
         plan, ends, goals = self._plans[distinct]
         local = np.searchsorted(np.array(distinct), self.which[rows])
-        arms = [np.broadcast_to(leaf, self.count)[rows] for leaf in self.case[0]]
+        arm = self.case[0]
+        arms = np.stack([np.broadcast_to(leaf, self.count)[rows] for leaf in leaves(arm)], axis=-1)
         tips = np.array(
             [
-                [tip(type(self.case[0])(*numbers), tuple(goal)) for goal in goals[scenario]]
-                for scenario, *numbers in zip(local, *arms, strict=True)
+                [tip_in_space(read_numbers(arm, numbers), tuple(goal)) for goal in goals[scenario]]
+                for scenario, numbers in zip(local, arms, strict=True)
             ]
         )
         return plan, Moves(ends, goals, tips, band, tip_band)

@@ -10,7 +10,7 @@ class Moves(NamedTuple):
 
     ends: np.ndarray  # first and last record: (scenarios, moves, 2)
     goals: np.ndarray  # what the joints are asked for at the end, rad: (scenarios, moves, joints)
-    tips: np.ndarray  # where that puts the tip, m: (runs, moves, 2)
+    tips: np.ndarray  # where that puts the tip, m: (runs, moves, 3)
     band: float  # within this of its goal a joint has settled, rad
     tip_band: float  # the same of the tip, m
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from layflat.jit import composition, law
 from layflat.lanes import gather, read_lanes, select, slots, width, write_lanes
-from layflat.physics.arms import tip
+from layflat.physics.arms import tip_in_space
 from layflat.physics.joint import is_sound
 from layflat.physics.valves import net_opening
 from layflat.sim.ensemble.results import Totals, Traced
@@ -39,6 +39,7 @@ class Move(NamedTuple):
     records: float
     goal_x: float
     goal_y: float
+    goal_z: float
 
 
 class Tip(NamedTuple):
@@ -46,8 +47,10 @@ class Tip(NamedTuple):
 
     x_1: float
     y_1: float
+    z_1: float
     x_2: float
     y_2: float
+    z_2: float
     acceleration: float
 
 
@@ -60,9 +63,9 @@ class Course(NamedTuple):
     diverged: float
 
 
-NO_MOVE = Move(0.0, 0.0, 0.0, 0.0)
+NO_MOVE = Move(0.0, 0.0, 0.0, 0.0, 0.0)
 NO_TRACK = Track(0.0, 0.0, EMPTY)
-NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0), np.nan)  # before the first record
+NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.nan)  # before the first record
 
 
 def new_watch(lanes: int) -> Watch:
@@ -86,7 +89,8 @@ def begin_moves(watch, moves, scenarios, course, tracks, first):
         begin, end = moves.ends[scenarios[run], m, 0], moves.ends[scenarios[run], m, 1]
         watch.end[lane] = end
         scratch[0, lane], scratch[1, lane] = begin, end - begin + 1
-        scratch[2, lane], scratch[3, lane] = moves.tips[run, m, 0], moves.tips[run, m, 1]
+        for axis in range(3):
+            scratch[2 + axis, lane] = moves.tips[run, m, axis]
     c = course[0]
     course[0] = Course(read_lanes(NO_MOVE, scratch), c.tally, c.tip, c.diverged)
     for j in range(moves.goals.shape[2]):
@@ -130,11 +134,17 @@ def _tracked(track, angle, begins, i, records, band):
 
 
 @law
-def _followed(before, x, y, k, cycle):
+def _distance(x, y, z):
+    return sqrt(x * x + y * y + z * z)
+
+
+@law
+def _followed(before, x, y, z, k, cycle):
     a_x, a_y = x - 2.0 * before.x_1 + before.x_2, y - 2.0 * before.y_1 + before.y_2
+    a_z = z - 2.0 * before.z_1 + before.z_2
     # Two records ago there has to have been one.
-    now = select(k >= 2, 1.0 / (cycle * cycle), 0.0) * sqrt(a_x * a_x + a_y * a_y)
-    return Tip(x, y, before.x_1, before.y_1, max(before.acceleration, now))
+    now = select(k >= 2, 1.0 / (cycle * cycle), 0.0) * _distance(a_x, a_y, a_z)
+    return Tip(x, y, z, before.x_1, before.y_1, before.z_1, max(before.acceleration, now))
 
 
 @composition
@@ -147,10 +157,10 @@ def note(watch, results, moves, scenarios, arm, like, states, course, tracks, fi
     for j in range(moves.goals.shape[2]):
         angles[j] = states[j].motion.angle
         tracks[j] = _tracked(tracks[j], angles[j], begins, i, move.records, moves.band)
-    x, y = tip(arm, gather(like, angles))
-    away = sqrt((x - move.goal_x) * (x - move.goal_x) + (y - move.goal_y) * (y - move.goal_y))
+    x, y, z = tip_in_space(arm, gather(like, angles))
+    away = _distance(x - move.goal_x, y - move.goal_y, z - move.goal_z)
     tally = counted(emptied(tally, begins), i, move.records, away, 1.0, moves.tip_band)
-    course[0] = Course(move, tally, _followed(before, x, y, k, cycle), diverged)
+    course[0] = Course(move, tally, _followed(before, x, y, z, k, cycle), diverged)
     _end_moves(watch, results, moves, scenarios, course, tracks, first, k)
 
 

@@ -1,4 +1,4 @@
-"""Vectors and symmetric matrices of any size as tuples, a matrix as its upper triangle, row by row (see physics/arms).
+"""Vectors and symmetric matrices of any size as tuples, a matrix as its upper triangle, row by row.
 
 Slots take the place of lists, so that all of it is compiled without a heap, for numbers and for lanes.
 """
@@ -10,8 +10,8 @@ GREAT = 1e12  # beside any inertia, kg m2: what has so much does not move
 
 
 @law
-def _place(i, j, n):
-    # Where the item of a row i and a column j of an upper triangle stands.
+def place(i, j, n):
+    """Where the item of a row i and a column j of an upper triangle stands."""
     first, last = min(i, j), max(i, j)
     return first * n - first * (first - 1) // 2 + last - first
 
@@ -64,7 +64,7 @@ def diagonal(upper, like):
     """Return the diagonal of a symmetric matrix, a tuple with as many items as `like`."""
     M, found, n = slots(upper), slots(like), len(like)
     for i in range(n):
-        found[i] = M[_place(i, i, n)]
+        found[i] = M[place(i, i, n)]
     return gather(like, found)
 
 
@@ -75,7 +75,7 @@ def times(upper, vector):
     y = slots(vector, 0.0 * x[0])
     for i in range(n):
         for j in range(n):
-            y[i] = y[i] + M[_place(i, j, n)] * x[j]
+            y[i] = y[i] + M[place(i, j, n)] * x[j]
     return gather(vector, y)
 
 
@@ -90,7 +90,7 @@ def inverse(upper, fixed, like):
     A = slots(like, zero)
     for i in range(n):
         for j in range(n):
-            A[i * n + j] = M[_place(i, j, n)] + zero
+            A[i * n + j] = M[place(i, j, n)] + zero
         A[i * n + i] = A[i * n + i] + GREAT * held[i]
     # In place, by Gauss and Jordan: a positive definite matrix needs no pivots.
     for k in range(n):

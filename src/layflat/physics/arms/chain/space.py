@@ -82,6 +82,14 @@ def outward(axes, a):
 
 
 @law
+def transposed(axes):
+    """Return the axes of the frame around, as a frame with these axes has them."""
+    return Axes(
+        Vector(axes.x.x, axes.y.x, axes.z.x), Vector(axes.x.y, axes.y.y, axes.z.y), Vector(axes.x.z, axes.y.z, axes.z.z)
+    )
+
+
+@law
 def within(axes, other):
     """Return axes that are given in a frame with these axes, as the frame around has them."""
     return Axes(outward(axes, other.x), outward(axes, other.y), outward(axes, other.z))
@@ -105,9 +113,7 @@ def applied(J, a):
 @law
 def _seen(J, axes):
     # R J R^T, where the columns of R are the axes.
-    rows = Axes(
-        Vector(axes.x.x, axes.y.x, axes.z.x), Vector(axes.x.y, axes.y.y, axes.z.y), Vector(axes.x.z, axes.y.z, axes.z.z)
-    )
+    rows = transposed(axes)
     u, v, w = applied(J, rows.x), applied(J, rows.y), applied(J, rows.z)
     return Symmetric(dot(rows.x, u), dot(rows.y, v), dot(rows.z, w), dot(rows.x, v), dot(rows.x, w), dot(rows.y, w))
 

@@ -11,8 +11,10 @@ from scipy.spatial.transform import Rotation
 
 from layflat.jit import kernel
 from layflat.lanes import join
-from layflat.physics.arms.chain import Chain, Link, dynamics, frames
-from layflat.physics.arms.space import Axes, Mass, Symmetric, Vector, outward, plus, with_point
+from layflat.physics.arms.chain.laws import Chain, dynamics, points
+from layflat.physics.arms.chain.parameters import Jointed
+from layflat.physics.arms.chain.parameters import chain as chain_of
+from layflat.physics.arms.chain.space import Axes, Mass, Symmetric, Vector, with_point
 
 mujoco: Any = pytest.importorskip("mujoco")
 
@@ -23,8 +25,9 @@ def vector(x: np.ndarray) -> Vector:
     return Vector(*x.tolist())
 
 
-def chain(n: int, seed: int) -> Chain:
-    """A random arm: every link a few points of mass."""
+@cache
+def jointed(n: int, seed: int) -> tuple[list[Jointed], tuple[float, ...], Vector, Vector]:
+    """A random arm: every link a few points of mass; armatures, tool and gravity."""
     draw = np.random.default_rng(seed)
     links = []
     for _ in range(n):
@@ -32,11 +35,13 @@ def chain(n: int, seed: int) -> Chain:
         body = Mass(0.0, Vector(0.0, 0.0, 0.0), Symmetric(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
         for _ in range(5):
             body = with_point(body, draw.uniform(0.05, 0.6), vector(draw.normal(0.0, 0.15, 3)))
-        links.append(Link(axes, vector(draw.normal(0.0, 0.3, 3)), body))
-    rotors = np.zeros((n, n))
-    np.fill_diagonal(rotors, draw.uniform(0.0, 0.05, n))
-    upper = rotors[np.triu_indices(n)].tolist()
-    return Chain(tuple(links), tuple(upper), vector(draw.normal(0.0, 0.2, 3)), vector(draw.normal(0.0, 6.0, 3)))
+        links.append(Jointed(axes, vector(draw.normal(0.0, 0.3, 3)), body))
+    armatures = np.diag(draw.uniform(0.0, 0.05, n))[np.triu_indices(n)]
+    return links, tuple(armatures.tolist()), vector(draw.normal(0.0, 0.2, 3)), vector(draw.normal(0.0, 6.0, 3))
+
+
+def chain(n: int, seed: int) -> Chain:
+    return chain_of(*jointed(n, seed))
 
 
 def about_centre(body: Mass) -> tuple[np.ndarray, np.ndarray]:
@@ -48,19 +53,19 @@ def about_centre(body: Mass) -> tuple[np.ndarray, np.ndarray]:
 
 @cache
 def in_mujoco(n: int, seed: int, payload: float) -> Any:
-    arm, spec = chain(n, seed), mujoco.MjSpec()
-    spec.option.gravity = list(arm.gravity)
+    (links, armatures, tool, gravity), spec = jointed(n, seed), mujoco.MjSpec()
+    spec.option.gravity = list(gravity)
     spec.compiler.balanceinertia = False
     parent, at = spec.worldbody, 0
-    for i, link in enumerate(arm.links):
-        body = link.body if i < n - 1 else with_point(link.body, payload, arm.tool)
+    for i, link in enumerate(links):
+        body = link.body if i < n - 1 else with_point(link.body, payload, tool)
         centre, J = about_centre(body)
         quat = Rotation.from_matrix(np.array(link.axes).T).as_quat(scalar_first=True)
         parent = parent.add_body(pos=list(link.place), quat=quat, mass=body.m, ipos=centre, explicitinertial=True)
         parent.fullinertia = [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]
-        parent.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, 1.0], armature=arm.rotors[at])
+        parent.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=[0.0, 0.0, 1.0], armature=armatures[at])
         at += n - i
-    parent.add_site(name="tool", pos=list(arm.tool))
+    parent.add_site(name="tool", pos=list(tool))
     return spec.compile()
 
 
@@ -79,9 +84,27 @@ def test_mass_matrix_and_torques_are_those_of_mujoco(n: int, seed: int, drawn: i
     assert np.abs(np.array(upper) - full[np.triu_indices(n)]).max() < 1e-10 * np.abs(full).max()
     bias = np.array(moving) + np.array(pulled)
     assert np.abs(bias + data.qfrc_bias).max() < 1e-10 * np.abs(data.qfrc_bias).max()
-    last = frames(chain(n, seed), tuple(q.tolist()))[-1]
-    tip = plus(last.origin, outward(last.axes, chain(n, seed).tool))
+    *places, tip = points(chain(n, seed), tuple(q.tolist()))
+    assert np.abs(np.array(places) - data.xanchor).max() < 1e-10
     assert np.abs(np.array(tip) - data.site("tool").xpos).max() < 1e-10
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1e-13, 1e-9, 1e-5, np.pi])
+def test_axes_that_are_almost_parallel_are_as_good_as_others(tilt: float) -> None:
+    links, _, tool, gravity = jointed(3, 5)
+    first = links[0]._replace(axes=Axes(Vector(1.0, 0.0, 0.0), Vector(0.0, 1.0, 0.0), Vector(0.0, 0.0, 1.0)))
+    s, c = float(np.sin(tilt)), float(np.cos(tilt))
+    leaning = Axes(Vector(c, 0.0, -s), Vector(0.0, 1.0, 0.0), Vector(s, 0.0, c))
+    arm = chain_of([first, links[1]._replace(axes=leaning), links[2]], (0.0,) * 6, tool, gravity)
+    q = (0.3, -0.8, 0.5)
+    spun = [Rotation.from_rotvec([0.0, 0.0, angle]) for angle in q]
+    frames = [Rotation.from_matrix(np.array(axes).T) for axes in (first.axes, leaning, links[2].axes)]
+    hand = frames[0] * spun[0] * frames[1] * spun[1] * frames[2] * spun[2]
+    lower = frames[0] * spun[0]
+    elbow = first.place + lower.apply(links[1].place)
+    wrist = elbow + (lower * frames[1] * spun[1]).apply(links[2].place)
+    found = np.array(points(arm, q))
+    assert found == pytest.approx(np.array([first.place, elbow, wrist, wrist + hand.apply(tool)]), abs=1e-12)
 
 
 @kernel
@@ -112,8 +135,7 @@ def test_a_payload_moves_as_the_tip_does(n: int, seed: int) -> None:
     arm, q, v = chain(n, seed), draw.uniform(-3.0, 3.0, n), draw.normal(0.0, 2.0, n)
 
     def tip(angles: np.ndarray) -> np.ndarray:
-        last = frames(arm, tuple(angles.tolist()))[-1]
-        return np.array(plus(last.origin, outward(last.axes, arm.tool)))
+        return np.array(points(arm, tuple(angles.tolist()))[-1])
 
     def energy(payload: float) -> float:
         M = np.zeros((n, n))

@@ -1,0 +1,14 @@
+"""Arms in space: serial chains of joints and links."""
+
+from layflat.physics.arms.chain.description import ChainPart
+from layflat.physics.arms.chain.laws import Chain, dynamics, points
+from layflat.physics.arms.chain.parameters import parameters
+from layflat.physics.arms.kind import ArmKind, ArmLaws
+
+KIND = ArmKind(
+    name="chain",
+    description=ChainPart,
+    parameters=parameters,
+    parameter_types=(Chain,),
+    laws={Chain: ArmLaws(joints=None, dynamics=dynamics, points=points, axes=3)},
+)
