@@ -25,6 +25,7 @@ from layflat.lanes.typing import (
     LanesType,
     half_type,
     part_type,
+    size_of_part,
     width_in,
 )
 
@@ -162,6 +163,7 @@ def _abreast_leaf(context: Any, builder: Any, joined: Any, items: Any) -> Any:
     if len(items) == 1:
         return items[0]
     numbers = [number for item in items for number in _numbers_in(builder, item)]
+    numbers += numbers[-1:] * (joined.count - len(numbers))
     vector = ir.Constant(ir.VectorType(ir.DoubleType(), len(numbers)), ir.Undefined)
     for i, number in enumerate(numbers):
         vector = builder.insert_element(vector, number, ir.Constant(INDEX, i))
@@ -188,7 +190,7 @@ def _part_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int, 
         return context.make_tuple(builder, part_type(joined, count), leaves)
     if count == 1:
         return value
-    size = joined.count // count
+    size = size_of_part(joined.count, count)
     if size == 1:
         return builder.extract_element(value, ir.Constant(INDEX, which))
     return _shuffled(builder, value, value, which * size, size)
@@ -211,14 +213,12 @@ def _summed_leaf(context: Any, builder: Any, kind: Any, value: Any, items: int, 
     if items == 1:
         return value
     # What is added where there is nothing to add leaves every bit as it is.
-    nothing, size, step = ir.Constant(value.type, [-0.0] * kind.count), kind.count // items, 1
+    nothing, size, step = ir.Constant(value.type, [-0.0] * kind.count), size_of_part(kind.count, items), 1
     while step < items:
-        apart = step * size
-        if way > 0:
-            more = _shuffled(builder, nothing, value, kind.count - apart, kind.count)
-        else:
-            more = _shuffled(builder, value, nothing, apart, kind.count)
-        value, step = builder.fadd(value, more), 2 * step
+        wanted = [lane - way * step * size for lane in range(kind.count)]
+        places = [lane if 0 <= lane < items * size else kind.count for lane in wanted]
+        picked = ir.Constant(ir.VectorType(INDEX, kind.count), places)
+        value, step = builder.fadd(value, builder.shuffle_vector(value, nothing, picked)), 2 * step
     return value
 
 

@@ -70,18 +70,28 @@ def joined_type(first: Any, second: Any) -> Any:
     return LanesType(types.float64, 2 * getattr(first, "count", 1))
 
 
+def room(count: int) -> int:
+    """Lanes for so many numbers side by side: registers hold powers of two, and what they do not fill costs nothing."""
+    return 1 << (count - 1).bit_length()
+
+
 def abreast_type(item: Any, count: int) -> Any:
-    """Type of so many items of one type side by side."""
+    """Type of so many items of one type side by side; single numbers have some lanes to spare (see `room`)."""
     if isinstance(item, types.BaseTuple):
         return _tuple_like(item, [abreast_type(leaf, count) for leaf in item.types])
-    return lanes_type(count * getattr(item, "count", 1))
+    return lanes_type(count * item.count if isinstance(item, LanesType) else room(count))
 
 
 def part_type(joined: Any, count: int) -> Any:
     """Type of each of so many parts of lanes."""
     if isinstance(joined, types.BaseTuple):
         return _tuple_like(joined, [part_type(leaf, count) for leaf in joined.types])
-    return lanes_type(getattr(joined, "count", 1) // count)
+    return lanes_type(size_of_part(getattr(joined, "count", 1), count))
+
+
+def size_of_part(lanes: int, count: int) -> int:
+    """Lanes of each of so many parts."""
+    return 1 if lanes == room(count) else lanes // count
 
 
 def half_type(joined: Any) -> Any:

@@ -72,10 +72,13 @@ def diagonal(upper, like):
 def times(upper, vector):
     """Return the product of a symmetric matrix and a vector."""
     M, x, n = slots(upper), slots(vector), len(vector)
-    y = slots(vector, 0.0 * x[0])
+    y, at = slots(vector, 0.0 * x[0]), 0
     for i in range(n):
-        for j in range(n):
-            y[i] = y[i] + M[place(i, j, n)] * x[j]
+        y[i] = y[i] + M[at] * x[i]
+        for j in range(i + 1, n):
+            at += 1
+            y[i], y[j] = y[i] + M[at] * x[j], y[j] + M[at] * x[i]
+        at += 1
     return gather(vector, y)
 
 

@@ -18,7 +18,7 @@ since M is positive definite (judice1994).
 
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, gather, select, slots, total
-from layflat.physics.algebra import place, times
+from layflat.physics.algebra import times
 from layflat.physics.friction.box import passing
 
 BLOCKS, ROUNDS = 6, 60  # rounds in which all may change, and rounds at most
@@ -46,23 +46,29 @@ def _velocities(M, p, B, c):
     """Velocities of joints that slide as `c` says, and zero of those that are held."""
     n = len(p)
     A, x, ways, limits = slots(M), slots(p), slots(c), slots(B)
+    at = 0
     for i in range(n):
         for j in range(i, n):
-            A[place(i, j, n)] = _open(A[place(i, j, n)], ways[i], ways[j], 1.0 if i == j else 0.0)
+            A[at] = _open(A[at], ways[i], ways[j], 1.0 if i == j else 0.0)
+            at += 1
         x[i] = _if_sliding(ways[i], x[i] - ways[i] * limits[i])
-    # A = L D L^T in place, row by row.
+    # A = L D L^T in place, row by row; `row` and `below` are where rows of the triangle begin.
+    row = 0
     for i in range(n):
-        per = 1.0 / A[place(i, i, n)]
+        per, below = 1.0 / A[row], row
         for j in range(i + 1, n):
-            share = A[place(i, j, n)] * per
+            below += n - j + 1
+            share = A[row + j - i] * per
             for k in range(j, n):
-                A[place(j, k, n)] = A[place(j, k, n)] - share * A[place(i, k, n)]
+                A[below + k - j] = A[below + k - j] - share * A[row + k - i]
             x[j] = x[j] - share * x[i]
+        row += n - i
     for back in range(n):
         i = n - 1 - back
+        row -= n - i
         for j in range(i + 1, n):
-            x[i] = x[i] - A[place(i, j, n)] * x[j]
-        x[i] = _if_sliding(ways[i], x[i] / A[place(i, i, n)])
+            x[i] = x[i] - A[row + j - i] * x[j]
+        x[i] = _if_sliding(ways[i], x[i] / A[row])
     return gather(p, x)
 
 

@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 
 from layflat.jit import composition, law
 from layflat.lanes import abreast, apart, each, gather, slots, sums_from, sums_up_to
-from layflat.physics.algebra import place
 from layflat.physics.arms.chain.space import (
     Axes,
     Mass,
@@ -238,8 +237,10 @@ def dynamics(arm, payload, q, v):
     M = slots(arm.armatures)
     for j in range(n):
         column = slots(apart(_on(screw, _for_all(pushes[j], q)), q))
+        at = j  # in the triangle's first row; in each further row one place less to the right
         for i in range(j + 1):
-            M[place(i, j, n)] = M[place(i, j, n)] + column[i]
+            M[at] = M[at] + column[i]
+            at += n - 1 - i
     return gather(arm.armatures, M), apart(moving, q), apart(pulled, q)
 
 
