@@ -43,9 +43,9 @@ def stale_values(machine: Machine) -> list[Stale]:
     layers = MACHINES.layers(machine.origin)
     found = []
     for name, joint in machine.joints.items():
-        for key, sizes in FOLLOWS.items():
-            path = f"joint.{name}.{key}"
-            given, now = _value(joint, key), _derived(joint)[key]
+        for key, now in _derived(joint).items():
+            path, sizes = f"joint.{name}.{key}", FOLLOWS[key]
+            given = _value(joint, key)
             changed = _changed_above(layers, path, [f"joint.{name}.{size}" for size in sizes])
             source = machine.provenance.get(path)
             off = abs(given - now) > DEVIATION * abs(now)
@@ -93,7 +93,7 @@ def _derived(joint: Joint) -> dict[str, float]:
     mass, link = {"body.mass": body_mass(joint)}, joint.link
     if link is None:
         return mass
-    return {"link.centre": link.length / 2, "link.inertia": link.mass * link.length**2 / 12, **mass}
+    return {"link.centre": link.length / 2, "link.inertia": link.mass * link.length**2 / 12} | mass
 
 
 def _changed_above(layers: list[Layer], path: str, sizes: list[str]) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters
-from layflat.physics.arms import tips_along
+from layflat.physics.arms import joints_along, tips_along
 from layflat.physics.arms.planar import PlanarArmPart
 
 
@@ -25,6 +25,24 @@ def tip_position(machine: Machine, q: Array) -> Array:
     rows = np.ascontiguousarray(q.reshape(-1, q.shape[-1]))
     tips: Array = tips_along(parameters.arm(machine), (0.0,) * q.shape[-1], rows)
     return tips.reshape(*q.shape[:-1], tips.shape[-1])
+
+
+def joints_in_space(machine: Machine, q: Array) -> tuple[Array, Array]:
+    """Return where joints and tip are, (points, joints + 1, 3) in m, and the directions of the joints' axes, likewise.
+
+    Args:
+        machine: with an arm of any kind.
+        q: angles (points, joints), rad.
+    """
+    found: tuple[Array, Array] = joints_along(parameters.arm(machine), (0.0,) * q.shape[-1], np.ascontiguousarray(q))
+    return found
+
+
+def jacobian(machine: Machine, q: Array) -> Array:
+    """Return by how much the tip moves with each joint, (points, 3, joints) in m/rad, at angles (points, joints)."""
+    places, axes = joints_in_space(machine, q)
+    moved: Array = np.cross(axes, places[:, -1:] - places[:, :-1]).swapaxes(1, 2)
+    return moved
 
 
 def links(machine: Machine) -> tuple[Array, Array]:
@@ -47,19 +65,30 @@ def directions(angles: Array) -> tuple[Array, Array]:
 
 
 def tip_motion(machine: Machine, q: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    """Return the first and second derivative of the tip's position, (points, 2) each, from those of the angles.
+    """Return the first and second derivative of the tip's position, (points, axes) each, from those of the angles.
 
     Args:
-        machine: with a planar arm.
+        machine: with an arm of any kind.
         q: angles (points, joints), rad.
         first: their derivatives by time, or by the length of a path.
         second: their second derivatives.
-
-    Raises:
-        MachineError: as `links`.
     """
+    if not isinstance(machine.arm, PlanarArmPart):
+        return _tip_motion_in_space(machine, q, first, second)
     lengths, bends = links(machine)
     along, across = directions(np.cumsum(q + bends, axis=-1))
     rate, change = (np.cumsum(of, axis=-1)[..., None] for of in (first, second))
     arms = lengths[:, None]
     return (arms * rate * across).sum(axis=-2), (arms * (change * across - rate**2 * along)).sum(axis=-2)
+
+
+def _tip_motion_in_space(machine: Machine, q: Array, first: Array, second: Array) -> tuple[Array, Array]:
+    # Each joint's own turn is carried along by those before it, and links are accelerated as by any rotation.
+    places, axes = joints_in_space(machine, q)
+    links, own = np.diff(places, axis=1), axes * first[..., None]
+    rate = np.cumsum(own, axis=1)
+    change = np.cumsum(axes * second[..., None] + np.cross(rate, own), axis=1)
+    speed = np.cross(rate, links)
+    moved, accelerated = speed.sum(axis=1), (np.cross(change, links) + np.cross(rate, speed)).sum(axis=1)
+    count = tip_position(machine, q[:1]).shape[-1]
+    return moved[:, :count], accelerated[:, :count]

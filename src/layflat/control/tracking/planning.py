@@ -24,7 +24,7 @@ from layflat.control.tracking.reference import (
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.algebra import diagonal, dot, greatest, largest, least, times
-from layflat.physics.arms import tip
+from layflat.physics.arms import tip_in_space
 
 SHORTEST = 1e-4  # path that is planned, rad
 REST = 1e-3  # velocity of a goal below which it is at rest, rad/s
@@ -117,15 +117,15 @@ def stays(path, goals):
 
 
 @law
-def _difference(x, y):
-    return x - y
+def _distance(a, b):
+    x, y, z = a.x - b.x, a.y - b.y, a.z - b.z
+    return sqrt(x * x + y * y + z * z)
 
 
 @composition
 def tip_distance(arm, q, p):
     """Return the distance of the tips of an arm at two postures, m."""
-    between = each(_difference, tip(arm, q), tip(arm, p))
-    return sqrt(dot(between, between))
+    return _distance(tip_in_space(arm, q), tip_in_space(arm, p))
 
 
 @law

@@ -46,6 +46,8 @@ class ArmLaws:
     """`points(arm, q)` yields positions of all joints from the base on, and of the tip, m: (x, y), x along link 1 at
     mid-stroke; or (x, y, z) in the frame of the base."""
     axes: int = 2  # of these positions
+    turning: Law | None = None
+    """`turning(arm, q)` yields the direction of each joint's axis, (x, y, z) of length 1; None: all turn about z."""
 
 
 @dataclass(frozen=True, kw_only=True)

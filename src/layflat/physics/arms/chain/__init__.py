@@ -1,7 +1,7 @@
 """Arms in space: serial chains of joints and links."""
 
 from layflat.physics.arms.chain.description import ChainPart
-from layflat.physics.arms.chain.laws import Chain, dynamics, points
+from layflat.physics.arms.chain.laws import Chain, dynamics, points, turning
 from layflat.physics.arms.chain.parameters import parameters
 from layflat.physics.arms.kind import ArmKind, ArmLaws
 
@@ -10,5 +10,5 @@ KIND = ArmKind(
     description=ChainPart,
     parameters=parameters,
     parameter_types=(Chain,),
-    laws={Chain: ArmLaws(joints=None, dynamics=dynamics, points=points, axes=3)},
+    laws={Chain: ArmLaws(joints=None, dynamics=dynamics, points=points, axes=3, turning=turning)},
 )

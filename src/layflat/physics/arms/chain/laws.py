@@ -255,3 +255,14 @@ def points(arm, q):
     placed = frames(arm, q)
     hand = placed[len(q) - 1]
     return *each(_origin, placed), _held(arm.tool, hand)
+
+
+@law
+def _axis(frame):
+    return frame.axes.z
+
+
+@composition
+def turning(arm, q):
+    """Return the directions of the joints' axes (see `ArmLaws`)."""
+    return each(_axis, frames(arm, q))

@@ -1,0 +1,101 @@
+"""The moves that an arm is sized for, as its joints go through them: from rest to rest, each the way with least jerk.
+
+| symbol | meaning | unit |
+|---|---|---|
+| u | share of a move's time that has gone by | 1 |
+| s | share of its way that has, 10 u^3 - 15 u^4 + 6 u^5; at most 1.875 in its time, and accelerated by 5.774 | 1 |
+
+Source: flash1985.
+"""
+
+from itertools import cycle, islice, pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.design.arm.task import ArmTask
+from layflat.errors import DesignError
+from layflat.machine import Machine
+from layflat.motion.inverse import anywhere
+from layflat.motion.kinematics import tip_motion
+from layflat.motion.trajectory import States
+
+MOVES = 48  # that are drawn where a task gives none
+SEED = 0
+INSTANTS = 41  # of a move that are looked at
+
+
+class Moves(NamedTuple):
+    """Moves that a task asks for."""
+
+    starts: Array  # (moves, joints), rad
+    ends: Array
+    times: Array  # (moves,), s
+
+    @property
+    def states(self) -> States:
+        """Angles, velocities and accelerations at all instants of all moves, (moves x instants, joints) each."""
+        u = np.linspace(0.0, 1.0, INSTANTS)[:, None]
+        share = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
+        rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
+        way, time = (self.ends - self.starts)[:, None, :], self.times[:, None, None]
+        rows = self.starts[:, None, :] + share * way, rate * way / time, change * way / time**2
+        return States(*(of.reshape(-1, self.starts.shape[1]) for of in rows))
+
+    def by_move(self, values: Array) -> Array:
+        """Return values at all instants (moves x instants, ...) as (moves, instants, ...)."""
+        return values.reshape(len(self.times), INSTANTS, *values.shape[1:])
+
+
+def moves_of(task: ArmTask, machine: Machine) -> Moves:
+    """Return the moves of a task, for a machine with an arm of its shape.
+
+    Raises:
+        DesignError: the arm does not reach a point of the task; it names the nearest that it reaches.
+    """
+    starts, ends = _ways(task, machine)
+    moves = Moves(starts, ends, np.full(len(starts), task.time or 1.0))
+    if task.acceleration is None:
+        return moves
+    _, accelerated = tip_motion(machine, *moves.states)
+    greatest = np.linalg.norm(moves.by_move(accelerated), axis=2).max(axis=1)
+    return moves._replace(times=np.sqrt(greatest / task.acceleration))
+
+
+def _ways(task: ArmTask, machine: Machine) -> tuple[Array, Array]:
+    half = np.array([0.5 * joint.stroke for joint in task.chain])
+    draw = np.random.default_rng(SEED)
+    if task.poses or task.points:
+        stops = np.array(task.poses) if task.poses else _postures(task, machine, np.array(task.points))
+        rows = np.array(list(pairwise(islice(cycle(stops), len(stops) + 1))))
+        return rows[:, 0], rows[:, 1]
+    if task.volume is not None:
+        low, high = np.array(task.volume.low), np.array(task.volume.high)
+        corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+        shares = np.concatenate([corners, draw.uniform(size=(2 * MOVES - len(corners), 3))])
+        found = _postures(task, machine, low + shares * (high - low))
+        return found[: len(found) // 2][::-1], found[len(found) // 2 :]
+    # Postures with joints at their ends first: gravity is worst at some of them.
+    starts = draw.uniform(-1.0, 1.0, (MOVES, len(half)))
+    starts[: MOVES // 2] = np.sign(starts[: MOVES // 2])
+    ways = draw.uniform(-1.0, 1.0, starts.shape)
+    ways *= task.turn / np.abs(ways).max(axis=1, keepdims=True)
+    starts *= half
+    # A joint that would leave its stroke turns the other way.
+    ways = np.where(np.abs(starts + ways) > half, -ways, ways)
+    return starts, np.clip(starts + ways, -half, half)
+
+
+def _postures(task: ArmTask, machine: Machine, points: Array) -> Array:
+    found = anywhere(machine, points)
+    if not found.there.all():
+        worst = int(found.missing.argmax())
+        x, y, z = 1e3 * points[worst]
+        raise DesignError(
+            f"the point x = {x:.0f} mm, y = {y:.0f} mm, z = {z:.0f} mm is {1e3 * found.missing[worst]:.0f} mm "
+            "out of the arm's reach",
+            where=f"{task.origin}: points" if task.points else f"{task.origin}: volume",
+            right="give nearer points, longer links or wider strokes",
+        )
+    return found.angles

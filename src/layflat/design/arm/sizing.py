@@ -1,0 +1,138 @@
+"""Size an arm: from what it is to do to its joints, links and masses, as a description that simulates at once.
+
+Joints carry the joints after them, and have to be as strong as these are heavy, which they add to. So sizing goes
+through the arm until its masses stay as they are. In every round the moves of the task are gone through with the arm
+as it then is, which says what each joint has to give.
+"""
+
+from dataclasses import dataclass
+from math import degrees, pi
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from layflat.design.arm.described import Part, description
+from layflat.design.arm.links import tube
+from layflat.design.arm.moves import INSTANTS, Moves, moves_of
+from layflat.design.arm.task import ArmTask, JointTask
+from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, HOSE_WIDTHS, RANGES, RESERVE, SizingRequest
+from layflat.design.sized import BRAKE_SHARE
+from layflat.design.sizing import MODEL, size_joint
+from layflat.errors import DesignError
+from layflat.files import write_text
+from layflat.machine import Machine, load
+from layflat.machine.parameters import loss_share
+from layflat.motion.dynamics import rigid_torques
+from layflat.motion.limits import abilities
+from layflat.physics.hose import peeled_volume
+
+ROUNDS = 30
+SETTLED = 1.001  # by how much the torques of a settled arm may still rise from round to round
+LEAST_TORQUE = 1.0  # for which a joint is made, N m
+USABLE = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
+WIDE = 0.03  # valve of the model's size, over a valve that is small: none is made smaller
+
+
+class Need(NamedTuple):
+    """What the moves of a task ask of a joint, without margin."""
+
+    torque: float  # greatest, N m
+    static: float  # of gravity alone, N m
+    speed: float  # rad/s
+
+
+@dataclass(frozen=True)
+class SizedArm:
+    """An arm that was sized."""
+
+    task: ArmTask
+    moves: Moves
+    parts: tuple[Part, ...]  # from base to tip
+    needs: tuple[Need, ...]
+    toml: str  # its description, each value with its provenance
+    machine: Machine  # that this text describes
+
+    @property
+    def mass(self) -> float:
+        """Of all joints and links, kg."""
+        return sum(part.joint.design.mass.body + part.tube.mass for part in self.parts)
+
+    def write(self, path: Path) -> Path:
+        """Write the description to a TOML file; raise OutputError if it can't be written there."""
+        return write_text(path, self.toml)
+
+
+def size_arm(task: ArmTask) -> SizedArm:
+    """Size an arm for a task.
+
+    Raises:
+        DesignError: a joint would have to give more than any of its kind can, or the arm does not reach where it is to.
+    """
+    torques, moves = [LEAST_TORQUE] * len(task.chain), None
+    for _ in range(ROUNDS):
+        parts = [_part(task, *of) for of in zip(task.chain, torques, strict=True)]
+        _, machine = description(task, parts)
+        moves = moves or moves_of(task, machine)
+        needs = _needs(task, machine, moves)
+        wanted = [_wanted(task, *of) for of in zip(parts, needs, strict=True)]
+        if all(now <= SETTLED * before for now, before in zip(wanted, torques, strict=True)):
+            return _finished(task, moves, parts, needs, machine)
+        torques = [max(of) for of in zip(wanted, torques, strict=True)]
+    raise DesignError(
+        "its masses do not settle", where=task.origin, right="ask for less reach or payload, or more time"
+    )
+
+
+def _part(task: ArmTask, joint: JointTask, torque: float) -> Part:
+    where = f"{task.origin}: joint {joint.name!r}"
+    greatest = _greatest(joint, task.supply)
+    if torque > greatest:
+        asked = (
+            f"would have to give {torque:.0f} N m over {degrees(joint.stroke):.0f} deg at {task.supply / 1e5:.3g} bar"
+        )
+        what = f"{asked}, {torque / greatest:.2g} times the {greatest:.0f} N m of the widest hose"
+        raise DesignError(what, where=where, right="ask for less reach, payload or speed, or give more pressure")
+    try:
+        sized = size_joint(SizingRequest(torque, joint.stroke, task.supply, name=joint.name))
+    except DesignError as error:
+        raise DesignError(f"{error.where}: {error.what}", where=where, right=error.right) from None
+    return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where), 1.0)
+
+
+def _greatest(joint: JointTask, supply: float) -> float:
+    """Return the torque of the widest hose over a stroke, N m."""
+    request = SizingRequest(LEAST_TORQUE, joint.stroke, supply)
+    (model,), wide = load(MODEL).joints.values(), HOSE_WIDTHS[-1]
+    contact_end = CONTACT_SHARE * request.wrap
+    swept = peeled_volume(CHOSEN_RATIO[1] * wide / 2, wide / pi, request.wrap, contact_end, model.hose.peel_ratio)
+    return min(float(swept) * supply / (joint.stroke + RESERVE), RANGES["torque"][2])
+
+
+def _needs(task: ArmTask, machine: Machine, moves: Moves) -> list[Need]:
+    states = moves.states
+    moving = np.abs(rigid_torques(machine, states, task.payload))
+    still = states._replace(velocities=0.0 * states.velocities, accelerations=0.0 * states.accelerations)
+    static = np.abs(rigid_torques(machine, still, task.payload))
+    rows = moving.max(axis=0), static.max(axis=0), np.abs(states.velocities).max(axis=0)
+    return [Need(*map(float, row)) for row in zip(*rows, strict=True)]
+
+
+def _wanted(task: ArmTask, part: Part, need: Need) -> float:
+    """Return the torque at supply pressure of a joint that gives what is needed, friction and losses besides, N m."""
+    (joint,) = part.joint.machine.joints.values()
+    left = USABLE * (1.0 - BRAKE_SHARE - 0.5 * float(loss_share(joint)))
+    return max(task.margin * need.torque / left, LEAST_TORQUE)
+
+
+def _finished(task: ArmTask, moves: Moves, parts: list[Part], needs: list[Need], machine: Machine) -> SizedArm:
+    """Return the arm with valves that feed its hoses in all moves, and turn their pressures as fast as these ask."""
+    able, states = abilities(machine), moves.states
+    torques = moves.by_move(rigid_torques(machine, states, task.payload))
+    # Air that turns a joint is missing for its torque.
+    held = moves.by_move(able.stiffness * states.angles)
+    steps = np.diff(torques + held, axis=1) * ((INSTANTS - 1) / moves.times)[:, None, None]
+    rates = np.abs(steps).max(axis=(0, 1))
+    sizes = task.margin * np.maximum([need.speed for need in needs] / able.speed, rates / able.rate)
+    fitted = [part._replace(valve_size=max(float(size), WIDE)) for part, size in zip(parts, sizes, strict=True)]
+    return SizedArm(task, moves, tuple(fitted), tuple(needs), *description(task, fitted))
