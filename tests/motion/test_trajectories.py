@@ -72,7 +72,7 @@ def test_a_pendulum_switches_where_its_phase_curves_meet() -> None:
     def squared_speed(begin: float, end: float, sign: float) -> tuple[np.ndarray, np.ndarray]:
         def slope(q: float, b: np.ndarray) -> np.ndarray:
             _, pull = parameters.mass_and_pull(arm, mass, [q])
-            return 2.0 * (sign * torque - pull) / inertia(machine) + 0.0 * b
+            return 2.0 * (sign * torque + pull) / inertia(machine) + 0.0 * b
 
         at = np.linspace(begin, end, 2001)
         return at, solve_ivp(slope, (begin, end), [0.0], t_eval=at, rtol=1e-10, atol=1e-12).y[0]

@@ -3,8 +3,8 @@
 | symbol | meaning | unit |
 |---|---|---|
 | s | how far along a path, q(s) | m or rad |
-| m, c, g | torques per acceleration s'', per s'^2, and of gravity | N m per that |
-| M, h | mass matrix; torques of the velocities, quadratic in them | kg m2, N m |
+| m, c, g | torques that are needed per acceleration s'', per s'^2, and against gravity | N m per that |
+| M, h | mass matrix; torques against those of the velocities, quadratic in them | kg m2, N m |
 
 M q'' + h + g with q' = dq/ds s' and q'' = dq/ds s'' + d2q/ds2 s'^2 is m s'' + c s'^2 + g, with m = M dq/ds and
 c = M d2q/ds2 + h(dq/ds). Source: bobrow1985.
@@ -51,7 +51,7 @@ def hose_torques(machine: Machine, able: Ability, states: States, payload: float
 
 
 def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
-    """Return mass matrices (instants, joints, joints), and torques of velocities and of gravity (instants, joints)."""
+    """Return mass matrices (instants, joints, joints); torques against velocities and gravity, (instants, joints)."""
     arm, n = parameters.arm(machine), angles.shape[1]
     postures = zip(angles.tolist(), velocities.tolist(), strict=True)
     rows = [dynamics(arm, payload, tuple(q), tuple(v)) for q, v in postures]
@@ -59,7 +59,7 @@ def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: flo
     mass = np.zeros((len(rows), n, n))
     across, down = np.triu_indices(n)
     mass[:, across, down] = mass[:, down, across] = upper
-    return mass, of_velocities, gravity
+    return mass, -of_velocities, -gravity
 
 
 def _times(mass: Array, of: Array) -> Array:

@@ -19,7 +19,7 @@ from layflat.motion.kinematics import tip_motion
 from layflat.motion.limits import Ability, TipLimits, check_holds
 from layflat.motion.path import Path
 
-INTERVALS = 200  # of the grid; with half as many more a motion takes 0.02 % less or more
+INTERVALS = 240  # of the grid; with half as many more a motion takes 0.02 % less or more
 SLOWER = 1.02 * 1.3 ** np.arange(50.0)  # by these a motion is slowed down, until it keeps its limits
 SIDES = 16  # of the polygon in which accelerations of the tip are kept, in place of a circle
 STILL = 1e-9  # a derivative by s of an angle or of the tip that is smaller asks for nothing
