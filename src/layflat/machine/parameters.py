@@ -25,6 +25,7 @@ from layflat.errors import MachineError
 from layflat.lanes import mapped
 from layflat.machine import parts, tube
 from layflat.machine.model import AngleSensor, Machine, PressureSensor
+from layflat.machine.single_acting import second_hoses, springs
 from layflat.machine.tube import Line
 from layflat.physics.adjustable import FIXED, Adjustable, Adjustables
 from layflat.physics.air_balance import SMOOTHING, AirParts
@@ -136,7 +137,10 @@ def joints(machine: Machine) -> tuple[Joint, ...]:
     """All laws of every joint, from base to tip; all with strokes of one kind, so that they can go side by side."""
     even = all(described.output.kind == "cam" for described in machine.joints.values())
     rubbing = frictions(machine)
-    return tuple(_joint(machine, name, rubbing[name], even=even) for name in machine.joints)
+    return tuple(
+        _joint(machine, name, rubbing[name], even=even)._replace(spring=spring, second=second)
+        for name, spring, second in zip(machine.joints, springs(machine), second_hoses(machine), strict=True)
+    )
 
 
 def friction(joint: parts.Joint) -> Any:

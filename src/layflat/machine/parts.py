@@ -179,8 +179,15 @@ class Regulator(Part):
     stroke_time: u.Time = Field(description="from none of the gauge pressure to all of it")
 
 
+class Spring(Part):
+    """A spring on the shaft: it brings back a joint with a single hose, or bears part of what the arm weighs."""
+
+    torque: u.AnyTorque = Field(description="at mid-stroke; one above 0 turns the joint forward, as hose A does")
+    stiffness: u.Stiffness = Field(default=0.0, description="by which that torque falls as the joint turns forward")
+
+
 class Joint(Part):
-    """One joint; `acting` says whether one hose pulls, or two against each other."""
+    """One joint; `acting` says whether one hose pulls, which turns it forward, or two against each other."""
 
     acting: Literal["single", "double"]
     hose: Hose
@@ -197,6 +204,7 @@ class Joint(Part):
     friction: Annotated[FrictionPart, AnyOf(FRICTION)] | None = None
     line: Line | None = Field(default=None, description="tube from the valve to each hose; default: the machine's")
     regulator: Regulator | None = Field(default=None, description="default: the valve gets the supply as it is")
+    spring: Spring | None = Field(default=None, description="default: none")
     gains: Gains | None = None
     valve_size: u.Ratio = Field(
         default=1.0, description="flow of this joint's valve over that of `valve`, open or shut"
@@ -221,6 +229,8 @@ class Joint(Part):
     def _fits(self) -> Self:
         if self.output.radius >= self.cylinder.diameter / 2:
             raise ValueError("output.radius must be smaller than the cylinder's radius")
+        if self.acting == "single" and self.regulator is not None:
+            raise ValueError("regulator needs two hoses: the pressure in a single one is its torque; leave it out")
         if self.hose.width * 4 <= self.cylinder.diameter * (self.hose.wrap - self.hose.contact_end):
             raise ValueError("hose.width is too small for this cylinder and wrap: Eq. (1) would give no torque")
         return self

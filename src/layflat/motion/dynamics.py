@@ -16,6 +16,7 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.machine import Machine, parameters
+from layflat.machine.single_acting import needed_at_rest
 from layflat.motion.limits import Ability
 from layflat.motion.path import Path
 from layflat.motion.trajectory import States
@@ -39,7 +40,7 @@ def path_torques(machine: Machine, path: Path, s: Array, payload: float) -> Path
 
 
 def rigid_torques(machine: Machine, states: States, payload: float) -> Array:
-    """Return the torques that move the masses and hold them against gravity, (instants, joints), N m."""
+    """Return the torques that move the masses and hold them with the springs, (instants, joints), N m."""
     mass, of_velocities, gravity = _rigid_body(machine, states.angles, states.velocities, payload)
     return _times(mass, states.accelerations) + of_velocities + gravity
 
@@ -51,15 +52,19 @@ def hose_torques(machine: Machine, able: Ability, states: States, payload: float
 
 
 def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
-    """Return mass matrices (instants, joints, joints); torques against velocities and gravity, (instants, joints)."""
-    arm, n = parameters.arm(machine), angles.shape[1]
-    postures = zip(angles.tolist(), velocities.tolist(), strict=True)
-    rows = [dynamics(arm, payload, tuple(q), tuple(v)) for q, v in postures]
-    upper, of_velocities, gravity = (np.array(column) for column in zip(*rows, strict=True))
-    mass = np.zeros((len(rows), n, n))
+    """Return mass matrices (instants, joints, joints), torques against velocities and to stay, (instants, joints)."""
+    arm, (count, n) = parameters.arm(machine), angles.shape
+    if machine.kinds:  # laws from outside may not be ones for arrays
+        postures = zip(angles.tolist(), velocities.tolist(), strict=True)
+        rows = [dynamics(arm, payload, tuple(q), tuple(v)) for q, v in postures]
+        upper, of_velocities, pulls = (np.array(column) for column in zip(*rows, strict=True))
+    else:
+        found = dynamics(arm, payload, tuple(angles.T), tuple(velocities.T))
+        upper, of_velocities, pulls = (np.stack([np.broadcast_to(one, count) for one in of], axis=1) for of in found)
+    mass = np.zeros((count, n, n))
     across, down = np.triu_indices(n)
     mass[:, across, down] = mass[:, down, across] = upper
-    return mass, -of_velocities, -gravity
+    return mass, -of_velocities, needed_at_rest(machine, pulls, angles)
 
 
 def _times(mass: Array, of: Array) -> Array:

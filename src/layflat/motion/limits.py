@@ -26,6 +26,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import MachineError
 from layflat.machine import Machine, parameters, tube
+from layflat.machine.single_acting import needed_at_rest
 from layflat.machine.tube import Line
 from layflat.physics.air_balance import REFERENCE_PRESSURE
 from layflat.physics.flow import effective_pressure, laminar_slope
@@ -101,11 +102,10 @@ def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | N
     """
     mass = machine.arm.payload if payload is None else payload
     able = abilities(machine)
-    # Greatest inertias (joints, joints; kg m2) and torques of gravity (joints,; N m) on the way.
-    arm = parameters.arm(machine)
-    on_way = [parameters.mass_and_pull(arm, mass, angles) for angles in np.linspace(start, end, POSTURES)]
-    inertia, gravity = (np.abs(found).max(axis=0) for found in zip(*on_way, strict=True))
-    torque = able.torque - able.friction - gravity
+    arm, way = parameters.arm(machine), np.linspace(start, end, POSTURES)
+    masses, pulls = zip(*(parameters.mass_and_pull(arm, mass, angles) for angles in way), strict=True)
+    inertia, held = np.abs(masses).max(axis=0), needed_at_rest(machine, np.array(pulls), way)
+    torque = np.minimum(able.torque - able.friction - held, held - able.least_torque - able.friction).min(axis=0)
     if torque.min() <= 0.0:
         name = list(machine.joints)[int(torque.argmin())]
         problem = f"joint {name!r} can't hold {mass:g} kg against gravity and its brake"

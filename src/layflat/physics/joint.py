@@ -1,17 +1,19 @@
 """One joint: two hoses that work against each other, their valve, the losses and the stops; parameters and state.
 
-Hose A turns the joint forward, hose B back. How a joint moves stands in step.py.
+Hose A turns the joint forward, hose B back. A single-acting joint has no hose B: a spring or the weight of its arm
+turns it back, and that port of its valve is plugged. How a joint moves stands in step.py.
 """
 
 from typing import Any, NamedTuple
 
-from layflat.jit import law
+from layflat.jit import by_kind, law
 from layflat.physics.adjustable import ALL_FIXED, Adjustables
 from layflat.physics.chamber import Chamber, air_mass, energy
-from layflat.physics.hose import ConstantStroke, Stroke, swept_volume
+from layflat.physics.hose import ConstantStroke, Stroke, swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import at_rest as relaxed
 from layflat.physics.line import NoLine, air_at
 from layflat.physics.sensor import Sensor
+from layflat.physics.spring import NoSpring, spring_torque
 from layflat.physics.stop import Stops
 from layflat.physics.valves import at_rest
 
@@ -37,6 +39,30 @@ class Hose(NamedTuple):
     line: Any = NoLine()
 
 
+class TwoHoses(NamedTuple):
+    """A joint with hoses on both sides, beside others that all have them."""
+
+
+class SecondHose(NamedTuple):
+    """A joint beside others that may have a single hose: 1 where it has hose B, 0 where that is missing."""
+
+    there: float
+
+
+@law
+def _surely(second):  # noqa: ARG001
+    return 1.0
+
+
+@law
+def _whether(second):
+    return second.there
+
+
+has_second = by_kind({TwoHoses: _surely, SecondHose: _whether})
+"""1 where a joint has hose B, else 0: `has_second(joint.second)`."""
+
+
 class Joint(NamedTuple):
     """Parameters of a joint; hose A turns it forward, hose B back."""
 
@@ -50,6 +76,8 @@ class Joint(NamedTuple):
     angle_sensor: Sensor
     pressure_sensor: Sensor
     adjustables: Adjustables = ALL_FIXED
+    second: TwoHoses | SecondHose = TwoHoses()
+    spring: Any = NoSpring()
 
 
 class Surroundings(NamedTuple):
@@ -144,6 +172,22 @@ def joint_at_rest(joint, q, p_1, p_2, around):
     a = hose_at_rest(joint.hose_a, joint.hose_a.neutral + q, p_1, T, p_a)
     b = hose_at_rest(joint.hose_b, joint.hose_b.neutral - q, p_2, T, p_a)
     return JointState(Motion(q, 0.0, 0.0), at_rest(joint.valve), a, b, Ledger(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+
+
+@law
+def pressures_at_rest(joint, q, pull, around):
+    """Return the absolute pressures in hoses A and B (Pa) that hold a joint against a pull (N m) as far as air can.
+
+    Two hoses are as full as leaks leave them; the air in place of a missing one is that outside.
+    """
+    p_s, p_a, second = around.supply_pressure, around.ambient_pressure, has_second(joint.second)
+    K = torque_per_pressure(joint.hose_a.stroke, joint.hose_a.neutral + q)
+    K = K + second * torque_per_pressure(joint.hose_b.stroke, joint.hose_b.neutral - q)
+    p = second * (FILLED * p_s) + (1.0 - second) * p_a
+    shift = -(pull + spring_torque(joint.spring, q)) / K
+    least = min(p, p_a)
+    p_1, p_2 = min(max(p + shift, least), p_s), min(max(p - shift, least), p_s)
+    return p_1, second * p_2 + (1.0 - second) * p_a
 
 
 @law

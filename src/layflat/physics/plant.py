@@ -1,13 +1,35 @@
 """The whole plant: an arm with its joints, advanced by a number of steps under constant drives."""
 
 from layflat.jit import Law, composition, kernel, law
-from layflat.lanes import abreast, apart, each, gather, halves, join, slots
+from layflat.lanes import abreast, apart, each, gather, halves, join, select, slots
 from layflat.physics.algebra import times
 from layflat.physics.arms import ARMS, dynamics
 from layflat.physics.friction import levels, rub_many, rub_one, rub_two
-from layflat.physics.joint import supplied
+from layflat.physics.joint import joint_at_rest, pressures_at_rest, supplied
 from layflat.physics.step import finish, midpoint, pack, unpack
 from layflat.physics.valves import turn_wave
+
+
+@law
+def _still(q):
+    return 0.0 * q
+
+
+@law
+def _resting(joint, q, p_1, p_2, pull, around):
+    a, b = pressures_at_rest(joint, q, pull, around)
+    # What is not given is not a number.
+    return joint_at_rest(joint, q, select(p_1 == p_1, p_1, a), select(p_2 == p_2, p_2, b), around)  # noqa: PLR0124
+
+
+@composition
+def at_rest(arm, joints, angles, firsts, seconds, around):
+    """Return the states of joints at rest at angles (rad), tuples; pressures in hoses A and B (Pa) may be nan.
+
+    Those are then what holds the arm against gravity and springs, as far as air can.
+    """
+    _, _, pulls = dynamics(arm, around.payload, angles, each(_still, angles))
+    return each(_resting, joints, angles, firsts, seconds, pulls, around)
 
 
 @composition

@@ -21,8 +21,9 @@ from layflat.lanes import halves, join, total
 from layflat.physics.chamber import pressure_after_swelling, temperature_both_ways, wall_heat
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques, turned
-from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion
+from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion, has_second
 from layflat.physics.line import exchange
+from layflat.physics.spring import spring_torque
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import move
 
@@ -114,8 +115,9 @@ def midpoint(joint, running, command, wave, around, h):
     motion = running.motion
     q = motion.angle + 0.5 * h * motion.velocity
     v = motion.velocity + 0.5 * motion.velocity_change
-    # What fills hose A vents hose B.
+    # What fills hose A vents hose B, where that is not missing and its port plugged.
     valve, fills, vents = move(joint.valve, running.valve, command, wave, h)
+    second = has_second(joint.second)
     # The elements follow the angle from middle to middle: their last turn ended half a step before this one began.
     turn = h * motion.velocity
     hoses, gas, loss, damped, taken = _exchange_gas(
@@ -124,15 +126,16 @@ def midpoint(joint, running, command, wave, around, h):
         join(joint.hose_a.neutral + q, joint.hose_b.neutral - q),
         join(turn, turn),
         join(joint.valve, joint.valve),
-        join(fills, vents),
-        join(vents, fills),
+        join(fills, second * vents),
+        join(vents, second * fills),
         join(around, around),
         h,
     )
     (gas_a, gas_b), (loss_a, loss_b), (taken_a, taken_b) = halves(gas), halves(loss), halves(taken)
     damped_a, damped_b = halves(damped)
     damping = joint.viscous_friction + stop_damping(joint.stops, q) + (damped_a + damped_b)
-    torque = (gas_a - gas_b) - (loss_a + loss_b) + (stop_torque(joint.stops, q) - damping * v)
+    elastic = stop_torque(joint.stops, q) + spring_torque(joint.spring, q)
+    torque = (gas_a - gas_b) - (loss_a + loss_b) + (elastic - damping * v)
     gas, pull = gas_a - gas_b, gas_a + gas_b
     return Middle(q, v, valve, hoses, gas, loss_a + loss_b, torque, damping, pull, taken_a + taken_b)
 

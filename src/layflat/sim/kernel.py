@@ -7,13 +7,13 @@ import numpy as np
 
 from layflat.control import wake
 from layflat.jit import composition, kernel, law
-from layflat.lanes import in_lanes, slots, total, write_row
+from layflat.lanes import gather, in_lanes, slots, total, write_row
 from layflat.physics.adjustable import FULL
 from layflat.physics.chamber import temperature
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.hysteresis import stored, torques
-from layflat.physics.joint import Drive, Surroundings, is_sound, joint_at_rest
-from layflat.physics.plant import advance
+from layflat.physics.joint import Drive, Surroundings, is_sound
+from layflat.physics.plant import advance, at_rest
 from layflat.physics.valves import net_opening, start_wave
 from layflat.sim.cycle import Acting, Loop, Wanted, control_cycle, sense_all
 
@@ -129,9 +129,9 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     """Run all cycles of a scenario from rest.
 
     Args: parameter tuples of `physics` and `control`: of the arm, of the joints, of the control law, of the air; start
-    angles (joints,) in rad; start pressures (joints, 2) in Pa; `Signals`; `Timing`; how many signals the law reports of
-    a joint. Returns the records (instants, joints, columns of `Sample`), those of the law's report (instants, joints,
-    reported), how many instants are valid, and the joint that diverged (-1: none).
+    angles (joints,) in rad; start pressures (joints, 2) in Pa, nan for those that hold the arm; `Signals`; `Timing`;
+    how many signals the law reports of a joint. Returns the records (instants, joints, columns of `Sample`), those of
+    the law's report (instants, joints, reported), how many instants are valid, and the joint that diverged (-1: none).
     """
     cycles, n = signals.demand.shape
     rows = cycles * timing.records + 1
@@ -139,11 +139,10 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     sub, h = timing.steps // timing.records, timing.cycle / timing.steps
     around = _surroundings(air, signals, 0)
     joints = slots(like)
-    states = slots(like, joint_at_rest(joints[0], angles[0], pressures[0, 0], pressures[0, 1], around))
+    firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
+    states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
     calm = _acting(signals, 0, 0)
     acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    for j in range(1, n):
-        states[j] = joint_at_rest(joints[j], angles[j], pressures[j, 0], pressures[j, 1], around)
     loop = Loop(
         acting,
         slots(like, Drive(0.0, 0.0, 0.0, 0.0)),

@@ -10,7 +10,7 @@ from layflat.errors import DivergedError
 from layflat.lanes import leaves, write_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.driven import AIR, Plant
-from layflat.physics.joint import FILLED, Surroundings
+from layflat.physics.joint import Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
 from layflat.sim.run import start_angles, start_pressures, timing_of
@@ -27,8 +27,8 @@ class SteppedPlant(Plant):
     Args:
         machine: the machine.
         start: angles at which it rests at first.
-        pressures: absolute pressures of the hoses A and B at first, of all joints or by joint; at equal leakage where
-            not given.
+        pressures: absolute pressures of the hoses A and B at first, of all joints or by joint; where not given those
+            that hold the arm.
         seed: of the sensors' noise.
         noise: whether the sensors are noisy.
         step: of the plant; rounded so that a control cycle is a whole number of steps.
@@ -54,20 +54,18 @@ class SteppedPlant(Plant):
         scenario, n = Scenario(start=start, pressures=pressures), len(machine.joints)
         self.joints = tuple(machine.joints)
         self._steps, self._h = timing.steps, cycle / timing.steps
-        self._machine = Setting(
-            parameters.arm(machine), parameters.joints(machine), cycle, parameters.surroundings(machine)
-        )
+        around = parameters.surroundings(machine)
+        if payload is not None:
+            around = around._replace(payload=u.quantity(payload, u.MASS, "payload"))
+        self._machine = Setting(parameters.arm(machine), parameters.joints(machine), cycle, around)
         self._setting = np.array(list(leaves(self._machine)))
         super().__init__(self._machine.joints, self._setting[-len(Surroundings._fields) :], self._h)
         angles = start_angles(scenario, machine, np.zeros((1, n)))
-        filled = start_pressures(scenario, machine, FILLED * machine.supply.pressure)
-        kept = [kept_at_rest(self._machine, j, float(angles[j]), filled[j].tolist(), self._h) for j in range(n)]
+        kept = kept_at_rest(self._machine, angles, start_pressures(scenario, list(machine.joints)), self._h)
         self._kernels, self._like = stepping(self._machine, kept[0]), kept[0]
         self._kept = np.array([list(leaves(one)) for one in kept])
         self._at, self._due, self._grips = 0, -1, np.zeros(n)
         self._noise = noise_samples(seed if noise else None, n)
-        if payload is not None:
-            self.payload = u.quantity(payload, u.MASS, "payload")
         # Compiled now, not while a clock runs.
         self._move_to(0)
         self._kernels.sample(self._setting, self._kept, np.zeros((n, 2)), np.empty((2, n)))

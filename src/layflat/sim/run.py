@@ -13,7 +13,7 @@ from layflat.control.running import running
 from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, load, parameters
-from layflat.physics.joint import FILLED, Joint, Surroundings
+from layflat.physics.joint import Joint, Surroundings
 from layflat.physics.step import STEP
 from layflat.sim.kernel import Signals, Timing, run_cycles
 from layflat.sim.scenario import Scenario, Signal, Value, checked_options, signals, spread
@@ -131,7 +131,7 @@ def prepare(
         parameters.control(driver, closed_loop=scenario.closed_loop),
         parameters.surroundings(machine),
         start_angles(scenario, machine, acting.demand),
-        start_pressures(scenario, machine, FILLED * acting.supply[0]),
+        start_pressures(scenario, list(machine.joints)),
         acting,
         timing,
     )
@@ -161,21 +161,22 @@ def start_angles(scenario: Scenario, machine: Machine, demand: Array) -> Array:
     return angles
 
 
-def start_pressures(scenario: Scenario, machine: Machine, usual: float) -> Array:
-    """Absolute pressures of hoses A and B at the start, Pa, (joints, 2); `usual` where the scenario gives none.
+def start_pressures(scenario: Scenario, names: list[str]) -> Array:
+    """Absolute pressures of hoses A and B of these joints at the start, Pa, (joints, 2); nan where none is given.
 
     Raises:
         InputError: they are not above vacuum, or of a joint that is not there.
     """
-    given, names = scenario.pressures, list(machine.joints)
+    given = scenario.pressures
     each = dict(given) if isinstance(given, Mapping) else dict.fromkeys(names, given)
     unknown = sorted(set(each) - set(names))
     if unknown:
         raise InputError(f"unknown joint {unknown[0]!r}", where="pressures", right=f"joints are {', '.join(names)}")
-    pairs = [each.get(name) or (usual, usual) for name in names]
-    pressures = np.array([[u.quantity(value, u.PRESSURE, "pressures") for value in pair] for pair in pairs])
-    if pressures.min() <= 0.0:
-        raise InputError(
-            f"{pressures.min():g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"'
-        )
+    pressures = np.full((len(names), 2), np.nan)
+    for j, name in enumerate(names):
+        if each.get(name):
+            pressures[j] = [u.quantity(value, u.PRESSURE, "pressures") for value in each[name]]
+    if np.any(pressures <= 0.0):
+        least = np.nanmin(pressures)
+        raise InputError(f"{least:g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
     return pressures

@@ -52,7 +52,7 @@ class Scenario:
         drift: shift of each valve's centre, V.
         supply: gauge pressure of the supply, Pa; default: the machine's.
         payload: kg; default: the machine's.
-        pressures: absolute pressures of the hoses A and B at the start, Pa, of all joints or by joint; at equal leakage
+        pressures: absolute pressures of the hoses A and B at the start, Pa, of all joints or by joint; those that hold
             where not given.
         noise: whether the sensors are noisy.
         seed: of the noise.

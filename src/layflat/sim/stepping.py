@@ -5,16 +5,17 @@ physics of a control cycle. A compiled kernel has to know which tuple the number
 machine.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from layflat.arrays import Array
 from layflat.jit import kernel, law
 from layflat.lanes import mapped, read_numbers, slots, write_numbers
 from layflat.physics.delay import NOTHING_ASKED, Line
 from layflat.physics.driven import Inputs, Outputs
 from layflat.physics.failing import through_hole
-from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound, joint_at_rest
-from layflat.physics.plant import advance
+from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound
+from layflat.physics.plant import advance, at_rest
 from layflat.physics.valves import driven, start_wave
 from layflat.sim.cycle import sense
 
@@ -52,11 +53,15 @@ class Stepping(NamedTuple):
     out (2, joints); noise: standard normal samples, (joints, 2)."""
 
 
-def kept_at_rest(setting: Setting, j: int, angle: float, pressures: Sequence[float], h: float) -> Carry:
-    """A joint at rest at an angle (rad), with absolute pressures in hoses A and B (Pa), for steps of h (s)."""
-    joint = setting.joints[j]
-    state = joint_at_rest(joint, angle, *pressures, setting.around)
-    return Carry(state, start_wave(joint.valve, 0.0, h), NOTHING_ASKED, 0.0)
+def kept_at_rest(setting: Setting, angles: Array, pressures: Array, h: float) -> list[Carry]:
+    """All joints at rest at angles (joints,), rad, for steps of h (s).
+
+    Pressures in hoses A and B, (joints, 2), are absolute, Pa; where they are not numbers they are what holds the arm.
+    """
+    firsts, seconds = (tuple(column) for column in pressures.T.tolist())
+    states = at_rest(setting.arm, setting.joints, tuple(angles.tolist()), firsts, seconds, setting.around)
+    joined = zip(setting.joints, states, strict=True)
+    return [Carry(state, start_wave(joint.valve, 0.0, h), NOTHING_ASKED, 0.0) for joint, state in joined]
 
 
 _known: dict[str, Stepping] = {}

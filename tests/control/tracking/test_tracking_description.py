@@ -81,7 +81,6 @@ def test_called_from_python_an_arm_at_its_goal_stays_there() -> None:
         (['payload_spread = "-1 kg"'], "controller.payload_spread"),
         (["reserve = 1.2"], "controller.reserve"),
         (["averaged = true"], "averaged"),
-        (["[joint.small]", 'acting = "single"'], "needs two hoses"),
     ],
 )
 def test_what_does_not_fit_is_said(tmp_path: Path, lines: list[str], says: str) -> None:

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from layflat.control.kind import ControllerPart
 from layflat.control.paper.gains import Gains, Phase, Settings
+from layflat.control.paper.load import DescribedLoad, NoLoad
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.errors import MachineError
@@ -22,6 +23,9 @@ class PaperControllerPart(ControllerPart):
     rest_speed: u.PositiveSpeed = Field(description="rule 2: below it the joint may be at rest")
     rest_time: u.Time = Field(description="rule 2: how long it has to be so slow")
     load_pressure: u.PositivePressure = Field(description="rule 3: below it there is no offset load")
+    known_load: bool = Field(
+        default=False, description="take off the differential pressure that holds the described arm at its demand"
+    )
 
 
 class PhaseGains(Part):
@@ -52,7 +56,8 @@ class PaperGainsPart(Part):
 
 def settings(shared: PaperControllerPart, machine: Any) -> Settings:
     """Settings of every joint; raise MachineError if a joint has no gains."""
-    return Settings(tuple(_gains(shared, machine, name) for name in machine.joints))
+    load = DescribedLoad(*machine.plant) if shared.known_load else NoLoad()
+    return Settings(tuple(_gains(shared, machine, name) for name in machine.joints), load)
 
 
 def _gains(shared: PaperControllerPart, machine: Any, name: str) -> Gains:

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from layflat.control.average import SIGNALS as AVERAGED
+from layflat.control.paper.load import DescribedLoad, NoLoad
 
 
 class Phase(NamedTuple):
@@ -40,6 +41,7 @@ class Settings(NamedTuple):
     """Settings of the whole arm: `Gains` of every joint."""
 
     joints: tuple[Gains, ...]
+    load: NoLoad | DescribedLoad = NoLoad()
 
 
 class Memory(NamedTuple):

@@ -17,7 +17,8 @@ Signs: a positive voltage above N fills hose A and turns the joint forward (see 
 from layflat.control.average import mean4, ripple4
 from layflat.control.kind import voltages_alone
 from layflat.control.paper.gains import Memories, Memory, Report
-from layflat.jit import law
+from layflat.control.paper.load import fed_back
+from layflat.jit import composition, law
 from layflat.lanes import each, select
 
 
@@ -82,16 +83,17 @@ def step_joint(gains, memory, x, dp, demand, elapsed):
     return after, voltage, Report(x_used, speed, dp_used, ripple, phase, short, long, learning)
 
 
-@law
+@composition
 def wake(settings, sensed):
     """Memory of a law that begins at these measurements."""
-    return Memories(each(wake_joint, settings.joints, sensed.angle, sensed.differential_pressure))
+    dp = fed_back(settings.load, sensed.angle, sensed.differential_pressure)
+    return Memories(each(wake_joint, settings.joints, sensed.angle, dp))
 
 
-@law
+@composition
 def step(settings, memory, sensed, demand, elapsed):
     """One cycle: memory, command, report (see control/kind.py)."""
-    x, dp = sensed.angle, sensed.differential_pressure
+    x, dp = sensed.angle, fed_back(settings.load, demand.angle, sensed.differential_pressure)
     joints, voltages, reports = each(step_joint, settings.joints, memory.joints, x, dp, demand.angle, elapsed)
     return Memories(joints), voltages_alone(voltages), reports
 

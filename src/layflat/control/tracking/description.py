@@ -27,7 +27,7 @@ from layflat.physics.air import GAMMA, GAS_CONSTANT, REFERENCE_DENSITY, REFERENC
 from layflat.physics.arrays import itemwise
 from layflat.physics.flow import effective_pressure
 from layflat.physics.hose import swept_volume, torque_per_pressure
-from layflat.physics.joint import FILLED, Joint, Surroundings
+from layflat.physics.joint import FILLED, Joint, Surroundings, has_second
 from layflat.physics.sensor import Sensor
 from layflat.physics.valves import VALVES
 
@@ -97,13 +97,6 @@ def _plant(machine: Any) -> Plant:
             where=f"{machine.origin}: controller.kind",
             right='give a valve of kind "spool", or the controller "paper"',
         )
-    single = next((name for name, joint in machine.joints.items() if joint.acting != "double"), None)
-    if single is not None:
-        raise MachineError(
-            "the tracking law needs two hoses at each joint",
-            where=f"{machine.origin}: joint.{single}.acting",
-            right='give "double", or the controller "paper"',
-        )
     mean = kind.mean.averaged
     whole = int(np.max([np.floor(np.max(joint.valve.delay) / machine.cycle + 1e-9) for joint in joints]))
     steps = (0.0,) * ceil(machine.cycle / STEP - 1e-9)
@@ -111,15 +104,22 @@ def _plant(machine: Any) -> Plant:
 
 
 def _ability(joint: Joint, around: Surroundings) -> ActuatorLimits:
-    """Return what a joint can do at mid-stroke, its hoses as full as leaks leave them."""
+    """Return what a joint can do at mid-stroke, its hoses as full as leaks leave them, a single one half full.
+
+    Two hoses give torque both ways, and one fills while the other is vented; a single one does either.
+    """
     hose, valve, p_s, p_a = joint.hose_a, joint.valve, around.supply_pressure, around.ambient_pressure
-    p = FILLED * p_s
+    second = has_second(joint.second)
+    p = second * (FILLED * p_s) + (1.0 - second) * (0.5 * (p_s + p_a))
     K = torque_per_pressure(hose.stroke, hose.neutral)
     V = hose.chamber.dead_volume + swept_volume(hose.stroke, hose.neutral) + GAMMA * hose.chamber.compliance * p
     b, s = valve.critical_ratio, valve.laminar_slope
-    flows = itemwise(effective_pressure, p_s, p, b, s) + itemwise(effective_pressure, p, p_a, b, s)
+    filled, vented = itemwise(effective_pressure, p_s, p, b, s), itemwise(effective_pressure, p, p_a, b, s)
+    flows = filled + vented if second else np.minimum(filled, vented)
     fed = valve.conductance * (REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE)
-    return ActuatorLimits(REACHED * K * (p_s - p_a), GAMMA * K * fed * flows / V, fed / K)
+    torque, alone = REACHED * K * (p_s - p_a), 0.5 * K * (p_s - p_a)
+    torque, middle = (torque, 0.0) if second else (0.5 * torque, alone)
+    return ActuatorLimits(torque, middle, GAMMA * K * fed * flows / V, fed / K)
 
 
 def _notch(valve: Any, T: float) -> float:

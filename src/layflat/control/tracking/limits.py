@@ -21,7 +21,8 @@ LEAST_INERTIA = 1e-3  # along a path, kg m2
 class ActuatorLimits(NamedTuple):
     """What hoses and valve of a joint can do."""
 
-    torque: float  # greatest, N m
+    torque: float  # greatest, to either side of the middle, N m
+    middle: float  # 0 with two hoses, N m
     rate: float  # of the torque with the valve open, N m/s
     speed: float  # at which an open valve just feeds the hoses, rad/s
 

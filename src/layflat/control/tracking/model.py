@@ -15,7 +15,16 @@ from layflat.lanes import each, gather, slots, total
 from layflat.physics.chamber import energy
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques
-from layflat.physics.joint import FILLED, AirTaken, HoseState, JointState, Motion, Surroundings, joint_at_rest
+from layflat.physics.joint import (
+    FILLED,
+    AirTaken,
+    HoseState,
+    JointState,
+    Motion,
+    Surroundings,
+    has_second,
+    joint_at_rest,
+)
 from layflat.physics.plant import advance
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import start_wave, weaken_wave
@@ -68,17 +77,18 @@ def _with_air(hose, state, travel, change, p_a):
 @law
 def placed(joint, state, q, v, change, around):
     """Return the state of a joint at another angle and velocity, with its differential pressure changed."""
-    p_a = around.ambient_pressure
-    a = _with_air(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, 0.5 * change, p_a)
-    b = _with_air(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -0.5 * change, p_a)
+    p_a, of_second = around.ambient_pressure, 0.5 * has_second(joint.second)
+    a = _with_air(joint.hose_a, state.hose_a, joint.hose_a.neutral + q, (1.0 - of_second) * change, p_a)
+    b = _with_air(joint.hose_b, state.hose_b, joint.hose_b.neutral - q, -of_second * change, p_a)
     return JointState(Motion(q, v, state.motion.velocity_change), state.valve, a, b, state.ledger)
 
 
 @law
 def at_rest(joint, q, dp, around):
     """Return the state of a joint at rest, at what its sensors say; its pressures as equal leaks would leave them."""
-    p = FILLED * around.supply_pressure
-    state = joint_at_rest(joint, q, p + 0.5 * dp, p - 0.5 * dp, around)
+    second = has_second(joint.second)
+    p = second * (FILLED * around.supply_pressure) + (1.0 - second) * around.ambient_pressure
+    state = joint_at_rest(joint, q, p + (1.0 - 0.5 * second) * dp, p - 0.5 * second * dp, around)
     return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0))
 
 

@@ -132,7 +132,7 @@ def tip_distance(arm, q, p):
 def _feasible(actuator, friction, joint, state, speed, inertial, steady, load):
     # Share of a torque that a joint can give.
     rubs = friction + abs(loss_torque(joint, state))
-    force = inertial + steady - load
+    force = inertial + steady - load - actuator.middle
     return (actuator.torque + select(force * speed > 0.0, -rubs, rubs)) / max(abs(force), 1e-3)
 
 

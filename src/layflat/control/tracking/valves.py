@@ -16,6 +16,7 @@ from layflat.physics.adjustable import regulated
 from layflat.physics.arms import dynamics
 from layflat.physics.delay import delayed
 from layflat.physics.joint import Drive
+from layflat.physics.spring import spring_torque
 
 LEAST_GAIN = 1e-3  # of torque by an open valve, N m, that counts
 OPEN = 0.99  # an opening that can't be greater
@@ -58,8 +59,8 @@ def _motion(state):
 
 
 @law
-def _against(velocity_torque, angle_torque):
-    return -velocity_torque - angle_torque
+def _against(joint, q, velocity_torque, angle_torque):
+    return -velocity_torque - (angle_torque + spring_torque(joint.spring, q))
 
 
 @composition
@@ -68,7 +69,7 @@ def free_response(plant, states, lines, estimate, asked, T):
     free = _run(plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, asked, T)
     q, v = each(_motion, free)
     mass, coriolis, pull = dynamics(plant.arm, estimate.payload, q, v)
-    return FreeResponse(free, q, v, mass, each(_against, coriolis, pull))
+    return FreeResponse(free, q, v, mass, each(_against, plant.joints, q, coriolis, pull))
 
 
 @law
@@ -89,9 +90,9 @@ def _commanded(opening, pumped, controls):
 
 
 @law
-def _lack(joint, after, opening, wanted, around):
+def _lack(joint, actuator, after, opening, wanted, around):
     missing = wanted - gas_torque(joint, after, around)
-    return select((abs(opening) > OPEN) & (wanted * missing > 0.0), missing, 0.0)
+    return select((abs(opening) > OPEN) & ((wanted - actuator.middle) * missing > 0.0), missing, 0.0)
 
 
 @composition
@@ -106,4 +107,4 @@ def valve_openings(settings, states, lines, response, estimate, asked, torques, 
     openings = each(_opening, plant.joints, settings.feedback, response.states, opened, full, torques, around)
     openings = each(_commanded, openings, asked.pumped, controls)
     after = _run(plant, states, lines, openings, passed, estimate, asked, T)
-    return openings, after, each(_lack, plant.joints, after, openings, torques, around)
+    return openings, after, each(_lack, plant.joints, settings.actuators, after, openings, torques, around)

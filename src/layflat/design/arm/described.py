@@ -10,8 +10,9 @@ from layflat.arrays import Array
 from layflat.description.library import Layer
 from layflat.description.provenance import Provenance, Sources, split
 from layflat.description.tables import Plain, parsed
-from layflat.design.arm.links import Tube
+from layflat.design.arm.links import WALL, Tube
 from layflat.design.arm.task import FALL, ArmTask, JointTask
+from layflat.design.arm.valves import Valve
 from layflat.design.sized import ASKED, OVERSHOOT_ROOM
 from layflat.design.sizing import MODEL, Sized
 from layflat.machine import Machine
@@ -32,7 +33,12 @@ class Part(NamedTuple):
     task: JointTask
     joint: Sized
     tube: Tube
-    valve_size: float
+    valve: Valve | None = None  # the model's until moves are known
+
+    @property
+    def torque(self) -> float:
+        """That it gives at supply pressure, N m."""
+        return self.joint.design.mean_torque
 
 
 def description(task: ArmTask, parts: Sequence[Part]) -> tuple[str, Machine]:
@@ -44,7 +50,8 @@ def description(task: ArmTask, parts: Sequence[Part]) -> tuple[str, Machine]:
         sources[path] = Provenance("given" if note == ASKED else "derived", note)
     for part in parts:
         joint, of = _joint(part)
-        plain.setdefault("joint", {})[part.task.name] = joint | plain["joint"].get(part.task.name, {})
+        joints = plain.setdefault("joint", {})
+        joints[part.task.name] = joint | joints.get(part.task.name, {})
         sources |= {f"joint.{part.task.name}.{path}": source for path, source in of.items()}
     text = to_toml({"extends": MODEL, "omits": list(OMITS)} | plain, sources)
     base = MACHINES.tables(MODEL)
@@ -92,7 +99,10 @@ def _rows(task: ArmTask, parts: Sequence[Part]) -> Rows:
     for part in parts:
         for key, value, note in _link(part, place):
             yield f"arm.link.{part.task.name}.{key}", value, note
-        yield f"joint.{part.task.name}.valve_size", float(f"{part.valve_size:.3g}"), "feeds the moves with margin"
+        if part.valve is not None:
+            flow = f"nominal flow of {part.valve.nominal_flow:.0f} l/min, 6 to 5 bar, which is sold"
+            size = float(f"{part.valve.size:.3g}")
+            yield f"joint.{part.task.name}.valve_size", size, f"{flow}: feeds the moves with margin"
         place = part.task.link
 
 
@@ -102,7 +112,7 @@ def _link(part: Part, place: tuple[float, ...]) -> Rows:
     yield "axis", [float(one) for one in task.axis], ASKED
     yield "place", _mm(place), "at the end of the link before"
     yield "turn", [f"{degrees(angle):.6g} deg" for angle in _turn(task)], ASKED
-    yield "mass", f"{tube.mass:.4g} kg", f"aluminium tube of {1e3 * tube.diameter:.0f} mm, wall 1.5 mm"
+    yield "mass", f"{tube.mass:.4g} kg", f"aluminium tube of {1e3 * tube.diameter:.0f} mm, wall {1e3 * WALL:g} mm"
     yield "centre", _mm(tuple(0.5 * one for one in task.link)), "middle of the tube"
     along, across = tube.moments
     inertia = across * np.eye(3) + (along - across) * np.outer(way, way)

@@ -1,11 +1,14 @@
 """Size an arm: from what it is to do to its joints, links and masses, as a description that simulates at once.
 
 Joints carry the joints after them, and have to be as strong as these are heavy, which they add to. So sizing goes
-through the arm until its masses stay as they are. In every round the moves of the task are gone through with the arm
-as it then is, which says what each joint has to give.
+through the arm, from joints that are as small as any, until each gives what the moves of the task ask of it with the
+arm as it then is. Joints only grow, in steps of whole millimetres of their cylinders, so this ends: with an arm that
+is no heavier than it has to be, or at a joint that no hose is wide enough for.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import degrees, pi
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +19,9 @@ from layflat.design.arm.described import Part, description
 from layflat.design.arm.links import tube
 from layflat.design.arm.moves import INSTANTS, Moves, moves_of
 from layflat.design.arm.task import ArmTask, JointTask
+from layflat.design.arm.valves import Valve, valves
 from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, HOSE_WIDTHS, RANGES, RESERVE, SizingRequest
+from layflat.design.rules import Finding
 from layflat.design.sized import BRAKE_SHARE
 from layflat.design.sizing import MODEL, size_joint
 from layflat.errors import DesignError
@@ -27,11 +32,8 @@ from layflat.motion.dynamics import rigid_torques
 from layflat.motion.limits import abilities
 from layflat.physics.hose import peeled_volume
 
-ROUNDS = 30
-SETTLED = 1.001  # by how much the torques of a settled arm may still rise from round to round
 LEAST_TORQUE = 1.0  # for which a joint is made, N m
 USABLE = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
-WIDE = 0.03  # valve of the model's size, over a valve that is small: none is made smaller
 
 
 class Need(NamedTuple):
@@ -50,6 +52,7 @@ class SizedArm:
     moves: Moves
     parts: tuple[Part, ...]  # from base to tip
     needs: tuple[Need, ...]
+    wanted: tuple[float, ...]  # torque that each joint has to give at supply pressure, N m
     toml: str  # its description, each value with its provenance
     machine: Machine  # that this text describes
 
@@ -58,46 +61,58 @@ class SizedArm:
         """Of all joints and links, kg."""
         return sum(part.joint.design.mass.body + part.tube.mass for part in self.parts)
 
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """What the design rules find, joint by joint, with the arm's own name."""
+        from layflat.design.summary import design_joint  # noqa: PLC0415  # SciPy takes long to import
+
+        return tuple(found for part in self.parts for found in design_joint(self.machine, part.task.name).findings)
+
     def write(self, path: Path) -> Path:
         """Write the description to a TOML file; raise OutputError if it can't be written there."""
         return write_text(path, self.toml)
 
 
-def size_arm(task: ArmTask) -> SizedArm:
+def size_arm(task: ArmTask, *, moves: Moves | None = None, tell: Callable[[int], None] = lambda _: None) -> SizedArm:
     """Size an arm for a task.
+
+    Args:
+        task: what it is to do.
+        moves: of this task, where they are known.
+        tell: is called with the number of each round through the arm.
 
     Raises:
         DesignError: a joint would have to give more than any of its kind can, or the arm does not reach where it is to.
     """
-    torques, moves = [LEAST_TORQUE] * len(task.chain), None
-    for _ in range(ROUNDS):
-        parts = [_part(task, *of) for of in zip(task.chain, torques, strict=True)]
+    parts, rounds = [_part(task, joint, LEAST_TORQUE) for joint in task.chain], 0
+    while True:
         _, machine = description(task, parts)
         moves = moves or moves_of(task, machine)
         needs = _needs(task, machine, moves)
         wanted = [_wanted(task, *of) for of in zip(parts, needs, strict=True)]
-        if all(now <= SETTLED * before for now, before in zip(wanted, torques, strict=True)):
-            return _finished(task, moves, parts, needs, machine)
-        torques = [max(of) for of in zip(wanted, torques, strict=True)]
-    raise DesignError(
-        "its masses do not settle", where=task.origin, right="ask for less reach or payload, or more time"
-    )
+        grown = [
+            part if torque <= part.torque else _part(task, part.task, torque)
+            for part, torque in zip(parts, wanted, strict=True)
+        ]
+        if grown == parts:
+            fitted = _with_valves(task, moves, parts, needs, machine)
+            return SizedArm(task, moves, fitted, tuple(needs), tuple(wanted), *description(task, fitted))
+        parts, rounds = grown, rounds + 1
+        tell(rounds)
 
 
 def _part(task: ArmTask, joint: JointTask, torque: float) -> Part:
     where = f"{task.origin}: joint {joint.name!r}"
     greatest = _greatest(joint, task.supply)
     if torque > greatest:
-        asked = (
-            f"would have to give {torque:.0f} N m over {degrees(joint.stroke):.0f} deg at {task.supply / 1e5:.3g} bar"
-        )
-        what = f"{asked}, {torque / greatest:.2g} times the {greatest:.0f} N m of the widest hose"
+        asked = f"would have to give at least {torque:.0f} N m over {degrees(joint.stroke):.0f} deg"
+        what = f"{asked} at {task.supply / 1e5:.3g} bar, {torque / greatest:.2f} times what the widest hose gives"
         raise DesignError(what, where=where, right="ask for less reach, payload or speed, or give more pressure")
     try:
         sized = size_joint(SizingRequest(torque, joint.stroke, task.supply, name=joint.name))
     except DesignError as error:
         raise DesignError(f"{error.where}: {error.what}", where=where, right=error.right) from None
-    return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where), 1.0)
+    return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where))
 
 
 def _greatest(joint: JointTask, supply: float) -> float:
@@ -122,11 +137,13 @@ def _wanted(task: ArmTask, part: Part, need: Need) -> float:
     """Return the torque at supply pressure of a joint that gives what is needed, friction and losses besides, N m."""
     (joint,) = part.joint.machine.joints.values()
     left = USABLE * (1.0 - BRAKE_SHARE - 0.5 * float(loss_share(joint)))
-    return max(task.margin * need.torque / left, LEAST_TORQUE)
+    return task.margin * need.torque / left
 
 
-def _finished(task: ArmTask, moves: Moves, parts: list[Part], needs: list[Need], machine: Machine) -> SizedArm:
-    """Return the arm with valves that feed its hoses in all moves, and turn their pressures as fast as these ask."""
+def _with_valves(
+    task: ArmTask, moves: Moves, parts: Sequence[Part], needs: Sequence[Need], machine: Machine
+) -> tuple[Part, ...]:
+    """Return the parts with valves that feed the hoses in all moves, and turn their pressures as fast as these ask."""
     able, states = abilities(machine), moves.states
     torques = moves.by_move(rigid_torques(machine, states, task.payload))
     # Air that turns a joint is missing for its torque.
@@ -134,5 +151,15 @@ def _finished(task: ArmTask, moves: Moves, parts: list[Part], needs: list[Need],
     steps = np.diff(torques + held, axis=1) * ((INSTANTS - 1) / moves.times)[:, None, None]
     rates = np.abs(steps).max(axis=(0, 1))
     sizes = task.margin * np.maximum([need.speed for need in needs] / able.speed, rates / able.rate)
-    fitted = [part._replace(valve_size=max(float(size), WIDE)) for part, size in zip(parts, sizes, strict=True)]
-    return SizedArm(task, moves, tuple(fitted), tuple(needs), *description(task, fitted))
+    sold = tuple(valves(machine))
+    return tuple(part._replace(valve=_valve(task, part, sold, size)) for part, size in zip(parts, sizes, strict=True))
+
+
+def _valve(task: ArmTask, part: Part, sold: Sequence[Valve], size: float) -> Valve:
+    for valve in sold:
+        if size <= valve.size:
+            return valve
+    flow = sold[-1].nominal_flow * size / sold[-1].size
+    what = f"needs a valve of {flow:.0f} l/min, {size / sold[-1].size:.2f} times the largest that is sold"
+    where = f"{task.origin}: joint {part.task.name!r}"
+    raise DesignError(what, where=where, right="ask for more time, or for less reach or payload")

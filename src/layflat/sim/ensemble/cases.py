@@ -15,7 +15,6 @@ from layflat.errors import InputError
 from layflat.lanes import leaves, mapped, read_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.arms import tip_in_space
-from layflat.physics.joint import FILLED
 from layflat.physics.noise import sensor_noise
 from layflat.sim.ensemble.kernel import Plan, Runs
 from layflat.sim.ensemble.results import Moves
@@ -163,11 +162,8 @@ class Cases:
         return np.array([self._begun(rows, f"angle.{name}", usual[:, j]) for j, name in enumerate(self.base.joints)])
 
     def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
-        """Pressures at the start, (joints, 2, runs)."""
-        given = np.array([each.supply[0] for each in self._shapes])[own]
-        gauge = np.where(np.isnan(given), self.at(rows, "scenario.supply", self.machine.supply.pressure_gauge), given)
-        usual = FILLED * (gauge + np.broadcast_to(self.machine.supply.ambient_pressure, self.count)[rows])
-        pairs = np.array([start_pressures(self.scenarios[s], self.base, p) for s, p in zip(own, usual, strict=True)])
+        """Pressures at the start, (joints, 2, runs); nan for those that hold the arm."""
+        pairs = np.array([start_pressures(scenario, list(self.base.joints)) for scenario in self.scenarios])[own]
         return np.array(
             [
                 [self._begun(rows, f"pressure_{hose}.{name}", pairs[:, j, i]) for i, hose in enumerate("ab")]

@@ -5,12 +5,12 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.control import wake
-from layflat.jit import composition, kernel
-from layflat.lanes import in_lanes, read_lanes, select, slots, width
+from layflat.jit import composition, kernel, law
+from layflat.lanes import each, gather, in_lanes, read_lanes, select, slots, width
 from layflat.physics.adjustable import FULL
 from layflat.physics.delay import NOTHING_ASKED
-from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings, joint_at_rest
-from layflat.physics.plant import advance
+from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings
+from layflat.physics.plant import advance, at_rest
 from layflat.physics.valves import start_wave
 from layflat.sim.cycle import Acting, Loop, Wanted, control_cycle, is_number, sense_all
 from layflat.sim.ensemble.watch import (
@@ -117,12 +117,20 @@ def _surroundings(scratch, air, runs, plan, first, k):
     return Surroundings(supply, air.supply_temperature, air.ambient_pressure, air.ambient_temperature, payload)
 
 
+@law
+def _with_air_alone(state):
+    return JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0))
+
+
 @composition
-def _at_rest(joint, runs, first, j, around):
-    angle = read_lanes(0.0, runs.angles[j : j + 1, first:])
-    p_1, p_2 = read_lanes((0.0, 0.0), runs.pressures[j, :, first:])
-    state = joint_at_rest(joint, angle, p_1, p_2, around)
-    return in_lanes(JointState(state.motion, state.valve, state.hose_a, state.hose_b, AirTaken(0.0)), angle)
+def _at_rest(arm, like, runs, first, around):
+    zero = 0.0 * around.ambient_pressure
+    angles, firsts, seconds = slots(like, zero), slots(like, zero), slots(like, zero)
+    for j in range(len(like)):
+        angles[j] = read_lanes(0.0, runs.angles[j : j + 1, first:])
+        firsts[j], seconds[j] = read_lanes((0.0, 0.0), runs.pressures[j, :, first:])
+    states = at_rest(arm, like, gather(like, angles), gather(like, firsts), gather(like, seconds), around)
+    return in_lanes(each(_with_air_alone, states), zero)
 
 
 @composition
@@ -137,7 +145,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     cycles, n = plan.shapes.shape[1], plan.shapes.shape[2]
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
-    states = slots(like, _at_rest(joints[0], runs, first, 0, around))
+    states = slots(_at_rest(arm, like, runs, first, around))
     calm = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero)
     acting, usual = slots(like, calm), slots(like, _usual(runs, first, 0))
     loop = Loop(
@@ -152,7 +160,6 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     begin_moves(watch, moves, runs.scenario, course, tracks, first)
     for j in range(1, n):
         usual[j] = _usual(runs, first, j)
-        states[j] = _at_rest(joints[j], runs, first, j, around)
     memory = in_lanes(wake(settings, sense_all(joints, like, states, acting)), zero)
     for k in range(cycles + 1):
         note(watch, results, moves, runs.scenario, arm, like, states, course, tracks, first, k, timing.cycle)

@@ -51,8 +51,8 @@ def as_chain(name: str = "paper-arm-fast") -> Machine:
     return build(*described(name, arm=arm), "chained")
 
 
-def random_arm(n: int, seed: int, gravity: float = 9.81, reach: float = 0.1) -> Machine:
-    """An arm of n small joints with axes any way, with masses of a few hundred grams."""
+def random_arm(n: int, seed: int, gravity: float = 9.81, reach: float = 0.1, single: tuple[str, ...] = ()) -> Machine:
+    """An arm of n small joints with axes any way, with masses of a few hundred grams; some may have a single hose."""
     draw = np.random.default_rng(seed)
     names, links = [f"j{i}" for i in range(n)], {}
     for name in names:
@@ -78,4 +78,6 @@ def random_arm(n: int, seed: int, gravity: float = 9.81, reach: float = 0.1) -> 
     }
     plain, sources = described("paper-small-joint-fast")
     joints = {name: deepcopy(plain["joint"]["small"]) for name in names}
+    for name in single:
+        joints[name] |= {"acting": "single", "spring": {"torque": "-10 N m", "stiffness": "2 N m/rad"}}
     return build(plain | {"name": f"chain-{n}", "arm": arm, "joint": joints}, sources, f"chain-{n}")
