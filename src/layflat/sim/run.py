@@ -174,8 +174,8 @@ def start_pressures(scenario: Scenario, names: list[str]) -> Array:
         raise InputError(f"unknown joint {unknown[0]!r}", where="pressures", right=f"joints are {', '.join(names)}")
     pressures = np.full((len(names), 2), np.nan)
     for j, name in enumerate(names):
-        if each.get(name):
-            pressures[j] = [u.quantity(value, u.PRESSURE, "pressures") for value in each[name]]
+        if (pair := each.get(name)) is not None:
+            pressures[j] = [u.quantity(value, u.PRESSURE, "pressures") for value in pair]
     if np.any(pressures <= 0.0):
         least = np.nanmin(pressures)
         raise InputError(f"{least:g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')

@@ -33,6 +33,7 @@ from layflat.physics.valves import VALVES
 
 QUICKEST = 0.15  # bandwidth in a control cycle, at most
 REACHED = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
+EMPTIED = 0.2  # share of it that is left in a single hose meanwhile: the last of the air leaves slowly
 EASING = 0.1  # share of the torque's rate at which a joint that arrived gives up what it does not need
 SEEN = 0.1, 0.45  # periods of the dither in a control cycle between which samples show it
 LATE = 0.5  # of its reserve that the arm keeps where it has to brake late
@@ -117,8 +118,8 @@ def _ability(joint: Joint, around: Surroundings) -> ActuatorLimits:
     filled, vented = itemwise(effective_pressure, p_s, p, b, s), itemwise(effective_pressure, p, p_a, b, s)
     flows = filled + vented if second else np.minimum(filled, vented)
     fed = valve.conductance * (REFERENCE_DENSITY * GAS_CONSTANT * REFERENCE_TEMPERATURE)
-    torque, alone = REACHED * K * (p_s - p_a), 0.5 * K * (p_s - p_a)
-    torque, middle = (torque, 0.0) if second else (0.5 * torque, alone)
+    torque, least = REACHED * K * (p_s - p_a), EMPTIED * K * (p_s - p_a)
+    torque, middle = (torque, 0.0) if second else (0.5 * (torque - least), 0.5 * (torque + least))
     return ActuatorLimits(torque, middle, GAMMA * K * fed * flows / V, fed / K)
 
 

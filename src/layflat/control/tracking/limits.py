@@ -4,15 +4,17 @@
 |---|---|---|
 | e | unit vector of the path from the reference to the goal, in joint space | 1 |
 | w | torque per acceleration along the path, of each joint: M e | kg m2 |
+| h | torque that holds a joint at rest less the middle of what its hoses give, along the path | N m |
 """
 
 from typing import NamedTuple
 
 from layflat.control.tracking.reference import PathLimits, angle_of, velocity_of
 from layflat.jit import composition, law
-from layflat.lanes import each
+from layflat.lanes import each, select
 from layflat.physics.algebra import least, times
 from layflat.physics.arms import dynamics
+from layflat.physics.spring import spring_torque
 
 LEAST_SHARE = 0.1  # of its torque that a joint is always given to accelerate, whatever its friction is estimated to be
 LEAST_INERTIA = 1e-3  # along a path, kg m2
@@ -47,13 +49,25 @@ class Parts(NamedTuple):
 
 
 @law
-def _most(actuator, friction, w):
-    return max(actuator.torque - friction, LEAST_SHARE * actuator.torque) / w
+def holding(joint, q, pull):
+    """Return the torque that holds a joint at rest at an angle (rad) against a pull (N m) of its arm, N m."""
+    return -(pull + spring_torque(joint.spring, q))
 
 
 @law
-def _brakes(actuator, friction, w):
-    return (actuator.torque + friction) / w
+def _held(actuator, holds, w):
+    h = holds - actuator.middle
+    return select(w < 0.0, -h, h)
+
+
+@law
+def _most(actuator, friction, here, there, w):
+    return max(actuator.torque - friction - max(here, there), LEAST_SHARE * actuator.torque) / w
+
+
+@law
+def _brakes(actuator, friction, here, there, w):
+    return max(actuator.torque + friction + min(here, there), LEAST_SHARE * actuator.torque) / w
 
 
 @law
@@ -73,26 +87,30 @@ def _heavier(here, there):
 
 
 @law
-def own_limits(actuator, friction, inertia, margins):
-    """Return the limits of a joint alone, which has an inertia (kg m2)."""
-    w = max(inertia, LEAST_INERTIA)
+def own_limits(actuator, friction, inertia, holds, margins):
+    """Return the limits of a joint alone, of an inertia (kg m2), whichever way it turns; a torque holds it at rest."""
+    w, h = max(inertia, LEAST_INERTIA), abs(holds - actuator.middle)
     return PathLimits(
-        _most(actuator, friction, w),
-        margins.braking * _brakes(actuator, friction, w),
-        margins.late * _brakes(actuator, friction, w),
+        _most(actuator, friction, h, h, w),
+        margins.braking * _brakes(actuator, friction, -h, -h, w),
+        margins.late * _brakes(actuator, friction, -h, -h, w),
         margins.jerk * _jerk(actuator, w),
         actuator.speed,
     )
 
 
 @composition
-def path_limits(margins, actuators, estimate, arm, response, goals, direction):
+def path_limits(margins, actuators, estimate, plant, response, goals, direction):
     """Return limits along a path, by the torques that remain here and at the goal, whichever leave less."""
-    there, _, _ = dynamics(arm, estimate.payload, each(angle_of, goals), each(velocity_of, goals))
-    w = each(_heavier, times(response.mass, direction), times(there, direction))
-    brakes = least(each(_brakes, actuators, estimate.frictions, w))
+    q = each(angle_of, goals)
+    mass, _, pulls = dynamics(plant.arm, estimate.payload, q, each(velocity_of, goals))
+    w_1, w_2 = times(response.mass, direction), times(mass, direction)
+    here = each(_held, actuators, response.holds, w_1)
+    there = each(_held, actuators, each(holding, plant.joints, q, pulls), w_2)
+    w = each(_heavier, w_1, w_2)
+    brakes = least(each(_brakes, actuators, estimate.frictions, here, there, w))
     return PathLimits(
-        least(each(_most, actuators, estimate.frictions, w)),
+        least(each(_most, actuators, estimate.frictions, here, there, w)),
         margins.braking * brakes,
         margins.late * brakes,
         margins.jerk * least(each(_jerk, actuators, w)),

@@ -53,6 +53,7 @@ class FreeResponse(NamedTuple):
     velocities: tuple[float, ...]
     mass: tuple[float, ...]  # upper triangle
     steady: tuple[float, ...]  # torque that keeps the velocity, friction and losses aside, N m
+    holds: tuple[float, ...]  # torque that holds the joint there at rest, N m
 
 
 class PathState(NamedTuple):
@@ -155,11 +156,11 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
     distance = sqrt(dot(apart, apart))
     direction = each(_per, apart, max(distance, 1e-9))
     length = max(select(path.landed > 0.5, 0.0, path.length), distance)
-    full = path_limits(margins, settings.actuators, estimate, plant.arm, response, goals, direction)
+    full = path_limits(margins, settings.actuators, estimate, plant, response, goals, direction)
     limits = for_length(full, max(length, SHORTEST), margins.quickest)
     a = path_acceleration(references, goals, direction, limits, T)
     inertias = diagonal(response.mass, direction)
-    alone = each(own_limits, settings.actuators, estimate.frictions, inertias, margins)
+    alone = each(own_limits, settings.actuators, estimate.frictions, inertias, response.holds, margins)
     speeds, gains = each(velocity_of, references), each(_gain, references, goals)
     going = dot(direction, gains)
     a = each(kept_before, a, references, goals, direction, going, limits, alone, T)

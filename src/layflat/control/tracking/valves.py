@@ -8,6 +8,7 @@ they are taken for straight. A command that is late by whole cycles meets the ar
 | T | control cycle | s |
 """
 
+from layflat.control.tracking.limits import holding
 from layflat.control.tracking.model import a_cycle_later, gas_torque
 from layflat.control.tracking.planning import FreeResponse
 from layflat.jit import composition, law
@@ -16,7 +17,6 @@ from layflat.physics.adjustable import regulated
 from layflat.physics.arms import dynamics
 from layflat.physics.delay import delayed
 from layflat.physics.joint import Drive
-from layflat.physics.spring import spring_torque
 
 LEAST_GAIN = 1e-3  # of torque by an open valve, N m, that counts
 OPEN = 0.99  # an opening that can't be greater
@@ -59,8 +59,8 @@ def _motion(state):
 
 
 @law
-def _against(joint, q, velocity_torque, angle_torque):
-    return -velocity_torque - (angle_torque + spring_torque(joint.spring, q))
+def _against(velocity_torque, holds):
+    return holds - velocity_torque
 
 
 @composition
@@ -69,7 +69,8 @@ def free_response(plant, states, lines, estimate, asked, T):
     free = _run(plant, states, lines, each(_centred, estimate.frictions), len(plant.late), estimate, asked, T)
     q, v = each(_motion, free)
     mass, coriolis, pull = dynamics(plant.arm, estimate.payload, q, v)
-    return FreeResponse(free, q, v, mass, each(_against, plant.joints, q, coriolis, pull))
+    holds = each(holding, plant.joints, q, pull)
+    return FreeResponse(free, q, v, mass, each(_against, coriolis, holds), holds)
 
 
 @law
