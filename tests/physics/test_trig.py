@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.trig import sincos
+from layflat.physics.trig import sincos, within_half_a_turn
 
 
 @given(st.floats(-pi, pi))
@@ -21,3 +21,11 @@ def test_small_sines_keep_their_digits(x: float) -> None:
 
 def test_zero_is_exact() -> None:
     assert sincos(0.0) == (0.0, 1.0)
+
+
+@given(st.floats(-40.0, 40.0))
+def test_angles_come_within_half_a_turn(x: float) -> None:
+    near = within_half_a_turn(x)
+    assert abs(near) <= pi + 1e-12
+    assert cos(near - x) == pytest.approx(1.0, abs=1e-12)
+    assert near.hex() == x.hex() or abs(x) > pi - 1e-9

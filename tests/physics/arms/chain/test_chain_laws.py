@@ -1,5 +1,6 @@
 """Chains in space: random ones against MuJoCo, and what holds of any of them."""
 
+from copy import copy
 from functools import cache
 from typing import Any
 
@@ -7,14 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from layflat.jit import kernel
-from layflat.lanes import join
+from layflat.lanes import gather, join, slots
 from layflat.physics.arms.chain.laws import Chain, dynamics, points
 from layflat.physics.arms.chain.parameters import Jointed
 from layflat.physics.arms.chain.parameters import chain as chain_of
-from layflat.physics.arms.chain.space import Axes, Mass, Symmetric, Vector, with_point
+from layflat.physics.arms.chain.space import Axes, Mass, Symmetric, Vector, scaled, with_point
 
 mujoco: Any = pytest.importorskip("mujoco")
 
@@ -144,3 +146,43 @@ def test_a_payload_moves_as_the_tip_does(n: int, seed: int) -> None:
 
     speed = (tip(q + 1e-6 * v) - tip(q - 1e-6 * v)) / 2e-6
     assert energy(2.0) - energy(0.0) == pytest.approx(speed @ speed, rel=1e-6, abs=1e-9)
+
+
+@kernel
+def accelerations(arm, payload, q, v, like):  # type: ignore[no-untyped-def]
+    """Of a free arm, as numpy solves for them."""
+    n = len(like)
+    upper, moving, pulled = dynamics(arm, payload, gather(like, q), gather(like, v))
+    M, push, at = np.empty((n, n)), np.empty(n), 0
+    entries, first, second = slots(upper), slots(moving), slots(pulled)
+    for i in range(n):
+        push[i] = first[i] + second[i]
+        for j in range(i, n):
+            M[i, j] = M[j, i] = entries[at]
+            at += 1
+    return np.linalg.solve(M, push)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("n", [1, 4, 7])
+def test_an_arm_that_is_let_go_falls_as_in_mujoco(n: int) -> None:
+    # On a small planet: motions that are wilder than any arm's are chaotic.
+    arm, model = chain(n, 2), copy(in_mujoco(n, 2, 0.7))
+    arm, model.opt.gravity = arm._replace(gravity=scaled(0.1, arm.gravity)), 0.1 * model.opt.gravity
+    model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, 1e-4
+    data, like = mujoco.MjData(model), (0.0,) * n
+    start = np.concatenate([np.zeros(n), np.linspace(-0.5, 0.5, n)])
+    data.qpos[:], data.qvel[:] = start[:n], start[n:]
+
+    def slope(_: float, state: np.ndarray) -> np.ndarray:
+        q, v = state[:n].copy(), state[n:].copy()
+        return np.concatenate([v, accelerations(arm, 0.7, q, v, like)])
+
+    times = np.linspace(0.0, 2.0, 21)
+    ours = solve_ivp(slope, (0.0, 2.0), start, "DOP853", times, rtol=1e-11, atol=1e-12).y[:n].T
+    theirs = [data.qpos.copy()]
+    for _ in times[1:]:
+        mujoco.mj_step(model, data, 1000)
+        theirs.append(data.qpos.copy())
+    assert np.ptp(ours, axis=0).max() > 1.0
+    assert np.degrees(np.abs(ours - np.array(theirs)).max()) < 1e-4

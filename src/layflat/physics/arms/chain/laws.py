@@ -32,7 +32,7 @@ from layflat.physics.arms.chain.space import (
     seen_from,
     with_point,
 )
-from layflat.physics.trig import sincos
+from layflat.physics.trig import sincos, within_half_a_turn
 
 THREE = (0.0, 0.0, 0.0)  # as many as there are components
 
@@ -135,7 +135,7 @@ def _parted(frame):
 @composition
 def frames(arm, q):
     """Return the frames of all links at angles (rad), a tuple."""
-    sines, cosines = sincos(abreast(q))
+    sines, cosines = sincos(within_half_a_turn(abreast(q)))
     sines, cosines = _offset(abreast(arm.links), sines, cosines)
     sin, cos, links = slots(apart(sines, q)), slots(apart(cosines, q)), slots(arm.links)
     zero = _thrice(0.0 * sin[0])
