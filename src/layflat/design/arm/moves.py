@@ -32,11 +32,12 @@ class Moves(NamedTuple):
     starts: Array  # (moves, joints), rad
     ends: Array
     times: Array  # (moves,), s
+    instants: int = INSTANTS  # of each that are looked at
 
     @property
     def states(self) -> States:
         """Angles, velocities and accelerations at all instants of all moves, (moves x instants, joints) each."""
-        u = np.linspace(0.0, 1.0, INSTANTS)[:, None]
+        u = np.linspace(0.0, 1.0, self.instants)[:, None]
         share = u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
         rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
         way, time = (self.ends - self.starts)[:, None, :], self.times[:, None, None]
@@ -45,7 +46,7 @@ class Moves(NamedTuple):
 
     def by_move(self, values: Array) -> Array:
         """Return values at all instants (moves x instants, ...) as (moves, instants, ...)."""
-        return values.reshape(len(self.times), INSTANTS, *values.shape[1:])
+        return values.reshape(len(self.times), self.instants, *values.shape[1:])
 
 
 def moves_of(task: ArmTask, machine: Machine) -> Moves:

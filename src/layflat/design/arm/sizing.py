@@ -17,9 +17,9 @@ import numpy as np
 
 from layflat.design.arm.described import Part, description
 from layflat.design.arm.links import tube
-from layflat.design.arm.moves import INSTANTS, Moves, moves_of
+from layflat.design.arm.moves import Moves, moves_of
 from layflat.design.arm.task import ArmTask, JointTask
-from layflat.design.arm.valves import Valve, valves
+from layflat.design.arm.valves import choose, sold_valves, valve_sizes
 from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, HOSE_WIDTHS, RANGES, RESERVE, SizingRequest
 from layflat.design.rules import Finding
 from layflat.design.sized import BRAKE_SHARE
@@ -29,7 +29,6 @@ from layflat.files import write_text
 from layflat.machine import Machine, load
 from layflat.machine.parameters import loss_share
 from layflat.motion.dynamics import rigid_torques
-from layflat.motion.limits import abilities
 from layflat.physics.hose import peeled_volume
 
 LEAST_TORQUE = 1.0  # for which a joint is made, N m
@@ -95,7 +94,7 @@ def size_arm(task: ArmTask, *, moves: Moves | None = None, tell: Callable[[int],
             for part, torque in zip(parts, wanted, strict=True)
         ]
         if grown == parts:
-            fitted = _with_valves(task, moves, parts, needs, machine)
+            fitted = _with_valves(task, moves, parts, machine)
             return SizedArm(task, moves, fitted, tuple(needs), tuple(wanted), *description(task, fitted))
         parts, rounds = grown, rounds + 1
         tell(rounds)
@@ -140,26 +139,9 @@ def _wanted(task: ArmTask, part: Part, need: Need) -> float:
     return task.margin * need.torque / left
 
 
-def _with_valves(
-    task: ArmTask, moves: Moves, parts: Sequence[Part], needs: Sequence[Need], machine: Machine
-) -> tuple[Part, ...]:
-    """Return the parts with valves that feed the hoses in all moves, and turn their pressures as fast as these ask."""
-    able, states = abilities(machine), moves.states
-    torques = moves.by_move(rigid_torques(machine, states, task.payload))
-    # Air that turns a joint is missing for its torque.
-    held = moves.by_move(able.stiffness * states.angles)
-    steps = np.diff(torques + held, axis=1) * ((INSTANTS - 1) / moves.times)[:, None, None]
-    rates = np.abs(steps).max(axis=(0, 1))
-    sizes = task.margin * np.maximum([need.speed for need in needs] / able.speed, rates / able.rate)
-    sold = tuple(valves(machine))
-    return tuple(part._replace(valve=_valve(task, part, sold, size)) for part, size in zip(parts, sizes, strict=True))
-
-
-def _valve(task: ArmTask, part: Part, sold: Sequence[Valve], size: float) -> Valve:
-    for valve in sold:
-        if size <= valve.size:
-            return valve
-    flow = sold[-1].nominal_flow * size / sold[-1].size
-    what = f"needs a valve of {flow:.0f} l/min, {size / sold[-1].size:.2f} times the largest that is sold"
-    where = f"{task.origin}: joint {part.task.name!r}"
-    raise DesignError(what, where=where, right="ask for more time, or for less reach or payload")
+def _with_valves(task: ArmTask, moves: Moves, parts: Sequence[Part], machine: Machine) -> tuple[Part, ...]:
+    sold, sizes = sold_valves(machine), task.margin * valve_sizes(machine, moves, task.payload)
+    return tuple(
+        part._replace(valve=choose(sold, float(size), f"{task.origin}: joint {part.task.name!r}"))
+        for part, size in zip(parts, sizes, strict=True)
+    )
