@@ -28,6 +28,8 @@ app = LazyTyper(
         "schema": "describe",
         "design": "design",
         "size": "design",
+        "size-arm": "size_arm",
+        "arm-tasks": "size_arm",
         "simulate": "simulate",
         "loop": "simulate",
         "motions": "motion",

@@ -41,7 +41,7 @@ def design(
     designs = [design_joint(described, name, measured=measured) for name in chosen]
     check_folder(out)
     if any(made.cam is not None for made in designs):
-        _say_what_is_left_out()
+        say_what_is_left_out()
     for made in designs:
         _print(made)
     for made in designs:
@@ -80,7 +80,7 @@ def size(wanted: Wanted, out: Out = Path("build/size")) -> None:
     request = SizingRequest.from_text(**asdict(wanted))
     check_folder(out)
     sized = size_joint(request)
-    _say_what_is_left_out()
+    say_what_is_left_out()
     _print(sized.design)
     path = sized.write(out / f"{wanted.name}.toml")
     typer.echo(f"wrote {path}")
@@ -88,7 +88,7 @@ def size(wanted: Wanted, out: Out = Path("build/size")) -> None:
     typer.echo(f"the controller's gains are the paper's, scaled; to tune them for this joint: layflat tune {path}")
 
 
-def _say_what_is_left_out() -> None:
+def say_what_is_left_out() -> None:
     """Say in one line, before any work is done, which extra brings the DXF where it is not installed."""
     try:
         extras.require("drawing", where="no DXF")

@@ -4,6 +4,7 @@ Everything that is not sized is taken from the paper's small joint, by its built
 """
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import islice
 from math import ceil, degrees
 from pathlib import Path
@@ -50,18 +51,29 @@ class Sized:
         return write_text(path, self.toml)
 
 
+@cache
+def model() -> Machine:
+    """Return the machine that a sized joint is laid over."""
+    return load(MODEL)
+
+
+@cache
+def _counted_share() -> float:
+    mass = design_joint(model()).mass
+    return mass.counted / mass.body
+
+
 def size_joint(request: SizingRequest) -> Sized:
     """Size a joint: find the narrowest hose on a cylinder of the paper's proportions that gives torque and stroke.
 
     Where its strap would not bear the tension, the next wider hose is tried, up to `WIDER` times. Raise DesignError if
     no joint can do what is asked.
     """
-    model = load(MODEL)
-    base = next(iter(model.joints.values()))
+    base = next(iter(model().joints.values()))
     refused: DesignError | None = None
     for width, diameter in islice(hoses_and_cylinders(request, base.hose.peel_ratio), 1 + WIDER):
         try:
-            return _described(request, model, base, _sized(request, base, width, diameter))
+            return _described(request, base, _sized(request, base, width, diameter))
         except DesignError as error:
             refused = refused or error
     raise refused or too_much(request)
@@ -87,7 +99,7 @@ def _sized(request: SizingRequest, base: Joint, width: float, diameter: float) -
     return base.model_copy(update=parts)
 
 
-def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint) -> Sized:
+def _described(request: SizingRequest, base: Joint, joint: Joint) -> Sized:
     """Find cam and strap for a joint of settled size; then its description, read back as a user would."""
     characteristic = of_cylinder(joint)
     joint, cam = _with_shaft(request, joint, characteristic)
@@ -95,11 +107,10 @@ def _described(request: SizingRequest, model: Machine, base: Joint, joint: Joint
     tension = float(cam.tension.max()) * request.supply
     strap = choose_strap(request, base.strap, joint.hose.width, tension, cam.smallest_radius)
     joint = joint.model_copy(update={"strap": strap})
-    models = design_joint(model).mass
     parts = part_masses(joint, characteristic.full_travel, area)
-    mass = sum(parts.values()) / (models.counted / models.body)
+    mass = sum(parts.values()) / _counted_share()
     sized = SizedJoint(request, joint, cam.torque_constant, characteristic.swept_volume, mass)
-    text = description(sized, model, MODEL)
+    text = description(sized, model(), MODEL)
     with TemporaryDirectory() as folder:
         machine = build(*tables(write_text(Path(folder) / "sized.toml", text)), f"{request.name}.toml")
     design = design_joint(machine)

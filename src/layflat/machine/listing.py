@@ -27,10 +27,17 @@ def listing(plain: Plain, sources: Sources) -> list[Line]:
         parts = path.split(".")
         if path in {"kind", "name", "title"} or (parts[0] == "joint" and ".".join(parts[:2]) not in used):
             continue
-        text = ", ".join(map(str, value)) if isinstance(value, list) else str(value)
         source = sources.get(path, Provenance())
-        lines.append(Line(path, text, source.source, source.note))
+        lines.append(Line(path, _text(value), source.source, source.note))
     return lines
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, dict):
+        return "; ".join(f"{key} = {_text(one)}" for key, one in value.items())
+    if isinstance(value, list):
+        return (" / " if any(isinstance(one, dict) for one in value) else ", ").join(map(_text, value))
+    return str(value)
 
 
 def to_toml(plain: Plain, sources: Sources) -> str:

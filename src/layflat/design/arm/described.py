@@ -1,6 +1,7 @@
 """The description of a sized arm: each value with its provenance, laid over the machine that its joints come from."""
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 from math import acos, atan2, ceil, degrees
 from typing import Any, NamedTuple
 
@@ -27,12 +28,20 @@ SPREAD = 0.3  # of the payload, over the greatest: standard deviation of what ma
 Rows = Iterator[tuple[str, Any, str]]  # dotted path, value as it is written, and note
 
 
+class Said(NamedTuple):
+    """What a description says of a part of a machine."""
+
+    plain: Plain
+    sources: Sources  # by dotted paths in it
+
+
 class Part(NamedTuple):
     """A joint with its link, as sized."""
 
     task: JointTask
     joint: Sized
     tube: Tube
+    said: Said  # of the joint
     valve: Valve | None = None  # the model's until moves are known
 
     @property
@@ -40,23 +49,40 @@ class Part(NamedTuple):
         """That it gives at supply pressure, N m."""
         return self.joint.design.mean_torque
 
+    @property
+    def mass(self) -> float:
+        """Of the joint, kg."""
+        return self.joint.design.mass.body
 
-def description(task: ArmTask, parts: Sequence[Part]) -> tuple[str, Machine]:
-    """Return the TOML text of a machine with a sized arm, and the machine itself."""
+
+def machine_of(task: ArmTask, parts: Sequence[Part]) -> Machine:
+    """Return the machine with a sized arm."""
+    plain, sources = _said(task, parts)
+    laid = MACHINES.laid(_model(), Layer(task.name, plain, sources, OMITS))
+    return build(*laid, task.name)
+
+
+def text_of(task: ArmTask, parts: Sequence[Part]) -> str:
+    """Return the TOML text of a machine with a sized arm, each value with its provenance."""
+    plain, sources = _said(task, parts)
+    return to_toml({"extends": MODEL, "omits": list(OMITS)} | plain, sources)
+
+
+@cache
+def _model() -> tuple[Plain, Sources]:
+    return MACHINES.tables(MODEL)
+
+
+def _said(task: ArmTask, parts: Sequence[Part]) -> Said:
     plain: Plain = {"name": task.name, "title": task.title or _title(task)}
     sources: Sources = {}
+    for part in parts:
+        plain.setdefault("joint", {})[part.task.name] = dict(part.said.plain)
+        sources |= {f"joint.{part.task.name}.{path}": source for path, source in part.said.sources.items()}
     for path, value, note in _rows(task, parts):
         _put(plain, path.split("."), value)
         sources[path] = Provenance("given" if note == ASKED else "derived", note)
-    for part in parts:
-        joint, of = _joint(part)
-        joints = plain.setdefault("joint", {})
-        joints[part.task.name] = joint | joints.get(part.task.name, {})
-        sources |= {f"joint.{part.task.name}.{path}": source for path, source in of.items()}
-    text = to_toml({"extends": MODEL, "omits": list(OMITS)} | plain, sources)
-    base = MACHINES.tables(MODEL)
-    laid = MACHINES.laid(base, Layer(task.name, plain, sources, OMITS))
-    return text, build(*laid, task.name)
+    return Said(plain, sources)
 
 
 def _title(task: ArmTask) -> str:
@@ -69,16 +95,16 @@ def _put(table: dict[str, Any], keys: list[str], value: Any) -> None:
     table[keys[-1]] = value
 
 
-def _joint(part: Part) -> tuple[Plain, Sources]:
-    """Return what the description of a sized joint says, as it stands in a machine of its own."""
-    own = parsed(part.joint.toml, part.task.name, "")
+def said_of(sized: Sized) -> Said:
+    """Return what the description of a sized joint says of it, as far as it holds in any arm."""
+    own = parsed(sized.toml, sized.request.name, "")
     own.pop("extends")
-    plain, sources = MACHINES.laid(MACHINES.tables(MODEL), Layer(part.task.name, *split(own, part.task.name)))
+    plain, sources = MACHINES.laid(_model(), Layer(sized.request.name, *split(own, sized.request.name)))
     (name,) = plain["arm"]["joints"]
     left = {key: value for key, value in plain["joint"][name].items() if key not in ("link", "gains")}
     start = f"joint.{name}."
     kept = {path.removeprefix(start): of for path, of in sources.items() if path.startswith(start)}
-    return left, {path: of for path, of in kept.items() if path.partition(".")[0] in left}
+    return Said(left, {path: of for path, of in kept.items() if path.partition(".")[0] in left})
 
 
 def _rows(task: ArmTask, parts: Sequence[Part]) -> Rows:

@@ -18,11 +18,12 @@ from layflat.design.arm.task import ArmTask
 from layflat.errors import DesignError
 from layflat.machine import Machine
 from layflat.motion.inverse import anywhere
-from layflat.motion.kinematics import tip_motion
+from layflat.motion.kinematics import joints_in_space, tip_motion
 from layflat.motion.trajectory import States
 
 MOVES = 48  # that are drawn where a task gives none
 SEED = 0
+STILL = 1e-6  # turn below which a joint stays where it is, rad
 INSTANTS = 41  # of a move that are looked at
 
 
@@ -56,6 +57,10 @@ def moves_of(task: ArmTask, machine: Machine) -> Moves:
         DesignError: the arm does not reach a point of the task; it names the nearest that it reaches.
     """
     starts, ends = _ways(task, machine)
+    goes = np.abs(ends - starts).max(axis=1) > STILL
+    if not goes.any():
+        raise DesignError("its moves go nowhere", where=task.origin, right="give poses or points that differ")
+    starts, ends = starts[goes], ends[goes]
     moves = Moves(starts, ends, np.full(len(starts), task.time or 1.0))
     if task.acceleration is None:
         return moves
@@ -92,11 +97,16 @@ def _postures(task: ArmTask, machine: Machine, points: Array) -> Array:
     found = anywhere(machine, points)
     if not found.there.all():
         worst = int(found.missing.argmax())
-        x, y, z = 1e3 * points[worst]
+        nearest = joints_in_space(machine, found.angles[worst : worst + 1])[0][0, -1]
+        what = f"the point {_told(points[worst])} is {1e3 * found.missing[worst]:.0f} mm out of the arm's reach"
         raise DesignError(
-            f"the point x = {x:.0f} mm, y = {y:.0f} mm, z = {z:.0f} mm is {1e3 * found.missing[worst]:.0f} mm "
-            "out of the arm's reach",
-            where=f"{task.origin}: points" if task.points else f"{task.origin}: volume",
+            f"{what}, whose nearest is {_told(nearest)}",
+            where=f"{task.origin}: {'points' if task.points else 'volume'}",
             right="give nearer points, longer links or wider strokes",
         )
     return found.angles
+
+
+def _told(point: Array) -> str:
+    x, y, z = 1e3 * point + 0.0
+    return f"x = {x:.0f} mm, y = {y:.0f} mm, z = {z:.0f} mm"

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from layflat.design.arm.described import Part, description
+from layflat.design.arm.described import Part, machine_of, said_of, text_of
 from layflat.design.arm.links import tube
 from layflat.design.arm.moves import Moves, moves_of
 from layflat.design.arm.task import ArmTask, JointTask
@@ -23,10 +23,11 @@ from layflat.design.arm.valves import choose, sold_valves, valve_sizes
 from layflat.design.request import CHOSEN_RATIO, CONTACT_SHARE, HOSE_WIDTHS, RANGES, RESERVE, SizingRequest
 from layflat.design.rules import Finding
 from layflat.design.sized import BRAKE_SHARE
-from layflat.design.sizing import MODEL, size_joint
+from layflat.design.sizing import model, size_joint
+from layflat.design.summary import JointDesign, design_joint
 from layflat.errors import DesignError
 from layflat.files import write_text
-from layflat.machine import Machine, load
+from layflat.machine import Machine
 from layflat.machine.parameters import loss_share
 from layflat.motion.dynamics import rigid_torques
 from layflat.physics.hose import peeled_volume
@@ -58,14 +59,17 @@ class SizedArm:
     @property
     def mass(self) -> float:
         """Of all joints and links, kg."""
-        return sum(part.joint.design.mass.body + part.tube.mass for part in self.parts)
+        return sum(part.mass + part.tube.mass for part in self.parts)
 
     @cached_property
-    def findings(self) -> tuple[Finding, ...]:
-        """What the design rules find, joint by joint, with the arm's own name."""
-        from layflat.design.summary import design_joint  # noqa: PLC0415  # SciPy takes long to import
+    def designs(self) -> tuple[JointDesign, ...]:
+        """Of the joints, as parts of the arm."""
+        return tuple(design_joint(self.machine, part.task.name) for part in self.parts)
 
-        return tuple(found for part in self.parts for found in design_joint(self.machine, part.task.name).findings)
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """Warnings and notes of the design rules, joint by joint."""
+        return tuple(found for design in self.designs for found in design.findings)
 
     def write(self, path: Path) -> Path:
         """Write the description to a TOML file; raise OutputError if it can't be written there."""
@@ -85,7 +89,7 @@ def size_arm(task: ArmTask, *, moves: Moves | None = None, tell: Callable[[int],
     """
     parts, rounds = [_part(task, joint, LEAST_TORQUE) for joint in task.chain], 0
     while True:
-        _, machine = description(task, parts)
+        machine = machine_of(task, parts)
         moves = moves or moves_of(task, machine)
         needs = _needs(task, machine, moves)
         wanted = [_wanted(task, *of) for of in zip(parts, needs, strict=True)]
@@ -95,31 +99,33 @@ def size_arm(task: ArmTask, *, moves: Moves | None = None, tell: Callable[[int],
         ]
         if grown == parts:
             fitted = _with_valves(task, moves, parts, machine)
-            return SizedArm(task, moves, fitted, tuple(needs), tuple(wanted), *description(task, fitted))
+            machine, text = machine_of(task, fitted), text_of(task, fitted)
+            return SizedArm(task, moves, fitted, tuple(needs), tuple(wanted), text, machine)
         parts, rounds = grown, rounds + 1
         tell(rounds)
 
 
 def _part(task: ArmTask, joint: JointTask, torque: float) -> Part:
     where = f"{task.origin}: joint {joint.name!r}"
-    greatest = _greatest(joint, task.supply)
-    if torque > greatest:
-        asked = f"would have to give at least {torque:.0f} N m over {degrees(joint.stroke):.0f} deg"
-        what = f"{asked} at {task.supply / 1e5:.3g} bar, {torque / greatest:.2f} times what the widest hose gives"
-        raise DesignError(what, where=where, right="ask for less reach, payload or speed, or give more pressure")
     try:
+        greatest = _greatest(joint, task.supply)
+        if torque > greatest:
+            asked = f"would have to give at least {torque:.0f} N m over {degrees(joint.stroke):.0f} deg"
+            what = f"{asked} at {task.supply / 1e5:.3g} bar, {torque / greatest:.2f} times what the widest hose gives"
+            raise DesignError(what, right="ask for less reach, payload or speed, or give more pressure")
         sized = size_joint(SizingRequest(torque, joint.stroke, task.supply, name=joint.name))
     except DesignError as error:
-        raise DesignError(f"{error.where}: {error.what}", where=where, right=error.right) from None
-    return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where))
+        key = error.where.removeprefix("size").removeprefix(": ")
+        raise DesignError(f"{key}: {error.what}" if key else error.what, where=where, right=error.right) from None
+    return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where), said_of(sized))
 
 
 def _greatest(joint: JointTask, supply: float) -> float:
     """Return the torque of the widest hose over a stroke, N m."""
     request = SizingRequest(LEAST_TORQUE, joint.stroke, supply)
-    (model,), wide = load(MODEL).joints.values(), HOSE_WIDTHS[-1]
+    (base,), wide = model().joints.values(), HOSE_WIDTHS[-1]
     contact_end = CONTACT_SHARE * request.wrap
-    swept = peeled_volume(CHOSEN_RATIO[1] * wide / 2, wide / pi, request.wrap, contact_end, model.hose.peel_ratio)
+    swept = peeled_volume(CHOSEN_RATIO[1] * wide / 2, wide / pi, request.wrap, contact_end, base.hose.peel_ratio)
     return min(float(swept) * supply / (joint.stroke + RESERVE), RANGES["torque"][2])
 
 
