@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from numpy.testing import assert_allclose
 
+from layflat.design.arm.sizing import size_arm
 from layflat.design.arm.task import STANDARD, TASKS, read_task
 from layflat.errors import DesignError
 
@@ -125,3 +126,11 @@ def test_joints_have_names_of_their_own(tmp_path: Path) -> None:
 def test_an_unknown_task_is_told() -> None:
     with pytest.raises(DesignError, match="pickin-arm: no such arm task; did you mean 'picking-arm'"):
         read_task("pickin-arm")
+
+
+def test_the_pages_example_is_a_task_that_arms_can_do(tmp_path: Path) -> None:
+    page = Path(__file__).parents[3] / "docs" / "sizing-arms.md"
+    _, _, text = page.read_text(encoding="utf-8").partition("```toml\n")
+    arm = size_arm(read_task(written(tmp_path, text.partition("```")[0])))
+    assert [part.task.name for part in arm.parts] == ["yaw", "shoulder", "elbow"]
+    assert 0.5 < arm.mass < 2.0
