@@ -8,8 +8,8 @@
 | S | the same as B, of a joint that comes to rest in the step, or is at rest | N m s |
 | W | A of all degrees of freedom of the braked trees of bodies | 1/(kg m2) |
 
-Find J with |J| <= B such that each joint either stands still, or slides with J = -B sign(v + A J). It is the problem of
-physics/friction/box.py for any number of joints: a convex quadratic in J over a box.
+Each joint either stands still, or slides with J = -B sign(v + A J). It is the problem of physics/friction, whose laws
+solve it: with A inverted and what MuJoCo has found so far for the momentum.
 """
 
 from typing import Any
@@ -18,53 +18,51 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.jit import kernel
-from layflat.physics.friction.box import brake_one, brake_two
+from layflat.jit import composition, kernel
+from layflat.lanes import gather, write_numbers
+from layflat.physics.friction.box import slide_one, slide_two
+from layflat.physics.friction.pivoting import slide_many
 
-SWEEPS, EXACT = 2000, 1e-13
-"""Sweeps over the joints at most, and the change of J, as a share of the greatest B, at which they end."""
+ROUNDS, CLOSE = 30, 1e-7
+"""Rounds in which contacts answer to the brakes; the change of J, as a share of the greatest B, that ends them."""
 
-ROUNDS, CLOSE = 30, 1e-7  # the same for rounds in which contacts answer to the brakes
+
+@composition
+def _rubbed(M, p, u, B, S):  # type: ignore[no-untyped-def]
+    # In closed form where there is one.
+    if len(p) == 1:
+        w, J = slide_one(0.0, M[0], p[0], u[0], B[0], S[0])
+        return (w,), (J,)
+    if len(p) == 2:
+        w_1, w_2, J_1, J_2 = slide_two(0.0, M, p[0], p[1], u[0], u[1], B[0], B[1], S[0], S[1])
+        return (w_1, w_2), (J_1, J_2)
+    return slide_many(0.0, M, p, u, B, S)
 
 
 @kernel
-def hold(A, v, B, J, after):  # type: ignore[no-untyped-def]
-    """Solve for J, beginning with what it holds, and write the velocities after it; those of held joints are 0.0.
+def rub(like, A, u, v, B, S, J, after):  # type: ignore[no-untyped-def]
+    """Solve for J of friction that slides at B and holds up to S, and write it and the velocities after it.
 
-    Args: arrays (n, n), (n,), (n,), and (n,) twice to be written. One and two joints are solved in closed form, more by
-    projected Gauss-Seidel sweeps, which converge as A is positive definite.
+    Args: two tuples with an item a joint, and an item for each in the upper triangle of a matrix; arrays (n, n), and
+    (n,) each, the last two to be written. Velocities of held joints are 0.0.
     """
-    n = len(v)
-    if n == 2:
-        per_det = 1.0 / (A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0])
-        M_11, M_12, M_22 = A[1, 1] * per_det, -A[0, 1] * per_det, A[0, 0] * per_det
-        p_1, p_2 = M_11 * v[0] + M_12 * v[1], M_12 * v[0] + M_22 * v[1]
-        after[0], after[1], J[0], J[1] = brake_two(M_11, M_12, M_22, p_1, p_2, B[0], B[1])
-        return
-    worst, strongest = np.inf, np.max(B)
-    for _ in range(SWEEPS):
-        if worst <= EXACT * strongest:
-            break
-        worst = 0.0
-        for i in range(n):
-            free = v[i] - A[i, i] * J[i]
-            for j in range(n):
-                free += A[i, j] * J[j]
-            before = J[i]
-            after[i], J[i] = brake_one(1.0 / A[i, i], free / A[i, i], B[i])
-            worst = max(worst, abs(J[i] - before))
+    items, upper = like
+    n, at = len(v), 0
+    M, triangle = np.linalg.inv(A), np.empty(len(upper))
+    for i in range(n):
+        for j in range(i, n):
+            triangle[at] = M[i, j]
+            at += 1
+    p = M @ v
+    limits = gather(items, B), gather(items, S)
+    w, impulses = _rubbed(gather(upper, triangle), gather(items, p), gather(items, u), limits[0], limits[1])
+    write_numbers(J, impulses)
+    write_numbers(after, w)
 
 
-@kernel
-def rub(A, u, v, B, S, J, after):  # type: ignore[no-untyped-def]
-    """As `hold`, of friction that slides at B and holds up to S (n,): as `slide_two` of physics/friction/box.py."""
-    hold(A, v, B, J, after)
-    limit, again = B.copy(), False
-    for i in range(len(v)):
-        if u[i] * after[i] <= 0.0 and S[i] != B[i]:
-            limit[i], again = S[i], True
-    if again:
-        hold(A, v, limit, J, after)
+def tuples_for(n: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return what tells `rub` of how many joints it is."""
+    return (0.0,) * n, (0.0,) * (n * (n + 1) // 2)
 
 
 @kernel
@@ -97,10 +95,11 @@ def begin(values, entries, damping, tree, at, h, B, applied, W, J, others):  # t
 
 
 @kernel
-def answer(W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):  # type: ignore[no-untyped-def]
+def answer(like, W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):  # type: ignore[no-untyped-def]
     """Let the brakes answer to forces on all degrees of freedom, which hold with the impulses J.
 
     The new J are applied, and the velocities after them written; returns whether they are close to the old ones.
+    `like` is that of `rub`.
     """
     n, before = len(at), J.copy()
     A, free, u = np.empty((n, n)), np.empty(n), np.empty(n)
@@ -111,7 +110,7 @@ def answer(W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, a
         for j, column in enumerate(at):
             A[i, j] = W[row, column]
             free[i] -= A[i, j] * J[j]
-    rub(A, u, free, B, S, J, after)
+    rub(like, A, u, free, B, S, J, after)
     for i, row in enumerate(at):
         applied[tree[row]] = others[i] + J[i] / h
     return np.max(np.abs(J - before)) <= CLOSE * np.max(B)
@@ -138,6 +137,7 @@ class Brakes:
         rows = [(i, model.M_rowadr[dof] + np.arange(model.M_rownnz[dof])) for i, dof in enumerate(tree)]
         self._entries = np.array([(i, np.searchsorted(tree, model.M_colind[k]), k) for i, row in rows for k in row])
         n, m = len(dofs), len(tree)
+        self._like = tuples_for(n)
         self._impulses, self._after, self._others = np.zeros(n), np.zeros(n), np.zeros(n)
         self._inverse, self._unconstrained = np.eye(m), np.zeros(model.nv)
         self._undamped = self._mj.mjtDisableBit.mjDSBL_EULERDAMP.value
@@ -170,7 +170,7 @@ class Brakes:
             mj.mj_fwdAcceleration(model, data)
             if coupled:
                 mj.mj_fwdConstraint(model, data)
-            if answer(W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):
+            if answer(self._like, W, tree, at, h, B, S, others, qvel, smooth, constraint, applied, J, after):
                 break
         return J, after
 
@@ -191,4 +191,4 @@ class Brakes:
         )  # fmt: skip
         values, nothing = np.zeros(1 + self._entries[:, 2].max()), np.zeros(self._model.nv)
         begin(values, self._entries, np.ones(len(tree)), tree, at, 1.0, J.copy(), nothing, W, J, others)
-        answer(W, tree, at, 1.0, J.copy(), J.copy(), others, nothing, nothing, nothing, nothing, J, after)
+        answer(self._like, W, tree, at, 1.0, J.copy(), J.copy(), others, nothing, nothing, nothing, nothing, J, after)
