@@ -85,7 +85,6 @@ main()
         ("log check run.parquet", "logs"),
         ("motion tour paper-arm", "motion"),
         ("pack --picks 1", "cell"),
-        ("arm-model paper-arm --out arm.xml", "cell"),
     ],
 )
 def test_a_command_without_its_extra_says_so_at_once(words: str, extra: str, tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
     "cluster": {"pyarrow": "pyarrow", "pandas": "pandas", "dask": "dask", "distributed": "distributed"},
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},
+    "view": {"viser": "viser", "mujoco": "mujoco", "trimesh": "trimesh", "collada": "pycollada", "PIL": "pillow"},
     "cell": {"mujoco": "mujoco", "cv2": "opencv-python-headless", "ruckig": "ruckig", "av": "av", "PIL": "pillow"},
 }  # fmt: skip
 """Packages of each extra: the name to import, and the name that pip knows."""

@@ -1,74 +1,87 @@
-from math import cos, radians, sin
+from dataclasses import replace
+from math import radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from chains import as_chain, random_arm
+from meshes import write_wedge
 from numpy.typing import NDArray
 
-from layflat.bridge import arm_spec, to_mjcf, to_urdf
+from layflat.bridge import arm_spec, save_arm, to_mjcf, to_urdf
+from layflat.errors import InputError
+from layflat.kinds import Table
 from layflat.machine import Machine, changed, load, parameters
-from layflat.physics.arms import tip
-from layflat.physics.arms.planar import OneLink, one_link_mass, two_link_gravity, two_link_mass
+from layflat.physics.arms import ARMS as KINDS
+from layflat.physics.arms import joints_along
 
 mujoco: Any = pytest.importorskip("mujoco")
 
 ARM, SMALL = load("paper-arm-fast"), load("paper-small-joint-fast")
 TILTED = changed(changed(ARM, "arm.gravity", 4.0), "arm.gravity_direction", radians(-70.0))
-POSTURE = (0.3, -0.7)
+ARMS = [ARM, SMALL, TILTED, as_chain(), random_arm(1, 5), random_arm(4, 1), random_arm(7, 3)]
 
 
-def posed(model: Any) -> Any:
+def pose(machine: Machine) -> NDArray[np.float64]:
+    return np.array([0.3, -0.7, 0.5, -0.2, 0.4, 0.1, -0.6])[: len(machine.joints)]
+
+
+def posed(model: Any, machine: Machine) -> Any:
     data = mujoco.MjData(model)
-    data.qpos[:] = POSTURE[: model.nq]
+    data.qpos[:] = pose(machine)
     mujoco.mj_forward(model, data)
     return data
 
 
-def mass_matrix(model: Any) -> NDArray[np.float64]:
-    M = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, posed(model), M)
-    return M
+def models(machine: Machine) -> list[Any]:
+    texts = to_mjcf(machine), to_urdf(machine)
+    return [arm_spec(machine).compile(), *map(mujoco.MjModel.from_xml_string, texts)]
 
 
-def own_mass_matrix(machine: Machine) -> NDArray[np.float64]:
-    arm, payload = parameters.arm(machine), machine.arm.payload
-    if isinstance(arm, OneLink):
-        return np.array([[one_link_mass(arm, payload)]])
-    M_11, M_12, M_22, _ = two_link_mass(arm, payload, sin(POSTURE[1] + arm.elbow), cos(POSTURE[1] + arm.elbow))
-    return np.array([[M_11, M_12], [M_12, M_22]])
+@pytest.mark.parametrize("machine", ARMS, ids=["arm", "small joint", "tilted", "chained", "1", "4", "7"])
+def test_every_form_has_masses_and_gravity_of_our_laws(machine: Machine) -> None:
+    own, pull = parameters.mass_and_pull(parameters.arm(machine), machine.arm.payload, pose(machine).tolist())
+    for model in models(machine):
+        data, mass = posed(model, machine), np.zeros(own.shape)
+        mujoco.mj_fullM(model, data, mass)
+        assert np.abs(mass - own).max() < 1e-10 * np.abs(own).max()
+        assert np.abs(data.qfrc_bias + pull).max() <= 1e-10 * np.abs(pull).max()
 
 
-@pytest.mark.parametrize("machine", [ARM, SMALL, TILTED], ids=["arm", "small joint", "tilted arm"])
-def test_every_form_has_the_mass_matrix_of_our_laws(machine: Machine) -> None:
-    own = own_mass_matrix(machine)
-    for model in (
-        arm_spec(machine).compile(),
-        mujoco.MjModel.from_xml_string(to_mjcf(machine)),
-        mujoco.MjModel.from_xml_string(to_urdf(machine)),
-    ):
-        assert mass_matrix(model) == pytest.approx(own, rel=1e-6)
+@pytest.mark.parametrize("machine", ARMS[2:6])
+def test_places_and_axes_are_those_of_our_laws(machine: Machine) -> None:
+    like = tuple(map(float, pose(machine)))
+    places, axes = joints_along(parameters.arm(machine), like, np.array([like]))
+    data = posed(arm_spec(machine).compile(), machine)
+    assert data.xanchor == pytest.approx(places[0, :-1], abs=1e-12)
+    assert data.xaxis == pytest.approx(axes[0], abs=1e-12)
+    assert data.site("tip").xpos == pytest.approx(places[0, -1], abs=1e-12)
 
 
-def test_gravity_and_tip_are_those_of_our_laws() -> None:
-    model = arm_spec(TILTED).compile()
-    data = posed(model)
-    arm: Any = parameters.arm(TILTED)
-    turned = POSTURE[1] + arm.elbow
-    own = two_link_gravity(arm, TILTED.arm.payload, sin(POSTURE[0]), cos(POSTURE[0]), sin(turned), cos(turned))
-    assert -data.qfrc_bias == pytest.approx(own, rel=1e-6)
-    assert data.site("tip").xpos[:2] == pytest.approx(tip(arm, POSTURE))
-    assert np.linalg.norm(model.opt.gravity) == pytest.approx(9.80665)
+def test_gravity_that_a_plane_does_not_show_acts_across_it() -> None:
+    assert np.linalg.norm(arm_spec(TILTED).compile().opt.gravity) == pytest.approx(9.80665)
 
 
 @pytest.mark.parametrize("write", [to_mjcf, to_urdf])
-def test_files_carry_stops_bearings_and_brakes(write: Any) -> None:
+def test_files_carry_stops_bearings_brakes_and_torques(write: Any) -> None:
     model = mujoco.MjModel.from_xml_string(write(ARM))
     assert model.jnt_range == pytest.approx(radians(70.0) * np.array([[-1.0, 1.0]] * 2))
     assert model.jnt_limited.all()
     assert model.dof_damping == pytest.approx([0.05, 0.02])
     assert model.dof_frictionloss == pytest.approx([6.7, 2.2])
+    torques = [parameters.torque_constant(joint) * ARM.supply.pressure_gauge for joint in ARM.joints.values()]
+    assert model.jnt_actfrcrange[:, 1] == pytest.approx(torques, rel=1e-5)
     assert [model.joint(j).name for j in range(2)] == ["large", "small"]
+
+
+def test_urdf_tells_the_working_stroke_and_the_speed_that_valves_feed() -> None:
+    text = to_urdf(ARM)
+    half = ARM.joints["large"].stops.working_stroke / 2
+    assert f'soft_lower_limit="{-half!r}" soft_upper_limit="{half!r}"' in text
+    fast = to_urdf(changed(ARM, "joint.large.valve_size", 2.0))
+    speeds = [float(one.split('velocity="')[1].split('"')[0]) for one in (text, fast)]
+    assert speeds[1] == pytest.approx(2.0 * speeds[0], rel=1e-5)
 
 
 def test_for_our_joints_it_is_bare() -> None:
@@ -76,9 +89,66 @@ def test_for_our_joints_it_is_bare() -> None:
     assert not model.dof_damping.any()
     assert not model.dof_frictionloss.any()
     assert not model.jnt_limited.any()
+    assert not model.jnt_actfrclimited.any()
 
 
-def test_models_are_found_by_others_as_files(tmp_path: Path) -> None:
-    path = tmp_path / "arm.urdf"
-    path.write_text(to_urdf(ARM), encoding="utf-8")
-    assert mujoco.MjModel.from_xml_path(str(path)).nv == 2
+def with_shapes(folder: Path) -> Machine:
+    """An arm of two joints in space that shows every kind of shape; meshes beside its file."""
+    write_wedge(folder / "wedge.stl")
+    write_wedge(folder / "other" / "wedge.obj")
+    turned = {"place": ["10 mm", "0 mm", "0 mm"], "turn": ["0 deg", "90 deg", "0 deg"]}
+    large = [
+        {"kind": "box", "size": ["100 mm", "40 mm", "20 mm"]} | turned,
+        {"kind": "capsule", "size": ["30 mm", "100 mm"]} | turned,
+        {"kind": "sphere", "size": ["50 mm"]},
+        {"kind": "cylinder", "size": ["30 mm", "100 mm"]},
+    ]
+    small = [
+        {"kind": "mesh", "file": "wedge.stl", "scale": [0.1, 0.2, 0.3]} | turned,
+        {"kind": "mesh", "file": "other/wedge.obj"},
+    ]
+    return as_chain(shapes={"large": large, "small": small}, where=str(folder / "arm.toml"))
+
+
+def test_shapes_are_drawn_where_they_are_described(tmp_path: Path) -> None:
+    machine = with_shapes(tmp_path)
+    model = arm_spec(machine).compile()
+    kinds = [mujoco.mjtGeom(int(kind)).name.removeprefix("mjGEOM_").lower() for kind in model.geom_type]
+    assert kinds == ["box", "capsule", "sphere", "cylinder", "mesh", "mesh"]
+    assert not model.geom_contype.any()
+    corners = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, corners)
+    geom = corners.geom("small-0")
+    at = model.mesh_vertadr[model.geom("small-0").dataid[0]]
+    seen = geom.xpos + geom.xmat.reshape(3, 3) @ model.mesh_vert[at : at + 4].T.astype(float).mean(1)
+    # The wedge's corners are 0, x, y and z of length 1; turned by a quarter about y, z lies along x.
+    wanted = np.array([0.01, 0.0, 0.0]) + np.array([0.25 * 0.3, 0.25 * 0.2, -0.25 * 0.1])
+    link = corners.body("small-link")
+    assert seen == pytest.approx(link.xpos + link.xmat.reshape(3, 3) @ wanted, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["arm.xml", "arm.urdf"])
+def test_files_have_their_meshes_beside_them(name: str, tmp_path: Path) -> None:
+    written = save_arm(with_shapes(tmp_path / "from"), tmp_path / "to" / name)
+    assert [path.relative_to(tmp_path).as_posix() for path in written] == [
+        f"to/{name}", "to/arm-meshes/wedge.stl", "to/arm-meshes/wedge.obj"
+    ]  # fmt: skip
+    model = mujoco.MjModel.from_xml_path(str(written[0]))
+    assert model.nmesh == 2
+    assert model.ngeom == 6 + 2 * (name == "arm.urdf") + 2  # a capsule's ends, and bodies of joints
+
+
+def test_a_mesh_that_is_missing_is_named(tmp_path: Path) -> None:
+    machine = with_shapes(tmp_path)
+    (tmp_path / "wedge.stl").unlink()
+    with pytest.raises(InputError, match=r"arm.toml: arm.link.small.shapes.0.file: wedge.stl is not there; put"):
+        to_urdf(machine)
+
+
+def test_an_arm_without_bodies_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from layflat.bridge import pieces
+
+    bare = [replace(kind, bodies=kind.bodies if kind.name == "chain" else None) for kind in KINDS]
+    monkeypatch.setattr(pieces, "ARMS", Table("arm", *bare))
+    with pytest.raises(InputError, match=r"arm\.kind: arms of the kind 'planar' have no bodies"):
+        arm_spec(ARM)

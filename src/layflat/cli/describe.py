@@ -5,8 +5,7 @@ from typing import Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, app, print_findings, print_table
-from layflat.errors import InputError
+from layflat.cli.app import MachineName, app, naming_options, print_findings, print_table
 
 
 @app.command()
@@ -92,14 +91,11 @@ def arm_model(
     machine: MachineName,
     out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
 ) -> None:
-    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF."""
-    from layflat.bridge import to_mjcf, to_urdf  # noqa: PLC0415
-    from layflat.files import write_text  # noqa: PLC0415
+    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF; meshes go to a folder beside it."""
+    from layflat.bridge import save_arm  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
 
-    writers = {".xml": to_mjcf, ".urdf": to_urdf}
-    if out.suffix not in writers:
-        raise InputError(
-            f"{out.name!r} has an unknown format", where="--out", right="give a name such as arm.xml or arm.urdf"
-        )
-    typer.echo(f"wrote {write_text(out, writers[out.suffix](load(machine)))}")
+    with naming_options({"path": "--out"}):
+        written = save_arm(load(machine), out)
+    for path in written:
+        typer.echo(f"wrote {path}")

@@ -48,7 +48,10 @@ class MachineLibrary(Library):
         return name if member and member[0] in self.names else super().beside(where, name)
 
     def laid(self, under: tuple[Plain, Sources], layer: Layer) -> tuple[Plain, Sources]:
-        """As in any library; but of a part below that is of another kind only what both kinds know is kept."""
+        """As in any library; but of a part below that is of another kind only what both kinds know is kept.
+
+        Files of meshes get full paths, as those of kinds do: they are beside the file that names them.
+        """
         for path in _kinds(layer):
             load_kinds(Path(path), f"{layer.where}: kinds")
         below, joints = under[0], under[0].get("joint", {})
@@ -62,7 +65,8 @@ class MachineLibrary(Library):
         if any(key.startswith("controller.") for key in lost):
             lost += [f"joint.{name}.gains" for name, joint in joints.items() if "gains" in joint]
         omitted = [key for key in lost if not any(f"{key}.".startswith(f"{path}.") for path in layer.omits)]
-        return super().laid(under, replace(layer, omits=(*layer.omits, *omitted)))
+        plain = _with_meshes(layer.plain, self.folder if layer.where in self.names else Path(layer.where).parent)
+        return super().laid(under, replace(layer, plain=plain, omits=(*layer.omits, *omitted)))
 
     def tables(self, where: str | Path) -> tuple[Plain, Sources]:
         """As of any library; `kinds` are those of all files, the lowest first, with full paths."""
@@ -77,6 +81,24 @@ def _part(plain: Plain, place: str) -> Any:
     for key in place.split("."):
         part = part.get(key) if isinstance(part, dict) else None
     return part
+
+
+def _with_meshes(plain: Plain, folder: Path) -> Plain:
+    """Return what a file says, with full paths of the meshes by which links of its arm are drawn."""
+    links = _part(plain, "arm.link")
+    if not isinstance(links, dict):
+        return plain
+    drawn = {
+        name: link | {"shapes": [_with_mesh(shape, folder) for shape in link["shapes"]]}
+        for name, link in links.items()
+        if isinstance(link, dict) and isinstance(link.get("shapes"), list)
+    }
+    return plain | {"arm": plain["arm"] | {"link": links | drawn}}
+
+
+def _with_mesh(shape: Any, folder: Path) -> Any:
+    file = shape.get("file") if isinstance(shape, dict) else None
+    return shape | {"file": str((folder / file).resolve())} if isinstance(file, str) and file else shape
 
 
 def _lost(below: Plain, above: Plain, at: str, table: Table[Any]) -> list[str]:

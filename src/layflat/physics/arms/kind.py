@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.kinds import REQUIRED, Kind, KindPart
+from layflat.physics.arms.bodies import RigidArm
 
 Law = Callable[..., Any]
 
@@ -56,6 +57,9 @@ class ArmKind(Kind):
 
     `parameters(described, joints)` has the described arm and joints (a list, from base to tip).
     """
+
+    bodies: Callable[..., RigidArm] | None = None
+    """`bodies(described, joints)` yields the arm as rigid bodies, for other engines and pictures; None: it has none."""
 
     laws: Mapping[type, ArmLaws] = REQUIRED  # by class of the parameters
 

@@ -22,8 +22,11 @@ from pydantic import Field
 from layflat.description import units as u
 from layflat.jit import composition, law
 from layflat.lanes import halves, join
+from layflat.physics.arms.bodies import RigidArm, RigidLink, lumped, point, turned_by
 from layflat.physics.arms.kind import NONE, ArmKind, ArmLaws, ArmPart
 from layflat.physics.trig import sincos
+
+STANDARD_GRAVITY = 9.80665  # m/s2
 
 
 class PlanarArmPart(ArmPart):
@@ -99,6 +102,23 @@ def parameters(described: PlanarArmPart, joints: Sequence[Any]) -> OneLink | Two
         g_x,
         g_y,
     )
+
+
+def bodies(described: PlanarArmPart, joints: Sequence[Any]) -> RigidArm:
+    """Return the arm as rigid bodies in the plane z = 0, x along each link; what gravity is not in it acts across."""
+    g_x = described.gravity * np.cos(described.gravity_direction)
+    g_y = described.gravity * np.sin(described.gravity_direction)
+    carried = [joint.body.mass for joint in joints[1:]] + [0.0]
+    links, at, turn = [], 0.0, 0.0
+    for joint, load in zip(joints, carried, strict=True):
+        link, end = joint.planar_link, (joint.planar_link.length, 0.0, 0.0)
+        across = link.inertia + link.rotor_inertia
+        own = link.mass, np.array([link.centre, 0.0, 0.0]), np.diag([link.rotor_inertia, across, across])
+        axes, axis = turned_by((0.0, 0.0, turn)), np.array([0.0, 0.0, 1.0])
+        links.append(RigidLink(np.array([at, 0.0, 0.0]), axes, axis, *lumped([own, point(load, end)])))
+        at, turn = link.length, described.elbow
+    across = -np.sqrt(max(STANDARD_GRAVITY**2 - g_x**2 - g_y**2, 0.0))
+    return RigidArm(tuple(links), np.array([at, 0.0, 0.0]), np.eye(3), np.array([g_x, g_y, across]))
 
 
 @law
@@ -180,6 +200,7 @@ KIND = ArmKind(
     name="planar",
     description=PlanarArmPart,
     parameters=parameters,
+    bodies=bodies,
     parameter_types=(OneLink, TwoLink, LevelTwoLink),
     laws={
         OneLink: ArmLaws(joints=1, dynamics=_one_link, points=_one_link_points),

@@ -1,5 +1,6 @@
 """Chains for tests: a planar arm said as one, and random ones of any number of joints."""
 
+from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any
 
@@ -25,8 +26,8 @@ def described(name: str, **changes: Any) -> tuple[dict[str, Any], Any]:
     return deepcopy(dict(plain)) | changes, sources
 
 
-def as_chain(name: str = "paper-arm-fast") -> Machine:
-    """A planar arm of two joints, described in space."""
+def as_chain(name: str = "paper-arm-fast", shapes: Mapping[str, Any] | None = None, where: str = "chained") -> Machine:
+    """A planar arm of two joints, described in space; with shapes of its links, by joint."""
     planar, links, at, turn = load(name), {}, 0.0, 0.0
     for joint, part in planar.joints.items():
         link = part.planar_link
@@ -38,6 +39,7 @@ def as_chain(name: str = "paper-arm-fast") -> Machine:
             "centre": metres(link.centre, 0.0, 0.0),
             "inertia": inertia(THIN, link.inertia, link.inertia),
             "rotor_inertia": f"{link.rotor_inertia!r} kg m^2",
+            "shapes": (shapes or {}).get(joint, ()),
         }
         at, turn = link.length, planar.arm.elbow
     arm = {
@@ -48,7 +50,7 @@ def as_chain(name: str = "paper-arm-fast") -> Machine:
         "gravity": ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"],
         "payload": f"{planar.arm.payload!r} kg",
     }
-    return build(*described(name, arm=arm), "chained")
+    return build(*described(name, arm=arm), where)
 
 
 def random_arm(n: int, seed: int, gravity: float = 9.81, reach: float = 0.1, single: tuple[str, ...] = ()) -> Machine:
