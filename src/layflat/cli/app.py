@@ -46,7 +46,8 @@ app = LazyTyper(
         "rig": "rig:rigs",
         "cells": "pack",
         "pack": "pack",
-        "arm-model": "describe",
+        "arm": "arm:arms",
+        "arm-model": "arm",
     },
 )
 

@@ -1,11 +1,11 @@
-"""Commands about descriptions: machines, show, check, schema, arm-model."""
+"""Commands about descriptions: machines, show, check, schema."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, app, naming_options, print_findings, print_table
+from layflat.cli.app import MachineName, app, print_findings, print_table
 
 
 @app.command()
@@ -84,18 +84,3 @@ def schema(
         return
     write_text(out, schema_text() + "\n")
     typer.echo(f"wrote {out}")
-
-
-@app.command()
-def arm_model(
-    machine: MachineName,
-    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
-) -> None:
-    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF; meshes go to a folder beside it."""
-    from layflat.bridge import save_arm  # noqa: PLC0415
-    from layflat.machine import load  # noqa: PLC0415
-
-    with naming_options({"path": "--out"}):
-        written = save_arm(load(machine), out)
-    for path in written:
-        typer.echo(f"wrote {path}")

@@ -1,0 +1,146 @@
+"""From a file of a robot to a machine with joints of hose, which simulates as it is."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import degrees
+from pathlib import Path
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.bridge.limits import effort
+from layflat.bridge.robots.describe import Described, described
+from layflat.bridge.robots.read import read_robot
+from layflat.bridge.robots.robot import Robot
+from layflat.bridge.robots.serial import Serial, serial
+from layflat.bridge.robots.strokes import Turning, strokes
+from layflat.bridge.robots.template import templates
+from layflat.description.names import file_name, problem
+from layflat.files import whole_file, write_text
+from layflat.machine import Machine, parameters
+
+POSES = 200  # in which gravity's torques are looked at
+
+
+@dataclass(frozen=True)
+class ImportedArm:
+    """An arm from a file of a robot.
+
+    Attributes:
+        machine: the machine.
+        chain: what was taken of the robot.
+        turning: how far the joints turn, in the machine's order.
+        torques: greatest torque of each joint at supply pressure, N m, (joints,).
+        weights: greatest torque of gravity on each joint in many poses of the working strokes, N m, (joints,).
+    """
+
+    machine: Machine
+    chain: Serial
+    turning: tuple[Turning, ...]
+    torques: Array
+    weights: Array
+    text: Described
+
+    def notes(self) -> list[str]:
+        """Return what a user should know: what was left out, held still, made shorter, or can't be carried."""
+        found = list(self.chain.notes)
+        joints = list(self.machine.joints)
+        short = [
+            f"{name} turns {degrees(turn.mechanical):.4g} of {degrees(turn.asked):.4g} deg"
+            for name, turn in zip(joints, self.turning, strict=True)
+            if turn.asked > turn.mechanical + 1e-9
+        ]
+        if short:
+            found.append(f"hoses reach no further: {', '.join(short)}")
+        for name, torque, weight in zip(joints, self.torques, self.weights, strict=True):
+            if weight > torque:
+                found.append(
+                    f"joint {name!r} can't carry the arm: gravity takes up to {weight:.3g} N m, its hoses give "
+                    f"{torque:.3g} N m; give it other --joints"
+                )
+        return found
+
+    def save(self, folder: Path) -> list[Path]:
+        """Write NAME.toml and the meshes beside it; return what was written.
+
+        Raises:
+            OutputError: it can't be written there.
+        """
+        written = []
+        for name, content in self.text.meshes.items():
+            with whole_file(folder / name) as temporary:
+                temporary.write_bytes(content if isinstance(content, bytes) else content.read_bytes())
+            written.append(folder / name)
+        return [write_text(folder / f"{self.machine.name}.toml", self.text.toml), *written]
+
+
+def import_arm(
+    file: Path,
+    *,
+    joints: Sequence[str] = (),
+    to: str = "",
+    tool: str = "",
+    name: str = "",
+    stroke: Mapping[str, tuple[float, float]] | None = None,
+    gravity: Sequence[float] | None = None,
+    meshes: bool = True,
+) -> ImportedArm:
+    """Return an arm in space from a URDF or MJCF, with joints of hose.
+
+    Args:
+        file: the file.
+        joints: which joints of hose: "MACHINE:JOINT" for all, "NAME=MACHINE:JOINT" for one; default: the paper's small
+            joint.
+        to: body that the chain of joints ends at, of a robot with several.
+        tool: frame of tip and payload.
+        name: of the machine; default: that of the robot.
+        stroke: limits of joints in place of the file's, by name, rad.
+        gravity: in the frame of the base, m/s2; default: the file's, or 9.80665 m/s2 against z.
+        meshes: whether to take meshes along for drawing.
+
+    Raises:
+        InputError: in one line, what is wrong with file or options, and what would be right.
+        MissingExtraError: an MJCF, and MuJoCo is not installed.
+    """
+    robot = read_robot(file, meshes=meshes)
+    if gravity is not None:
+        robot = replace(robot, gravity=np.array(gravity, float))
+    chain = _named(serial(robot, to=to, tool=tool))
+    hoses = templates([stage.joint.name for stage in chain.stages], joints)
+    turning = strokes(chain, {joint: one.described for joint, one in hoses.items()}, stroke or {})
+    text = described(chain, file_name(name, "--name") if name else _name(robot), hoses, turning)
+    machine = text.machine
+    torques = np.array([effort(machine, joint) for joint in machine.joints])
+    return ImportedArm(machine, chain, tuple(turning), torques, _weights(machine), text)
+
+
+def _named(chain: Serial) -> Serial:
+    """Give joints names that descriptions can have."""
+    stages, taken = [], set[str]()
+    for stage in chain.stages:
+        name = stage.joint.name
+        if problem(name, key=True):
+            name = "".join(one if one.isalnum() else "-" for one in name).strip("-") or "joint"
+        while name in taken:
+            name += "-2"
+        taken.add(name)
+        stages.append(replace(stage, joint=replace(stage.joint, name=name)))
+    return replace(chain, stages=tuple(stages))
+
+
+def _name(robot: Robot) -> str:
+    for name in (robot.name, robot.file.stem):
+        tidy = "".join(one if one.isalnum() or one in "-_+" else "-" for one in name).strip("-_+")
+        if tidy and not problem(tidy):
+            return tidy
+    return "arm"
+
+
+def _weights(machine: Machine) -> Array:
+    """Greatest torques of gravity in many poses, the same ones every time."""
+    half = np.array([joint.stops.working_stroke / 2 for joint in machine.joints.values()])
+    poses = np.random.default_rng(0).uniform(-half, half, (POSES, len(half)))
+    arm, payload = parameters.arm(machine), machine.arm.payload
+    pulls = [parameters.mass_and_pull(arm, payload, pose.tolist())[1] for pose in poses]
+    found: Array = np.abs(pulls).max(axis=0)
+    return found

@@ -1,0 +1,107 @@
+"""Commands that take arms in and out of files of robots: arm import; arm export, which is also arm-model."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import MachineName, Out, app, naming_options, print_table
+from layflat.cli.lazy import LazyTyper
+from layflat.errors import InputError
+
+if TYPE_CHECKING:
+    from layflat.bridge.robots import ImportedArm
+
+arms = LazyTyper("arm", "Take arms in and out of URDF and MJCF.", {"import": "arm", "export": "arm"})
+
+
+@arms.callback()
+def arm() -> None:
+    """Group the commands about files of robots."""
+
+
+@arms.command("export")
+@app.command("arm-model")
+def export(
+    machine: MachineName,
+    out: Annotated[Path, typer.Option("--out", "-o", metavar="FILE", help="ends in .xml (MJCF) or .urdf")],
+) -> None:
+    """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF; meshes go to a folder beside it."""
+    from layflat.bridge import save_arm  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+
+    with naming_options({"path": "--out"}):
+        written = save_arm(load(machine), out)
+    for path in written:
+        typer.echo(f"wrote {path}")
+
+
+@arms.command("import")
+def import_robot(
+    file: Annotated[Path, typer.Argument(metavar="ROBOT", help="URDF or MJCF")],
+    joints: Annotated[
+        list[str] | None,
+        typer.Option(help='joints of hose: MACHINE:JOINT, or "NAME=MACHINE:JOINT" for one of the arm\'s; repeatable'),
+    ] = None,
+    to: Annotated[str, typer.Option(metavar="LINK", help="where the arm ends, in a robot with several")] = "",
+    tool: Annotated[str, typer.Option(metavar="FRAME", help="link, body or site at the tip")] = "",
+    stroke: Annotated[
+        list[str] | None, typer.Option(help='limits of a joint, such as "wrist=-60 deg, 60 deg"; repeatable')
+    ] = None,
+    gravity: Annotated[
+        str, typer.Option(help='such as "0, 0, -9.81 m/s^2"  [default: the file\'s, or against z]')
+    ] = "",
+    name: Annotated[str, typer.Option(help="of the machine  [default: the robot's]")] = "",
+    meshes: Annotated[bool, typer.Option(help="whether to draw links by the robot's meshes")] = True,
+    out: Out = Path("build/arm"),
+) -> None:
+    """Take an arm from a URDF or MJCF, with joints of hose in place of its own.
+
+    Prints what its joints are; writes NAME.toml, a description that simulates as it is, and meshes beside it.
+    """
+    from layflat.bridge.robots import import_arm  # noqa: PLC0415
+    from layflat.files import check_folder  # noqa: PLC0415
+
+    limits = dict(_stroke(text) for text in stroke or [])
+    pull = _gravity(gravity) if gravity else None
+    chosen = joints or []
+    found = import_arm(file, joints=chosen, to=to, tool=tool, name=name, stroke=limits, gravity=pull, meshes=meshes)
+    check_folder(out)
+    _print(found)
+    for path in found.save(out):
+        typer.echo(f"wrote {path}")
+
+
+def _print(found: "ImportedArm") -> None:
+    from math import degrees  # noqa: PLC0415
+
+    machine, rows = found.machine, []
+    for name, turn, torque, weight in zip(machine.joints, found.turning, found.torques, found.weights, strict=True):
+        angles = f"{degrees(turn.middle):.1f}", f"{degrees(turn.works):.1f}", f"{degrees(turn.mechanical):.1f}"
+        rows.append([name, *angles, f"{torque:.2f}", f"{weight:.2f}"])
+    columns = ["joint", "zero at (deg)", "working stroke (deg)", "stops (deg)", "torque (N m)", "gravity (N m)"]
+    chain = found.chain
+    print_table(columns, rows, f"{machine.name}: {machine.title}; tip at {chain.tool_name}, {chain.payload:g} kg there")
+    for note in found.notes():
+        typer.echo(note)
+
+
+def _stroke(text: str) -> tuple[str, tuple[float, float]]:
+    """Return joint and limits (rad) of an option such as "wrist=-60 deg, 60 deg"."""
+    from layflat.description import units as u  # noqa: PLC0415
+
+    name, _, limits = text.partition("=")
+    both = [u.quantity(one.strip(), u.ANGLE, "--stroke") for one in limits.split(",") if one.strip()]
+    if len(both) != 2 or both[0] >= both[1]:
+        raise InputError(f"{text!r} has no two limits", where="--stroke", right='give "wrist=-60 deg, 60 deg"')
+    return name.strip(), (both[0], both[1])
+
+
+def _gravity(text: str) -> list[float]:
+    """Return the three components (m/s2) of an option such as "0, 0, -9.81 m/s^2"; zeros need no unit."""
+    from layflat.description import units as u  # noqa: PLC0415
+
+    parts = [one.strip() for one in text.split(",")]
+    if len(parts) != 3:
+        raise InputError(f"{text!r} has {len(parts)} values", where="--gravity", right='give "0, 0, -9.81 m/s^2"')
+    return [0.0 if one.strip("-+0.") == "" else u.quantity(one, u.ACCELERATION, "--gravity") for one in parts]

@@ -1,0 +1,48 @@
+from pathlib import Path
+
+import pytest
+from commands import layflat, refused
+from robot_files import urdf, written
+
+from layflat.machine import load
+
+
+def test_an_arm_is_exported_and_imported(tmp_path: Path) -> None:
+    out = tmp_path / "arm.urdf"
+    assert layflat("arm", "export", "paper-arm", "--out", str(out)).stdout == f"wrote {out}\n"
+    done = layflat("arm", "import", str(out), "--name", "back", "--out", str(tmp_path / "to"))
+    assert done.returncode == 0, done.stderr
+    assert "tip at tool, 1.5 kg there" in " ".join(done.stdout.split())
+    assert done.stdout.endswith(f"wrote {tmp_path / 'to' / 'back.toml'}\n")
+    assert load(tmp_path / "to" / "back.toml").arm.kind == "chain"
+
+
+def test_options_of_an_import_are_taken(tmp_path: Path) -> None:
+    file = written(tmp_path, urdf())
+    words = ["--to", "lower", "--tool", "lower", "--joints", "elbow=paper-arm:large", "--no-meshes"]
+    words += ["--stroke", "elbow=-10 deg, 70 deg", "--gravity", "0, 2 m/s^2, -9 m/s^2", "--out", str(tmp_path)]
+    done = layflat("arm", "import", str(file), *words)
+    assert done.returncode == 0, done.stderr
+    machine = load(tmp_path / "two.toml")
+    assert machine.arm.gravity == (0.0, 2.0, -9.0)
+    assert machine.arm.tool == (0.0, 0.0, 0.0)
+    assert machine.joints["elbow"].hose == load("paper-arm").joints["large"].hose
+    (row,) = [line.split() for line in done.stdout.splitlines() if line.strip().startswith("elbow")]
+    assert row[2] == "30.0"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--stroke", "elbow"], "--stroke: 'elbow' has no two limits; give \"wrist=-60 deg, 60 deg\""),
+        (["--stroke", "elbow=1 deg, 0 deg"], "--stroke: 'elbow=1 deg, 0 deg' has no two limits"),
+        (["--stroke", "elbow=1, 2"], "--stroke: '1' is a bare number; give an angle such as \"120 deg\""),
+        (["--gravity", "0, 1"], "--gravity: '0, 1' has 2 values; give \"0, 0, -9.81 m/s^2\""),
+        (["--gravity", "0, 0, 9.81"], "--gravity: '9.81' is a bare number"),
+        (["--to", "hand"], "--to: there is no link 'hand'"),
+    ],
+)
+def test_mistakes_leave_nothing(words: list[str], expected: str, tmp_path: Path) -> None:
+    file = written(tmp_path, urdf())
+    assert refused("arm", "import", str(file), *words, "--out", str(tmp_path / "to")).startswith(f"layflat: {expected}")
+    assert [path.name for path in tmp_path.iterdir()] == ["robot.urdf"]
