@@ -85,6 +85,8 @@ main()
         ("log check run.parquet", "logs"),
         ("motion tour paper-arm", "motion"),
         ("pack --picks 1", "cell"),
+        ("view paper-arm", "view"),
+        ("view paper-arm --png arm.png", "view"),
     ],
 )
 def test_a_command_without_its_extra_says_so_at_once(words: str, extra: str, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """A machine's arm in MuJoCo, and in files: the rigid bodies that our own laws (physics/arms) have."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,19 @@ FORMATS = {".xml": to_mjcf, ".urdf": to_urdf}
 
 def engine(extra: str = "cell") -> Any:
     """Import the package `mujoco`; raise MissingExtraError, which names the extra, if it is not installed."""
-    return extras.module(extra, "mujoco")
+    try:
+        return extras.module(extra, "mujoco")
+    except (
+        AttributeError,
+        RuntimeError,
+    ):  # MUJOCO_GL names what is not there; only pictures need it, see view/opengl.py
+        before = dict(os.environ)
+        os.environ["MUJOCO_GL"] = "disable"
+        try:
+            return extras.module(extra, "mujoco")
+        finally:
+            os.environ.clear()
+            os.environ.update(before)
 
 
 def arm_spec(machine: Machine, *, passive: bool = False) -> Any:

@@ -78,7 +78,10 @@ def solid(file: Path) -> Any:
     if file.suffix.lower() == ".dae":
         extras.require("view", "collada")
     try:
-        return trimesh.load(file, force="mesh")
+        mesh = trimesh.load(file, force="mesh")
+        reason = "" if len(mesh.faces) else "nothing in it"
     except Exception as error:  # each format has errors of its own
         reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise InputError(f"can't be read as a mesh ({reason})", where=str(file), right="give STL, OBJ or DAE") from None
+    if reason:
+        raise InputError(f"can't be read as a mesh ({reason})", where=str(file), right="give STL, OBJ or DAE")
+    return mesh

@@ -18,7 +18,7 @@ LEAST = 1e-3  # length of what is drawn, m
 BODY = "joint-body"
 """What the bodies of joints are called where pieces have names: who reads a model back has joints of its own."""
 
-COLOURS = {"link": (0.80, 0.82, 0.85, 1.0), "joint": (0.16, 0.20, 0.27, 1.0)}
+COLOURS = {"link": (0.80, 0.82, 0.85, 1.0), "joint": (0.16, 0.20, 0.27, 1.0), "tip": (0.85, 0.42, 0.10, 1.0)}
 """Red, green, blue and opacity, 0..1: as far apart in black and white as in colour."""
 
 
@@ -30,7 +30,7 @@ class Piece:
     place: Array  # of its middle, m, (3,)
     axes: Array  # columns: axes of its own frame, (3, 3)
     size: tuple[float, ...]  # as a description's shapes have it, m
-    of: Literal["link", "joint"] = "link"
+    of: Literal["link", "joint", "tip"] = "link"
     file: Path | None = None  # of a mesh
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
 

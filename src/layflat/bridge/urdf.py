@@ -35,8 +35,8 @@ def to_urdf(machine: Machine, folder: str = "") -> str:
     meshes = Meshes((piece for own in pieces for piece in own), folder or f"{machine.name}-meshes", engine=False)
     robot = Element("robot", name=machine.name)
     _for_mujoco(robot, arm.gravity, pieces)
-    for of, colour in COLOURS.items():
-        SubElement(SubElement(robot, "material", name=of), "color", rgba=numbers(colour))
+    for of in ("link", "joint"):
+        SubElement(SubElement(robot, "material", name=of), "color", rgba=numbers(COLOURS[of]))
     parent = _link(robot, "base", None)
     for name, link, drawn, body in zip(machine.joints, arm.links, pieces, bodies, strict=True):
         own = _link(robot, f"{name}-link", (link.mass, link.centre, link.inertia))

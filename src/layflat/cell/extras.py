@@ -1,6 +1,5 @@
 """Libraries of the extra `cell`, imported when they are needed; MissingExtraError names one that is not there."""
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -11,16 +10,7 @@ from layflat.bridge.arm import engine
 
 def mujoco() -> Any:
     """Return the package `mujoco`."""
-    try:
-        return engine()
-    except (AttributeError, RuntimeError):  # MUJOCO_GL names what is not there; only pictures need it, see gl.py
-        before = dict(os.environ)
-        os.environ["MUJOCO_GL"] = "disable"
-        try:
-            return engine()
-        finally:
-            os.environ.clear()
-            os.environ.update(before)
+    return engine()
 
 
 def opencv() -> Any:

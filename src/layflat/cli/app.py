@@ -48,6 +48,7 @@ app = LazyTyper(
         "pack": "pack",
         "arm": "arm:arms",
         "arm-model": "arm",
+        "view": "view",
     },
 )
 

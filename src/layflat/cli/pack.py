@@ -102,7 +102,7 @@ def pack(
 
 def _calibration(cell: Cell, given: Path | None, out: Path) -> Calibration | None:
     """Return that of the cell's camera, from a file or made anew; say so and return None without OpenGL."""
-    from layflat.cell.scene.camera import context  # noqa: PLC0415
+    from layflat.bridge.view.opengl import context  # noqa: PLC0415
     from layflat.cell.vision import load_calibration  # noqa: PLC0415
     from layflat.cell.work.run import calibrated  # noqa: PLC0415
 

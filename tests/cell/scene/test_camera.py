@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from layflat.bridge.view.opengl import LIBRARIES, context
 from layflat.cell import Cell
 from layflat.cell.file.imaging import Board
 from layflat.cell.geometry import looking, rectangle
 from layflat.cell.markers import charuco
 from layflat.cell.scene import Scene
-from layflat.cell.scene.camera import LIBRARIES, SimulatedCamera, context, exposed
+from layflat.cell.scene.camera import SimulatedCamera, exposed
 from layflat.cell.scene.optics import Optics, optics_of
 from layflat.errors import LayflatError
 

@@ -55,7 +55,7 @@ def described(
         plain.pop(key, None)
         sources = {path: source for path, source in sources.items() if path.partition(".")[0] != key}
     file = chain.robot.file.name
-    plain |= {"name": name, "title": f"{chain.robot.name or name}, from {file}, with joints of {first.title}"}
+    plain |= {"name": name, "title": f"From {file}, with joints of {first.title}"}
     plain["controller"] = {"kind": "tracking", "cycle": CYCLE}
     note = Provenance("derived", "docs/control.md")
     sources |= {"controller.kind": note, "controller.cycle": Provenance("derived", "as the paper's arm")}

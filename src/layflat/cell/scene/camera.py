@@ -1,24 +1,19 @@
-"""The cameras' images, all that vision is given of the scene, and the OpenGL that draws them without a screen."""
+"""The cameras' images, all that vision is given of the scene."""
 
-import ctypes
-import os
-from importlib import import_module
 from typing import Any, Literal, Self
 
 import numpy as np
 
 from layflat.arrays import Picture
+from layflat.bridge.view.opengl import context
 from layflat.cell.extras import mujoco, opencv
 from layflat.cell.file.imaging import Camera
 from layflat.cell.scene.furniture import BOARD_GROUP
 from layflat.cell.scene.optics import optics_of
 from layflat.cell.scene.scene import Scene
-from layflat.errors import NoDrawingError
 
 # Of the model's visual quality, in overviews: looks the same there and is drawn in half the time.
 COARSE = {"shadowsize": 1024, "numquads": 1, "numslices": 20, "numstacks": 10}
-LIBRARIES = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so.8"}  # ways to draw, the faster first, and what each needs
-INSTALL = "install one: apt-get install libegl1 libgl1-mesa-dri (or libosmesa6)"
 
 
 class SimulatedCamera:
@@ -101,25 +96,3 @@ def exposed(picture: Picture, camera: Camera, rng: np.random.Generator) -> Pictu
     seen += spread * rng.standard_normal(seen.shape, dtype=np.float32)
     found: Picture = np.clip(np.rint(seen), 0, 255).astype(np.uint8)
     return found
-
-
-def context(width: int, height: int) -> Any:
-    """Return a current context to draw off screen, by MUJOCO_GL's way or the first there is; NoDrawingError without."""
-    way = os.environ.get("MUJOCO_GL", "").lower() or _there()
-    try:
-        made = import_module(f"mujoco.{way}").GLContext(width, height)
-        made.make_current()
-    except Exception as error:  # each library has errors of its own
-        reason = (str(error).splitlines() or [type(error).__name__])[0].split(". ")[0]
-        raise NoDrawingError(f"no picture can be drawn by {way} ({reason}); {INSTALL}") from None
-    return made
-
-
-def _there() -> str:
-    for way, library in LIBRARIES.items():
-        try:
-            ctypes.CDLL(library)
-        except OSError:
-            continue
-        return way
-    raise NoDrawingError(f"no picture can be drawn: there is no OpenGL library; {INSTALL}")

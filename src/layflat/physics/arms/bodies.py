@@ -32,7 +32,7 @@ class RigidArm:
     tool_axes: Array  # columns: axes of the tool's frame, as the frame of the last link has them, (3, 3)
     gravity: Array  # in the frame of the base, m/s2, (3,)
 
-    def poses(self, angles: Sequence[float]) -> list[tuple[Array, Array]]:
+    def poses(self, angles: Sequence[float] | Array) -> list[tuple[Array, Array]]:
         """Return axes (3, 3) and origin (m, (3,)) of the frames of all links and of the tool, as the base has them."""
         axes, origin, found = np.eye(3), np.zeros(3), []
         for link, angle in zip(self.links, angles, strict=True):

@@ -1,0 +1,1 @@
+"""Arms to look at: in the browser, and as pictures."""

@@ -1,0 +1,96 @@
+"""Command that shows an arm in space: view."""
+
+from math import degrees, radians
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from layflat.cli.app import MachineName, app, naming_options
+from layflat.cli.bars import busy
+from layflat.errors import InputError
+
+if TYPE_CHECKING:
+    from layflat.bridge.view.browser import Motion
+    from layflat.machine import Machine
+
+
+@app.command()
+def view(
+    machine: MachineName,
+    run: Annotated[Path | None, typer.Option(metavar="RUN", help="play a run of the machine, NetCDF")] = None,
+    png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw a picture instead, without a screen")] = None,
+    pose: Annotated[
+        str | None, typer.Option(help='angles, such as "20 deg, 0 deg"  [default: mid-stroke, or the end of the run]')
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0 is any that is free")] = 8080,
+) -> None:
+    """Show a machine's arm in the browser, on this computer, or as a picture; squares of the floor are 100 mm."""
+    from layflat import extras  # noqa: PLC0415
+    from layflat.machine import load  # noqa: PLC0415
+
+    extras.require("view", *(("mujoco", "PIL") if png else ("viser",)), where="view")
+    described = load(machine)
+    motion = None if run is None else _motion(described, run)
+    angles = [0.0] * len(described.joints) if motion is None else motion.angles[-1 if png else 0].tolist()
+    if pose is not None:
+        angles = _pose(described, pose)
+    if png is not None:
+        _draw(described, angles, png, motion)
+        return
+    _serve(described, angles, motion, port)
+
+
+def _draw(machine: "Machine", angles: list[float], png: Path, motion: "Motion | None") -> None:
+    from layflat.bridge.view.picture import save_picture  # noqa: PLC0415
+    from layflat.files import check_file  # noqa: PLC0415
+
+    if png.suffix.lower() != ".png":
+        raise InputError(f"{png.name!r} has an unknown format", where="--png", right="give a name such as arm.png")
+    check_file(png)
+    way = () if motion is None else motion.angles
+    typer.echo(f"wrote {save_picture(machine, angles, png, way=way)}")
+
+
+def _serve(machine: "Machine", angles: list[float], motion: "Motion | None", port: int) -> None:
+    from layflat.bridge.view.browser import Viewer  # noqa: PLC0415
+    from layflat.cli.rig import stopping  # noqa: PLC0415
+
+    with stopping() as stopped, naming_options({"port": "--port"}):
+        with busy("starting"):
+            viewer = Viewer(machine, angles, motion=motion, port=port)
+        with viewer:
+            typer.echo(f"{machine.name} at {viewer.address}; Ctrl-C ends it")
+            viewer.serve(stopped)
+
+
+def _pose(machine: "Machine", text: str) -> list[float]:
+    """Return the angles (rad) of an option, one for each joint."""
+    from layflat.description import units as u  # noqa: PLC0415
+
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != len(machine.joints):
+        names = ", ".join(machine.joints)
+        raise InputError(f"{text!r} has {len(parts)} values", where="--pose", right=f"give one for each of {names}")
+    angles = [u.quantity(part, u.ANGLE, "--pose") for part in parts]
+    for (name, joint), angle in zip(machine.joints.items(), angles, strict=True):
+        stop = joint.stops.mechanical_stroke / 2
+        if abs(angle) > stop + radians(1e-9):
+            what = f"{degrees(angle):.6g} deg is beyond the stops of joint {name!r}"
+            raise InputError(what, where="--pose", right=f"stay within +-{degrees(stop):.6g} deg")
+    return angles
+
+
+def _motion(machine: "Machine", run: Path) -> "Motion":
+    """Return what the arm did in a run of it."""
+    from layflat.bridge.view.browser import Motion  # noqa: PLC0415
+    from layflat.sim.dataset import open_run  # noqa: PLC0415
+
+    found = open_run(run)
+    if not {"angle", "time", "joint"} <= set(found.variables):
+        raise InputError("has no angles of joints over time", where=str(run), right="give what `simulate` writes")
+    joints = [str(name) for name in found["joint"].values]
+    if joints != list(machine.joints):
+        right = f"give one of joints {', '.join(machine.joints)}"
+        raise InputError(f"is of an arm with the joints {', '.join(joints)}", where=str(run), right=right)
+    return Motion(found["time"].values, found["angle"].transpose("time", "joint").values)
