@@ -18,7 +18,7 @@ from layflat.motion.learning import begin
 from layflat.motion.limits import RESERVE
 from layflat.motion.optimal import time_optimal
 from layflat.motion.path import JointLine, JointSpline
-from layflat.motion.tip_path import TipPath
+from layflat.motion.planar_path import PlanarPath
 from layflat.motion.trajectory import Trajectory
 from layflat.sim.repeats import learnt_error_ratio, simulated_repeats, true_error
 from layflat.tune.robust import plants
@@ -33,8 +33,8 @@ def motions(arm: Machine, reserve: float = RESERVE) -> dict[str, Trajectory]:
     line = Line.to((x, y), (x + 0.05, y + 0.25), "line")
     arc = Arc.through((x, y), (x + 0.08, y + 0.1), (x, y + 0.22), "arc")
     paths = {
-        "line": TipPath(arm, line, START, "line").checked(),
-        "arc": TipPath(arm, arc, START, "arc").checked(),
+        "line": PlanarPath(arm, line, START, "line").checked(),
+        "arc": PlanarPath(arm, arc, START, "arc").checked(),
         "via": JointSpline(arm, [np.radians(at) for at in VIA]),
         "joints": JointLine(np.radians([-20.0, -20.0]), np.radians([20.0, 20.0])),
     }

@@ -105,6 +105,41 @@ def test_one_joint_goes_by_angles(tmp_path: Path) -> None:
     assert_allclose(np.linalg.norm(arc, axis=1), 0.4)
 
 
+IN_SPACE = """
+name = "mine"
+title = "of a test"
+start = ["0 deg", "20 deg", "-20 deg", "0 deg"]
+[[segment]]
+kind = "line"
+to = ["650 mm", "200 mm", "350 mm"]
+speed = "0.4 m/s"
+time_optimal = true
+[[segment]]
+kind = "arc"
+through = ["650 mm", "0 mm", "450 mm"]
+to = ["650 mm", "-200 mm", "350 mm"]
+time_optimal = true
+[[segment]]
+kind = "belt"
+direction = "0 deg"
+speeds = [["0 s", "0.4 m/s"], ["1.2 s", "0 m/s"]]
+acceleration = "4 m/s^2"
+"""
+
+
+def test_an_arm_in_space_goes_where_it_is_told_to(tmp_path: Path) -> None:
+    plan = planned("", tmp_path, load("picking-arm"), head=IN_SPACE)
+    at = plan.trajectory.at(plan.trajectory.begins)
+    assert_allclose(tip_position(plan.machine, at[1:]), [(0.65, 0.2, 0.35), (0.65, -0.2, 0.35)], atol=1e-9)
+    assert plan.asked(plan.segments[0]).tip_speed == pytest.approx(0.4, rel=1e-2)
+    left = plan.segments[2].left
+    assert left is not None
+    assert left.place[2] == pytest.approx(0.35)
+    views = [axes.get_ylabel() for axes in picture(plan).axes]
+    assert views.count("y (m)") == views.count("z (m)") == 1
+    assert len(views) == 14
+
+
 @pytest.mark.parametrize("machine", [ARM, load("paper-arm-fast")])
 def test_outlines_are_the_edge_of_the_reach(machine: Machine) -> None:
     reach = Reach(machine, margin=0.0)
@@ -121,10 +156,14 @@ BELT = '[[segment]]\nkind = "belt"\ndirection = "90 deg"\nacceleration = "90 m/s
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
+        (
+            LINE.replace('"0.3 m"', '"0.3 m", "1 m"'),
+            r"segment 1 \(line\): gives a point with 3 coordinates; give 2: x, y",
+        ),
         (LINE + 'to_ = "x"\n', r"segment 1: to_: unknown key; did you mean 'to'\?"),
         (LINE.replace("line", "lin"), r"segment 1: kind: 'lin' is not a known kind; did you mean .line"),
         (LINE + 'speed = "0.3 deg"\n', r"segment 1: speed: '0.3 deg' is not a speed; give a speed such as"),
-        (LINE.replace('"0.3 m"', ""), r"segment 1: to: has too few values; give 2"),
+        (LINE.replace('"0.3 m"', ""), r"segment 1: to: has 1 values; give at least 2"),
         (LINE + 'time_optimal = true\njerk = "9 m/s^3"\n', r"segment 1: has a jerk, and is time_optimal, .*leave out"),
         (LINE + '[[segment]]\nkind = "via"\n', r"segment 2: needs points or angles; give one of them"),
         (LINE.replace("0.5 m", "0.9 m"), r"segment 1 \(line\): leaves the arm's reach 0.\d+ m along"),

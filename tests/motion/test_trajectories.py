@@ -21,7 +21,7 @@ from layflat.motion.kinematics import tip_motion, tip_position
 from layflat.motion.limits import Ability, MotionLimits, TipLimits, abilities
 from layflat.motion.optimal import time_optimal
 from layflat.motion.path import JointLine, JointSpline, Path
-from layflat.motion.tip_path import TipPath
+from layflat.motion.planar_path import PlanarPath
 from layflat.motion.trajectory import Along, Chain, Rest, States, Trajectory
 from layflat.motion.travel import travel
 
@@ -30,8 +30,8 @@ HANGING = changed(ARM, "arm.gravity", 9.81)
 FORTY = JointLine(np.radians([-20.0, -20.0]), np.radians([20.0, 20.0]))
 TIP = tuple(tip_position(ARM, FORTY.start).tolist())
 PATHS: dict[str, Path] = {
-    "line": TipPath(ARM, Line.to(TIP, (0.3, 0.45), "line"), FORTY.start, "line"),
-    "arc": TipPath(ARM, Arc.through(TIP, (0.5, 0.45), (0.4, 0.5), "arc"), FORTY.start, "arc"),
+    "line": PlanarPath(ARM, Line.to(TIP, (0.3, 0.45), "line"), FORTY.start, "line"),
+    "arc": PlanarPath(ARM, Arc.through(TIP, (0.5, 0.45), (0.4, 0.5), "arc"), FORTY.start, "arc"),
     "joint": FORTY,
     "via": JointSpline(ARM, [FORTY.start, np.radians([10.0, 30.0]), np.radians([20.0, -30.0])]),
 }

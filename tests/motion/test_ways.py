@@ -16,8 +16,8 @@ from layflat.machine import changed, load
 from layflat.motion.curve import Arc, Curve, Line, Spline
 from layflat.motion.kinematics import links, tip_motion, tip_position
 from layflat.motion.path import JointLine, JointSpline, Path
+from layflat.motion.planar_path import PlanarPath
 from layflat.motion.reach import Reach
-from layflat.motion.tip_path import TipPath
 from layflat.physics.arms import ArmPart
 
 ARM, SMALL = load("paper-arm-fast"), load("paper-small-joint-fast")
@@ -30,7 +30,7 @@ CURVES: dict[str, Curve] = {
     "via": Spline([TIP, (0.5, 0.3), (0.45, 0.2), (0.3, 0.4)], "via"),
 }
 PATHS: dict[str, Path] = {
-    **{name: TipPath(ARM, curve, START, name) for name, curve in CURVES.items()},
+    **{name: PlanarPath(ARM, curve, START, name) for name, curve in CURVES.items()},
     "joint line": JointLine(START, np.radians([-30.0, 40.0])),
     "joint via": JointSpline(ARM, [START, np.radians([20.0, 30.0]), np.radians([20.0, -30.0])]),
     "there and back": JointSpline(SMALL, [np.array([0.7]), np.array([0.2]), np.array([0.4])]),
@@ -90,7 +90,7 @@ def test_the_border_is_where_the_reach_ends(first: float, second: float, directi
     """Of an arm that has but one elbow, by the closed arcs of `Reach`."""
     start, reach = np.radians([first, second]), Reach(ARM, margin=0.0)
     x, y = tip_position(ARM, start).tolist()
-    path = TipPath(ARM, Line((x, y), (np.cos(direction), np.sin(direction)), 2.0), start, "line")
+    path = PlanarPath(ARM, Line((x, y), (np.cos(direction), np.sin(direction)), 2.0), start, "line")
     border = path.border(2.0)
     assert border is not None  # an arm of 0.8 m can't go 2 m
     for inside in path.curve.at(np.linspace(0.0, border - 1e-6, 9).clip(0.0)).value.tolist():
@@ -115,7 +115,7 @@ def test_a_line_that_the_arm_can_not_follow_is_refused(
     at = np.radians(start)
     tip = tuple(tip_position(machine, at).tolist())  # type: ignore[arg-type]
     with pytest.raises(InputError, match=f"^here: .*{expected}") as caught:
-        TipPath(machine, Line.to(tip, end, "here"), at, "here").checked()  # type: ignore[arg-type]
+        PlanarPath(machine, Line.to(tip, end, "here"), at, "here").checked()  # type: ignore[arg-type]
     assert "\n" not in str(caught.value)
 
 

@@ -74,6 +74,6 @@ def _print_segments(plan: "Plan", title: str) -> None:
     print_table(columns, rows, f"{title}: {plan.trajectory.duration:.3f} s, payload {plan.payload:g} kg")
     for number, segment in enumerate(plan.segments, 1):
         if segment.left is not None:
-            x, y = (1e3 * at for at in segment.left.place)
-            place = f"at x = {x:.0f} mm, y = {y:.0f} mm, {segment.left.time:.3f} s after it began"
+            at = ", ".join(f"{axis} = {1e3 * of:.0f} mm" for axis, of in zip("xyz", segment.left.place, strict=False))
+            place = f"at {at}, {segment.left.time:.3f} s after it began"
             typer.echo(f"segment {number}: its target leaves the arm's reach {place}; the arm stops there")

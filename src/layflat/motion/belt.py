@@ -16,10 +16,10 @@ from scipy.optimize import brentq
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.motion.curve import Line, Point
+from layflat.motion.curve import Line, Point, TipPath
 from layflat.motion.kinematics import tip_position
 from layflat.motion.path import CLOSE
-from layflat.motion.tip_path import TipPath
+from layflat.motion.tip_path import tip_path
 from layflat.motion.trajectory import Along
 
 PEAK = 1.5  # of a change of speed: its greatest acceleration over its mean one
@@ -50,30 +50,29 @@ def follow_belt(
     """Return the motion of an arm whose tip follows a point on a belt, from rest to rest.
 
     Args:
-        machine: with a planar arm of two joints.
+        machine: whose arm follows; in space the belt is level, at the height of the tip.
         start: posture in which the tip is at the point, (joints,), rad.
-        direction: of the belt, from the x axis, rad.
+        direction: of the belt, from the x axis about z, rad.
         speeds: when the belt's speed begins to change (s), and what to (m/s; negative: back); the last is zero.
         acceleration: of the belt at most, m/s2.
         where: it was given, for messages.
 
     Raises:
-        InputError: naming `where`: the speeds contradict each other, the belt does not stop, or the elbow is stretched.
-        MachineError: the arm is not a planar one.
+        InputError: naming `where`: the speeds contradict each other, the belt does not stop, or the arm is stretched.
     """
     speed = _profile(speeds, acceleration, where)
-    x, y = tip_position(machine, start).tolist()
-    path = TipPath(machine, Line((x, y), (cos(direction), sin(direction)), 1.0), start, where)
+    tip = tuple(tip_position(machine, start).tolist())
+    way = (cos(direction), sin(direction), 0.0)[: len(tip)]
+    furthest = speed.antiderivative()(np.linspace(0.0, speed.x[-1], LOOKS))
+    span = float(furthest.min()), float(furthest.max())
+    path = tip_path(machine, Line(tip, way, 1.0), start, where, span=span)
     crossed, left = _crossing(path, speed), None
     if crossed is not None:
         time, border = crossed
-        (x, y), speed = (
-            path.curve.at(np.array([border])).value[0].tolist(),
-            _stopping(speed, time, border, acceleration),
-        )
-        left = Left(time, (x, y))
-    way, change = speed.antiderivative(), speed.derivative()
-    return Followed(float(speed.x[-1]), path, lambda times: (way(times), speed(times), change(times)), left)
+        left = Left(time, tuple(path.curve.at(np.array([border])).value[0].tolist()))
+        speed = _stopping(speed, time, border, acceleration)
+    along, change = speed.antiderivative(), speed.derivative()
+    return Followed(float(speed.x[-1]), path, lambda times: (along(times), speed(times), change(times)), left)
 
 
 def _profile(speeds: Sequence[tuple[float, float]], acceleration: float, where: str) -> CubicHermiteSpline:

@@ -1,30 +1,31 @@
-"""Curves of the tip in the plane, by the distance along them."""
+"""Curves of the tip, in the plane or in space, by the distance along them; and paths on which an arm follows them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2, hypot, tau
+from typing import Self
 
 import numpy as np
 
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.motion.kinematics import directions
-from layflat.motion.path import CLOSE, Shape, smooth
+from layflat.motion.path import CLOSE, Path, Shape, smooth
 
-Point = tuple[float, float]  # m
+Point = tuple[float, ...]  # x and y, in space z too, m
 FLATTEST = 1e-6  # sagitta over chord below which three points do not make a circle
 
 
 class Curve(ABC):
-    """A curve in the plane, by the distance s (m) from its beginning along it."""
+    """A curve, by the distance s (m) from its beginning along it."""
 
     length: float  # m
 
     @abstractmethod
     def at(self, s: Array) -> Shape:
-        """Return points (points, 2), m, and their derivatives at distances (points,), m."""
+        """Return points (points, axes), m, and their derivatives at distances (points,), m."""
 
 
 @dataclass(frozen=True)
@@ -38,11 +39,11 @@ class Line(Curve):
     @classmethod
     def to(cls, start: Point, end: Point, where: str) -> "Line":
         """Return the line between two points; raise InputError, naming `where`, if they are the same."""
-        x, y = end[0] - start[0], end[1] - start[1]
-        length = hypot(x, y)
+        way = [b - a for a, b in zip(start, end, strict=True)]
+        length = hypot(*way)
         if length < CLOSE:
             raise InputError("ends where it begins", where=where, right="give another point")
-        return cls(start, (x / length, y / length), length)
+        return cls(start, tuple(of / length for of in way), length)
 
     def at(self, s: Array) -> Shape:
         """Return points and their derivatives."""
@@ -52,7 +53,7 @@ class Line(Curve):
 
 @dataclass(frozen=True)
 class Arc(Curve):
-    """Part of a circle: centre and radius (m), where it begins (rad), and how far it goes (rad)."""
+    """Part of a circle in the plane: centre and radius (m), where it begins (rad), and how far it goes (rad)."""
 
     centre: Point
     radius: float
@@ -60,8 +61,8 @@ class Arc(Curve):
     sweep: float  # counter-clockwise; negative for clockwise
 
     @classmethod
-    def through(cls, start: Point, middle: Point, end: Point, where: str) -> "Arc":
-        """Return the arc through three points; raise InputError, naming `where`, if they lie on a line."""
+    def through(cls, start: Point, middle: Point, end: Point, where: str) -> Self:
+        """Return the arc through three points of the plane; raise InputError, naming `where`, if they lie on a line."""
         (a, b), (c, d) = np.subtract(middle, start), np.subtract(end, start)
         cross = 2.0 * (a * d - b * c)
         if abs(cross) <= FLATTEST * max(a * a + b * b, c * c + d * d):
@@ -85,6 +86,37 @@ class Arc(Curve):
         return Shape(np.array(self.centre) + self.radius * out, way * across, -out / self.radius)
 
 
+@dataclass(frozen=True)
+class Tilted(Curve):
+    """A curve of a plane that lies anywhere in space."""
+
+    curve: Curve
+    origin: Array  # of the plane, (3,), m
+    axes: Array  # of the plane, (2, 3): at right angles to each other, of length 1
+
+    @property
+    def length(self) -> float:  # type: ignore[override]
+        """Of the curve, m."""
+        return self.curve.length
+
+    def at(self, s: Array) -> Shape:
+        """Return points and their derivatives."""
+        value, first, second = self.curve.at(s)
+        return Shape(self.origin + value @ self.axes, first @ self.axes, second @ self.axes)
+
+
+def arc(start: Point, middle: Point, end: Point, where: str) -> Curve:
+    """Return the arc through three points of the plane or of space; raise as `Arc.through`."""
+    if len(start) == 2:
+        return Arc.through(start, middle, end, where)
+    origin, (via, to) = np.array(start), np.subtract([middle, end], start)
+    along = via / max(float(np.linalg.norm(via)), CLOSE)
+    aside = to - (to @ along) * along
+    axes = np.stack([along, aside / max(float(np.linalg.norm(aside)), CLOSE)])
+    flat = Arc.through((0.0, 0.0), tuple(axes @ via), tuple(axes @ to), where)
+    return Tilted(flat, origin, axes)
+
+
 class Spline(Curve):
     """A smooth curve through points."""
 
@@ -96,3 +128,17 @@ class Spline(Curve):
     def at(self, s: Array) -> Shape:
         """Return points and their derivatives."""
         return Shape(self._spline(s), self._spline(s, 1), self._spline(s, 2))
+
+
+class TipPath(Path):
+    """A way of the joints on which the tip follows a curve; its distances are those along the curve."""
+
+    curve: Curve
+
+    @abstractmethod
+    def border(self, end: float) -> float | None:
+        """Return how far along the curve (m), on the way to `end`, the arm reaches; None if it is all of the way."""
+
+    @abstractmethod
+    def checked(self) -> Self:
+        """Return the path itself; raise InputError, saying where and why, if the arm can't follow all of it."""

@@ -13,13 +13,14 @@ from layflat.description.part import Described
 from layflat.description.places import Steps
 from layflat.errors import InputError
 from layflat.motion.limits import RESERVE, TipLimits
+from layflat.physics.arms.kind import MOST
 
 MOTIONS = Library(
     Path(__file__).parent / "builtin", "motion", "`layflat motions` lists them", 'speed = "0.5 m/s"', InputError
 )
 
-Point = tuple[u.Coordinate, u.Coordinate]
-Posture = Annotated[tuple[u.Angle, ...], Field(min_length=1, max_length=2)]
+Point = Annotated[tuple[u.Coordinate, ...], Field(min_length=2, max_length=3)]
+Posture = Annotated[tuple[u.Angle, ...], Field(min_length=1, max_length=MOST)]
 
 
 class Timed(Part):

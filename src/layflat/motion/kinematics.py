@@ -27,22 +27,40 @@ def tip_position(machine: Machine, q: Array) -> Array:
     return tips.reshape(*q.shape[:-1], tips.shape[-1])
 
 
-def joints_in_space(machine: Machine, q: Array) -> tuple[Array, Array]:
-    """Return where joints and tip are, (points, joints + 1, 3) in m, and the directions of the joints' axes, likewise.
+class Kinematics:
+    """Where the joints and the tip of an arm of any kind are in space; the arm's parameters are found once."""
 
-    Args:
-        machine: with an arm of any kind.
-        q: angles (points, joints), rad.
-    """
-    found: tuple[Array, Array] = joints_along(parameters.arm(machine), (0.0,) * q.shape[-1], np.ascontiguousarray(q))
-    return found
+    def __init__(self, machine: Machine) -> None:
+        """Take the arm of a machine."""
+        self._arm, self._like = parameters.arm(machine), (0.0,) * len(machine.joints)
 
+    def joints(self, q: Array) -> tuple[Array, Array]:
+        """Return where joints and tip are, (points, joints + 1, 3) in m, and the directions of the joints' axes.
 
-def jacobian(machine: Machine, q: Array) -> Array:
-    """Return by how much the tip moves with each joint, (points, 3, joints) in m/rad, at angles (points, joints)."""
-    places, axes = joints_in_space(machine, q)
-    moved: Array = np.cross(axes, places[:, -1:] - places[:, :-1]).swapaxes(1, 2)
-    return moved
+        These are (points, joints, 3); angles are (points, joints), rad.
+        """
+        found: tuple[Array, Array] = joints_along(self._arm, self._like, np.ascontiguousarray(q))
+        return found
+
+    def tip(self, q: Array) -> Array:
+        """Return where the tip is, (points, 3), m, at angles (points, joints), rad."""
+        return self.joints(q)[0][:, -1]
+
+    def tip_and_jacobian(self, q: Array) -> tuple[Array, Array]:
+        """Return where the tip is, (points, 3), m, and by how much it moves with each joint, (points, 3, joints)."""
+        places, axes = self.joints(q)
+        tip = places[:, -1:]
+        return tip[:, 0], np.cross(axes, tip - places[:, :-1]).swapaxes(1, 2)
+
+    def tip_motion(self, q: Array, first: Array, second: Array) -> tuple[Array, Array]:
+        """Return the first and second derivative of the tip's position, (points, 3) each, from those of the angles."""
+        # Each joint's own turn is carried along by those before it, and links are accelerated as by any rotation.
+        places, axes = self.joints(q)
+        links, own = np.diff(places, axis=1), axes * first[..., None]
+        rate = np.cumsum(own, axis=1)
+        change = np.cumsum(axes * second[..., None] + np.cross(rate, own), axis=1)
+        speed = np.cross(rate, links)
+        return speed.sum(axis=1), (np.cross(change, links) + np.cross(rate, speed)).sum(axis=1)
 
 
 def links(machine: Machine) -> tuple[Array, Array]:
@@ -74,21 +92,11 @@ def tip_motion(machine: Machine, q: Array, first: Array, second: Array) -> tuple
         second: their second derivatives.
     """
     if not isinstance(machine.arm, PlanarArmPart):
-        return _tip_motion_in_space(machine, q, first, second)
+        moved, accelerated = Kinematics(machine).tip_motion(q, first, second)
+        axes = tip_position(machine, q[:1]).shape[-1]
+        return moved[:, :axes], accelerated[:, :axes]
     lengths, bends = links(machine)
     along, across = directions(np.cumsum(q + bends, axis=-1))
     rate, change = (np.cumsum(of, axis=-1)[..., None] for of in (first, second))
     arms = lengths[:, None]
     return (arms * rate * across).sum(axis=-2), (arms * (change * across - rate**2 * along)).sum(axis=-2)
-
-
-def _tip_motion_in_space(machine: Machine, q: Array, first: Array, second: Array) -> tuple[Array, Array]:
-    # Each joint's own turn is carried along by those before it, and links are accelerated as by any rotation.
-    places, axes = joints_in_space(machine, q)
-    links, own = np.diff(places, axis=1), axes * first[..., None]
-    rate = np.cumsum(own, axis=1)
-    change = np.cumsum(axes * second[..., None] + np.cross(rate, own), axis=1)
-    speed = np.cross(rate, links)
-    moved, accelerated = speed.sum(axis=1), (np.cross(change, links) + np.cross(rate, speed)).sum(axis=1)
-    count = tip_position(machine, q[:1]).shape[-1]
-    return moved[:, :count], accelerated[:, :count]

@@ -19,8 +19,8 @@ from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.motion.curve import Line
 from layflat.motion.limits import MotionLimits
+from layflat.motion.planar_path import PlanarPath
 from layflat.motion.reach import Reach
-from layflat.motion.tip_path import TipPath
 from layflat.motion.trajectory import States
 from layflat.motion.travel import Travel, tip_peaks, transfer
 
@@ -44,11 +44,11 @@ class Lane:
         s = np.arange(0.0, length, GRID)
         points = np.array(start) + s[:, None] * way
         found = next((found for x, y in points.tolist() if (found := reach.postures(x, y))), None)
-        self.path: TipPath | None = None
+        self.path: PlanarPath | None = None
         self.low = self.high = 0.0
         if found is not None:
             line = Line(start, way, length)
-            self.path = TipPath(reach.machine, line, np.array(found[0].angles), "line")
+            self.path = PlanarPath(reach.machine, line, np.array(found[0].angles), "line")
             within = self.path.reaches(s)
             within[within] = (np.abs(self.path.at(s[within]).value) <= reach.limits).all(axis=1)
             first = int(np.argmax(within))

@@ -51,8 +51,7 @@ def time_optimal(
         able: what the joints can do; default: what hoses and valves can.
 
     Raises:
-        MachineError: the arm can't hold itself somewhere on the path; it has no valves; or it is not planar, and the
-            tip has limits.
+        MachineError: the arm can't hold itself somewhere on the path, or has no valves.
     """
     if path.length < CLOSE:
         return Rest(0.0, path.end)

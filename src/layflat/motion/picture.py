@@ -5,23 +5,27 @@ from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from layflat.arrays import Array
 from layflat.machine import Machine
-from layflat.motion.kinematics import links, tip_position
+from layflat.motion.inverse import Inverse
+from layflat.motion.kinematics import Kinematics, tip_position
 from layflat.motion.path import half_strokes
 from layflat.motion.plan import Plan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from layflat.plot.motions import View
+
 INSTANTS = 2001  # that are drawn
 POINTS = 61  # on a side of an outline
 
 
 def picture(plan: Plan) -> "Figure":
-    """Draw a planned motion: the tip's way in the plane, angles, velocities and torques with their limits."""
-    from layflat.plot.motions import Curve, Joint, Plane, motion_figure  # noqa: PLC0415  # matplotlib loads slowly
+    """Draw a planned motion: the tip's way, angles, velocities and torques with their limits."""
+    from layflat.plot.motions import Curve, Joint, motion_figure  # noqa: PLC0415  # matplotlib loads slowly
 
     machine, able, motion = plan.machine, plan.able, plan.trajectory
     time = np.linspace(0.0, motion.duration, INSTANTS)
@@ -35,10 +39,37 @@ def picture(plan: Plan) -> "Figure":
         )
         for j, name in enumerate(machine.joints)
     }
-    arms = [_links(machine, states.angles[k]) for k in (0, -1)]
-    left = [segment.left.place for segment in plan.segments if segment.left is not None]
-    tip = tip_position(machine, states.angles)
-    return motion_figure(time, motion.begins, Plane(tip, outlines(machine), arms, left), joints)
+    return motion_figure(time, motion.begins, _views(plan, states.angles), joints)
+
+
+def _views(plan: Plan, angles: Array) -> "list[View]":
+    """Return what is seen of a motion: in the plane, or from above and from the side."""
+    from layflat.plot.motions import View  # noqa: PLC0415
+
+    machine, ends, tip = plan.machine, angles[[0, -1]], tip_position(plan.machine, angles)
+    left = [np.array(segment.left.place) for segment in plan.segments if segment.left is not None]
+    arms = Kinematics(machine).joints(ends)[0]
+    if tip.shape[1] == 2:
+        return [View("xy", tip, outlines(machine), list(arms[:, :, :2]), left)]
+    base = np.zeros((len(arms), 1, 3))
+    arms = np.concatenate([base, arms], axis=1)
+    known = Inverse(machine).tips
+    return [
+        View(
+            "xyz"[a] + "xyz"[b],
+            tip[:, [a, b]],
+            [hull(known[:, [a, b]])],
+            list(arms[:, :, [a, b]]),
+            [at[[a, b]] for at in left],
+        )
+        for a, b in ((0, 1), (0, 2))
+    ]
+
+
+def hull(points: Array) -> Array:
+    """Return the convex hull of points (points, 2) as a closed line."""
+    corners = points[ConvexHull(points).vertices]
+    return np.vstack([corners, corners[:1]])
 
 
 def outlines(machine: Machine) -> list[Array]:
@@ -57,11 +88,3 @@ def _outline(machine: Machine, half: float, low: float, high: float) -> Array:
     share = np.linspace(0.0, 1.0, POINTS)[:, None]
     sides = [a + share * (b - a) for a, b in pairwise(corners)]
     return tip_position(machine, np.concatenate(sides))
-
-
-def _links(machine: Machine, angles: Array) -> Array:
-    """Return base, elbow if any, and tip, (points, 2), m."""
-    lengths, bends = links(machine)
-    directions = np.cumsum(angles + bends)
-    steps = lengths[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=1)
-    return np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])

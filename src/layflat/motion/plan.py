@@ -11,7 +11,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.motion.belt import Followed, Left, follow_belt
-from layflat.motion.curve import Arc, Curve, Line, Spline
+from layflat.motion.curve import Curve, Line, Point, Spline, arc
 from layflat.motion.dynamics import hose_torques
 from layflat.motion.file import ArcPart, BeltPart, JointPart, LinePart, Motion, SegmentPart, ViaPart, WaitPart
 from layflat.motion.gentle import jerk_limited
@@ -19,7 +19,7 @@ from layflat.motion.kinematics import tip_motion, tip_position
 from layflat.motion.limits import Ability, abilities
 from layflat.motion.optimal import time_optimal
 from layflat.motion.path import JointLine, JointSpline, Path
-from layflat.motion.tip_path import TipPath
+from layflat.motion.tip_path import tip_path
 from layflat.motion.trajectory import Chain, Rest, Trajectory
 
 LOOKS = 401  # instants of a segment that are looked at
@@ -114,15 +114,23 @@ def _path(machine: Machine, part: LinePart | ArcPart | ViaPart | JointPart, at: 
         return JointLine(at, _posture(machine, part.to, where))
     if isinstance(part, ViaPart) and part.angles is not None:
         return JointSpline(machine, [at, *(_posture(machine, angles, where) for angles in part.angles)], where)
-    x, y = tip_position(machine, at).tolist()
+    tip = tuple(tip_position(machine, at).tolist())
     curve: Curve
     if isinstance(part, LinePart):
-        curve = Line.to((x, y), part.to, where)
+        curve = Line.to(tip, _point(part.to, tip, where), where)
     elif isinstance(part, ArcPart):
-        curve = Arc.through((x, y), part.through, part.to, where)
+        curve = arc(tip, _point(part.through, tip, where), _point(part.to, tip, where), where)
     else:
-        curve = Spline([(x, y), *(part.points or ())], where)
-    return TipPath(machine, curve, at, where).checked()
+        curve = Spline([tip, *(_point(point, tip, where) for point in part.points or ())], where)
+    return tip_path(machine, curve, at, where).checked()
+
+
+def _point(given: Point, tip: Point, where: str) -> Point:
+    """Return a point of the tip; raise InputError if it has not as many coordinates as the tip of the arm."""
+    if len(given) != len(tip):
+        what = f"gives a point with {len(given)} coordinates"
+        raise InputError(what, where=where, right=f"give {len(tip)}: {', '.join('xyz'[: len(tip)])}")
+    return given
 
 
 def _posture(machine: Machine, angles: Sequence[float], where: str) -> Array:
@@ -144,5 +152,5 @@ def _check_able(plan: Plan, segment: Segment, where: str) -> None:
             k, joint = np.unravel_index(int(share.argmax()), share.shape)
             name = list(plan.machine.joints)[joint]
             what = f"asks joint {name!r} for {share.max():.0%} of its {of} at {times[k]:.3f} s"
-            right = "give a lower speed or acceleration, or bend the elbow further"
+            right = "give a lower speed or acceleration, or a way further from a stretched arm"
             raise InputError(what, where=where, right=right)

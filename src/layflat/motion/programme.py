@@ -78,7 +78,7 @@ class Programme:
         first, _ = tip_motion(machine, *path.at(self.s))
         self._cap = np.minimum(self._cap, (tip.speed / np.maximum(np.linalg.norm(first, axis=1), STILL)) ** 2)
         if tip.acceleration < inf:
-            first, second = tip_motion(machine, *path.at(self._middles))
+            first, second = _in_their_plane(*tip_motion(machine, *path.at(self._middles)))
             angles = 2.0 * pi * np.arange(SIDES) / SIDES
             inside = tip.acceleration * cos(pi / SIDES)
             self._tip = sparse.vstack(
@@ -150,3 +150,14 @@ class Programme:
     def _repeated(self, of: Array) -> Array:
         """Return what is the same for all joints, once for each of them."""
         return np.tile(of, len(self._gravity) // INTERVALS)
+
+
+def _in_their_plane(first: Array, second: Array) -> tuple[Array, Array]:
+    """Return derivatives of the tip's position (points, axes) in the plane, for points in space in the one of both."""
+    if first.shape[1] == 2:
+        return first, second
+    size = np.linalg.norm(first, axis=1)
+    along = first / np.maximum(size, STILL)[:, None]
+    ahead = np.sum(second * along, axis=1)
+    aside = np.linalg.norm(second - ahead[:, None] * along, axis=1)
+    return np.stack([size, 0.0 * size], axis=1), np.stack([ahead, aside], axis=1)

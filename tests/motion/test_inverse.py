@@ -1,0 +1,175 @@
+"""Inverse kinematics: the tip comes to its place, within the strokes, and as near as SciPy finds where it can't."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from chains import as_chain, random_arm
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.optimize import NonlinearConstraint, least_squares, minimize
+
+from layflat.arrays import Array
+from layflat.errors import InputError
+from layflat.machine import Machine, changed, load
+from layflat.motion.inverse import ASKED, SINGULAR, THERE, Inverse, anywhere
+from layflat.motion.kinematics import Kinematics, tip_motion, tip_position
+from layflat.motion.path import half_strokes
+
+ARMS = {
+    "planar": load("paper-arm-fast"),
+    "picking": load("picking-arm"),
+    "four": random_arm(4, 2),
+    "seven": random_arm(7, 2),
+}
+STRETCHED = changed(ARMS["planar"], "arm.elbow", 0.0)
+
+
+def drawn(name: str, count: int, seed: int = 5) -> tuple[Array, Array]:
+    """Postures within the strokes of an arm, and where they put the tip, in space."""
+    half = half_strokes(ARMS[name])
+    q = np.random.default_rng(seed).uniform(-half, half, (count, len(half)))
+    return q, Kinematics(ARMS[name]).tip(q)
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_the_jacobian_is_what_moves_the_tip(name: str) -> None:
+    q, tips = drawn(name, 20)
+    kinematics = Kinematics(ARMS[name])
+    assert_allclose(tips[:, : tip_position(ARMS[name], q).shape[1]], tip_position(ARMS[name], q), atol=1e-12)
+    tip, jacobian = kinematics.tip_and_jacobian(q)
+    assert_allclose(tip, tips, atol=1e-15)
+    way, h = np.random.default_rng(1).normal(size=q.shape), 1e-6
+    expected = (kinematics.tip(q + h * way) - kinematics.tip(q - h * way)) / (2 * h)
+    assert_allclose(np.einsum("pxj,pj->px", jacobian, way), expected, atol=1e-8)
+    assert_allclose(
+        tip_motion(ARMS[name], q, way, 0.0 * way)[0], expected[:, : tip_position(ARMS[name], q).shape[1]], atol=1e-8
+    )
+
+
+@pytest.mark.parametrize("name", ARMS)
+def test_random_places_within_reach_are_found(name: str) -> None:
+    _, places = drawn(name, 300)
+    found, half = anywhere(ARMS[name], places), half_strokes(ARMS[name])
+    assert found.there.mean() >= 0.99
+    assert np.all(np.abs(found.angles) <= half)
+    apart = np.linalg.norm(Kinematics(ARMS[name]).tip(found.angles) - places, axis=1)
+    assert_allclose(apart, found.missing, atol=1e-14)
+    assert np.all(apart[found.there] < THERE)
+
+
+def test_random_arms_of_three_joints_come_to_their_places() -> None:
+    for seed in range(4):
+        arm = random_arm(3, seed)
+        half = half_strokes(arm)
+        places = Kinematics(arm).tip(np.random.default_rng(seed).uniform(-half, half, (100, 3)))
+        assert anywhere(arm, places).there.mean() >= 0.99
+
+
+def test_a_place_has_the_same_answer_alone_and_among_others() -> None:
+    _, places = drawn("four", 60)
+    inverse = Inverse(ARMS["four"])
+    every = inverse.anywhere(places)
+    for k in (0, 17, 59):
+        assert_array_equal(inverse.anywhere(places[k : k + 1]).angles[0], every.angles[k])
+
+
+def test_margins_are_kept() -> None:
+    _, places = drawn("picking", 100)
+    inverse = Inverse(ARMS["picking"], margin=0.2)
+    found = inverse.anywhere(places)
+    assert np.all(np.abs(found.angles) <= half_strokes(ARMS["picking"]) - 0.2 + 1e-15)
+    assert 0.3 < found.there.mean() < 1.0
+
+
+class Way:
+    """The way from the tip to a place, m, and its derivative, as SciPy wants them."""
+
+    def __init__(self, name: str, place: Array) -> None:
+        self._kinematics, self._place = Kinematics(ARMS[name]), place
+
+    def __call__(self, q: Array) -> Array:
+        way: Array = self._kinematics.tip(q[None])[0] - self._place
+        return way
+
+    def slope(self, q: Array) -> Array:
+        slope: Array = self._kinematics.tip_and_jacobian(q[None])[1][0]
+        return slope
+
+
+@pytest.mark.parametrize("name", ["picking", "four", "seven"])
+def test_no_posture_is_nearer(name: str) -> None:
+    """Against sequential quadratic programmes that begin in what was found."""
+    _, places = drawn(name, 8)
+    wanted, _ = drawn(name, 8, seed=6)
+    found, half = Inverse(ARMS[name]).near(places, wanted), half_strokes(ARMS[name])
+    bounds = list(zip(-half, half, strict=True))
+    assert found.there.sum() >= 5
+    for place, near, posture in zip(places[found.there], wanted[found.there], found.angles[found.there], strict=True):
+        way = Way(name, place)
+
+        def apart(q: Array, near: Array = near) -> tuple[float, Array]:
+            return float(np.sum((q - near) ** 2)), 2.0 * (q - near)
+
+        best = minimize(
+            apart, posture, jac=True, method="SLSQP", bounds=bounds, options={"ftol": 1e-14, "maxiter": 200},
+            constraints=[NonlinearConstraint(way, 0.0, 0.0, jac=way.slope)],
+        )  # fmt: skip
+        assert np.linalg.norm(posture - near) < np.sqrt(best.fun) + 2e-3
+
+
+@pytest.mark.parametrize("name", ["planar", "picking", "four"])
+def test_out_of_reach_nothing_is_nearer(name: str) -> None:
+    """Against bounded least squares of SciPy from many postures."""
+    inverse, half, draw = Inverse(ARMS[name]), half_strokes(ARMS[name]), np.random.default_rng(7)
+    places = inverse.tips.mean(axis=0) + 0.6 * inverse.size * draw.normal(size=(6, 3))
+    places[:, 2] *= name != "planar"
+    bounds = (-half - 1e-9, half + 1e-9)
+    for place, missing in zip(places, inverse.anywhere(places).missing, strict=True):
+        way, starts = Way(name, place), draw.uniform(-0.95 * half, 0.95 * half, (12, len(half)))
+        fits = [least_squares(way, start, jac=way.slope, bounds=bounds).cost for start in starts]
+        assert missing < np.sqrt(2.0 * min(fits)) + 1e-5
+
+
+@pytest.mark.parametrize("arm", [*ARMS.values(), STRETCHED, as_chain()])
+def test_what_is_offered_instead_is_accepted(arm: Machine) -> None:
+    """As it is told, to a tenth of a millimetre."""
+    inverse, draw = Inverse(arm), np.random.default_rng(8)
+    axes = tip_position(arm, inverse.anywhere(inverse.tips[:1]).angles).shape[1]
+    for place in inverse.tips.mean(axis=0) + 0.8 * inverse.size * draw.normal(size=(5, 3)) * [1, 1, axes > 2]:
+        with pytest.raises(InputError, match=r"^here: x = .* mm out of the arm's reach; the nearest") as caught:
+            inverse.posture(place[:axes], np.zeros(len(half_strokes(arm))), "here")
+        offered = 1e-3 * np.array([float(text) for text in re.findall(r"= (\S+) mm", str(caught.value))[axes:]])
+        posture = inverse.posture(offered, np.zeros(len(half_strokes(arm))), "here")
+        assert np.linalg.norm(tip_position(arm, posture) - offered) < ASKED
+        assert inverse.mobility(posture[None])[0] > SINGULAR
+
+
+def test_a_singular_posture_is_told_with_a_place_beside_it() -> None:
+    inverse, straight = Inverse(STRETCHED), np.radians([20.0, 0.0])
+    with pytest.raises(
+        InputError, match=r"in a singular posture, such as stretched; the nearest place beside it"
+    ) as caught:
+        inverse.posture(tip_position(STRETCHED, straight), straight, "--tip")
+    _, _, x, y, apart = (float(text) for text in re.findall(r"(?:= |, )(-?[\d.]+) mm", str(caught.value)))
+    assert 0.0 < apart < 1.0
+    posture = inverse.posture(1e-3 * np.array([x, y]), straight, "--tip")
+    assert inverse.mobility(posture[None])[0] > SINGULAR
+
+
+def test_singular_postures_are_avoided_where_others_get_there() -> None:
+    """Of random arms, places where the nearest posture may be singular."""
+    arm = random_arm(4, 0)
+    inverse, half = Inverse(arm), half_strokes(arm)
+    q = np.random.default_rng(2).uniform(-half, half, (20000, 4))
+    singular = q[inverse.mobility(q) < SINGULAR]
+    assert len(singular) > 10
+    found = inverse.anywhere(Kinematics(arm).tip(singular), singular)
+    assert found.there.all()
+    assert (inverse.mobility(found.angles) > SINGULAR).mean() > 0.5
+
+
+def test_arms_know_in_which_directions_they_move() -> None:
+    assert [Inverse(random_arm(n, 0)).directions for n in (2, 3, 4)] == [2, 3, 3]
+    assert Inverse(as_chain()).directions == 2
