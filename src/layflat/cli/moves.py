@@ -13,21 +13,23 @@ if TYPE_CHECKING:
 
     from layflat.sim.metrics import Move
 
+TIP_BANDS = (2.0, 5.0)  # within which the tip's settling is told, mm
+
 Values = dict[str, str | float]
 Steps = list[tuple[float, Values]]
 
 
-def timed(texts: Sequence[str], first: Values, where: str, *, bare: bool = False) -> Steps:
+def timed(texts: Sequence[str], first: Values, where: str, *, bare: bool = False, of: str = "joint") -> Steps:
     """Return steps from texts such as "40 deg, 20 deg", "large=40 deg @ 2 s", beginning with the values in `first`.
 
-    A name that a text does not mention keeps its value; a single value is meant for all names. `bare` values are
-    numbers without unit.
+    A name that a text does not mention keeps its value; a single value is meant for all names, unless they are `of`
+    something else than joints. `bare` values are numbers without unit.
 
     Raises:
         InputError: naming the option and what it should look like.
     """
     steps: Steps = [(0.0, first)]
-    for time, values in sorted((_one(text, list(first), where, bare) for text in texts), key=lambda item: item[0]):
+    for time, values in sorted((_one(text, list(first), where, bare, of) for text in texts), key=lambda item: item[0]):
         kept = {**steps[-1][1], **values}
         if steps[-1][0] == time:
             steps.pop()
@@ -35,7 +37,7 @@ def timed(texts: Sequence[str], first: Values, where: str, *, bare: bool = False
     return steps
 
 
-def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float, Values]:
+def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tuple[float, Values]:
     from layflat.description import units as u  # noqa: PLC0415
 
     body, at, when = text.partition("@")
@@ -47,9 +49,10 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool) -> tuple[float
         pairs = [[part.strip() for part in item.partition("=")[::2]] for item in items]
         unknown = [name for name, _ in pairs if name not in names]
         if unknown:
-            raise InputError(f"unknown joint {unknown[0]!r}", where=where, right=f"joints are {', '.join(names)}")
+            plural = "axes" if of == "axis" else "joints"
+            raise InputError(f"unknown {of} {unknown[0]!r}", where=where, right=f"{plural} are {', '.join(names)}")
         return time, {name: _value(value, where, bare) for name, value in pairs}
-    if len(items) not in {1, len(names)}:
+    if len(items) not in {1 if of == "joint" else len(names), len(names)}:
         right = f"give {len(names)}: {', '.join(names)}"
         raise InputError(f"{text!r} has {len(items)} values", where=where, right=right)
     each = items * len(names) if len(items) == 1 else items
@@ -73,6 +76,28 @@ def print_moves(moves: "Sequence[tuple[float, Move]]", name: str) -> None:
     ]
     columns = ["from (s)", "joint", "settling (s)", "overshoot (deg)", "steady error (deg)"]
     print_table(columns, rows, f"{name}: moves, settled within 0.3 deg")
+
+
+def print_tip_moves(run: "xarray.Dataset", name: str) -> None:
+    """Print how the tip came to where the demands put it, move by move."""
+    from layflat.sim.tip_metrics import tip_moves_of  # noqa: PLC0415
+
+    rows = [
+        [f"{since:g}", *map(_seconds, m.settling), f"{1e3 * m.error:.2f}"]
+        for since, m in tip_moves_of(run, tuple(1e-3 * band for band in TIP_BANDS))
+    ]
+    within = [f"within {band:g} mm (s)" for band in TIP_BANDS]
+    print_table(["from (s)", *within, "at most, at the end (mm)"], rows, f"{name}: tip, from its goal")
+
+
+def print_tip_missed(run: "xarray.Dataset") -> None:
+    """Print how far the tip was from where demands that change all the time put it."""
+    from layflat.sim.tip_metrics import tip_missed  # noqa: PLC0415
+
+    missed = tip_missed(run)
+    (behind, most_behind), (beside, most_beside) = missed.behind, missed.beside
+    told = f"{1e3 * behind:.2f} mm rms, {1e3 * most_behind:.2f} mm at most from where it should be"
+    typer.echo(f"tip: {told}; {1e3 * beside:.2f} mm rms, {1e3 * most_beside:.2f} mm at most from its path")
 
 
 def print_missed(run: "xarray.Dataset", what: str) -> None:

@@ -11,7 +11,7 @@ import typer
 
 from layflat.cli.app import MachineName, Out, Seed, app, expanded, known_joint, naming_options, print_table
 from layflat.cli.bars import in_background
-from layflat.cli.moves import print_missed, print_moves, timed
+from layflat.cli.moves import print_missed, print_moves, print_tip_missed, print_tip_moves, timed
 from layflat.errors import DivergedError, InputError
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 LEAD = 0.1  # a move without a time begins so long after the start, s: the joints are at rest before it
 USUAL_DURATION = "3 s"  # duration of a run
 
-SAME_IN_SCENARIO = ("duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
+SAME_IN_SCENARIO = ("tip", "duration", "start", "opening", "payload", "supply", "drift", "load", "brake", "step")
 """Options that are called the same in a scenario."""
 
 
@@ -35,6 +35,10 @@ class Asked:
     move: Annotated[
         list[str] | None,
         typer.Option(help='demand: "40 deg", "40 deg, 20 deg" or "large=40 deg", with "@ 2 s" for later; repeatable'),
+    ] = None
+    tip: Annotated[
+        list[str] | None,
+        typer.Option(help='demand by the place of the tip: "x=600 mm, y=0 mm, z=300 mm @ 0.5 s"; repeatable'),
     ] = None
     demand: Annotated[
         Path | None, typer.Option(metavar="FILE", help="demands over time, as `layflat excite` writes them")
@@ -51,7 +55,8 @@ class Asked:
 
     def refuse_contradictions(self) -> None:
         """Refuse options that would be ignored beside others (InputError: naming them)."""
-        for option, excluded in (("demand", ("move", "opening", "duration")), ("opening", ("move",))):
+        excluding = ("demand", ("move", "tip", "opening", "duration")), ("opening", ("move", "tip")), ("tip", ("move",))
+        for option, excluded in excluding:
             others = [f"--{other}" for other in excluded if getattr(self, other)]
             if others and getattr(self, option) is not None:
                 what = f"cannot be combined with {' and '.join(others)}"
@@ -74,10 +79,13 @@ class Asked:
         acting = {
             key: timed(getattr(self, key) or [], first, f"--{key}", bare=key == "brake") for key, first in usual.items()
         }
-        moves, lasts = acting["move"], self.duration or USUAL_DURATION
+        lasts = self.duration or USUAL_DURATION
         others: dict[str, Any] = {key: steps for key, steps in acting.items() if key != "move"}
-        demand: Signal = [(0.0, begin), *[(t or LEAD, values) for t, values in moves if values != begin or t > 0.0]]
-        others |= {"demand": demand, "start": begin}
+        others |= {"demand": _signal(begin, acting["move"]), "start": begin}
+        if self.tip:
+            at = _tip_at(machine, begin)
+            acting["tip"] = timed(self.tip, at, "--tip", of="axis")
+            others |= {"demand": 0.0, "tip": _signal(at, acting["tip"])}
         if self.demand is not None:
             followed, lasts = _from_file(machine, self.demand)
             others |= followed if self.start is None else followed | {"start": begin}
@@ -89,6 +97,22 @@ class Asked:
         )
         _check_times(acting, lasts)
         return scenario
+
+
+def _signal(begin: Values, steps: Steps) -> Signal:
+    """Return a demand that begins with values and goes on as steps do, the first of them a little later."""
+    return [(0.0, begin), *[(t or LEAD, values) for t, values in steps if values != begin or t > 0.0]]
+
+
+def _tip_at(machine: Machine, angles: Values) -> Values:
+    """Return where angles put the tip, by axis, m."""
+    import numpy as np  # noqa: PLC0415
+
+    from layflat.description import units as u  # noqa: PLC0415
+    from layflat.motion.kinematics import tip_position  # noqa: PLC0415
+
+    tip = tip_position(machine, np.array([u.quantity(angle, u.ANGLE, "--start") for angle in angles.values()]))
+    return dict(zip("xyz", tip.tolist(), strict=False))
 
 
 @app.command()
@@ -150,8 +174,10 @@ def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, de
 
     if demand is not None:
         print_missed(run, demand.name)
+        print_tip_missed(run)
     elif scenario.opening is None:
         print_moves(moves_of(run), machine.name)
+        print_tip_moves(run, machine.name)
     gives_up = machine.control_law.gives_up if machine.controller is not None else None
     if gives_up is not None and run[gives_up].any():
         since = float(run["time"][run[gives_up].any("joint").argmax()])

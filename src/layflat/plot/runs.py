@@ -14,6 +14,7 @@ MOST_MARKS = 12  # events that are marked; more can't be told apart
 NOTE = 0.17  # height of a line about an event, inches
 CLOSE = 0.09  # share of a run's duration: labels of events that are closer than this would overlap
 CALM = (1.0, 0.5)  # an angle (deg) and a voltage (V) that vary by less are shown as calm
+MANY = 3  # joints from which on their frames are narrower
 WARN = 30  # level of an event from which on it is marked, as in rcl_interfaces/msg/Log
 
 
@@ -67,7 +68,11 @@ def run_figure(run: xarray.Dataset) -> Figure:
     joints = [str(name) for name in run["joint"].to_numpy()]
     time = run["time"].to_numpy()
     marked = _marked(run)
-    size = {"width": 4.6 * len(joints) + 1.0, "height": 6.6 + NOTE * len(marked), "below": NOTE * len(marked)}
+    size = {
+        "width": (4.6 if len(joints) < MANY else 3.2) * len(joints) + 1.0,
+        "height": 6.6 + NOTE * len(marked),
+        "below": NOTE * len(marked),
+    }
     with figure(3, len(joints), **size, above=HEAD) as (made, all_axes):
         for column, joint in enumerate(joints):
             part = run.sel(joint=joint)

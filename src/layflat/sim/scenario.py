@@ -15,6 +15,7 @@ from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 from layflat.machine import Machine, parameters
 from layflat.motion.rates import derived_rates, lasting_rate
+from layflat.motion.tip_demand import axes_of, demand_of_tip
 from layflat.physics.noise import sensor_noise
 from layflat.sim.kernel import Signals
 
@@ -40,6 +41,8 @@ class Scenario:
 
     Args:
         demand: angles asked for (rad); must lie inside the working stroke where the controller drives.
+        tip: places asked for of the tip instead (m), as {"x": "0.5 m", "y": "0 m"}, in space with "z", or a list of
+            these; each is taken with the posture that is near to the one before.
         demand_velocity: of the demand (rad/s); default: as it moves on; a jump has none.
         demand_acceleration: of the demand (rad/s2), likewise.
         demand_stiffness: of the joints at rest (N m/rad), for controllers and machines that can; default: as it comes.
@@ -59,6 +62,7 @@ class Scenario:
     """
 
     demand: Signal = 0.0
+    tip: Signal | None = None
     demand_velocity: Signal | None = None
     demand_acceleration: Signal | None = None
     demand_stiffness: Signal = 0.0
@@ -146,7 +150,7 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
             return np.full(n, nan)
         return np.ascontiguousarray(spread(signal, times, [where], kind, where, nan)[:, 0])
 
-    demand = spread(scenario.demand, times, names, u.ANGLE, "demand")
+    demand = _demand(scenario, machine, times)
     for j, name in enumerate(names if scenario.closed_loop else ()):
         worst = float(demand[np.argmax(np.abs(demand[:, j])), j])
         parameters.check_inside_stroke(machine, name, worst, "demand")
@@ -167,6 +171,33 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     _check(np.abs(opening) <= 1.0, opening, "opening", "a share from -1 to 1")
     load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
     return Shapes(demand, rates, stiffness, opening, voltage, brake, load, drift, supply, payload)
+
+
+def _demand(scenario: Scenario, machine: Machine, times: Times) -> Array:
+    """Angles asked for, (times, joints), rad: as given, or those that bring the tip to where it is asked for."""
+    names, axes = list(machine.joints), axes_of(machine)
+    if scenario.tip is None:
+        return spread(scenario.demand, times, names, u.ANGLE, "demand")
+    if not (isinstance(scenario.demand, float) and scenario.demand == 0.0):
+        raise InputError("stands beside a demand", where="tip", right="give one or the other")
+    places = spread(_whole(scenario.tip, axes), times, axes, u.LENGTH, "tip")
+    start = 0.0 if scenario.start is None else scenario.start
+    near = spread(start, times[:1], names, u.ANGLE, "start")[0]
+    return demand_of_tip(machine, places, near, "tip")
+
+
+def _whole(tip: Any, axes: Sequence[str]) -> Any:
+    """The same places of the tip; raise InputError where one lacks a coordinate."""
+    if isinstance(tip, np.ndarray):
+        return tip
+    if callable(tip):
+        return lambda time: _whole(tip(time), axes)
+    if _is_steps(tip):
+        return [(time, _whole(place, axes)) for time, place in tip]
+    given = set(tip) if isinstance(tip, Mapping) else tip
+    if isinstance(given, (str, int, float)) or (isinstance(given, set) and given != set(axes)):
+        raise InputError(f"{tip!r} is not a place", where="tip", right=f"give {', '.join(axes)}")
+    return tip
 
 
 def _rates(scenario: Scenario, demand: Array, expand: Callable[..., Array], cycle: float) -> tuple[Array, Array]:

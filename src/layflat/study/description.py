@@ -71,6 +71,7 @@ def _number(value: object, kind: u.Quantity | None) -> float:
 MOST_SEED = 10**15  # the seeds of an ensemble are floating-point numbers, which hold whole numbers up to 9e15
 
 Angles = Annotated[Any, Signal(u.ANGLE)]
+Places = Annotated[Any, Signal(u.LENGTH)]
 Numbers = Annotated[Any, Signal(None)]
 Torques = Annotated[Any, Signal(u.TORQUE)]
 Voltages = Annotated[Any, Signal(u.VOLTAGE)]
@@ -83,6 +84,7 @@ class ScenarioTable(Part):
 
     name: str | None = None
     demand: Angles = 0.0
+    tip: Places = None
     duration: u.Time = 2.0
     start: Angles = None
     opening: Numbers = None
