@@ -14,7 +14,7 @@ from layflat.design.arm.trade_off import Trial, undominated
 from layflat.errors import DesignError
 from layflat.machine import load
 from layflat.motion.dynamics import rigid_torques
-from layflat.motion.kinematics import jacobian, tip_motion, tip_position
+from layflat.motion.kinematics import Kinematics, tip_motion, tip_position
 
 LIFT: dict[str, Any] = {"reach": "0.6 m", "joints": 1, "payload": "1 kg", "supply": "6 bar", "time": "1 s"}
 TWO = LIFT | {"joints": 2}
@@ -156,7 +156,7 @@ link = ["0.2 m", "0 m", "0 m"]
     lift, roll = arm.needs
     assert roll.torque < 0.01 * lift.torque
     assert arm.machine.joint["roll"].stops.working_stroke == pytest.approx(np.pi)
-    assert_allclose(jacobian(arm.machine, np.zeros((1, 2)))[0, :, 1], 0.0, atol=1e-12)
+    assert_allclose(Kinematics(arm.machine).tip_and_jacobian(np.zeros((1, 2)))[1][0, :, 1], 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from layflat.design.arm.task import ArmTask
 from layflat.errors import DesignError
 from layflat.machine import Machine
 from layflat.motion.inverse import anywhere
-from layflat.motion.kinematics import joints_in_space, tip_motion
+from layflat.motion.kinematics import Kinematics, tip_motion
 from layflat.motion.trajectory import States
 
 MOVES = 48  # that are drawn where a task gives none
@@ -97,7 +97,7 @@ def _postures(task: ArmTask, machine: Machine, points: Array) -> Array:
     found = anywhere(machine, points)
     if not found.there.all():
         worst = int(found.missing.argmax())
-        nearest = joints_in_space(machine, found.angles[worst : worst + 1])[0][0, -1]
+        nearest = Kinematics(machine).tip(found.angles[worst : worst + 1])[0]
         what = f"the point {_told(points[worst])} is {1e3 * found.missing[worst]:.0f} mm out of the arm's reach"
         raise DesignError(
             f"{what}, whose nearest is {_told(nearest)}",

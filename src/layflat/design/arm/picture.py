@@ -8,7 +8,7 @@ import numpy as np
 
 from layflat.design.arm.sizing import SizedArm
 from layflat.design.arm.trade_off import Trial, undominated
-from layflat.motion.kinematics import joints_in_space
+from layflat.motion.kinematics import Kinematics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +18,8 @@ def arm_picture(arm: SizedArm) -> "Figure":
     """Draw an arm in mid-stroke, from the side and from above, with the ends of its task's moves."""
     from layflat.plot.arms import Arm, Body, arm_figure  # noqa: PLC0415  # matplotlib takes long to import
 
-    (places,), (axes,) = joints_in_space(arm.machine, np.zeros((1, len(arm.parts))))
+    kinematics = Kinematics(arm.machine)
+    (places,), (axes,) = kinematics.joints(np.zeros((1, len(arm.parts))))
     joints = [arm.machine.joint[part.task.name] for part in arm.parts]
     halves = [0.5 * joint.body.height * axis for joint, axis in zip(joints, axes, strict=True)]
     bodies = [
@@ -29,7 +30,7 @@ def arm_picture(arm: SizedArm) -> "Figure":
         Body(begin, end, part.tube.diameter)
         for begin, end, part in zip(places[:-1], places[1:], arm.parts, strict=True)
     ]
-    ends = joints_in_space(arm.machine, np.concatenate([arm.moves.starts, arm.moves.ends]))[0][:, -1]
+    ends = kinematics.tip(np.concatenate([arm.moves.starts, arm.moves.ends]))
     return arm_figure(Arm(bodies, tubes, ends), arm.machine.name)
 
 
