@@ -39,7 +39,7 @@ PULLS = (8.0, 0.05, 5.0), (16.0, 0.01, 10.0)
 strokes. The second is for where the first does not keep a joint from its end."""
 CORRECTIONS = 5  # of angles, at most: each squares the error
 EXACT = 1e-13  # correction after which none is needed, rad
-FAR = 1e-9  # tip beside its curve, m
+FAR = 1e-10  # tip beside its curve, at nodes, m
 JUMP = 0.3  # from node to node, rad
 HALVINGS = 40  # of an interval, to find where the arm's reach ends
 
@@ -74,7 +74,7 @@ class SpacePath(TipPath):
         for self._pull in PULLS:
             backward, self._low = self._led(start, first)
             forward, self._high = self._led(start, last)
-            if self._low == first and self._high == last:
+            if (self._low == first and self._high == last) or self._rank == len(start):
                 break
         self._lay(backward[:0:-1] + forward)
 
@@ -113,6 +113,8 @@ class SpacePath(TipPath):
 
     def _curve_at(self, s: Array) -> Shape:
         shape = self.curve.at(s)
+        if shape.value.shape[1] == 3:
+            return shape
         return Shape(*(np.pad(of, ((0, 0), (0, 3 - of.shape[1]))) for of in shape))
 
     def _led(self, start: Array, end: float) -> tuple[list[_Node], float]:
@@ -154,10 +156,12 @@ class SpacePath(TipPath):
         x = self._curve_at(np.array([s + step])).value
         for _ in range(CORRECTIONS):
             tip, J = self._kinematics.tip_and_jacobian(ahead[None])
-            ahead = ahead + self._inverted(J[0]) @ (x - tip)[0]
-        tip, J = self._kinematics.tip_and_jacobian(ahead[None])
+            way = (x - tip)[0]
+            if np.abs(way).max() < FAR:
+                break
+            ahead = ahead + self._inverted(J[0]) @ way
         values = np.linalg.svd(J[0], compute_uv=False)
-        lost = np.linalg.norm(x - tip) > FAR or np.abs(ahead - q).max() > JUMP
+        lost = np.abs(way).max() > FAR or np.abs(ahead - q).max() > JUMP
         return None if lost or values[self._rank - 1] < SINGULAR * values[0] else ahead
 
     def _rate(self, s: float, q: Array, sign: float) -> Array:

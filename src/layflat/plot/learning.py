@@ -11,6 +11,7 @@ from layflat.arrays import Array
 from layflat.plot.style import HEAD, LINES, QUIET, SHADE, figure
 
 WIDTH, HIGH = 9.6, 3.4  # inches
+LINE = 0.2  # of a legend, inches
 
 
 class Repeats(NamedTuple):
@@ -33,11 +34,12 @@ def learning_figure(
         correction: of the best one, (instants,), mrad, by joint.
         repeats: all of them.
     """
-    with figure(1, 3, width=WIDTH, height=HIGH, above=HEAD) as (made, (apart, added, counts)):
+    more = LINE * ((max(len(tip), len(correction)) - 1) // 2)  # of legends with more than two names
+    with figure(1, 3, width=WIDTH, height=HIGH + more, above=HEAD + more) as (made, (apart, added, counts)):
         curves = (apart, tip, "Tip from its path (mm)"), (added, correction, "Correction learnt (mrad)")
         for axes, shown, label in curves:
             axes.axvspan(0.0, duration, color=SHADE, zorder=0)
-            for (name, values), style in zip(shown.items(), LINES, strict=False):
+            for (name, values), style in zip(shown.items(), LINES[: len(shown)], strict=True):
                 axes.plot(time, values, **style, label=name)
             axes.set_xlim(time[0], time[-1])
             axes.set_xlabel("Time (s); shaded: the motion")

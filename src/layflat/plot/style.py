@@ -18,8 +18,10 @@ LINES: tuple[dict[str, Any], ...] = (
     {"color": "#4c9a3c", "linestyle": "-."},
     {"color": "#e09f3e", "linestyle": (0, (1, 1))},
     {"color": "#6b4c9a", "linestyle": (0, (5, 1, 1, 1, 1, 1))},
+    {"color": "#1f8a8a", "linestyle": (0, (8, 2))},
+    {"color": "#7a7a7a", "linestyle": (0, (3, 1, 1, 1))},
 )
-"""Line styles in order of use: dark to light, and of different dashes."""
+"""Line styles in order of use: dark to light, and of different dashes; one for each joint of an arm."""
 
 # For demands, limits and other things that only help to read.
 QUIET: dict[str, Any] = {"color": "#8a8a8a", "linestyle": "-", "linewidth": 1.0}
