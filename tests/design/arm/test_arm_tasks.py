@@ -100,7 +100,11 @@ def test_one_line_says_what_is_wrong(given: dict[str, Any], told: str) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("axis = [0, 0, 2]", "axis = [0, 0, 0]", "joint.0: axis has no length"),
+        (
+            "axis = [0, 0, 2]",
+            "axis = [0, 0, 0]",
+            "joint.0: axis has no direction; a joint that turns about z has [0, 0, 1]",
+        ),
         ("axis =", "axes =", "joint.0.axes: unknown key; did you mean 'axis'?"),
         ("[[joint]]", 'reach = "1 m"\n[[joint]]', "needs reach, of a standard arm, or [[joint]] tables; give one"),
         ("[[joint]]", "joints = 3\n[[joint]]", "joints counts those of a standard arm, but [[joint]] tables are given"),

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from functools import cache
-from math import acos, atan2, ceil, degrees
+from math import acos, atan2, ceil, cos, degrees, hypot, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from layflat.machine.loader import build
 OMITS = ("arm", "joint", "controller")
 SENSOR_ROOM = 10.0  # of the angle sensor's range beyond the mechanical stroke, deg
 CYCLE = "5 ms"
+NO_LENGTH = 1e-6  # m
 SPREAD = 0.3  # of the payload, over the greatest: standard deviation of what may be there
 Rows = Iterator[tuple[str, Any, str]]  # dotted path, value as it is written, and note
 
@@ -134,7 +135,7 @@ def _rows(task: ArmTask, parts: Sequence[Part]) -> Rows:
 
 def _link(part: Part, place: tuple[float, ...]) -> Rows:
     task, tube = part.task, part.tube
-    way = np.array(task.link) / tube.length
+    way = _way(task)
     yield "axis", [float(one) for one in task.axis], ASKED
     yield "place", _mm(place), "at the end of the link before"
     yield "turn", [f"{degrees(angle):.6g} deg" for angle in _turn(task)], ASKED
@@ -154,19 +155,31 @@ def _inertia(matrix: Array) -> list[str]:
     return [f"{value:.4g} kg m^2" if abs(value) > 1e-9 else "0 kg m^2" for value in values[:count]]
 
 
-def _turn(task: JointTask) -> list[float]:
+def _turn(task: JointTask) -> tuple[float, float, float]:
     """Angles about x, y and z, one after another, that come to the angle about its axis in mid-stroke."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415  # SciPy takes long to import
-
-    axis = np.array(task.axis) / np.linalg.norm(task.axis)
-    turned: list[float] = Rotation.from_rotvec(task.middle * axis).as_euler("xyz").tolist()
-    return turned
+    x, y, z = (float(one) for one in np.array(task.axis) / np.linalg.norm(task.axis))
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    R = np.eye(3) + sin(task.middle) * across + (1.0 - cos(task.middle)) * across @ across
+    level = hypot(R[2, 1], R[2, 2])
+    second = atan2(-R[2, 0], level)
+    if level < 1e-9:  # x and z turn about one line then: x does it alone
+        return atan2(-R[1, 2], R[1, 1]), second, 0.0
+    return atan2(R[2, 1], R[2, 2]), second, atan2(R[1, 0], R[0, 0])
 
 
 def _along(way: Array) -> list[str]:
     """Return the turn that brings z to a way of length 1."""
     x, y, z = (float(one) for one in way)
     return ["0 deg", f"{degrees(acos(min(max(z, -1.0), 1.0))):.6g} deg", f"{degrees(atan2(y, x)):.6g} deg"]
+
+
+def _way(task: JointTask) -> Array:
+    """Return the direction of a link; along the axis where it has no length."""
+    for along in (np.array(task.link), np.array(task.axis)):
+        if (length := float(np.linalg.norm(along))) > NO_LENGTH:
+            break
+    way: Array = along / length
+    return way
 
 
 def _tube(part: Part, way: Array) -> Plain:

@@ -18,13 +18,14 @@ DENSITY, MODULUS = 2700.0, 70e9  # of aluminium, kg/m3 and Pa
 WALL = 2e-3  # m
 # Outer diameters, m, in which tubes with this wall are commonly sold.
 DIAMETERS = tuple(1e-3 * D for D in (25, 30, 35, 40, 45, 50, 60, 70, 80, 90, 100, 120, 150, 180, 200))
+SHORTEST = 50e-3  # tube that even a link without length weighs: its bracket, m
 GIVES = 0.5e-3  # way that a tube may give for each metre of its length, m/m
 
 
 class Tube(NamedTuple):
     """A link of a sized arm."""
 
-    length: float  # m
+    length: float  # of which it is made, m
     diameter: float  # outer, m
 
     @property
@@ -46,7 +47,7 @@ def tube(link: tuple[float, float, float], torque: float, where: str) -> Tube:
     Raises:
         DesignError: naming `where`: none is stiff enough.
     """
-    length = hypot(*link)
+    length = max(hypot(*link), SHORTEST)
     second = torque * length / (3.0 * MODULUS * GIVES)
     wanted = (8.0 * second / (pi * WALL)) ** (1.0 / 3.0) + WALL
     if wanted > DIAMETERS[-1]:

@@ -66,7 +66,11 @@ def moves_of(task: ArmTask, machine: Machine) -> Moves:
         return moves
     _, accelerated = tip_motion(machine, *moves.states)
     greatest = np.linalg.norm(moves.by_move(accelerated), axis=2).max(axis=1)
-    return moves._replace(times=np.sqrt(greatest / task.acceleration))
+    goes = greatest > STILL
+    if not goes.any():
+        right = "give time in place of acceleration"
+        raise DesignError("its moves leave the tip where it is", where=task.origin, right=right)
+    return Moves(starts[goes], ends[goes], np.sqrt(greatest[goes] / task.acceleration))
 
 
 def _ways(task: ArmTask, machine: Machine) -> tuple[Array, Array]:

@@ -116,7 +116,8 @@ def _part(task: ArmTask, joint: JointTask, torque: float) -> Part:
         sized = size_joint(SizingRequest(torque, joint.stroke, task.supply, name=joint.name))
     except DesignError as error:
         key = error.where.removeprefix("size").removeprefix(": ")
-        raise DesignError(f"{key}: {error.what}" if key else error.what, where=where, right=error.right) from None
+        right = "give it a longer stroke" if key == "stroke" else error.right  # a task says nothing of the wrap
+        raise DesignError(f"{key}: {error.what}" if key else error.what, where=where, right=right) from None
     return Part(joint, sized, tube(joint.link, sized.design.mean_torque, where), said_of(sized))
 
 

@@ -48,13 +48,12 @@ class JointTask(Part):
     axis: Way = Field(description="about which it turns its link, in the link's frame")
     middle: u.Angle = Field(default=0.0, description="by which the link is turned about it in mid-stroke")
     stroke: u.PositiveAngle = Field(default=radians(120.0), description="working stroke")
-    link: Place = Field(description="from this joint to the next one, or to the payload, in the link's frame")
+    link: Place = Field(description="from this joint to the next one, or to the payload, in its frame; may be nothing")
 
     @model_validator(mode="after")
-    def _leads_on(self) -> Self:
-        for what, way in (("axis", self.axis), ("link", self.link)):
-            if sum(one * one for one in way) < NO_WAY:
-                raise ValueError(f"{what} has no length")
+    def _turns(self) -> Self:
+        if sum(one * one for one in self.axis) < NO_WAY:
+            raise ValueError("axis has no direction; a joint that turns about z has [0, 0, 1]")
         return self
 
 
