@@ -86,7 +86,7 @@ class Run(NamedTuple):
 def signals(cycles: int, joints: int, **given: Any) -> Signals:
     """Signals that are zero but for those given (which are spread over cycles and joints), at full supply."""
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(
-        ("demand", "stiffness", "opening", "brake", "load", "drift"), (cycles, joints)
+        ("demand", "stiffness", "opening", "brake", "dither", "load", "drift"), (cycles, joints)
     )
     shapes |= {
         "rates": (cycles, joints, 2),
@@ -94,7 +94,7 @@ def signals(cycles: int, joints: int, **given: Any) -> Signals:
         "payload": (cycles,),
         "noise": (cycles + 1, joints, 2),
     }
-    given = {"supply": AROUND.supply_pressure} | given
+    given = {"supply": AROUND.supply_pressure, "dither": 1.0} | given
     return Signals(**{name: np.array(np.broadcast_to(given.get(name, 0.0), shapes[name]), float) for name in shapes})
 
 

@@ -1,4 +1,5 @@
 from math import radians
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,6 +85,19 @@ def test_gravity_pulls_the_way_it_is_said_to() -> None:
     ambient = ARM.supply.ambient_pressure
     run = rollout(hanging, opening=0.0, brake=0.0, supply=0.0, pressures=(ambient, ambient), duration=0.2, noise=False)
     assert run["angle"].sel(joint="large")[-1] < -0.01
+
+
+def test_a_log_that_says_when_dither_stopped_is_followed_to_the_same_pressures() -> None:
+    run = rollout("paper-arm-tracking", {"small": "20 deg"}, start=0.0, duration=1.0, noise=False)
+    rows = {name: run[name].to_numpy()[:-1] for name in ("voltage", "dither_share")}
+    assert rows["dither_share"].min() < 0.5
+
+    def missed(**changes: Any) -> float:
+        again = rollout("paper-arm-tracking", voltage=rows["voltage"], start=0.0, duration=1.0, noise=False, **changes)
+        return float(np.abs(again["pressure_a"] - run["pressure_a"]).max())
+
+    assert missed(dither=rows["dither_share"]) < 1.0
+    assert missed() > 100.0
 
 
 def test_divergence_says_when_and_where_and_keeps_the_data() -> None:

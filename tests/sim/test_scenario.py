@@ -70,6 +70,7 @@ def test_a_function_and_an_array_mean_the_same() -> None:
         ({"supply": "-2 bar"}, "supply: -200000 is out of range; give a gauge pressure above vacuum"),
         ({"payload": "-1 kg"}, "payload: -1 is out of range; give a mass of zero or more"),
         ({"brake": -0.1}, "brake: -0.1 is out of range; give a share of zero or more"),
+        ({"dither": 1.5}, "dither: 1.5 is out of range; give a share from 0 to 1"),
         ({"opening": "wide"}, "opening: 'wide' is not a number"),
     ],
 )

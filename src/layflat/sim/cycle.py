@@ -28,6 +28,7 @@ class Acting(NamedTuple):
     voltage: float  # in place of the controller, V; not a number where it drives
     lead: float  # what draws a joint that follows given voltages towards the demand, V/rad
     brake: float  # torque at which the brake slips, N m
+    dither: float  # share of the valve's dither
     load: float  # external torque, N m
     drift: float  # shift of the valve's centre, V
     noise_angle: float  # standard normal sample
@@ -112,5 +113,7 @@ def control_cycle(joints, like, settings, memory, states, loop, around, time, cy
         loop.drives[j], loop.voltages[j], loop.lines[j] = _drive(
             joint, angle, loop.lines[j], loop.acting[j], asked[j], shares, around, cycle
         )
-        loop.waves[j] = weaken_wave(joint.valve, start_wave(joint.valve, time, h), shares.dither)
+        loop.waves[j] = weaken_wave(
+            joint.valve, start_wave(joint.valve, time, h), shares.dither * loop.acting[j].dither
+        )
     return sensed, in_lanes(after, zero), in_lanes(report, zero)

@@ -35,6 +35,7 @@ class Signals(NamedTuple):
     opening: np.ndarray
     """Valve opening in an open-loop run, -1..1, (cycles, joints); not a number where the controller drives."""
     brake: np.ndarray  # torque at which the brake slips, N m, (cycles, joints)
+    dither: np.ndarray  # share of the valve's dither, (cycles, joints)
     load: np.ndarray  # external torque, N m, (cycles, joints)
     drift: np.ndarray  # shift of the valve's centre, V, (cycles, joints)
     supply: np.ndarray  # absolute supply pressure, Pa, (cycles,)
@@ -110,6 +111,7 @@ def _acting(signals, k, j):
         nan,
         0.0,
         signals.brake[k, j],
+        signals.dither[k, j],
         signals.load[k, j],
         signals.drift[k, j],
         signals.noise[k, j, 0],
@@ -142,7 +144,7 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
     states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
     calm = _acting(signals, 0, 0)
-    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     loop = Loop(
         acting,
         slots(like, Drive(0.0, 0.0, 0.0, 0.0)),
@@ -171,7 +173,7 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     for j in range(n):
         last = acting[j]
         acting[j] = Acting(
-            last.demand, last.opening, last.voltage, last.lead, last.brake, last.load, last.drift,
+            last.demand, last.opening, last.voltage, last.lead, last.brake, last.dither, last.load, last.drift,
             signals.noise[cycles, j, 0], signals.noise[cycles, j, 1],
         )  # fmt: skip
     sensed = sense_all(joints, like, states, acting)

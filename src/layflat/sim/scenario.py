@@ -51,6 +51,7 @@ class Scenario:
         opening: valve openings, -1..1, in place of the controller: an open-loop run.
         voltage: control voltages in place of the controller, V: a run that follows a log.
         brake: share of the brake's torque.
+        dither: share of the valve's dither.
         load: external torque on each joint, N m.
         drift: shift of each valve's centre, V.
         supply: gauge pressure of the supply, Pa; default: the machine's.
@@ -71,6 +72,7 @@ class Scenario:
     opening: Signal | None = None
     voltage: Signal | None = None
     brake: Signal = 1.0
+    dither: Signal = 1.0
     load: Signal = 0.0
     drift: Signal = 0.0
     supply: Signal | None = None
@@ -119,6 +121,7 @@ class Shapes(NamedTuple):
     opening: Array  # -1..1, (cycles, joints); not a number where the controller or a voltage drives
     voltage: Array  # V, (cycles, joints); not a number where the controller or an opening drives
     brake: Array  # share of the brake's torque, (cycles, joints)
+    dither: Array  # share of the valve's dither, (cycles, joints)
     load: Array  # N m, (cycles, joints)
     drift: Array  # V, (cycles, joints)
     supply: Array  # gauge pressure, Pa, (cycles,)
@@ -126,9 +129,9 @@ class Shapes(NamedTuple):
 
     @property
     def by_joint(self) -> Array:
-        """All that differs from joint to joint, in this order, (cycles, joints, 9)."""
+        """All that differs from joint to joint, in this order, (cycles, joints, 10)."""
         asked = (self.demand, *self.rates, self.stiffness)
-        return np.stack((*asked, self.opening, self.voltage, self.brake, self.load, self.drift), axis=-1)
+        return np.stack((*asked, self.opening, self.voltage, self.brake, self.dither, self.load, self.drift), axis=-1)
 
 
 def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
@@ -165,12 +168,14 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
     _check(payload >= 0.0, payload, "payload", 'a mass of zero or more, such as "1.5 kg"')
     brake = expand(scenario.brake, None, "brake", 1.0)
     _check(brake >= 0.0, brake, "brake", "a share of zero or more, such as 1.0")
+    dither = expand(scenario.dither, None, "dither", 1.0)
+    _check((dither >= 0.0) & (dither <= 1.0), dither, "dither", "a share from 0 to 1")
     if scenario.opening is not None and scenario.voltage is not None:
         raise InputError("stands beside a voltage", where="opening", right="give one or the other")
     opening, voltage = expand(scenario.opening, None, "opening"), expand(scenario.voltage, u.VOLTAGE, "voltage")
     _check(np.abs(opening) <= 1.0, opening, "opening", "a share from -1 to 1")
     load, drift = expand(scenario.load, u.TORQUE, "load"), expand(scenario.drift, u.VOLTAGE, "drift")
-    return Shapes(demand, rates, stiffness, opening, voltage, brake, load, drift, supply, payload)
+    return Shapes(demand, rates, stiffness, opening, voltage, brake, dither, load, drift, supply, payload)
 
 
 def _demand(scenario: Scenario, machine: Machine, times: Times) -> Array:
@@ -227,6 +232,7 @@ def signals(scenario: Scenario, machine: Machine, cycle: float) -> Signals:
         own.stiffness,
         _opening(own, machine),
         own.brake * brakes,
+        own.dither,
         own.load,
         own.drift,
         gauge + machine.supply.ambient_pressure,

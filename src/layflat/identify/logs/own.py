@@ -8,7 +8,8 @@ from layflat.identify.logs.table import Table
 
 CLOCKS = ("time", "t")
 
-SENSED = {"measured_angle": "angle"}  # what the sensors of a simulated run have seen, and the signal that it stands for
+SENSED = {"measured_angle": "angle", "brake_share": "brake", "dither_share": "dither"}
+"""What the sensors of a simulated run have seen, and what its controller asked for besides, by the signals."""
 
 
 def own_mapping(table: Table) -> Mapping | None:

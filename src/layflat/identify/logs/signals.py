@@ -46,6 +46,7 @@ SIGNALS = {
         Signal("setpoint_a", u.PRESSURE, "absolute pressure asked for in hose A", held=True, absolute=True),
         Signal("setpoint_b", u.PRESSURE, "absolute pressure asked for in hose B", held=True, absolute=True),
         Signal("brake", None, "share of the brake's torque", held=True),
+        Signal("dither", None, "share of the valve's dither", held=True),
         Signal("supply", u.PRESSURE, "absolute supply pressure", by_joint=False, absolute=True),
         Signal("payload", u.MASS, "payload", by_joint=False, held=True),
         Signal("position", u.LENGTH, "position of what moves in a line", by_joint=False),

@@ -30,7 +30,7 @@ class Plan(NamedTuple):
 
     shapes: (
         np.ndarray
-    )  # demand, its rates and stiffness, opening, voltage, brake, load, drift: (scenarios, cycles, joints, 9)
+    )  # demand, its rates and stiffness, opening, voltage, brake, dither, load, drift: (scenarios, cycles, joints, 10)
     shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
 
 
@@ -53,6 +53,7 @@ class Given(NamedTuple):
     opening: float
     voltage: float
     brake: float
+    dither: float
     load: float
     drift: float
     noise_angle: float
@@ -71,8 +72,8 @@ class Defaults(NamedTuple):
     lead: float
 
 
-SHAPES = 9  # numbers of a joint in `Plan.shapes`
-NOTHING = Given(Wanted(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+SHAPES = 10  # numbers of a joint in `Plan.shapes`
+NOTHING = Given(Wanted(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @composition
@@ -97,6 +98,7 @@ def _acting(scratch, runs, plan, usual, joint, first, j, k):
         given.voltage,
         usual.lead,
         given.brake * usual.brake * joint.brake_torque,
+        given.dither,
         given.load + usual.load,
         given.drift + usual.drift,
         given.noise_angle,
@@ -146,7 +148,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(_at_rest(arm, like, runs, first, around))
-    calm = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero)
+    calm = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero, zero)
     acting, usual = slots(like, calm), slots(like, _usual(runs, first, 0))
     loop = Loop(
         acting,

@@ -52,9 +52,9 @@ class Record:
 
     def scenario_of(self, samples: int) -> Scenario:
         """What acts on the machine, from the beginning on."""
-        brake, load, supply, payload, voltage = (
+        brake, dither, load, supply, payload, voltage = (
             values if (values := self._signal(name)) is None else values[:samples]
-            for name in ("brake", "load", "supply", "payload", "voltage")
+            for name in ("brake", "dither", "load", "supply", "payload", "voltage")
         )
         return Scenario(
             duration=samples * self.machine.cycle,
@@ -65,6 +65,7 @@ class Record:
             supply=None if supply is None else supply - self.machine.supply.ambient_pressure,
             payload=None if payload is None or "arm.payload" in self.known else payload,
             brake=1.0 if brake is None else brake,
+            dither=1.0 if dither is None else dither,
             load=0.0 if load is None else load,
             noise=False,
         )
