@@ -9,11 +9,14 @@ import pytest
 
 from layflat.errors import InputError
 from layflat.identify.excite import AGAIN, PARTS, WHOLE, sequence
-from layflat.machine import Machine, load, names
+from layflat.machine import Machine, changed, load, names
+from layflat.motion.limits import abilities, room_at_rest
+from layflat.sim import rollout
 
 
 def _follows(machine: Machine) -> bool:
-    return machine.controller is not None and all(joint.gains is not None for joint in machine.joints.values())
+    lacking = machine.control_law.gains is not None and any(joint.gains is None for joint in machine.joints.values())
+    return machine.controller is not None and not lacking
 
 
 FOLLOWING = [name for name in names() if _follows(load(name))]
@@ -72,3 +75,37 @@ def test_limits_that_leave_no_room_and_machines_without_gains() -> None:
             sequence(small, speed=speed)
     with pytest.raises(InputError, match=r"rig-kevlar: controller: has no gains .* `layflat tune`"):
         sequence(load("rig-kevlar"))
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", ["picking-arm", "single-joint-lift"])
+def test_arms_that_carry_what_they_weigh_follow_it(name: str) -> None:
+    machine = load(name)
+    time, demand = sequence(machine)
+    run = rollout(machine, demand, duration=float(len(time) * machine.cycle), start=0.0, seed=1)
+    limits = np.array([0.5 * joint.stops.working_stroke for joint in machine.joints.values()])
+    assert (np.abs(run["angle"].to_numpy()).max(axis=0) < limits).all()
+    assert (np.sqrt(np.mean((run["angle"].to_numpy()[:-1] - demand) ** 2, axis=0)) < np.radians(1.0)).all()
+
+
+def test_all_joints_accelerate_at_once_and_have_the_torque_for_it() -> None:
+    machine = load("picking-arm")
+    _, demand = sequence(machine)
+    accelerations = np.abs(np.diff(demand, 2, axis=0)).max(axis=0) / machine.cycle**2
+    assert (accelerations > 1.0).all()
+    room, inertia = room_at_rest(machine, abilities(machine), demand[::50], machine.arm.payload)
+    assert (inertia @ accelerations < room).all()
+
+
+def test_what_an_arm_can_not_lift_is_refused_with_what_it_can() -> None:
+    arm = load("picking-arm")
+    with pytest.raises(InputError, match=r"reach: joint 'wrist' can't move 6 kg .* give the arm a smaller payload"):
+        sequence(changed(arm, "arm.payload", 6.0))
+    upright = changed(arm, "arm.gravity", ("-9.81 m/s^2", "0 m/s^2", "0 m/s^2"))
+    heavy = changed(upright, "arm.payload", 4.5)
+    with pytest.raises(
+        InputError, match=r"can't move 4.5 kg against gravity where 0.3 leads it; give 0.(\d+), or"
+    ) as no:
+        sequence(heavy)
+    smaller = float(str(no.value).partition("; give ")[2].partition(", or")[0])
+    sequence(heavy, reach=smaller)

@@ -3,6 +3,9 @@
 Steps fill and vent with the valve wide open; chirps show inertia, lag and delay; slow ramps both ways show friction and
 losses; small moves show what lies about the valve's centre; pauses show leakage and heat. The first two thirds hold all
 of it, to be fitted; the last third holds it again in other sizes, for validation.
+
+All joints move at the same time, so that an arm shows how they are coupled. Demands are no faster than all of them can
+be at once in the worst posture that the sequence comes to, with their payload, against gravity.
 """
 
 from collections.abc import Callable
@@ -13,9 +16,14 @@ from scipy.signal import chirp
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
+from layflat.motion.limits import abilities, room_at_rest, together
 
-REACH = 0.3  # largest angle from the middle, as a share of the working stroke
+REACH, NARROW = 0.3, 0.02  # largest angle from the middle, as a share of the working stroke: usual, and least
 SPEED = 5.0  # greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows
+SHARE = 0.5  # of the accelerations that all joints have at once
+LEAST = 0.2  # share of its torque that is left to move a joint where gravity, friction and losses are the greatest
+LOOKED_AT = 0.2  # time from one posture that is looked at to the next, s
+SMALLER = 10  # shares of the reach that are tried where it is too large
 WHOLE, AGAIN = 28.0, 14.0  # length of what is fitted, and of what is for validation, s
 
 
@@ -55,27 +63,62 @@ def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, se
     """Times (s, (cycles,)) and demands (rad, (cycles, joints)) for a machine's controller.
 
     Args:
-        machine: what is excited; raise InputError if it has no controller that follows demands.
+        machine: what is excited; raise InputError if it has no controller that follows demands, or can't hold itself
+            against gravity.
         reach: largest angle from the middle, as a share of the working stroke.
         speed: greatest rate of the demand, rad/s.
         seed: of sizes and order, which differ from joint to joint.
     """
-    if machine.controller is None or any(joint.gains is None for joint in machine.joints.values()):
+    lacking = machine.control_law.gains is not None and any(joint.gains is None for joint in machine.joints.values())
+    if machine.controller is None or lacking:
         where = f"{machine.origin}: controller"
         raise InputError("has no gains to follow a sequence with", where=where, right="tune it first: `layflat tune`")
-    if not 0.02 <= reach <= 0.45:
+    if not NARROW <= reach <= 0.45:
         raise InputError(f"{reach:g} is out of range", where="reach", right="give a share of the stroke, 0.02 to 0.45")
     if not speed > 0.0:
         raise InputError(f"{speed:g} rad/s is out of range", where="speed", right='give more than zero: "300 deg/s"')
     cycle = machine.controller.cycle
-    columns = []
-    for j, joint in enumerate(machine.joints.values()):
-        played = np.concatenate([_played(WHOLE, cycle, seed, j), _played(AGAIN, cycle, seed, j, 1)])
-        columns.append(reach * joint.stops.working_stroke * played)
-    demand, most = np.stack(columns, axis=1), speed * cycle
-    for k in range(1, len(demand)):
-        demand[k] = demand[k - 1] + np.clip(demand[k] - demand[k - 1], -most, most)
+    strokes = np.array([joint.stops.working_stroke for joint in machine.joints.values()])
+    joints = range(len(strokes))
+    played = [np.concatenate([_played(WHOLE, cycle, seed, j), _played(AGAIN, cycle, seed, j, 1)]) for j in joints]
+    wanted = strokes * np.stack(played, axis=1)
+    acceleration = _accelerations(machine, wanted[:: round(LOOKED_AT / cycle)], reach)
+    demand = _followed(reach * wanted, speed, acceleration, cycle)
     return np.asarray(cycle * np.arange(len(demand)), dtype=np.float64), demand
+
+
+def _accelerations(machine: Machine, postures: Array, reach: float) -> Array:
+    """Accelerations for all joints at once in the worst of the postures (rad, per reach), (joints,), rad/s2.
+
+    Raises:
+        InputError: a joint can't hold itself against gravity in one of them.
+    """
+    able = abilities(machine)
+    payload = machine.arm.payload
+    room, inertia = room_at_rest(machine, able, reach * postures, payload)
+    if np.any(room < LEAST * able.torque):
+        name = list(machine.joints)[int(np.argmin(room / able.torque))]
+        tried = np.floor(100.0 * reach * np.arange(SMALLER - 1, 0, -1) / SMALLER) / 100.0
+        rooms = ((one, room_at_rest(machine, able, one * postures, payload)[0]) for one in tried[tried >= NARROW])
+        carried = next((one for one, left in rooms if np.all(left >= LEAST * able.torque)), None)
+        smaller = "" if carried is None else f"give {carried:g}, or "
+        what = f"joint {name!r} can't move {payload:g} kg against gravity where {reach:g} leads it"
+        raise InputError(what, where="reach", right=f"{smaller}give the arm a smaller payload or more pressure")
+    return np.asarray(SHARE * together(inertia, room))
+
+
+def _followed(wanted: Array, speed: float, acceleration: Array, cycle: float) -> Array:
+    """What is wanted (cycles, joints), as closely as speed and accelerations allow without passing it by."""
+    followed, way = wanted.copy(), np.zeros(wanted.shape[1])  # the way of a cycle
+    bend = acceleration * cycle**2
+    for k in range(1, len(wanted)):
+        left = wanted[k] - followed[k - 1]
+        # Ways of so many cycles, each shorter by `bend` than the one before, end there.
+        cycles = np.maximum(np.ceil(0.5 * np.sqrt(8.0 * np.abs(left) / bend + 1.0) - 0.5), 1.0)
+        most = np.minimum(np.abs(left) / cycles + 0.5 * (cycles - 1.0) * bend, speed * cycle)
+        way = np.clip(np.copysign(most, left), way - bend, way + bend)
+        followed[k] = followed[k - 1] + way
+    return followed
 
 
 def _played(duration: float, cycle: float, *seeds: int) -> Array:

@@ -111,7 +111,7 @@ def arm_limits(machine: Machine, start: Array, end: Array, *, payload: float | N
         problem = f"joint {name!r} can't hold {mass:g} kg against gravity and its brake"
         right = "a smaller payload, a wider hose or more pressure"
         raise MachineError(problem, where=machine.origin, right=right)
-    acceleration, jerk = _together(inertia, torque), _together(inertia, able.rate)
+    acceleration, jerk = together(inertia, torque), together(inertia, able.rate)
     return MotionLimits(tuple(able.speed.tolist()), tuple(acceleration.tolist()), tuple(jerk.tolist()))
 
 
@@ -127,6 +127,26 @@ def check_holds(machine: Machine, gravity: Array, most: Array, least: Array, pay
         name = list(machine.joints)[int(lacking.argmax())]
         problem = f"joint {name!r} can't hold {payload:g} kg against gravity and friction on its way"
         raise MachineError(problem, where=machine.origin, right="a smaller payload or reserve, or more pressure")
+
+
+def room_at_rest(machine: Machine, able: Ability, postures: Array, payload: float) -> tuple[Array, Array]:
+    """Return what is left to move an arm that its hoses hold, at the worst of some postures.
+
+    Args:
+        machine: with the arm.
+        able: what its joints can do.
+        postures: rad, (postures, joints).
+        payload: kg.
+
+    Returns:
+        Torque that every joint has left either way, (joints,), N m, below zero where it can't hold itself; and the
+        greatest inertias, (joints, joints), kg m2.
+    """
+    arm = parameters.arm(machine)
+    masses, pulls = zip(*(parameters.mass_and_pull(arm, payload, q) for q in postures.tolist()), strict=True)
+    held, opposing = needed_at_rest(machine, np.array(pulls), postures), able.friction + able.loss
+    left = np.minimum(able.torque - opposing - held, held - able.least_torque - opposing).min(axis=0)
+    return left, np.abs(masses).max(axis=0)
 
 
 def _joint_ability(machine: Machine, name: str) -> Sequence[float]:
@@ -163,7 +183,7 @@ def _with_line(line: Line | None, volume: float, conductance: float) -> tuple[fl
     return volume + tube.volume(line), float(1.0 / np.hypot(1.0 / conductance, 1.0 / tube.conductance(line)))
 
 
-def _together(inertia: Array, ability: Array) -> Array:
+def together(inertia: Array, ability: Array) -> Array:
     """Return accelerations (joints,) that the joints are able to have at once, whatever their signs."""
     alone = ability / inertia.diagonal()
     return alone * float(np.min(ability / (np.abs(inertia) @ alone)))
