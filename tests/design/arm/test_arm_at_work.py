@@ -22,7 +22,7 @@ VOLUME = {"low": ["400 mm", "-350 mm", "-200 mm"], "high": ["700 mm", "350 mm", 
 @pytest.fixture(scope="module")
 def arm() -> SizedArm:
     """A light arm: its joints hold their load with most of what they can."""
-    return size_arm(read_task("picking-arm", time="1.2 s", volume=VOLUME))
+    return size_arm(read_task("picking-arm", time="1 s", volume=VOLUME))
 
 
 def held(arm: SizedArm, posture: np.ndarray, payload: float) -> dict[str, tuple[float, float]]:

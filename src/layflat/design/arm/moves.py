@@ -82,10 +82,12 @@ def _ways(task: ArmTask, machine: Machine) -> tuple[Array, Array]:
         return rows[:, 0], rows[:, 1]
     if task.volume is not None:
         low, high = np.array(task.volume.low), np.array(task.volume.high)
-        corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-        shares = np.concatenate([corners, draw.uniform(size=(2 * MOVES - len(corners), 3))])
+        corners = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+        shares = np.concatenate([corners, draw.uniform(size=(2 * (MOVES - len(corners)), 3))])
         found = _postures(task, machine, low + shares * (high - low))
-        return found[: len(found) // 2][::-1], found[len(found) // 2 :]
+        # The longest ways are those from each corner to the one opposite.
+        ends, others = found[: len(corners)], found[len(corners) :]
+        return np.concatenate([ends, others[::2]]), np.concatenate([ends[::-1], others[1::2]])
     # Postures with joints at their ends first: gravity is worst at some of them.
     starts = draw.uniform(-1.0, 1.0, (MOVES, len(half)))
     starts[: MOVES // 2] = np.sign(starts[: MOVES // 2])
