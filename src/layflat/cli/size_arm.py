@@ -75,7 +75,7 @@ class Asked:
 def size_arm(
     asked: Asked,
     task: Annotated[
-        str | None, typer.Argument(metavar="[TASK|FILE]", help="built-in task (see arm-tasks), or one in TOML")
+        str | None, typer.Argument(metavar="TASK|FILE", help="built-in task (see arm-tasks), or one in TOML")
     ] = None,
     pareto: Annotated[
         bool, typer.Option("--pareto", help="size it at other pressures and speeds too; draw mass against time")
