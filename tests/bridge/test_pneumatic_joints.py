@@ -81,11 +81,11 @@ def off_by(machine: Machine, timestep: float, cycles: int) -> NDArray[np.float64
     "machine", [TILTED, LATE, RUBBING, IN_SPACE], ids=["tilted", "late valve", "stribeck", "four joints in space"]
 )
 def test_with_our_step_it_is_our_own_plant(machine: Machine) -> None:
-    assert off_by(machine, 0.25e-3, 200).max() < 1e-7
+    assert off_by(machine, 0.25e-3, 200).max() < 1e-8
 
 
 def test_over_four_seconds_too() -> None:
-    assert off_by(ARM, 0.25e-3, 800).max() < 1e-6
+    assert off_by(ARM, 0.25e-3, 800).max() < 1e-7
 
 
 @pytest.mark.parametrize("timestep", [0.1e-3, 1e-3])

@@ -1,6 +1,9 @@
 """A machine's arm in MuJoCo, and in files: the rigid bodies that our own laws (physics/arms) have."""
 
 import os
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +35,19 @@ def engine(extra: str = "cell") -> Any:
         finally:
             os.environ.clear()
             os.environ.update(before)
+
+
+@contextmanager
+def without_warnings(mj: Any) -> Iterator[None]:
+    """Hush what MuJoCo warns of when it compiles a model: on stderr, in a log file, and by warnings of Python."""
+    before = mj.get_mju_user_warning()
+    mj.set_mju_user_warning(lambda _: None)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        mj.set_mju_user_warning(before)
 
 
 def arm_spec(machine: Machine, *, passive: bool = False) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.arm import engine
+from layflat.bridge.arm import engine, without_warnings
 from layflat.bridge.pieces import BODY
 from layflat.bridge.robots.robot import FIXED, HINGE, Body, Inertial, Link, Look, Pose, Robot
 from layflat.errors import InputError
@@ -34,12 +34,16 @@ def read_mjcf(file: Path, *, meshes: bool = True) -> Robot:
     """
     mj = engine("view")
     try:
-        spec = mj.MjSpec.from_file(str(file))
-        model = spec.compile()
+        with without_warnings(mj):
+            spec = mj.MjSpec.from_file(str(file))
+            model = spec.compile()
     except Exception as error:  # ValueError and others
         said = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
         right = next((text for part, text in RIGHT.items() if part in said), "mend the file: MuJoCo must take it")
         raise InputError(said[:1].lower() + said[1:], where=str(file), right=right) from None
+    for what in ("body_mass", "body_inertia", "body_ipos", "body_pos", "jnt_pos", "geom_pos", "site_pos"):
+        if not np.isfinite(getattr(model, what)).all() or not np.isfinite(model.opt.gravity).all():
+            raise InputError("has numbers that are infinite or none", where=str(file), right="mend its numbers")
     return _Model(mj, spec, model, file, meshes=meshes).robot()
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from layflat import extras
 from layflat.arrays import Array, Picture
-from layflat.bridge.arm import engine
+from layflat.bridge.arm import engine, without_warnings
 from layflat.bridge.meshes import Meshes
 from layflat.bridge.mjcf import add_geom, numbers, text_of
 from layflat.bridge.pieces import COLOURS, Piece
@@ -58,7 +58,8 @@ def picture(shown: Scenery, angles: Sequence[float], *, way: Sequence[Array] | A
     gl = context(WIDTH, HEIGHT)
     try:
         try:
-            model = mj.MjSpec.from_string(text_of(root), assets=meshes.contents()).compile()
+            with without_warnings(mj):
+                model = mj.MjSpec.from_string(text_of(root), assets=meshes.contents()).compile()
         except ValueError as error:
             said = " ".join(str(error).split())
             raise InputError(
