@@ -7,9 +7,7 @@ from layflat.design.arm.sizing import SizedArm, size_arm
 from layflat.design.arm.task import read_task
 from layflat.motion.dynamics import rigid_torques
 from layflat.motion.kinematics import tip_position
-from layflat.motion.limits import abilities
 from layflat.motion.trajectory import States
-from layflat.physics.joint import FILLED
 from layflat.sim import rollout
 
 pytestmark = pytest.mark.compiled
@@ -23,16 +21,6 @@ VOLUME = {"low": ["400 mm", "-350 mm", "-200 mm"], "high": ["700 mm", "350 mm", 
 def arm() -> SizedArm:
     """A light arm: its joints hold their load with most of what they can."""
     return size_arm(read_task("picking-arm", time="1 s", volume=VOLUME))
-
-
-def held(arm: SizedArm, posture: np.ndarray, payload: float) -> dict[str, tuple[float, float]]:
-    """Pressures with which hoses hold the arm in a posture."""
-    machine, q = arm.machine, posture[None]
-    torque = rigid_torques(machine, States(q, 0.0 * q, 0.0 * q), payload)[0]
-    apart = torque / abilities(machine).torque * machine.supply.pressure_gauge
-    middle = FILLED * machine.supply.pressure
-    pairs = [(float(middle + 0.5 * dp), float(middle - 0.5 * dp)) for dp in apart]
-    return dict(zip(machine.joints, pairs, strict=True))
 
 
 def distances(arm: SizedArm, move: int, payload: float) -> tuple[np.ndarray, np.ndarray]:
@@ -51,7 +39,6 @@ def distances(arm: SizedArm, move: int, payload: float) -> tuple[np.ndarray, np.
         payload=payload,
         controller=machine,
         start=start.tolist(),
-        pressures=held(arm, start, payload),
     )
     away = np.linalg.norm(run["tip"].to_numpy() - tip_position(machine, end[None])[0], axis=1)
     return run["time"].to_numpy() - BEFORE, away
@@ -73,9 +60,6 @@ def test_the_load_is_held_in_the_worst_posture(arm: SizedArm) -> None:
     q = arm.moves.ends
     torques = np.abs(rigid_torques(arm.machine, States(q, 0.0 * q, 0.0 * q), 1.0))
     worst = q[int((torques / [part.torque for part in arm.parts]).max(axis=1).argmax())]
-    run = rollout(
-        arm.machine, worst.tolist(), duration="1.5 s", payload=1.0, start=worst.tolist(),
-        pressures=held(arm, worst, 1.0),
-    )  # fmt: skip
+    run = rollout(arm.machine, worst.tolist(), duration="1.5 s", payload=1.0, start=worst.tolist())
     away = np.linalg.norm(run["tip"].to_numpy() - tip_position(arm.machine, worst[None])[0], axis=1)
     assert away[run["time"].to_numpy() > 0.5].max() < CLOSE

@@ -29,6 +29,7 @@ SLACK = 0.001  # rad
 PAST = 200.0  # per angle by which a joint has passed its goal before its reference is there: it broke away, 1/s
 STIFFEST = 3.0  # times as stiff as feedback friction may so make a light joint
 SLOW = 0.03  # velocity below which a joint is taken for resting, rad/s
+ASTRAY = 0.05  # angle, or velocity as feedback weighs it, within which no joint is too far from its reference, rad
 FREELY = 1e3  # length of a path that is not begun at rest, rad: it is not limited for its length
 
 
@@ -52,9 +53,9 @@ def _acceleration(feedback, reference, q, v, forward):
 
 
 @law
-def _lost(actuator, torque):
-    # Whether feedback asks for more than a joint has.
-    return select(abs(torque) > actuator.torque, 1.0, 0.0)
+def _lost(actuator, feedback, inertia, torque):
+    # Whether feedback asks for more than a joint has, and not only since that is little.
+    return select(abs(torque) > max(actuator.torque, ASTRAY * feedback.stiffness * inertia), 1.0, 0.0)
 
 
 @law
@@ -72,7 +73,8 @@ def reanchored(settings, path, response, compliant):
     """
     q, v = response.angles, response.velocities
     pulled = times(response.mass, each(_feedback, settings.feedback, path.references, q, v))
-    lost = (greatest(each(_lost, settings.actuators, pulled)) > 0.0) & (compliant < 0.5)
+    inertias = diagonal(response.mass, pulled)
+    lost = (greatest(each(_lost, settings.actuators, settings.feedback, inertias, pulled)) > 0.0) & (compliant < 0.5)
     references = each(_where_it_is, path.references, q, v, lost)
     return PathState(references, select(lost, FREELY, path.length), select(lost, 0.0, path.landed))
 
