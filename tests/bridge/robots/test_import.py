@@ -7,7 +7,7 @@ import pytest
 from chains import as_chain, random_arm
 from meshes import write_wedge
 from numpy.typing import NDArray
-from robot_files import MJCF, SHOULDER, UPPER, urdf, written
+from robot_files import ELBOW, MJCF, SHOULDER, UPPER, urdf, written
 
 from layflat.bridge import save_arm
 from layflat.bridge.robots import import_arm
@@ -82,6 +82,16 @@ def test_limits_off_centre_become_a_stroke_about_its_middle(tmp_path: Path) -> N
     found = import_arm(written(tmp_path, urdf(shoulder=long)))
     assert found.machine.joints["shoulder"].stops.mechanical_stroke == pytest.approx(radians(140.0))
     assert "hoses reach no further: shoulder turns 140 of 252.1 deg" in found.notes()
+    assert found.machine.joints["shoulder"].stops.working_stroke == pytest.approx(radians(120.0))
+
+
+def test_a_working_stroke_is_never_longer_than_the_hoses_own(tmp_path: Path) -> None:
+    soft = '<safety_controller soft_lower_limit="-1.2" soft_upper_limit="1.2" k_velocity="1"/></joint>'
+    wide = ELBOW.replace('lower="-1" upper="1"', 'lower="-1.2" upper="1.2"').replace("</joint>", soft)
+    found = import_arm(written(tmp_path, urdf(elbow=wide)))
+    stops = found.machine.joints["elbow"].stops
+    assert stops.mechanical_stroke == pytest.approx(2.4)
+    assert stops.working_stroke == pytest.approx(radians(120.0))
 
 
 def test_an_mjcf_moves_as_mujoco_has_it_up_to_a_body(tmp_path: Path) -> None:

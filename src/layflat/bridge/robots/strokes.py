@@ -59,5 +59,6 @@ def strokes(chain: Serial, hoses: Mapping[str, Joint], given: Mapping[str, tuple
         own = stage.joint.works if name not in given else None
         if own is not None:  # where hoses reach less far, they keep their distance from the stops
             usual = min(own, mechanical if mechanical == high - low else usual)
+        usual = min(usual, stops.working_stroke)
         found.append(Turning(0.5 * (low + high), mechanical, usual, high - low))
     return found
