@@ -72,6 +72,16 @@ def test_what_is_written_is_what_was_found(found: Comparison, tmp_path: Path) ->
     assert html.count("<svg") == 4
 
 
+def test_arms_in_space_are_compared_in_what_they_can_do() -> None:
+    made = comparison("picking-arm", SMALL)
+    assert [what for what, _ in made.stages()] == ["steps, tracking", "parts left out", "rest", "repeats"]
+    assert settling.heaviest(made.machine) == pytest.approx(1.0)
+    assert settling.unsure(made.machine).arm.payload == pytest.approx(0.5)
+    ways = {tuple(np.sign(after - before)) for before, after in steps(made.machine)}
+    assert {sum(map(abs, way)) for way in ways} == {1.0, 4.0}
+    assert len(ways) > 10
+
+
 def test_a_machine_that_the_law_can_not_have_is_refused() -> None:
     with pytest.raises(MachineError, match="can't model its joints or valves; give a machine with spool valves"):
         comparison("paper-arm-switching")

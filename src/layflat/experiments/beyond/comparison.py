@@ -70,17 +70,12 @@ class Comparison:
         found: list[tuple[str, Callable[[], None]]] = []
         for law, machine in self.laws.items():
             found.append((f"steps, {law}", partial(self._settle, law, machine)))
-            if _has_belts(machine):
+            if _is_planar(machine) and len(machine.joints) == 2:
                 found.append((f"belts, {law}", partial(self._follow, law, machine)))
-        return [
-            *found,
-            ("parts left out", self._ablate),
-            ("gravity", self._hang),
-            ("rest", self._rest),
-            ("repeats", self._repeat),
-            ("stiffness", self._push),
-            ("optimum", self._bound),
-        ]
+        found += [("parts left out", self._ablate), ("rest", self._rest), ("repeats", self._repeat)]
+        if _is_planar(self.machine):
+            found += [("gravity", self._hang), ("stiffness", self._push), ("optimum", self._bound)]
+        return found
 
     def _settle(self, law: str, machine: Machine) -> None:
         runs = self.effort.runs
@@ -152,5 +147,5 @@ def _tuned(name: str) -> dict[str, Machine]:
         return {}
 
 
-def _has_belts(machine: Machine) -> bool:
-    return isinstance(machine.arm, PlanarArmPart) and len(machine.joints) == 2
+def _is_planar(machine: Machine) -> bool:
+    return isinstance(machine.arm, PlanarArmPart)

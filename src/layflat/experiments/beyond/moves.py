@@ -30,7 +30,7 @@ def steps(machine: Machine) -> list[tuple[Array, Array]]:
 def _angles(machine: Machine, count: int, posture: int, draw: np.random.Generator) -> Array:
     """Angles at rest, (count + 1, joints), rad."""
     edge = np.array([joint.stops.working_stroke for joint in machine.joints.values()]) / 2 - MARGIN
-    ways = [way for way in product((1.0, 0.0, -1.0), repeat=len(edge)) if next((s for s in way if s), 0.0) > 0.0]
+    ways = [way for way in product((1.0, 0.0, -1.0), repeat=len(edge)) if _is_step(way)]
     rows = []
     at = draw.uniform(-edge, edge)
     for move in range(count):
@@ -41,6 +41,12 @@ def _angles(machine: Machine, count: int, posture: int, draw: np.random.Generato
         at = at + np.where(np.abs(at + step) > edge + 1e-9, -step, step)
         rows.append(at)
     return np.array(rows)
+
+
+def _is_step(way: tuple[float, ...]) -> bool:
+    """Whether one joint moves, or all do; of two that are opposite to each other, the one whose first goes forward."""
+    moved = [side for side in way if side]
+    return len(moved) in (1, len(way)) and moved[0] > 0.0
 
 
 def _scenario(rows: Array) -> Scenario:

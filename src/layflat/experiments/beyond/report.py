@@ -12,7 +12,7 @@ import layflat
 from layflat.experiments.beyond import settling
 from layflat.experiments.beyond.comparison import TRACKING, Comparison
 from layflat.experiments.beyond.moves import POSTURES
-from layflat.experiments.beyond.settling import Settling
+from layflat.experiments.beyond.settling import Settling, heaviest
 from layflat.files import write_text
 from layflat.plot.bars_and_maps import draw_bars
 from layflat.plot.page import Drawn, page
@@ -115,6 +115,7 @@ def write_page(found: Comparison, path: Path) -> Path:
         version=layflat.__version__,
         robust=STATEMENT,
         postures=POSTURES,
+        heaviest=f"{heaviest(found.machine):g}",
         columns=COLUMNS,
         rows=rows(found.settling),
         ablations=rows(found.ablations),

@@ -17,8 +17,9 @@ from layflat.sim.ensemble import ensemble
 from layflat.tune.robust import robust_set
 
 MOVES = 5  # after each other, where what is learnt counts
-HEAVIEST = 2.0  # payload that may be carried, kg: the paper's
-SPREAD = 0.6  # standard deviation of an unknown payload, kg
+HEAVIEST = 2.0  # payload that a planar arm may carry, kg: the paper's
+TWICE = 2.0  # an arm in space is described with half of the greatest
+SPREAD = 0.3  # standard deviation of an unknown payload over the greatest
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def robust(law: str, machine: Machine, runs: int, *, unknown_payload: bool = Fal
         count = len(other.vary["valve.delay"])
         vary: dict[str, ArrayLike] = _each(count) | dict(other.vary)
         if unknown_payload:
-            vary["scenario.payload"] = draw.uniform(0.0, HEAVIEST, count)
+            vary["scenario.payload"] = draw.uniform(0.0, heaviest(machine), count)
         found.append(_times(other.machine, sequences(machine, 1), vary, driver)[:, 0])
     return Settling(law, BOTH if unknown_payload else ROBUST, np.concatenate(found))
 
@@ -77,7 +78,7 @@ def unknown_payload(law: str, machine: Machine, runs: int, *, gravity: float = 0
     """Return the first move with a payload that the controller does not know, and those after the first two."""
     arm = changed_all(unsure(machine), {"arm.gravity": gravity} if gravity else {})
     vary: dict[str, ArrayLike] = _each(runs)
-    vary["scenario.payload"] = np.random.default_rng(12).uniform(0.0, HEAVIEST, runs)
+    vary["scenario.payload"] = np.random.default_rng(12).uniform(0.0, heaviest(machine), runs)
     times = _times(arm, sequences(machine, MOVES), vary, arm)
     return Settling(law, FIRST, times[:, 0]), Settling(law, LATER, times[:, 2:].ravel())
 
@@ -86,7 +87,13 @@ def unsure(machine: Machine) -> Machine:
     """Return the machine with a controller that does not know its payload, where it can estimate it."""
     if not isinstance(machine.controller, TrackingControllerPart):
         return machine
-    return changed_all(machine, {"arm.payload": HEAVIEST / 2, "controller.payload_spread": SPREAD})
+    most = heaviest(machine)
+    return changed_all(machine, {"arm.payload": most / 2, "controller.payload_spread": SPREAD * most})
+
+
+def heaviest(machine: Machine) -> float:
+    """Return the greatest payload that an arm is to carry, kg."""
+    return TWICE * machine.arm.payload if machine.arm.own_links else HEAVIEST
 
 
 def ablations(machine: Machine, runs: int) -> list[Settling]:
