@@ -1,11 +1,13 @@
 import numpy as np
 import pytest
+import xarray
 from looks import covered, cut_off, line_of
 
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim import rollout
 
+JOINTS = ("base", "shoulder", "elbow", "wrist", "hand")
 SETTLING = {"before": np.array([[0.2, np.inf], [0.6, 0.4]]), "after": np.array([[0.1, 0.2], [0.3, 0.2]])}
 
 
@@ -35,6 +37,25 @@ def test_every_axis_has_its_unit_and_the_same_data_give_the_same_bytes() -> None
         return [to_svg(figure) for figure in made]
 
     assert drawn() == drawn()
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3, 4, 5])
+def test_joints_of_an_arm_stand_two_beside_each_other(joints: int) -> None:
+    time = np.linspace(0.0, 1.0, 51)
+    moved = np.degrees(0.1) * np.tile(np.minimum(4.0 * time, 1.0)[:, None], joints)
+    angles = {
+        name: (("time", "joint"), np.radians(values)) for name, values in (("angle", moved), ("demand", moved > 0.0))
+    }
+    run = xarray.Dataset(angles, {"time": time, "joint": list(JOINTS[:joints])})
+    made = responses({"after": run}, band=0.005, since=0.1)
+    shown = [axes for axes in made.axes if axes.get_visible()]
+    assert len(shown) == 2 * joints
+    assert [axes.get_title(loc="left") for axes in shown if axes.get_title(loc="left")] == [
+        f"{name} joint" for name in JOINTS[:joints]
+    ]
+    assert made.get_figwidth() <= 9.4
+    assert cut_off(made) == []
+    assert sum(axes.get_xlabel() == "Time (s)" for axes in shown) == min(joints, 2)
 
 
 def test_a_limit_is_named_and_shares_rise() -> None:

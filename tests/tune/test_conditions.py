@@ -3,10 +3,12 @@ from math import radians
 import numpy as np
 import pytest
 
+from layflat.errors import MachineError
 from layflat.machine import changed, load
 from layflat.sim.ensemble import ensemble
 from layflat.sim.scenario import shapes
-from layflat.tune.conditions import Spread, conditions
+from layflat.tune import papers_law, tracking_law
+from layflat.tune.conditions import Spread, check_carried, conditions, nominal_postures, sequences_of
 
 ARM = load("paper-arm")
 
@@ -69,3 +71,27 @@ def test_moves_stay_in_the_stroke_and_are_measured_one_by_one(name: str) -> None
     assert not np.isnan(runs.settling).any()
     first = np.unique(shapes(found.scenarios[0], machine, 0.005).demand, axis=0)
     assert np.abs(np.diff(first[:, 0])).max() == pytest.approx(radians(40.0))
+
+
+@pytest.mark.parametrize("joints", range(1, 8))
+def test_of_any_number_of_joints_one_after_the_other_moves_and_then_all_do(joints: int) -> None:
+    sequences = [np.array(sequence) for sequence in sequences_of(joints)]
+    assert len({len(sequence) for sequence in sequences}) == 1
+    assert all(np.abs(sequence).max() <= 2 / 3 for sequence in sequences)
+    moved = np.diff(nominal_postures(joints), axis=0) != 0.0
+    assert (moved.sum(axis=1) == 1).all()
+    if joints > 1:
+        assert (moved.sum(axis=0) == 1).all()
+        assert any((np.diff(sequence, axis=0) != 0.0).all() for sequence in sequences)
+
+
+def test_moves_that_an_arm_can_not_carry_its_payload_through_are_refused() -> None:
+    arm = load("picking-arm")
+    check_carried(arm, tracking_law.conditions(arm, 16, None, 1))
+    heavy = changed(arm, "arm.payload", 5.0)
+    with pytest.raises(
+        MachineError, match=r"picking-arm: joint 'wrist' can't hold 5\.\d+ kg at 4\.\d+ bar in the moves"
+    ):
+        check_carried(heavy, tracking_law.conditions(heavy, 16, None, 1))
+    with pytest.raises(MachineError, match=r"joint 'wrist' can't hold 6\.67 kg at 5\.\d+ bar"):
+        check_carried(heavy, papers_law.TUNABLE.conditions(heavy, 16, None, 1))

@@ -1,6 +1,7 @@
 """Before and after a tuning: responses, shares of moves that have settled, cost over the search."""
 
 from collections.abc import Mapping, Sequence
+from math import ceil
 
 import numpy as np
 import xarray
@@ -8,17 +9,22 @@ from matplotlib.figure import Figure
 
 from layflat.arrays import Array
 from layflat.plot.runs import draw_demand, draw_response, frame_error
-from layflat.plot.style import HEAD, LINES, QUIET, figure, mark
+from layflat.plot.style import BETWEEN, HEAD, LINES, QUIET, figure, mark
 
+COLUMNS = 2  # joints beside each other
 LETTER = 0.06  # width of a letter in the names of a search's parts, inches
 
 
 def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) -> Figure:
     """Draw for each joint its angle with the demand in several runs, and its error, enlarged, below; `band` in rad."""
     joints = [str(name) for name in next(iter(runs.values()))["joint"].to_numpy()]
-    with figure(2, len(joints), width=4.2 * len(joints) + 1.0, height=4.8, above=HEAD) as (made, all_axes):
-        for column, joint in enumerate(joints):
-            angle, error = all_axes[column], all_axes[column + len(joints)]
+    columns = min(len(joints), COLUMNS)
+    rows = ceil(len(joints) / columns)
+    size = {"width": 4.2 * columns + 1.0, "height": 4.2 * rows + 0.6, "apart": BETWEEN[1] if rows == 1 else HEAD}
+    with figure(2 * rows, columns, **size, above=HEAD) as (made, all_axes):
+        for place, joint in enumerate(joints):
+            first = place + place // columns * columns
+            angle, error = all_axes[first], all_axes[first + columns]
             for order, (label, run) in enumerate(runs.items()):
                 part = run.sel(joint=joint)
                 if order == 0:
@@ -27,8 +33,16 @@ def responses(runs: Mapping[str, xarray.Dataset], *, band: float, since: float) 
             angle.set_title(f"{joint} joint", loc="left")
             angle.set_ylabel("Angle (deg)")
             frame_error(error, band, 5.0 * np.degrees(band))
+            if place + columns < len(joints):
+                error.set_xlabel("")
+            else:
+                error.tick_params(labelbottom=True)
+        for place in range(len(joints), rows * columns):
+            first = place + place // columns * columns
+            all_axes[first].set_visible(False)
+            all_axes[first + columns].set_visible(False)
         all_axes[0].legend(loc="best")
-        all_axes[len(joints)].legend(handles=all_axes[len(joints)].patches, loc="lower right")
+        all_axes[columns].legend(handles=all_axes[columns].patches, loc="lower right")
     return made
 
 

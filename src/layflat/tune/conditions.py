@@ -8,7 +8,7 @@ window, 0.3 s, and 0.1 s for every such distance that error and swing remain (2 
 worst twentieth, and the slowest move under nominal conditions.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,14 +17,16 @@ import xarray
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.description.change import value_at
+from layflat.description.change import changed, value_at
+from layflat.errors import MachineError
 from layflat.machine import Machine
+from layflat.motion.limits import abilities, room_at_rest
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import TIP_BAND
 from layflat.sim.metrics import BAND
 
-POSTURES = {
+FEW = {
     1: (((-1 / 3,), (1 / 3,), (0.36,)), ((1 / 3,), (-1 / 3,), (-1 / 2,)), ((0.0,), (1 / 6,), (-2 / 3,))),
     2: (
         ((-1 / 3, -1 / 3), (1 / 3, -1 / 3), (1 / 3, 1 / 3)),
@@ -33,10 +35,10 @@ POSTURES = {
         ((1 / 3, 0.0), (0.36, -1 / 2), (-2 / 3, -0.54)),
     ),
 }
-"""Sequences of postures by the number of joints, angles as shares of half a stroke.
+"""Sequences of postures of one joint and of two, angles as shares of half a stroke."""
 
-Of 120 deg that makes steps of 40 deg of one joint at a time either way, and others of both together, from 2 to 60 deg.
-"""
+FAR, TURN = (1 / 6, -1 / 2, 0.36, -0.54), (1 / 3, -1 / 6, -0.4, 1 / 2)
+"""Where joints go all at once, and where every other one goes; what there are more of begins anew."""
 
 REST = 0.3  # time at the first posture, s
 PULL = 0.15  # shares of a range that count as its ends: there the worst is met
@@ -166,14 +168,59 @@ def conditions(machine: Machine, runs: int, spread: Spread | None = None, seed: 
 
 def sequences(machine: Machine, window: float) -> list[Scenario]:
     """Return the sequences of moves of a machine, each given so much time, s."""
-    return [_moves(machine, postures, window) for postures in POSTURES[len(machine.joints)]]
+    return [_moves(machine, postures, window) for postures in sequences_of(len(machine.joints))]
 
 
-def _moves(machine: Machine, postures: tuple[tuple[float, ...], ...], window: float) -> Scenario:
+Posture = tuple[float, ...]
+
+
+def sequences_of(joints: int) -> Sequence[Sequence[Posture]]:
+    """Return sequences of postures, equally many in each, angles as shares of half a stroke.
+
+    The first takes one joint after the other from one side to the other, the second back; then all move at once. Of
+    120 deg that makes steps of 40 deg of single joints, and others of all together, from 2 to 60 deg.
+    """
+    if joints in FEW:
+        return FEW[joints]
+    there = [tuple(1 / 3 if j < moved else -1 / 3 for j in range(joints)) for moved in range(joints + 1)]
+    back = [tuple(-share for share in posture) for posture in there]
+    far, turn = ((0.0, *(ways[i % len(ways)] for i in range(joints))) for ways in (FAR, TURN))
+    opposed = [tuple((-1) ** j * share for j in range(joints)) for share in far]
+    mixed = [tuple(b if j % 2 else a for j in range(joints)) for a, b in zip(far, turn, strict=True)]
+    return there, back, opposed, mixed
+
+
+def nominal_postures(joints: int) -> Array:
+    """Return the postures of the first sequence, in which one joint moves at a time, (postures, joints)."""
+    return np.array(sequences_of(joints)[0])
+
+
+def _moves(machine: Machine, postures: Sequence[Posture], window: float) -> Scenario:
     halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
     rows = [[share * half for share, half in zip(posture, halves, strict=True)] for posture in postures]
     times = [0.0, *(REST + window * i for i in range(len(rows) - 1))]
     return Scenario(demand=list(zip(times, rows, strict=True)), duration=REST + window * (len(rows) - 1))
+
+
+def check_carried(machine: Machine, by: Conditions) -> None:
+    """Raise MachineError if a joint can't hold itself in a posture that it is asked for, with all that it has to stand.
+
+    Args:
+        machine: that is judged.
+        by: the conditions.
+    """
+    vary = by.vary
+    payload = max(float(np.max(vary.get(f"{of}.payload", machine.arm.payload))) for of in ("arm", "scenario"))
+    least = machine.supply.pressure_gauge
+    least = min(float(np.min(vary.get(path, least))) for path in ("supply.pressure_gauge", "scenario.supply"))
+    able = abilities(changed(machine, "supply.pressure_gauge", least))
+    halves = np.array([0.5 * joint.stops.working_stroke for joint in machine.joints.values()])
+    postures = halves * np.concatenate([np.array(sequence) for sequence in sequences_of(len(halves))])
+    room, _ = room_at_rest(machine, able, postures, payload)
+    if room.min() <= 0.0:
+        name = list(machine.joints)[int(np.argmin(room / able.torque))]
+        what = f"joint {name!r} can't hold {payload:.3g} kg at {least / 1e5:.3g} bar in the moves that tuning judges by"
+        raise MachineError(what, where=machine.origin, right="a smaller payload, a wider hose or more pressure")
 
 
 def move_costs(runs: xarray.Dataset, window: float, measure: Measure = JOINTS) -> Array:

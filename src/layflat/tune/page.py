@@ -13,7 +13,7 @@ from layflat.plot.page import Drawn, page
 from layflat.plot.style import to_svg
 from layflat.plot.tuning import cost_history, responses, settled_shares
 from layflat.sim.metrics import BAND
-from layflat.tune.conditions import POSTURES, REST
+from layflat.tune.conditions import REST, nominal_postures
 from layflat.tune.knobs import values_of
 from layflat.tune.tuning import Tuning
 from layflat.tune.validation import LIMIT, Validation, fresh, warnings
@@ -42,7 +42,7 @@ def figures_of(tuning: Tuning, before: Validation | None, after: Validation) -> 
 def nominal_moves(machine: Machine) -> list[str]:
     """Return what is moved under nominal conditions, and how far, in words."""
     halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
-    moved = np.degrees(np.diff(np.array(POSTURES[len(halves)][0]), axis=0) * halves)
+    moved = np.degrees(np.diff(nominal_postures(len(halves)), axis=0) * halves)
     return [
         " and ".join(f"{name} joint by {by:.3g} deg" for name, by in zip(machine.joints, step, strict=True) if by)
         for step in moved

@@ -14,7 +14,7 @@ from layflat.files import check_folder
 from layflat.machine import Machine, load
 from layflat.machine.derived import derived_path, write_derived
 from layflat.machine.members import differing
-from layflat.tune.conditions import Conditions, Spread
+from layflat.tune.conditions import Conditions, Spread, check_carried
 from layflat.tune.knobs import Knob, Part, neutral_values, values_of
 from layflat.tune.laws import tunable
 from layflat.tune.search import Found, judge, panel, search
@@ -161,4 +161,6 @@ def begin(
     require("tune", "cma", where="tune")
     path = derived_path(given, check_folder(out), "tuned")
     spread = Spread(members=differing(given)) if over else None
-    return Tuning(given, base, machine, law, method, start, seed, generations, wanted, path, spread)
+    tuning = Tuning(given, base, machine, law, method, start, seed, generations, wanted, path, spread)
+    check_carried(machine, panel(tuning.meet))
+    return tuning

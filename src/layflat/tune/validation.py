@@ -9,7 +9,7 @@ from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.sim.metrics import disturbance
 from layflat.sim.run import rollout_as_far
-from layflat.tune.conditions import POSTURES, REST, Conditions, candidate_costs
+from layflat.tune.conditions import REST, Conditions, candidate_costs
 from layflat.tune.search import Meet
 
 FRESH, FRESH_SEED = 256, 2_000_000_000  # runs of the validation, and their seed
@@ -23,7 +23,7 @@ class Validation:
     """What a machine does over the fresh conditions."""
 
     settling: Array  # of every joint, or of the tip, in every move of every run, s; infinite where it does not settle
-    nominal: Array  # time until both joints have settled in each move, one joint's step each, mean of nominal runs, s
+    nominal: Array  # time until all joints have settled in each move, one joint's step each, mean of nominal runs, s
     cost: float  # s
     response: "xarray.Dataset"  # the first nominal run, with its trace
     pushed: dict[str, float]  # how far a joint is pushed by another one's step in it, rad, by both in words
@@ -57,14 +57,14 @@ def validate(machine: Machine, meet: Meet) -> Validation:
 
 
 def _pushed(machine: Machine, response: xarray.Dataset, window: float) -> dict[str, float]:
-    """How far each joint that is not asked to move is pushed by each move of the nominal sequence, rad."""
-    found, names = {}, list(machine.joints)
-    for number, moved in enumerate(np.diff(np.array(POSTURES[len(names)][0]), axis=0)):
+    """How far each joint is pushed by the moves of the nominal sequence in which another one is asked to move, rad."""
+    names, last, found = list(machine.joints), float(response["time"][-1]), dict[str, float]()
+    for number, mover in enumerate(names):
         since = REST + window * number
-        movers = " and ".join(name for name, by in zip(names, moved, strict=True) if by)
-        for name, by in zip(names, moved, strict=True):
-            if not by and float(response["time"][-1]) > since:
-                found[f"{name} joint pushed by the {movers} one"] = disturbance(response, name, since, since + window)
+        for name in names if since < last else ():
+            if name != mover:
+                what = f"{name} joint pushed by {'another' if len(names) > 2 else f'the {mover}'} one"
+                found[what] = max(disturbance(response, name, since, since + window), found.get(what, 0.0))
     return found
 
 
