@@ -1,4 +1,4 @@
-"""Pins of a Raspberry Pi Pico: PWM to the valves, an MCP3208 converter, dump valve, e-stop, USB."""
+"""Pins of a Raspberry Pi Pico: PWM to the valves, MCP3208 converters, dump valve, e-stop, USB."""
 
 import sys
 import time
@@ -15,13 +15,13 @@ class PicoIO:
     """Input and output as `station.Station` wants it."""
 
     def __init__(self, settings):
-        out, chosen, clock, into = settings.ADC_PINS
+        out, clock, into = settings.ADC_PINS
         self._settings = settings
         self._air = machine.Pin(settings.AIR_PIN, machine.Pin.OUT, value=0)
         self._stop = machine.Pin(settings.STOP_PIN, machine.Pin.IN, machine.Pin.PULL_DOWN)
         self._valves = [machine.PWM(machine.Pin(pin), freq=PWM_FREQUENCY, duty_u16=0) for pin in settings.VALVE_PINS]
         self._shift = 16 - settings.VOLTAGE_BITS
-        self._chosen = machine.Pin(chosen, machine.Pin.OUT, value=1)
+        self._chosen = [machine.Pin(pin, machine.Pin.OUT, value=1) for pin in settings.ADC_SELECTS]
         self._adc = machine.SPI(
             0, baudrate=1000000, sck=machine.Pin(clock), mosi=machine.Pin(into), miso=machine.Pin(out)
         )
@@ -69,8 +69,9 @@ class PicoIO:
         self._watchdog.feed()
 
     def _count(self, channel):
+        chosen, channel = self._chosen[channel >> 3], channel & 7
         self._asked[0], self._asked[1] = 6 | channel >> 2, (channel & 3) << 6
-        self._chosen.value(0)
+        chosen.value(0)
         self._adc.write_readinto(self._asked, self._told)
-        self._chosen.value(1)
+        chosen.value(1)
         return (self._told[1] & 15) << 8 | self._told[2]

@@ -14,6 +14,7 @@ CENTRE_VOLTAGE = 5000  # where the valves are closed
 CENTRES_AFTER = 20000  # us without a command: interface.watchdog_cycles times controller.cycle
 DUMPS_AFTER = 200000  # us without a command: interface.dump_after
 EMPTIES_AFTER = 300000  # us: until valves are opened to a line that is let out; meanwhile air that is shut in brakes
+LETS_DOWN = False  # True: they stay centred, with dither: an arm that gravity pulls down sinks, and does not fall
 SHORTEST_CYCLE = 4000  # us, with room to spare on a Pico
 
 DITHER_AMPLITUDE = 0.166  # share of full opening: valve.dither
@@ -24,7 +25,8 @@ VALVE_PINS = (2, 4)  # PWM, through a filter and an amplifier by three
 AIR_PIN = 6  # high: the dump valve lets air in
 STOP_PIN = 7  # high: the e-stop's loop is closed
 SERVICE_PIN = 8  # to ground while it starts: the program does not run
-ADC_PINS = (16, 17, 18, 19)  # MCP3208: data out, select, clock, data in
+ADC_PINS = (16, 18, 19)  # MCP3208: data out, clock, data in
+ADC_SELECTS = (17,)  # one a converter: channels 0 to 7 are the first one's, 8 to 15 the second one's
 ANGLE_CHANNELS = (0, 1)
 PRESSURE_CHANNELS = (2, 3)
 SUPPLY_CHANNEL = 4

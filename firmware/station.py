@@ -21,7 +21,7 @@ from frames import IDENTIFY, COMMAND, READING, IDENTITY, Decoder, encode
 RUNNING, CENTRED, DUMPED = 0, 1, 2
 STOPPED = 4
 AIR, RESET = 1, 2
-MAGIC, VERSION, DITHERS = 0x4C46, 1, 1
+MAGIC, VERSION, DITHERS, LETS_DOWN = 0x4C46, 1, 1, 2
 STEPS = 32
 """Of the dither's sine."""
 
@@ -98,7 +98,8 @@ class Station:
     def dump(self):
         """Let out the air: first that of the supply's line, with the valves centred, then that of the hoses.
 
-        Hoses A let go through the line, hoses B through the valves' exhaust.
+        Hoses A let go through the line, hoses B through the valves' exhaust. Of an arm that would fall the valves stay
+        centred, with dither, so that it is let down slowly.
         """
         if self.state != DUMPED:
             self.state, self.dumped, self.opened = DUMPED, self.io.ticks(), False
@@ -106,8 +107,8 @@ class Station:
         self.io.air(False)
 
     def output(self):
-        """Drive the valves, with the dither unless the air is out."""
-        if self.state == DUMPED:
+        """Drive the valves, with the dither unless they are opened to let the air out."""
+        if self.state == DUMPED and not self.settings.LETS_DOWN:
             if not self.opened and self.io.elapsed(self.dumped) >= self.settings.EMPTIES_AFTER:
                 self.opened = True
                 self.counts = [self.top] * self.settings.JOINTS
@@ -131,8 +132,9 @@ class Station:
         s = self.settings
         words = (MAGIC, VERSION, s.JOINTS, s.VOLTAGE_BITS, s.ANGLE_BITS, s.PRESSURE_BITS, s.SUPPLY_BITS)
         volts = (s.VOLTAGE_LOW & 0xFFFF, s.VOLTAGE_HIGH & 0xFFFF, s.CENTRE_VOLTAGE & 0xFFFF)
+        flags = (DITHERS if s.DITHER_AMPLITUDE else 0) | (LETS_DOWN if s.LETS_DOWN else 0)
         times = (s.SHORTEST_CYCLE, s.CENTRES_AFTER // 1000, s.DUMPS_AFTER // 1000)
-        return struct.pack(">14H", *(words + volts + (DITHERS if s.DITHER_AMPLITUDE else 0,) + times))
+        return struct.pack(">14H", *(words + volts + (flags,) + times))
 
 
 def packed(count, bits):

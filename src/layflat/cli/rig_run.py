@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 LEAD = 0.1  # a move without a time begins so long after the soft start, s: the joints are at rest before it
 AFTER = 3.0  # from the last move to the end, where no duration is given, s
 SHOWN = 20  # events that are listed; `layflat log info` lists all
-DEFLATES = 10.0  # a controlled stop takes less, s
+DEFLATES = 8.0  # beyond the time in which hoses empty: a controlled stop takes less, s
 
 
 @rigs.command("run")
@@ -54,6 +54,7 @@ def run(
     from layflat import extras  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
+    from layflat.rig.abilities import vent_time  # noqa: PLC0415
     from layflat.rig.plan import EarlyEndError, PlanRunner, free_place  # noqa: PLC0415
     from layflat.rig.recorded import Recorded  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
@@ -75,7 +76,7 @@ def run(
             except EarlyEndError as error:
                 early = error
             rig.session.end()
-            rig.session.process.join(DEFLATES)
+            rig.session.process.join(DEFLATES + vent_time(described))
     followed = demand[0] if demand and _is_file(demand[0]) else None
     _report(rig, performance, followed)
     if early is not None:

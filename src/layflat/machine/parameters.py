@@ -255,19 +255,23 @@ def arm(machine: Machine) -> Any:
     return ARMS.parameters(machine.arm, list(machine.joints.values()))
 
 
-def mass_and_pull(arm: Any, payload: float, angles: Sequence[float]) -> tuple[Array, Array]:
-    """Mass matrix (joints, joints), kg m2, and torques that come of the angles (joints,), N m, of an arm at rest.
+def mass_and_pull(arm: Any, payload: float, angles: Sequence[float] | Array) -> tuple[Array, Array]:
+    """Mass matrix (..., joints, joints), kg m2, and torques that come of the angles (..., joints), N m, of an arm.
 
     Args:
         arm: parameters of a kind of arm.
         payload: kg.
-        angles: rad, (joints,).
+        angles: rad, (..., joints): one posture, or any number.
     """
-    n = len(angles)
-    upper, _, pulls = dynamics(arm, payload, tuple(map(float, angles)), (0.0,) * n)
-    mass = np.zeros((n, n))
-    mass[np.triu_indices(n)] = upper
-    return mass + np.triu(mass, 1).T, np.array(pulls)
+    q = np.asarray(angles, dtype=float)
+    *places, n = q.shape
+    # Scalars as they are: laws of one's own may be plain Python.
+    each = tuple(q[..., j] if places else float(q[j]) for j in range(n))
+    upper, _, pulls = dynamics(arm, payload, each, (0.0,) * n)
+    mass = np.zeros((*places, n, n))
+    for row, column, item in zip(*np.triu_indices(n), upper, strict=True):
+        mass[..., row, column] = mass[..., column, row] = item
+    return mass, np.stack([np.broadcast_to(pull, places) for pull in pulls], axis=-1)
 
 
 def surroundings(machine: Machine) -> Surroundings:

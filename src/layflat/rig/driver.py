@@ -15,6 +15,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import drive_parts
+from layflat.rig.abilities import falls
 
 
 class Lifecycle(Enum):
@@ -61,17 +62,18 @@ class Capabilities(NamedTuple):
     centre_voltage: float  # at which valves are closed, the fallback of the device, V
     dithers: bool  # whether the device adds the dither; nobody else does
     shortest_cycle: float  # s
+    lets_down: bool = False  # whether it keeps valves centred while it lets out the air, so that an arm does not fall
 
     @classmethod
     def needed(cls, machine: Machine) -> Self:
-        """Valves' range, dither and cycle that a machine needs; raise MachineError if it has no valve or sensors."""
+        """What a machine needs of them; raise MachineError if it has no valve or sensors."""
         valve, _, _ = drive_parts(machine)
-        centre, span = valve.centre_voltage, valve.volts_to_full
-        return cls(len(machine.joints), centre - span, centre + span, centre, valve.dithered is not None, machine.cycle)
+        centre, span, dithers = valve.centre_voltage, valve.volts_to_full, valve.dithered is not None
+        return cls(len(machine.joints), centre - span, centre + span, centre, dithers, machine.cycle, falls(machine))
 
     def check(self, machine: Machine) -> None:
         """Make sure that this fits a machine; raise InputError if it does not."""
-        joints, low, high, centre, dithers, cycle = Capabilities.needed(machine)
+        joints, low, high, centre, dithers, cycle, falling = Capabilities.needed(machine)
         mine, shortest = f"{self.voltage_low:g} to {self.voltage_high:g} V", f"{1e3 * self.shortest_cycle:g} ms"
         wrong = {
             f"it has {self.joints} joints, the machine {joints}": self.joints != joints,
@@ -82,6 +84,7 @@ class Capabilities(NamedTuple):
                 abs(self.centre_voltage - centre) > 1e-3 * (high - centre)
             ),
             "it does not add the dither": dithers and not self.dithers,
+            "it opens the valves as it lets out the air, and the arm would fall": falling and not self.lets_down,
             f"its shortest cycle is {shortest}, the controller's {1e3 * cycle:g} ms": self.shortest_cycle > cycle,
         }
         for what, differs in wrong.items():

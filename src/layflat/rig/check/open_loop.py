@@ -8,6 +8,7 @@ from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import drive_parts
+from layflat.rig.abilities import falls, vent_time
 from layflat.rig.clock import SECOND, Clock, Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
 from layflat.rig.safety.core import Core
@@ -88,10 +89,14 @@ class OpenLoopRig:
             self.act(self.centred)
 
     def vent(self) -> None:
-        """Air off; centred at first, then open to one end until the hoses are empty; the driver is left inactive."""
+        """Air off until the hoses are empty; the driver is left inactive.
+
+        Valves are centred at first, then open to one end, but for those of an arm that would fall.
+        """
         if self.driver.state is not Lifecycle.ACTIVE:
             return
-        for voltages, seconds in ((self.centred, 0.1), (self.centred + self.span, self.machine.safety.vent_time)):
+        opened = self.centred if falls(self.machine) else self.centred + self.span
+        for voltages, seconds in ((self.centred, 0.1), (opened, vent_time(self.machine))):
             for _ in range(self.cycles(seconds)):
                 self.look()
                 self.driver.write(Command(voltages.copy(), air=False))

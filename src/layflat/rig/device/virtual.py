@@ -6,7 +6,8 @@
 
 Dumped is latched: only the edge of a reset with the e-stop released ends it, and a device that was just switched on
 has to see the reset low first. Dumped, the supply line is open to the atmosphere; once it is empty, every valve is
-opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust.
+opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust. Those of an arm that
+would fall stay centred: what they pass as they dither lets it down slowly.
 """
 
 import numpy as np
@@ -15,6 +16,7 @@ from layflat.arrays import Array
 from layflat.machine import Machine, parameters
 from layflat.physics.driven import Plant
 from layflat.physics.sensor import read_sensor
+from layflat.rig.abilities import falls
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.device.exchange import Link
 from layflat.rig.device.supply import SupplyLine
@@ -62,13 +64,13 @@ class VirtualDevice:
     def __init__(self, machine: Machine, plant: Plant, clock: Clock, *, running: bool = False) -> None:
         self.plant, self.clock, self.link, self.converters = plant, clock, Link(), Converters(machine)
         self.line = SupplyLine(machine.supply.pressure, machine.supply.ambient_pressure, air=running)
-        self.capabilities = Capabilities.needed(machine)._replace(dithers=True, shortest_cycle=1e-3)
+        self.capabilities = Capabilities.needed(machine)._replace(dithers=True, shortest_cycle=1e-3, lets_down=True)
         self.set_gauge = machine.supply.pressure_gauge  # of the regulator, Pa
         constants = np.array([parameters.torque_constant(joint) for joint in machine.joints.values()])
         self.strengths = self.set_gauge * constants  # greatest torque of each joint, N m
         self.brakes = np.array([joint.brake.torque for joint in machine.joints.values()])  # what they hold, N m
         self._centred = np.full(len(machine.joints), self.capabilities.centre_voltage)
-        self._open = np.full(len(machine.joints), self.capabilities.voltage_high)
+        self._open = self._centred if falls(machine) else np.full_like(self._centred, self.capabilities.voltage_high)
         self._until_dump = round(machine.interface.dump_after * SECOND)
         self._until_centre = min(round(machine.interface.watchdog_cycles * machine.cycle * SECOND), self._until_dump)
         self._supply = Wire.of(machine).supply

@@ -36,7 +36,7 @@ class Core:
         self.settings = NamedRows([joint_settings(machine, name) for name in names])
         self.memory, self.inputs = NamedRows([compiled.MEMORY] * len(names)), NamedRows([compiled.INPUTS])
         self.law = law
-        self._given, self._head = np.zeros((len(names), compiled.JOINT_INPUTS + len(names))), self.inputs.array[0]
+        self._given, self._head = np.zeros((len(names), compiled.JOINT_INPUTS)), self.inputs.array[0]
         about = self.rig.array[0], self.settings.array
         self._arrays: tuple[Array, ...] = (*about, self._head, self._given, self.memory.array)
         self._perform: Callable[..., int] = compiled.judge
@@ -46,7 +46,7 @@ class Core:
             self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
             self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
         # What comes in: samples (rad, Pa), and the demands of the host (rad, rad/s, rad/s2), (joints,).
-        self.angles, self.pressures, self._asked, *self._rates = (
+        self.angles, self.pressures, self._asked, *self._rates, _ = (
             self._given[:, column] for column in compiled.IN_GIVEN
         )
         self._meant, self._plans = 0.0, law is not None and law.kind.plans

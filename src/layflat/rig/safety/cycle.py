@@ -8,6 +8,8 @@ from collections.abc import Callable
 from math import inf, isfinite
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from layflat.control import CONTROL_LAWS, Demand, Sensed, centre_shift, step, wake
 from layflat.jit import composition, kernel, law
 from layflat.lanes import gather, in_lanes, leaves, mapped, read_numbers, slots, write_numbers
@@ -15,6 +17,7 @@ from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
 from layflat.physics.arms import dynamics
 from layflat.rig.named import blank, places
 from layflat.rig.safety import demands, estimator, moving
+from layflat.rig.safety.coupling import torques_at_rest
 from layflat.rig.safety.detectors import joint, sample, supply
 
 JUDGE, DEMAND, ESTIMATE, CONTROL, GATE = 1, 2, 4, 8, 16  # stages of a cycle
@@ -89,13 +92,14 @@ class Inputs(NamedTuple):
 
 
 class JointInputs(NamedTuple):
-    """What comes in for a joint; behind it in its row stand the shares of each joint's pressure that it feels."""
+    """What comes in for a joint."""
 
     angle: float
     pressure: float
     asked: float
     velocity: float  # of what is asked for; not a number: it is derived, as the next
     acceleration: float
+    others: float  # differential pressure that gravity and joints that turn would ask of it at rest, Pa
 
 
 class Known(NamedTuple):
@@ -131,25 +135,32 @@ def _air(rig, settings, memory, came, opening, supply_pressure, elapsed):
 
 
 @composition
-def _couple(arm, rig_numbers, settings, given, nothing):
-    """Write how much of each other joint's differential pressure a joint at rest feels, behind its inputs.
-
-    While joint i turns and j is at rest, M_ii a_i = K_i p_i, and j has to bear M_ji a_i = M_ji / M_ii K_i p_i, with
-    the payload of the description.
-    """
+def _couple(arm, rig_numbers, settings, given, memory, nothing):
+    """Write what gravity and joints that turn ask of each joint (see coupling.py), with the described payload."""
     n = len(nothing)
-    angles = slots(nothing)
+    angles, rates = slots(nothing), slots(nothing)
+    turns, mass, work = np.zeros(n), np.empty((n, n)), np.empty((n, n + 1))
     for j in range(n):
+        seen = read_numbers(MEMORY, memory[j]).estimate
         angles[j] = given[j, IN_GIVEN.angle] if isfinite(given[j, IN_GIVEN.angle]) else 0.0
-    upper, _, _ = dynamics(arm, read_numbers(RIG, rig_numbers).payload, gather(nothing, angles), nothing)
-    row = slots(upper)
+        # What is not a number turns nothing.
+        turns[j] = 1.0 if abs(seen.averaged_velocity) > TURNS and isfinite(seen.averaged_pressure) else 0.0
+        rates[j] = seen.averaged_velocity if turns[j] > 0.0 else 0.0
+    payload = read_numbers(RIG, rig_numbers).payload
+    upper, swings, pulls = dynamics(arm, payload, gather(nothing, angles), gather(nothing, rates))
+    row, swung, pulled = slots(upper), slots(in_lanes(swings, 0.0)), slots(in_lanes(pulls, 0.0))
+    at, passive, torques, asked = 0, np.empty(n), np.empty(n), np.empty(n)
     for j in range(n):
-        for i in range(n):
-            first, other = min(i, j), max(i, j)
-            K_j = read_numbers(SETTINGS, settings[j]).torque_constant
-            K_i = read_numbers(SETTINGS, settings[i]).torque_constant
-            M_ji, M_ii = row[first * n - first * (first - 1) // 2 + other - first], row[i * n - i * (i - 1) // 2]
-            given[j, JOINT_INPUTS + i] = 0.0 if i == j else M_ji / M_ii * K_i / K_j
+        for i in range(j, n):
+            mass[j, i] = mass[i, j] = row[at]
+            at += 1
+        own, seen = read_numbers(SETTINGS, settings[j]), read_numbers(MEMORY, memory[j]).estimate
+        passive[j] = swung[j] + pulled[j]
+        rubs = 0.5 * own.detectors.angle_frozen.friction_band * (1.0 if rates[j] > 0.0 else -1.0)
+        torques[j] = own.torque_constant * (seen.averaged_pressure - rubs) + passive[j]
+    torques_at_rest(mass, torques, passive, turns, work, asked)
+    for j in range(n):
+        given[j, IN_GIVEN.others] = asked[j] / read_numbers(SETTINGS, settings[j]).torque_constant
 
 
 @kernel
@@ -172,16 +183,13 @@ def judge(rig_numbers, settings, inputs, given, memory):
     alone = 1.0 if trusted and (n == 1 or still < n) else 0.0
     for j in range(n):
         own, before = read_numbers(SETTINGS, settings[j]), read_numbers(MEMORY, memory[j])
-        came, others = read_numbers(JOINT, given[j]), 0.0
-        for i in range(n):
-            turning = read_numbers(MEMORY, memory[i]).estimate
-            felt = given[j, JOINT_INPUTS + i] * turning.averaged_pressure
-            others += felt if abs(turning.averaged_velocity) > TURNS else 0.0
+        came = read_numbers(JOINT, given[j])
         opening = _opening(rig, before)
         air = _air(rig, own, before, came, opening, now.supply, now.elapsed)
         taken = sample.Sample(
-            came.angle, came.pressure, before.estimate.averaged_pressure, others, before.estimate.averaged_velocity,
-            opening, air.residual, before.demand.demand, lead, now.elapsed, now.level, alone,
+            came.angle, came.pressure, before.estimate.averaged_pressure, came.others,
+            before.estimate.averaged_velocity, opening, air.residual, before.demand.demand, lead, now.elapsed,
+            now.level, alone,
         )  # fmt: skip
         detectors, fault = joint.find(own.detectors, before.detectors, taken)
         write_numbers(memory[j, IN_MEMORY.detectors :], detectors)
@@ -324,8 +332,7 @@ def _cycle(arm_like, settings_like, memory_like, nothing, doubts):
     def cycle(rig, settings, inputs, given, memory, arm, law_settings, law_memory, report, stages):
         came = 0
         if stages & JUDGE:
-            if n > 1:
-                _couple(read_numbers(arm_like, arm), rig, settings, given, nothing)
+            _couple(read_numbers(arm_like, arm), rig, settings, given, memory, nothing)
             came = judge(rig, settings, inputs, given, memory)
             if came > 0:
                 return came

@@ -12,7 +12,7 @@ from layflat.motion.limits import abilities
 from layflat.motion.rates import JERK, SURGE
 from layflat.physics.air import GAMMA
 from layflat.physics.joint import FILLED
-from layflat.rig.abilities import demand_limits
+from layflat.rig.abilities import demand_limits, payloads, resting_angles, sinks
 from layflat.rig.safety import moving
 from layflat.rig.safety.cycle import Rig, Settings
 from layflat.rig.safety.demands import Gate
@@ -21,6 +21,7 @@ from layflat.rig.safety.detectors import (
     doubt,
     following,
     joint,
+    outside,
     pressure_frozen,
     rail,
     supply,
@@ -39,6 +40,8 @@ PAUSES = (
 )
 LANDS = 0.05  # error within which a law that plans its motion stops a joint as soon as it can, rad
 AVERAGED = 3.5  # cycles after which an average of four samples has none of before
+STOPS = 2.0  # times what friction alone takes, a joint may lose of its speed in a cycle: the others and its air help
+FLUNG = 2.0  # of the speed that its valve feeds, up to which a joint with less payload than the law expects may go
 SPEED_IS_GIVEN = "demand_speed"  # in a machine's file: then laws that plan their motion keep to it, too
 # Cycles of the same sample after which a sensor may be frozen, and after which it is, where it does not fit.
 DOUBTFUL, SURE = 2.5, 7.5
@@ -119,12 +122,15 @@ def least_ripple(machine: Machine) -> float:
 def speed_limit(machine: Machine, name: str) -> float:
     """Speed above which a joint runs away, rad/s.
 
-    A law that plans its motion may use all that an open valve feeds, unless the machine's file says what it may.
+    A law that plans its motion may use all that an open valve feeds, unless the machine's file says what it may. Where
+    it is not told the payload, a joint may be far lighter than the law can know, and be flung.
     """
     safety = machine.safety
     if not plans(machine) or "speed" in safety.model_fields_set:
         return safety.speed
-    return max(safety.speed, float(abilities(machine).speed[list(machine.joints).index(name)]))
+    lightest, heaviest = payloads(machine)
+    fed = float(abilities(machine).speed[list(machine.joints).index(name)])
+    return max(safety.speed, FLUNG * fed if lightest < heaviest else fed)
 
 
 def residual_of_warmth(machine: Machine, name: str) -> float:
@@ -151,9 +157,16 @@ def held_back_for(machine: Machine, name: str) -> float:
     return max(min(2.0 * takes, following.LONG), SURE * machine.cycle)
 
 
+def rests_from(machine: Machine, name: str) -> float:
+    """Speed from which a joint may be at rest within a control cycle, with the least payload, rad/s."""
+    resting = demand_limits(machine).resting[list(machine.joints).index(name)]
+    return STOPS * float(resting) * machine.cycle
+
+
 def joint_limits(machine: Machine, name: str) -> joint.Limits:
     """Limits of the detectors of a joint."""
     valve, angle_part, pressure_part = drive_parts(machine)
+    j = list(machine.joints).index(name)
     part, safety, gauge, cycle = machine.joint[name], machine.safety, machine.supply.pressure_gauge, machine.cycle
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
     working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
@@ -165,13 +178,17 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
         rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb),
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
         speed_limit(machine, name) - NOISE * angle.lsb / cycle,
-        working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
+        outside.Limits(
+            working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
+            float(resting_angles(machine)[j]) + NOISE * angle.lsb if sinks(machine)[j] else 0.0,
+        ),
         doubt.Limits(
             angle.lsb,
             1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
             safety.air_residual if part.acting == "double" else inf,
             DOUBTFUL * cycle,
             residual_of_warmth(machine, name) if plans(machine) else 0.0,
+            GAMMA - 1.0 if plans(machine) else 0.0,
         ),
         angle_frozen.Limits(
             angle.lsb,
@@ -181,6 +198,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             Fault.ANGLE_FROZEN.seconds - SPARE * cycle,
             LANDS if plans(machine) else 0.0,
             AVERAGED * cycle if plans(machine) else 0.0,
+            rests_from(machine, name) * cycle if plans(machine) else 0.0,
         ),
         valve_unresponsive.Limits(
             least_ripple(machine) if seen else 0.0,

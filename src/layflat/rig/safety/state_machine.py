@@ -2,6 +2,7 @@
 
 from layflat.arrays import Array
 from layflat.machine import Machine
+from layflat.rig.abilities import vent_time
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.core import Core
 from layflat.rig.safety.detectors.sample import AIR as ALL
@@ -25,6 +26,7 @@ class StateMachine:
         self.safety, self.core = machine.safety, core
         self.ledger = Ledger(list(machine.joints))
         self._ready = machine.supply.ambient_pressure + machine.safety.supply_ready * machine.supply.pressure_gauge
+        self._vent_time = vent_time(machine)
         self.state, self.valve_mode = State.OFF, ValveMode.CENTRE
         self.wake = True  # whether the controllers have to begin anew in this cycle
         self.barred = False  # whether no start is allowed, since nothing is recorded
@@ -46,7 +48,7 @@ class StateMachine:
     @property
     def empty(self) -> bool:
         """Whether the air is off and has had the time to leave the hoses."""
-        return self.state is State.OFF or (not AIR[self.valve_mode] and self._in_mode >= self.safety.vent_time)
+        return self.state is State.OFF or (not AIR[self.valve_mode] and self._in_mode >= self._vent_time)
 
     def pass_time(self, elapsed: float) -> None:
         """Let a cycle of `elapsed` seconds pass."""

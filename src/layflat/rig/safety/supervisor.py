@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from layflat.arrays import Array
 from layflat.machine import Machine
+from layflat.rig.abilities import falls
 from layflat.rig.driver import DeviceState, Reading
 from layflat.rig.law import ArmLaw
 from layflat.rig.safety.core import Core
@@ -45,6 +46,7 @@ class Supervisor(StateMachine):
         self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
+        self._vented = self._centre if falls(machine) else self._high  # of valves that let out the air
         # What the controllers are given (rad), and what may be sent (V), (joints,); the arrays stay the same.
         self.demands, self.voltages = core.demands, core.voltages
         self.noted: tuple[Fault, ...] = ()  # that the loop found in this cycle: a missed one, or a dead recorder
@@ -164,11 +166,11 @@ class Supervisor(StateMachine):
 
     def _without_air(self, out: Array) -> None:
         """Voltages of valves behind a line that is let out."""
-        out.fill(self._high if self.valve_mode is ValveMode.VENT else self._centre)
+        out.fill(self._vented if self.valve_mode is ValveMode.VENT else self._centre)
         if self.valve_mode is ValveMode.VENT_JOINT:
             for j, fault in enumerate(self.ledger.joints):
                 if fault.reaction is Reaction.VENT_JOINT:
-                    out[j] = self._high
+                    out[j] = self._vented
         elif self.valve_mode is ValveMode.CENTRE and self.ledger.latched >= Fault.VALVE_UNRESPONSIVE:
             for j, fault in enumerate(self.ledger.joints):
                 if fault is Fault.VALVE_UNRESPONSIVE:

@@ -5,8 +5,9 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from layflat.rig.abilities import swings_on
+from layflat.rig.abilities import falls, payloads, resting_angles, sinks, swings_on, vent_time
 from layflat.rig.clock import SECOND
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState
@@ -39,10 +40,10 @@ class Outcome(NamedTuple):
     found: str  # which fault it was told as
     safe_after: float  # s after the failure; infinite where it was not reached
     safe: str  # what had to be reached
-    turned: float  # the furthest that a joint was from mid-stroke, as a share of half its mechanical stroke
+    turned: float  # the furthest that a joint was from mid-stroke, as a share of where its stops may hold it
     above_supply: float  # highest pressure in a hose less the highest that the supply line had, Pa
     pushed: bool  # whether somebody pushed the joint, or its valve did: into its stop, which alone could hold it
-    swung: bool  # whether the arm was so fast by then that its stops alone could hold it
+    swung: bool  # whether the arm was so fast by then, or sinks so far, that its stops alone could hold it
 
     @property
     def good(self) -> bool:
@@ -62,12 +63,20 @@ def campaign(rig: TrialRig, instants: int = 20, seed: int = 0) -> Iterator[Outco
             yield Trial(rig, row, ways[number % len(ways)], np.random.default_rng((seed, i, number))).run()
 
 
-def lead_home(device: VirtualDevice, home: float) -> bool:
-    """Turn joints that are further than `home` (rad) from mid-stroke towards it; whether there are any."""
-    away = np.abs(device.plant.angles) > home
+def lead_home(device: VirtualDevice, home: float, sinking: NDArray[np.bool_]) -> bool:
+    """Turn joints that are further than `home` (rad) from mid-stroke towards it; whether there are any.
+
+    Those that sink stay where they are: a rig leads them itself, from their stops.
+    """
+    away = ~sinking & (np.abs(device.plant.angles) > home)
     for j, angle in enumerate(device.plant.angles):
         device.plant.load[j] = -np.sign(angle) * HAND * device.brakes[j] if away[j] else 0.0
     return bool(away.any())
+
+
+def carry(device: VirtualDevice, payload: float) -> None:
+    """Give the arm a payload (kg); called on the device."""
+    device.plant.payload = payload
 
 
 class Trial:
@@ -83,6 +92,9 @@ class Trial:
     def run(self) -> Outcome:
         """Bring the air, move, fail, watch, mend."""
         rig, case = self.rig, self.case
+        lightest, heaviest = payloads(rig.machine)
+        if plans(rig.machine) and lightest < heaviest:
+            rig.device.call(carry, float(self.random.uniform(lightest, heaviest)))
         rig.ready()
         rig.clear_peaks()
         begun = rig.clock.now()
@@ -92,17 +104,15 @@ class Trial:
         else:
             rig.clock.at(instant, lambda: case.switch(rig, self.joint, True))
             found, by, limit = self._found(instant)
-        swung = self._swings_on()
+        swung, sinking = self._swings_on(), sinks(rig.machine)
         safe = self._safe(instant)
-        turned = max(
-            angle / (0.5 * joint.stops.mechanical_stroke)
-            for angle, joint in zip(rig.furthest, self.joints, strict=True)
-        )
+        turned = np.array(rig.furthest) / resting_angles(rig.machine)
+        swung = swung or bool(turned.max() > 1.0 and not (turned[~sinking] > 1.0).any())
         above_supply = rig.above_supply
         self._mend()
         return Outcome(
             self.row, case.name, list(rig.machine.joints)[self.joint], (instant - begun) / SECOND, found, limit, by,
-            safe, case.safe.name, turned, above_supply, case.pushed, swung,
+            safe, case.safe.name, float(turned.max()), above_supply, case.pushed, swung,
         )  # fmt: skip
 
     # Before
@@ -205,7 +215,8 @@ class Trial:
     def _safe(self, instant: int) -> float:
         """How long after the failure what is safe was reached, s."""
         rig = self.rig
-        until = rig.clock.now() + round(SETTLES * SECOND)
+        slowly = vent_time(rig.machine) if falls(rig.machine) else 0.0
+        until = rig.clock.now() + round((SETTLES + slowly) * SECOND)
         while not self.case.safe.is_reached(rig, self.joint):
             if rig.clock.now() >= until:
                 return inf
@@ -214,13 +225,13 @@ class Trial:
 
     def _mend(self) -> None:
         """Heal, stop, let the air out, and reset."""
-        rig, safety = self.rig, self.rig.machine.safety
+        rig = self.rig
         self.case.switch(rig, self.joint, False)
         rig.host.edges = {"stop"}
-        for _ in range(round((safety.hold_time + safety.vent_time) / rig.period)):
+        for _ in range(round((rig.machine.safety.hold_time + vent_time(rig.machine)) / rig.period)):
             rig.cycle()
         # By hand, as anyone would who finds a joint at its stop without air.
-        while rig.device.call(lead_home, HOME):
+        while rig.device.call(lead_home, HOME, sinks(rig.machine)):
             rig.cycle()
         rig.host.edges = {"reset"}
         for _ in range(8):

@@ -17,6 +17,7 @@ from layflat.rig.safety.limits import speed_limit
 from layflat.rig.trials.rig import TrialRig
 
 EMPTY = 0.3e5  # gauge pressure below which a hose is empty, Pa
+SINKING = 1.5  # speed up to which a joint is let down, rad/s
 STILL = 0.02  # speed below which a joint stands still, rad/s
 
 GRIP = 1.0  # of a joint's greatest torque: what holds it back; it slides: one that can't looks like a frozen sensor
@@ -31,7 +32,9 @@ class Safe(NamedTuple):
 
 
 def _vented(rig: TrialRig, joint: int) -> bool:
-    return rig.truth.pressures[joint] < rig.machine.supply.ambient_pressure + EMPTY
+    # An arm that would fall is let down: its hoses do no more than carry it.
+    empty = rig.truth.pressures[joint] < rig.machine.supply.ambient_pressure + EMPTY + rig.carries[joint]
+    return bool(empty) and (not rig.carries.any() or abs(rig.truth.velocities[joint]) < SINKING)
 
 
 def _still(rig: TrialRig, joint: int) -> bool:

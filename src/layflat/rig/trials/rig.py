@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 from layflat.arrays import Array
 from layflat.machine import Machine
+from layflat.machine.parameters import torque_constant
+from layflat.rig.abilities import falls, pulls
 from layflat.rig.clock import SECOND
 from layflat.rig.device.process import DeviceProcess
 from layflat.rig.device.virtual import VirtualDevice
@@ -113,6 +115,8 @@ class TrialRig:
         self.supervisor = self.loop.supervisor
         driver.activate()
         self.following = [joint_limits(machine, name).following for name in machine.joints]
+        # Pressures with which hoses carry an arm that is let down, Pa, (joints,).
+        self.carries = pulls(machine) / [torque_constant(joint) for joint in machine.joints.values()] * falls(machine)
         self._line = 0.0
         self.reaches = list(self.truth.angles)  # where demands have led the joints, as `following` means it, rad
         self.clear_peaks()

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import inf
 
 import numpy as np
 
 from layflat.machine import Machine
+from layflat.rig.abilities import payloads
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Driver
@@ -30,11 +30,6 @@ class SoakResult:
     trips: int = 0  # how often the rig was held or vented for nothing
 
 
-def payload_is_open(machine: Machine) -> bool:
-    """Whether the control law works with another payload than the described one: not if it is told that it is known."""
-    return getattr(machine.controller, "payload_spread", inf) > 0.0
-
-
 def quiet(
     machine: Machine, device_of: Callable[[VirtualClock], VirtualDevice], hours: float, seed: int,
     progress: Callable[[float], None] | None = None, clock: VirtualClock | None = None,
@@ -53,16 +48,16 @@ def quiet(
     loop = Loop(machine, driver, clock, host)
     driver.activate()
     supervisor = loop.supervisor
-    found, changes = SoakResult(hours), payload_is_open(machine)
+    found, (lightest, heaviest) = SoakResult(hours), payloads(machine)
     end, next_payload, shown = round(hours * 3600 * SECOND), 0, 0
     while clock.now() < end:
         now, before = clock.now(), supervisor.state
         if before in {State.OFF, State.FAULT, State.STOPPED}:
             host.edges = {"reset"} if before is State.FAULT else {"start"}
         host.ask(now)
-        if changes and now >= next_payload:
+        if lightest < heaviest and now >= next_payload:
             next_payload = now + round(random.exponential(PAYLOAD_EVERY) * SECOND)
-            device.plant.payload = random.uniform(0.0, machine.arm.payload)
+            device.plant.payload = random.uniform(lightest, heaviest)
             found.payloads += 1
         loop.cycle()
         if before is not State.FAULT:

@@ -1,14 +1,17 @@
 """What a sound rig is asked for: random steps and, of control laws that plan their motion, motions and belts."""
 
 from collections.abc import Iterator
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.motion.belt import follow_belt
+from layflat.motion.inverse import angles_at
+from layflat.motion.kinematics import tip_position
 from layflat.motion.trajectory import States
 from layflat.rig.abilities import demand_limits
 from layflat.rig.clock import SECOND
@@ -21,6 +24,8 @@ MOTIONS, BELTS = 0.2, 0.2  # shares of the demands that are motions of the joint
 HARD = 0.6  # of what every posture can do that motions ask for
 BELT_SPEED, BELT_ACCELERATION = (0.05, 0.5), 4.0  # m/s, m/s2
 BELT_TURNS = (0.2, 1.5)  # after which a belt turns round, and after which it stops, s
+PLANE = 2  # axes of a tip that moves in a plane
+LINE, NODES = (0.1, 0.5), 17  # lengths of lines in space, m, and postures that one is laid through
 PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of a polynomial of fifth degree: velocity over L/T, acceleration over L/T2
 
 
@@ -65,6 +70,9 @@ class RandomWork(Script):
             return None
         if kind < MOTIONS:
             return smooth(self._machine, start, self._random.uniform(-self._half, self._half))
+        tip = tip_position(self._machine, start)
+        if len(tip) > PLANE:
+            return self._line(start, tip)
         turns, goes_back = self._random.uniform(*BELT_TURNS, 2)
         speed = self._random.uniform(*BELT_SPEED)
         speeds = [(0.0, speed), (1.0 + turns, -speed), (2.0 + turns + goes_back, 0.0)]
@@ -74,18 +82,45 @@ class RandomWork(Script):
             return None
         return belt.rows(self._machine.cycle)
 
+    def _line(self, start: Array, tip: Array) -> States | None:
+        """Return a motion of the tip (m) along a straight line in space and back, or None where its reach ends."""
+        way, speed = self._random.normal(size=PLANE + 1), self._random.uniform(*BELT_SPEED)
+        length = self._random.uniform(*LINE)
+        nodes = np.linspace(0.0, length, NODES)
+        found = angles_at(self._machine, tip + nodes[:, None] * way / np.linalg.norm(way), start)
+        if not found.there.all() or (np.abs(found.angles) > self._half).any():
+            return None
+        q = CubicSpline(nodes, found.angles)
+        T = max(PEAKS[0] * length / speed, sqrt(PEAKS[1] * length / BELT_ACCELERATION))
+        slower = 1.0
+        for _ in range(2):
+            T *= slower
+            s, v, a = fifth(np.arange(0.0, T + self._machine.cycle, self._machine.cycle) / T)
+            x, u, w = length * s[:, 0], length * v / T, length * a / T**2
+            rows = States(q(x), q(x, 1) * u, q(x, 2) * u**2 + q(x, 1) * w)
+            slower = harder(self._machine, rows)
+        return States(*(np.concatenate([of, sign * of[::-1]]) for of, sign in zip(rows, (1.0, -1.0, 1.0), strict=True)))
+
+
+def harder(machine: Machine, rows: States) -> float:
+    """Return how much more time a motion would have to take, to ask of no joint more than `HARD`; at least 1."""
+    can = demand_limits(machine)
+    speed = (np.abs(rows[1]) / (HARD * can.speed)).max()
+    acceleration = (np.abs(rows[2]) / (HARD * can.braking)).max()
+    return max(1.0, float(speed), sqrt(float(acceleration)))
+
+
+def fifth(share: Array) -> tuple[Array, Array, Array]:
+    """Return place, velocity and acceleration of a polynomial of fifth degree at shares of its time, (times, 1)."""
+    x = np.minimum(share, 1.0)[:, None]
+    return x**3 * (10.0 - 15.0 * x + 6.0 * x**2), 30.0 * (x - x**2) ** 2, 60.0 * x * (1 - x) * (1 - 2 * x)
+
 
 def smooth(machine: Machine, start: Array, end: Array) -> States:
     """Return a motion from rest to rest (rad, (joints,)) by a polynomial of fifth degree, as hard as `HARD` has it."""
     can, way = demand_limits(machine), np.abs(end - start)
     slow = np.maximum(PEAKS[0] * way / (HARD * can.speed), np.sqrt(PEAKS[1] * way / (HARD * can.braking)))
     T = max(float(slow.max()), machine.cycle)
-    t = np.arange(0.0, T + machine.cycle, machine.cycle)[:, None]
-    x = np.minimum(t / T, 1.0)
-    place, speed, surge = (
-        x**3 * (10.0 - 15.0 * x + 6.0 * x**2),
-        30.0 * (x - x**2) ** 2,
-        60.0 * x * (1 - x) * (1 - 2 * x),
-    )
+    place, speed, surge = fifth(np.arange(0.0, T + machine.cycle, machine.cycle) / T)
     L = end - start
     return States(start + L * place, L * speed / T, L * surge / T**2)

@@ -12,7 +12,7 @@ from layflat.rig.wire.content import Wire, WireError
 
 MAGIC = 0x4C46  # nothing else that answers is taken for a rig
 VERSION = 1
-DITHERS = 1  # the only flag
+DITHERS, LETS_DOWN = 1, 2  # flags
 
 
 class Identity(NamedTuple):
@@ -42,14 +42,15 @@ class Identity(NamedTuple):
         _, angle_sensor, pressure_sensor = drive_parts(machine)
         if machine.controller is None:
             raise MachineError("has no controller", where=machine.origin, right="give a machine that moves by itself")
-        joints, low, high, centre, dithers, cycle = able or Capabilities.needed(machine)
+        joints, low, high, centre, dithers, cycle, lets_down = able or Capabilities.needed(machine)
         if max(abs(low), abs(high)) > 32.0:
             raise MachineError(f"reaches from {low:g} to {high:g} V", where="valve", right="rigs have up to +-32 V")
         own = machine.interface
         bits = own.voltage_bits, angle_sensor.bits, pressure_sensor.bits, own.supply_bits
         voltages = (round(1e3 * voltage) for voltage in (low, high, centre))
         times = (1e6 * cycle, 1e3 * own.watchdog_cycles * machine.cycle, 1e3 * own.dump_after)
-        return cls._make((MAGIC, VERSION, joints, *bits, *voltages, DITHERS * dithers, *map(round, times)))
+        flags = DITHERS * dithers + LETS_DOWN * lets_down
+        return cls._make((MAGIC, VERSION, joints, *bits, *voltages, flags, *map(round, times)))
 
     def words(self) -> list[int]:
         """As it goes over the wire; negative numbers are those of two's complement."""
@@ -75,10 +76,16 @@ class Identity(NamedTuple):
         found = Capabilities.needed(machine)
         if found.dithers and not self.flags & DITHERS:
             raise DriverError("the rig adds no dither", where=where, right="its firmware has to, nobody else does")
+        if found.lets_down and not self.flags & LETS_DOWN:
+            what = "the rig opens the valves as it lets out the air, and this arm would fall"
+            raise DriverError(
+                what, where=where, right="its device has to keep them centred (LETS_DOWN in its settings)"
+            )
         if self.shortest_cycle > 1e6 * machine.cycle:
             what = f"the rig needs {self.shortest_cycle} us a cycle, the machine's is {1e3 * machine.cycle:g} ms"
             raise DriverError(what, where=where, right="make controller.cycle longer")
-        return found._replace(dithers=bool(self.flags & DITHERS), shortest_cycle=1e-6 * self.shortest_cycle)
+        flags = {"dithers": bool(self.flags & DITHERS), "lets_down": bool(self.flags & LETS_DOWN)}
+        return found._replace(shortest_cycle=1e-6 * self.shortest_cycle, **flags)
 
 
 IDENTITY_SIZE = len(Identity._fields)

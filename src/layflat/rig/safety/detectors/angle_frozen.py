@@ -30,6 +30,7 @@ class Limits(NamedTuple):
     patience: float  # the same of one that bears too much, s
     lands: float = 0.0  # error up to which the control law may bring the joint to rest at once, rad
     fades: float = 0.0  # time at rest until the averaged pressure has none of what braked the joint, s
+    rests: float = 0.0  # way in a cycle from which the joint may be at rest in the next, rad
 
 
 class Memory(NamedTuple):
@@ -72,7 +73,7 @@ def find(limits, memory, doubts, before, now, sample):
     stays = now.same_angle > limits.sure
     # By both: a sample after a late one is further from it, and what came late was sampled some time before.
     landed = abs(sample.demand - sample.angle) < limits.lands
-    brisk = min(now.step, now.speed * limits.cycle) > BRISK * limits.lsb and not landed
+    brisk = min(now.step, now.speed * limits.cycle) > max(BRISK * limits.lsb, limits.rests) and not landed
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))

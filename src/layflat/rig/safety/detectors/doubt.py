@@ -18,6 +18,7 @@ class Limits(NamedTuple):
     residual: float  # of air, as an opening of the valve; infinite where air can't be watched: a joint of one hose
     doubtful: float  # of the same sample, after which a sensor may be frozen, s
     warmth: float = 0.0  # residual per speed of air that keeps the warmth of its compression; 0: joints are slow, s/rad
+    filling: float = 0.0  # the same per opening of the valve, of air that keeps the warmth with which it flows in, 1
 
 
 class Memory(NamedTuple):
@@ -26,6 +27,7 @@ class Memory(NamedTuple):
     same_pressure: float = 0.0
     suspect: float = 0.0
     speed: float = 0.0  # of the joint over the time in which the residual is averaged, rad/s
+    opening: float = 0.0  # of its valve, likewise
 
 
 class Doubt(NamedTuple):
@@ -38,10 +40,9 @@ class Doubt(NamedTuple):
 
 
 @law
-def averaged_speed(before, sample):
-    """The joint's speed (rad/s), averaged as the residual of its air is."""
-    share = min(sample.elapsed / SMOOTHING, 1.0)
-    after = before + share * (sample.velocity - before)
+def averaged(before, value, elapsed):
+    """A number averaged as the residual of the air is; what is not a number changes nothing."""
+    after = before + min(elapsed / SMOOTHING, 1.0) * (value - before)
     return after if isfinite(after) else before
 
 
@@ -53,10 +54,12 @@ def doubt(limits, memory, before, now, sample):
     same_pressure = lasted(memory.same_pressure, repeated, sample.elapsed)
     angle = now.same_angle > limits.doubtful and now.step > MOVING * limits.lsb
     either = same_pressure > limits.doubtful or angle
-    speed = averaged_speed(memory.speed, sample)
-    # The hose that a joint compresses gains more pressure than what is computed with one temperature.
-    warm = -limits.warmth * speed
-    beyond = sample.residual > limits.residual + max(warm, 0.0) or sample.residual < min(warm, 0.0) - limits.residual
+    speed = averaged(memory.speed, sample.velocity, sample.elapsed)
+    opening = averaged(memory.opening, sample.opening, sample.elapsed)
+    # With one temperature a hose that a joint compresses, or that is filled, gains less pressure than in truth.
+    warm, filled = -limits.warmth * speed, limits.filling * opening
+    most, least = max(warm, 0.0) + max(filled, 0.0), min(warm, 0.0) + min(filled, 0.0)
+    beyond = sample.residual > limits.residual + most or sample.residual < least - limits.residual
     wrong = airy and sample.alone > 0.0 and beyond
     suspect = either and (wrong or memory.suspect > 0.0)
-    return Memory(same_pressure, 1.0 if suspect else 0.0, speed), Doubt(angle, either, wrong, suspect)
+    return Memory(same_pressure, 1.0 if suspect else 0.0, speed, opening), Doubt(angle, either, wrong, suspect)

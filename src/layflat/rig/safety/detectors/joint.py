@@ -23,7 +23,7 @@ class Limits(NamedTuple):
     rail: rail.Limits
     over_pressure: float  # of the differential pressure, Pa
     over_speed: float  # rad/s
-    outside: float  # rad from mid-stroke
+    outside: outside.Limits
     doubt: doubt.Limits
     angle_frozen: angle_frozen.Limits
     valve_unresponsive: valve_unresponsive.Limits
@@ -46,7 +46,9 @@ class Memory(NamedTuple):
 
 
 # Of detectors that begin.
-FRESH = Memory(sample.Trace(), 0.0, 0.0, 0.0, 0.0, doubt.Memory(), angle_frozen.Memory(), 0.0, following.Memory())
+FRESH = Memory(
+    sample.Trace(), 0.0, 0.0, 0.0, outside.AWAY, doubt.Memory(), angle_frozen.Memory(), 0.0, following.Memory()
+)
 
 
 @law

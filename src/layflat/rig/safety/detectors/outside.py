@@ -1,19 +1,32 @@
 """A joint beyond its working stroke."""
 
+from typing import NamedTuple
+
 from layflat.jit import law
 from layflat.rig.safety.detectors import rail
 from layflat.rig.safety.detectors.sample import MOTION, counted
 from layflat.rig.safety.faults import Fault
 
 FAULT, SAMPLES = int(Fault.OUTSIDE_STROKE), Fault.OUTSIDE_STROKE.cycles
+AWAY = -1.0  # of a joint that has not been inside since the air was brought
+
+
+class Limits(NamedTuple):
+    """Angles from mid-stroke, rad."""
+
+    stroke: float  # beyond which a joint is outside
+    rests: float = 0.0  # up to which gravity may have taken it before it is led inside; 0: its brake holds it
 
 
 @law
-def find(limit, before, rails, sample):
-    """Count samples beyond a limit (rad) on either side, on from those before.
+def find(limits, before, rails, sample):
+    """Count samples beyond a limit on either side, on from those before.
 
-    Past the stroke comes the sensor's rail: a joint that gets there is still outside.
+    Past the stroke comes the sensor's rail: a joint that gets there is still outside. Without air gravity takes joints
+    to their stops, from where they are led inside.
     """
-    beyond = abs(sample.angle) > limit if rail.sound(rails, sample.angle) else before > 0.0
-    run = counted(before, sample.level >= MOTION and beyond)
+    turned, sound = abs(sample.angle), rail.sound(rails, sample.angle)
+    beyond = turned > limits.stroke if sound else before > 0.0
+    rests = before < 0.0 and beyond and turned <= limits.rests
+    run = AWAY if rests else counted(max(before, 0.0), sample.level >= MOTION and beyond)
     return run, FAULT if run >= SAMPLES else 0
