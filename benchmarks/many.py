@@ -14,7 +14,6 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from mujoco import rollout as _batched
 
 from benchmarks import mujoco_arm
 from layflat.description.change import value_at
@@ -22,8 +21,6 @@ from layflat.errors import InputError
 from layflat.machine import Machine, load
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
-
-batched: Any = _batched
 
 SECONDS, STEPS = 4.0, 16000
 MOVES = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
@@ -60,24 +57,14 @@ def seconds(machine: Machine, runs: int, threads: int, device: str = "cpu") -> f
     return time.perf_counter() - begin
 
 
-def mujoco_seconds(machine: Machine, runs: int, steps: int) -> float:
-    """Time of MuJoCo's batched rollout of the arm alone, on one thread, s."""
-    model, data = mujoco_arm.build(machine)
-    controls = np.full((runs, steps, 2), (0.5, 0.2))
-    start = np.zeros((runs, 1 + model.nq + model.nv))
-    batched.rollout(model, [data], start, controls[:, :10])
-    begin = time.perf_counter()
-    batched.rollout(model, [data], start, controls)
-    return time.perf_counter() - begin
-
-
 def measure(machine: Machine) -> dict[str, float]:
     """All figures by name."""
     cores = os.cpu_count() or 1
     seconds(machine, 64, 1)
     # Turn and turn about, so that a busy moment of the machine meets both.
     pairs = [
-        (seconds(machine, 512, 1) / (512 * STEPS), mujoco_seconds(machine, 8, 4000) / (8 * 4000)) for _ in range(5)
+        (seconds(machine, 512, 1) / (512 * STEPS), mujoco_arm.batched_seconds(machine, 8, 4000) / (8 * 4000))
+        for _ in range(5)
     ]
     ours, theirs = (float(np.median(each)) for each in zip(*pairs, strict=True))
     found = {

@@ -12,7 +12,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import cell, many, mujoco_arm, rig_loop, scipy_plant
+from benchmarks import cell, chains, many, mujoco_arm, rig_loop, scipy_plant
 from benchmarks.timing import median_seconds
 from layflat.experiments.controller import CYCLES
 from layflat.experiments.kernels import control_cycles
@@ -52,6 +52,7 @@ def measure() -> dict[str, float | str]:
         "scipy_ratio": scipy_seconds / (rollout / 0.25e-3),
         "controller_ns_per_cycle": 1e9 * controller,
         **many.measure(machine),
+        **chains.measure(),
         **rig_loop.measure(),
         **cell.measure(),
         "processor": platform.processor() or platform.machine(),
@@ -76,6 +77,7 @@ MEANING = {
     "ensemble_100000_runs_ns_per_step_per_core": "100 000 runs",
     "ensemble_100000_runs_on_gpu_ns_per_step": "100 000 runs on the CUDA device, where there is one",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
+    **chains.MEANING,
     **rig_loop.MEANING,
     **cell.MEANING,
 }

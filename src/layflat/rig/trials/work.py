@@ -10,7 +10,7 @@ from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.motion.belt import follow_belt
-from layflat.motion.inverse import angles_at
+from layflat.motion.inverse import Inverse
 from layflat.motion.kinematics import tip_position
 from layflat.motion.trajectory import States
 from layflat.rig.abilities import demand_limits
@@ -87,7 +87,7 @@ class RandomWork(Script):
         way, speed = self._random.normal(size=PLANE + 1), self._random.uniform(*BELT_SPEED)
         length = self._random.uniform(*LINE)
         nodes = np.linspace(0.0, length, NODES)
-        found = angles_at(self._machine, tip + nodes[:, None] * way / np.linalg.norm(way), start)
+        found = Inverse(self._machine).near(tip + nodes[:, None] * way / np.linalg.norm(way), start)
         if not found.there.all() or (np.abs(found.angles) > self._half).any():
             return None
         q = CubicSpline(nodes, found.angles)
