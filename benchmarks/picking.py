@@ -85,20 +85,24 @@ def lines(machine: Machine, count: int, seed: int = 2) -> list[States]:
     return found
 
 
-def settled(machine: Machine, scenarios: Sequence[Scenario], seed: int, *, differing: bool = False) -> Array:
+def settled(
+    machine: Machine, scenarios: Sequence[Scenario], seed: int, *, differing: bool = False, heaviest: float = HEAVIEST
+) -> Array:
     """Return settling times of the tip (runs, moves), s, with a payload a run that the controller does not know."""
     found = []
-    for plant, rows, vary in _plants(machine, len(scenarios), seed, differing):
+    for plant, rows, vary in _plants(machine, len(scenarios), seed, differing, heaviest):
         chosen = [scenarios[k] for k in rows]
         runs = ensemble(plant, chosen, vary, controller=machine, tip_band=CLOSE)
         found.append(runs["tip_settling"].to_numpy())
     return _or_never(np.concatenate(found))
 
 
-def followed(machine: Machine, motions: Sequence[States], seed: int, *, differing: bool = False) -> Array:
+def followed(
+    machine: Machine, motions: Sequence[States], seed: int, *, differing: bool = False, heaviest: float = HEAVIEST
+) -> Array:
     """Return rms distances of the tip from where it should be while it moves (runs,), m; infinite if a run diverged."""
     found: list[float] = []
-    for plant, rows, vary in _plants(machine, len(motions), seed, differing):
+    for plant, rows, vary in _plants(machine, len(motions), seed, differing, heaviest):
         chosen = [motions[k] for k in rows]
         lasts = machine.cycle * len(chosen[0].angles)
         scenarios = [Scenario(demand=q, demand_velocity=v, demand_acceleration=a, duration=lasts) for q, v, a in chosen]
@@ -116,7 +120,7 @@ def _or_never(values: Array) -> Array:
 
 
 def _plants(
-    machine: Machine, count: int, seed: int, differing: bool
+    machine: Machine, count: int, seed: int, differing: bool, heaviest: float
 ) -> list[tuple[Machine, list[int], dict[str, ArrayLike]]]:
     """Return plants, numbers of the scenarios that they run, and what varies."""
     draw, first = np.random.default_rng(seed), 0
@@ -126,7 +130,7 @@ def _plants(
         size = len(own["valve.delay"]) if own else count
         rows = np.arange(first, first + size)
         vary: dict[str, ArrayLike] = dict(own)
-        vary |= {"scenario": rows - first, "seed": rows, "scenario.payload": draw.uniform(0.0, HEAVIEST, size)}
+        vary |= {"scenario": rows - first, "seed": rows, "scenario.payload": draw.uniform(0.0, heaviest, size)}
         found.append((plant, rows.tolist(), vary))
         first += size
     return found
@@ -154,6 +158,7 @@ def main() -> None:
     single = moves(postures, 1)
     for what, times in (
         ("as described, payload unknown", settled(machine, single, 3).ravel()),
+        ("nothing carried, which is not known", settled(machine, single, 3, heaviest=0.0).ravel()),
         ("payload another one in each move", changing(machine, postures, 4)),
         ("plants that differ, payload unknown", settled(machine, single, 5, differing=True).ravel()),
     ):
@@ -162,8 +167,11 @@ def main() -> None:
             f"{np.mean(times <= 1.0):.1%} of {len(times)} in 1 s, {int(np.sum(np.isinf(times)))} not at all",
             flush=True,
         )
-    for what, differing in (("lines as described", False), ("lines, plants that differ", True)):
-        away = followed(machine, along, 6, differing=differing)
+    for what, away in (
+        ("lines as described", followed(machine, along, 6)),
+        ("lines, nothing carried", followed(machine, along, 6, heaviest=0.0)),
+        ("lines, plants that differ", followed(machine, along, 6, differing=True)),
+    ):
         print(
             f"{what}: {1e3 * np.median(away):.2f} mm rms, 95 % {1e3 * late(away):.2f} mm, "
             f"most {1e3 * away.max():.2f} mm; {np.mean(away <= CLOSE):.1%} of {len(away)} within 5 mm",

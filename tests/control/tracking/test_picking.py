@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from benchmarks.picking import CLOSE, followed, lines, moves, places, settled
 
-from layflat.machine import load
+from layflat.machine import load, parameters
 from layflat.motion.inverse import Inverse
 from layflat.motion.kinematics import Kinematics
+from layflat.motion.limits import abilities
 
 PICKING = load("picking-arm")
 
@@ -23,5 +24,19 @@ def test_the_tip_comes_to_places_within_a_second() -> None:
 
 @pytest.mark.compiled
 def test_straight_lines_are_followed() -> None:
-    found = followed(PICKING, lines(PICKING, 6, seed=13), seed=14)
-    assert np.all(found < CLOSE)
+    along = lines(PICKING, 8, seed=13)
+    assert np.all(followed(PICKING, along, seed=14) < CLOSE)
+    # With nothing to carry the wrist weighs next to nothing: friction would hold it, and errors would not bring it on.
+    assert np.all(followed(PICKING, along, seed=14, heaviest=0.0) < CLOSE)
+
+
+def test_no_joint_is_too_light_for_feedback() -> None:
+    """The stiffness of feedback is that of the hoses, about, where inertia gives less; planar arms are heavier."""
+    for name, heavy in (("picking-arm", [1, 1, 1, 0]), ("paper-arm-tracking", [1, 1])):
+        machine = load(name)
+        settings = parameters.control(machine, closed_loop=True)
+        inertia, _ = parameters.mass_and_pull(parameters.arm(machine), 0.1, [0.0] * len(machine.joints))
+        most = abilities(machine).stiffness
+        for j, feedback in enumerate(settings.feedback):
+            assert 0.5 * most[j] < feedback.least < 1.2 * most[j]
+            assert (feedback.stiffness * inertia[j, j] > feedback.least) == bool(heavy[j])

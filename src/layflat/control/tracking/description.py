@@ -34,6 +34,7 @@ from layflat.physics.valves import VALVES
 QUICKEST = 0.15  # bandwidth in a control cycle, at most
 REACHED = 0.92  # share of the supply's pressure that a differential pressure comes to while a joint moves
 EMPTIED = 0.2  # share of it that is left in a single hose meanwhile: the last of the air leaves slowly
+LIGHTEST = 0.7  # of the stiffness of its hoses that feedback has at least, however light a joint is
 EASING = 0.1  # share of the torque's rate at which a joint that arrived gives up what it does not need
 SEEN = 0.1, 0.45  # periods of the dither in a control cycle between which samples show it
 LATE = 0.5  # of its reserve that the arm keeps where it has to brake late
@@ -81,7 +82,10 @@ def settings(described: TrackingControllerPart, machine: Any) -> Settings:
     kept, late = 1.0 - described.reserve, 1.0 - LATE * described.reserve
     margins = Margins(kept, late, JERK, described.quickest, described.tolerance)
     w = w * has["feedback"]
-    feedback = tuple(Feedback(w * w, 2.0 * w, described.valve_share, EASING * actuator.rate) for actuator in actuators)
+    feedback = tuple(
+        Feedback(w * w, 2.0 * w, described.valve_share, EASING * a.rate, LIGHTEST * has["feedback"] * a.rate / a.speed)
+        for a in actuators
+    )
     parts = Parts(has["feedforward"], has["friction"], has["governor"], has["landing"])
     m = 2 * n + 1
     shapes = Shapes((0.0,) * (n * n), (0.0,) * (m * m), (0.0,) * (n * m))

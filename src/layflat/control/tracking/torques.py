@@ -40,6 +40,7 @@ class Feedback(NamedTuple):
     damping: float  # acceleration per velocity, 1/s
     closing: float  # share of a missing torque that the valve makes up in a cycle
     easing: float  # change of torque per time of a joint that has arrived, N m/s
+    least: float  # torque per angle, however light the joint is, N m/rad
 
 
 @law
@@ -80,6 +81,13 @@ def reanchored(settings, path, response, compliant):
 
 
 @law
+def _light(feedback, reference, q, v, inertia):
+    # What feedback lacks of its least stiffness where a joint is light: it follows its air then, and hardly torques.
+    lacks = max(feedback.least - feedback.stiffness * inertia, 0.0)
+    return lacks * _feedback(feedback, reference, q, v) / max(feedback.stiffness, 1.0)
+
+
+@law
 def _torque(
     joint, feedback, state, free, reference, goal, inertial, inertia, steady, load, friction, k, resting, around, T
 ):
@@ -87,11 +95,13 @@ def _torque(
     beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
     left, beside = goal.angle - reference.angle, free.motion.angle - goal.angle
     past = select(left > 0.0, max(beside, 0.0), select(left < 0.0, min(beside, 0.0), 0.0))
-    behind = min(BEHIND, STIFFEST * feedback.stiffness * inertia * CREEP / max(friction, 1e-3))
+    stiff = max(feedback.stiffness * inertia, feedback.least)
+    behind = min(BEHIND, STIFFEST * stiff * CREEP / max(friction, 1e-3))
     sliding = reference.velocity + ONWARD * left + LEAD * goal.acceleration + behind * beyond - PAST * past
     rubs = friction * min(max(sliding / CREEP, -1.0), 1.0)
     opposes = opposing_torque(joint, free, around)
-    moving = inertial + steady - load + rubs + opposes
+    light = _light(feedback, reference, free.motion.angle, free.motion.velocity, inertia)
+    moving = inertial + steady - load + rubs + opposes + light
     now, step = gas_torque(joint, state, around), feedback.easing * T
     # Friction bears what is left of losses, unless the joint is to be compliant.
     borne = steady - load + select(k > 0.0, opposes, 0.0)
