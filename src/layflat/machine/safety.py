@@ -49,7 +49,10 @@ class Safety(Part):
     )
     start_time: u.Time = Field(default=5.0, description="in which a soft start has to bring the air")
     hold_time: u.Time = Field(default=0.5, description="that a controlled stop holds the joints before the air goes")
-    vent_time: u.Time = Field(default=1.5, description="in which hoses empty through open valves")
+    vent_time: u.Time = Field(
+        default=1.5,
+        description="in which hoses empty through open valves; an arm that would fall is let down in five times that",
+    )
 
     @model_validator(mode="after")
     def _starts(self) -> Self:

@@ -108,9 +108,7 @@ def falls(machine: Machine) -> bool:
 
 def vent_time(machine: Machine) -> float:
     """Return the time in which the hoses empty, s; raise MachineError if the machine has no valves."""
-    safety = machine.safety
-    slowly = "vent_time" not in safety.model_fields_set and falls(machine)
-    return SLOWLY * safety.vent_time if slowly else safety.vent_time
+    return machine.safety.vent_time * (SLOWLY if falls(machine) else 1.0)
 
 
 def swings_on(machine: Machine, angles: Sequence[float], velocities: Sequence[float], torques: Array) -> bool:

@@ -8,6 +8,7 @@ from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.machine.parameters import sensor
 from layflat.physics.sensor import Sensor
+from layflat.rig.abilities import resting_angles
 from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.check.signs import try_signs
 from layflat.rig.clock import Clock
@@ -80,7 +81,7 @@ def _look(bench: OpenLoopRig) -> list[CheckResult]:
 
 def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
     rail, middle, wrong = bench.limits[j].rail, float(np.median(samples)), ""
-    end = 0.5 * bench.machine.joint[name].stops.mechanical_stroke
+    end = float(resting_angles(bench.machine)[j])
     if not rail.low < middle < rail.high:
         wrong = "at its rail: it is open or shorted, look at its wires"
     elif abs(middle) > end:

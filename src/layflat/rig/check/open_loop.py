@@ -8,7 +8,7 @@ from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.machine.parameters import drive_parts
-from layflat.rig.abilities import falls, vent_time
+from layflat.rig.abilities import falls, sinks, vent_time
 from layflat.rig.clock import SECOND, Clock, Deadlines
 from layflat.rig.driver import Command, DeviceState, Driver, Lifecycle, LinkError, Reading
 from layflat.rig.safety.core import Core
@@ -46,6 +46,7 @@ class OpenLoopRig:
         valve, self.angle_part, self.pressure_part = drive_parts(machine)
         self.span = valve.volts_to_full
         self.centred = np.full(len(self.names), valve.centre_voltage)
+        self.sinking = sinks(machine)  # joints that gravity moves, (joints,)
         self.deadlines = Deadlines(clock, self.cycle)
         self.transactions: list[float] = []  # time that each took, s
         self.lost = 0  # transactions without a good reply
