@@ -33,7 +33,8 @@ def lifting_arm(law: str = "tracking") -> Machine:
         "name": "lifting-arm",
         "joint": {name: deepcopy(plain["joint"]["small"]) for name in LINKS},
         "arm": {
-            "kind": "chain", "joints": list(LINKS), "link": links, "tool": ["0.15 m", "0 m", "0 m"], "payload": "0.2 kg",
+            "kind": "chain", "joints": list(LINKS), "link": links, "payload": "0.2 kg",
+            "tool": ["0.15 m", "0 m", "0 m"],
             "gravity": ["0 m/s^2", "0 m/s^2", "-9.81 m/s^2"],
         },
     }  # fmt: skip

@@ -74,7 +74,7 @@ def _pulse(bench: OpenLoopRig, joint: int, way: int) -> Pulse:
         recent = [*recent[1:], bench.act(voltages)]
         by = np.mean([r.pressures for r in recent], axis=0) - pressures
         blocked = np.abs(by).max() > MOST * bench.machine.supply.pressure_gauge
-        # Gravity moves joints that sink while hoses fill and leak: such a motion is its valve's if its pressure answers.
+        # Joints sink while hoses fill and leak: such a motion is a valve's if its pressure answers.
         moved = bench.sinking & ~(own & (np.abs(by) > ANSWERS))
         if blocked or (np.abs(recent[-1].angles - angles) > np.where(moved, SINKS, STIRS)).any():
             break
