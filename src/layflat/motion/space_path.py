@@ -28,7 +28,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.motion.curve import Curve, TipPath
-from layflat.motion.inverse import SINGULAR, Inverse, told
+from layflat.motion.inverse import ASKED, SINGULAR, Inverse, told
 from layflat.motion.kinematics import Kinematics
 from layflat.motion.path import CLOSE, Shape, half_strokes
 
@@ -204,6 +204,15 @@ class SpacePath(TipPath):
 
     def _why(self, end: float) -> tuple[str, str]:
         """Return why the arm gets no further along the curve than to a distance (m), and what would be right."""
+        why, right = self._stopped_by(end)
+        goal = self._curve_at(np.array([self.length])).value
+        nearest = self._inverse.anywhere(goal, self.at(np.array([end])).value)
+        if nearest.missing[0] < ASKED:
+            return why, right
+        place = told(self._kinematics.tip(nearest.angles)[0])
+        return why, f"its end is {1e3 * nearest.missing[0]:.1f} mm out of reach: the nearest place is {place}"
+
+    def _stopped_by(self, end: float) -> tuple[str, str]:
         beyond = min(2e-3 * self.length, self.length - end)
         here = _Node(end, self.at(np.array([end])).value[0], np.zeros((0, 0)))
         ahead = self._ahead(here, beyond)
