@@ -1,6 +1,7 @@
 """Random machines, identified from logs that they are simulated to give: how often the truth lies within the intervals.
 
 python -m benchmarks.identification [--machine paper-arm] [--count 40] [--first 0] [--seed 0] [--out FILE]
+python -m benchmarks.identification --arms [--count 5]           # another random arm of four joints each time
 
 Every number that is fitted is drawn anew for each machine, around the description that the search begins with; sensors
 are noisy and have 12 bits.
@@ -17,17 +18,46 @@ from typing import Any
 import numpy as np
 import xarray
 
+from layflat.description.change import changed_all
+from layflat.design.arm.sizing import size_arm
+from layflat.design.arm.task import task_of
 from layflat.identify import Fit, Unknown, fit
 from layflat.identify.benches.moving.blocks import unknowns
+from layflat.identify.benches.moving.links import possible
 from layflat.identify.benches.moving.model import ArmModel
 from layflat.identify.excite import sequence
-from layflat.machine import Machine, changed, load
+from layflat.machine import Machine, load
 from layflat.sim import rollout
 
 BLOCKS = ("valve", "hose", "losses", "friction", "inertia")
+KEPT = {
+    "voltage": "voltage",
+    "measured_pressure": "measured_pressure",
+    "measured_angle": "angle",
+    "dither_share": "dither",
+}
 
 SPREAD = 0.25
 """Logarithms of the truth lie within this of the description's; other values within this share of what is searched."""
+
+LINKS, LENGTHS, PAYLOADS, SUPPLIES = 4, (0.12, 0.35), (0.3, 1.0), (4.0, 6.0)  # of random arms, m, kg, bar
+
+
+def random_arm(seed: int) -> Machine:
+    """An arm of four joints whose axes and links point anywhere, sized for what it carries."""
+    draw = np.random.default_rng(seed)
+    joints = []
+    for number in range(LINKS):
+        axis = draw.standard_normal(3) if number else np.array([0.3, 0.3, 1.0]) * draw.standard_normal(3)
+        way = np.cross(axis, draw.standard_normal(3)) + 0.3 * axis
+        link = draw.uniform(*LENGTHS) * way / np.linalg.norm(way)
+        joints.append({
+            "name": f"joint_{number}",
+            "axis": (axis / np.linalg.norm(axis)).tolist(),
+            "link": [f"{one:.4f} m" for one in link],
+        })  # fmt: skip
+    payload, supply = f"{draw.uniform(*PAYLOADS):.2f} kg", f"{draw.uniform(*SUPPLIES):.2f} bar"
+    return size_arm(task_of(f"random-{seed}", joint=joints, payload=payload, supply=supply, time="1 s")).machine
 
 
 def drawn(machine: Machine, sought: list[Unknown], random: np.random.Generator) -> tuple[Machine, dict[str, float]]:
@@ -37,15 +67,17 @@ def drawn(machine: Machine, sought: list[Unknown], random: np.random.Generator) 
         away = random.uniform(-SPREAD, SPREAD)
         value = unknown.guess * np.exp(away) if unknown.log else unknown.guess + away * (unknown.high - unknown.low)
         truth[unknown.path] = float(np.clip(value, unknown.low, unknown.high))
-        machine = changed(machine, unknown.path, truth[unknown.path])
-    return machine, truth
+    columns = possible(machine, {path: np.array([value]) for path, value in truth.items()})
+    truth = {path: float(values[0]) for path, values in columns.items()}
+    return changed_all(machine, truth), truth
 
 
 def log_of(machine: Machine, base: Machine, seed: int) -> xarray.Dataset:
-    """What the sensors see of a machine that follows the bench sequence."""
+    """What the sensors see of a machine that follows the bench sequence, controlled as the described one would be."""
     times, demand = sequence(base)
-    run = rollout(machine, demand, duration=float(len(times) * (times[1] - times[0])), start=0.0, seed=seed)
-    return run[["measured_pressure", "voltage"]].assign(angle=run["measured_angle"])
+    duration = float(len(times) * (times[1] - times[0]))
+    run = rollout(machine, demand, duration=duration, start=0.0, seed=seed, controller=base)
+    return run[[name for name in KEPT if name in run]].rename({n: to for n, to in KEPT.items() if n in run and n != to})
 
 
 def validation(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
@@ -61,19 +93,26 @@ def validation(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
     ]
 
 
+def _named(path: str) -> str:
+    """What a path names, without the joint that it is of."""
+    first, *rest = path.split(".")
+    return ".".join(rest[-2:]) if first in ("joint", "arm") else path
+
+
 def main() -> None:
     """Identify them all, one after the other."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--machine", default="paper-arm")
+    parser.add_argument("--arms", action="store_true", help="another random arm of four joints each time")
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--first", type=int, default=0, help="number of the first machine")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("build/identification.json"))
     given = parser.parse_args()
-    base = load(given.machine)
-    sought = unknowns(base, BLOCKS)
     rows: list[dict[str, Any]] = []
     for number in range(given.first, given.first + given.count):
+        base = random_arm(number) if given.arms else load(given.machine)
+        sought = unknowns(base, BLOCKS)
         random = np.random.default_rng((given.seed, number))
         machine, truth = drawn(base, sought, random)
         log = log_of(machine, base, number)
@@ -83,25 +122,25 @@ def main() -> None:
         values = validation(found, truth)
         worst = max(quality.share for quality in found.qualities() if quality.validation)
         rows.append({"seconds": taken, "converged": found.converged, "judged_share": worst, "values": values})
-        told = [value for value in values if value["told"]]
+        told = [value for value in values if value["identified"]]
         inside = sum(value["inside"] for value in told)
         error = np.median([value["error"] for value in told]) if told else np.nan
         print(
             f"{number}: {inside} of {len(told)} told inside ({len(values)} sought), median error {100 * error:.2f} %, "
             f"free run {100 * worst:.2f} % of range, {taken:.1f} s", flush=True,
         )  # fmt: skip
-    told = [value for row in rows for value in row["values"] if value["told"]]
+    told = [value for row in rows for value in row["values"] if value["identified"]]
     summary = {
-        "machine": given.machine,
+        "machine": "arms of four joints" if given.arms else given.machine,
         "machines": given.count,
         "identified": len(told),
-        "sought": len(sought) * given.count,
+        "sought": sum(len(row["values"]) for row in rows),
         "inside": float(np.mean([value["inside"] for value in told])),
         "median_error": float(np.median([value["error"] for value in told])),
         "seconds": float(np.median([row["seconds"] for row in rows])),
-        "by_path": {
-            unknown.path: float(np.mean([v["inside"] for v in told if v["path"] == unknown.path] or [np.nan]))
-            for unknown in sought
+        "by_value": {
+            name: float(np.mean([value["inside"] for value in told if _named(value["path"]) == name]))
+            for name in dict.fromkeys(_named(value["path"]) for value in told)
         },
     }
     given.out.parent.mkdir(parents=True, exist_ok=True)

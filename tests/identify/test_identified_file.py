@@ -98,6 +98,25 @@ def test_what_is_not_identifiable_and_what_is_at_a_bound_are_marked(tmp_path: Pa
     assert ended.provenance["joint.small.brake.torque"].note.startswith("at its bound from log")
 
 
+def test_links_of_an_arm_in_space_are_written_as_lists_that_say_how_sure_they_are(tmp_path: Path) -> None:
+    arm = load("picking-arm")
+    sought = tuple(one for one in unknowns(arm, ["inertia"]) if ".elbow." in one.path)
+    fit = found(sought, [0.5] * len(sought))
+    vague = {"arm.link.elbow.centre.1", "arm.link.elbow.mass"}
+    doubted = tuple(
+        replace(one, low=one.unknown.low, high=one.unknown.high) if one.unknown.path in vague else one
+        for one in fit.estimates
+    )
+    path = identified_path("picking-arm", arm, tmp_path)
+    kept = write_identified("picking-arm", arm, replace(fit, estimates=doubted), {"log": "ab" * 32}, path)
+    assert isinstance(kept, Machine)
+    sources = {name: kept.provenance[f"arm.link.elbow.{name}"] for name in ("mass", "centre", "inertia")}
+    assert [sources[name].source for name in ("mass", "centre", "inertia")] == ["assumed", "assumed", "identified"]
+    assert sources["centre"].note.startswith("only 2 of 3 identifiable from log")
+    assert sources["inertia"].note.count(" to ") == 3
+    assert load(path) == kept
+
+
 def test_a_value_that_misses_zero_by_rounding_is_zero(tmp_path: Path) -> None:
     brake = next(one for one in ALL if one.path == "joint.small.brake.torque")
     sought = (replace(brake, low=0.0, log=False),)

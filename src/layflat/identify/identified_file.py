@@ -1,6 +1,6 @@
 """What was found, as a description that a simulation takes: each value with its interval and the logs it comes from."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -85,7 +85,7 @@ def write_identified(
     plain, known = described_tables(given)
     origin = ", ".join(f"{name} (sha256 {checksum[:16]})" for name, checksum in logs.items())
     rows = written_values(found, plain)
-    sources = {row.path: _source(row, origin) for row in rows}
+    sources = _sources(rows, origin)
     title = f"{PARTIAL if found.partial else '' if found.trusted else UNTRUSTED}{described.title}, identified"
     if isinstance(described, Machine):
         whole = dict(replaces or {})
@@ -98,11 +98,23 @@ def write_identified(
     return kept
 
 
-def _source(row: Written, origin: str) -> Provenance:
-    interval = f"95 %: {row.interval}; " if row.interval else ""
-    if row.identified:
+def _sources(rows: Sequence[Written], origin: str) -> dict[str, Provenance]:
+    """Of every value by its path; those of a list, which has one source, have the same."""
+    lists: dict[str, list[Written]] = {}
+    for row in rows:
+        parent, _, item = row.path.rpartition(".")
+        lists.setdefault(parent if item.isdigit() else row.path, []).append(row)
+    return {row.path: _source(together, origin) for together in lists.values() for row in together}
+
+
+def _source(rows: Sequence[Written], origin: str) -> Provenance:
+    intervals = ", ".join(row.interval for row in rows if row.interval)
+    interval = f"95 %: {intervals}; " if intervals else ""
+    if all(row.identified for row in rows):
         return Provenance("identified", f"{interval}from {origin}")
-    why = "at its bound" if row.at_bound else "not identifiable"
+    sure = sum(row.identified for row in rows)
+    some = f"only {sure} of {len(rows)} identifiable" if sure else "not identifiable"
+    why = "at its bound" if any(row.at_bound for row in rows) else some
     return Provenance("assumed", f"{why} from {origin}: best fit; {interval.rstrip('; ') or 'no interval'}")
 
 

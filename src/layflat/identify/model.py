@@ -68,6 +68,10 @@ class Model(ABC):
             All outputs, one after the other, (candidates, samples); not numbers where a candidate diverged.
         """
 
+    def possible(self, values: Array) -> Array:
+        """Return the candidates, (candidates, unknowns), that `simulate` takes these for; default: these."""
+        return values
+
     def starts(self) -> Array:
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""
         return np.empty((0, len(self.unknowns)))

@@ -16,7 +16,7 @@ STARTS, REFINED = 32, 3  # starts that are drawn, and how many of them are refin
 
 SPREAD = 0.25  # every other start is this near to the guess, as a share of the way between the bounds; others anywhere
 SHORT, LONG = 6, 60  # steps of a start's refinement, and of the last one
-ROUNDS = 2  # refinements of every model; the outputs are weighed after each
+ROUNDS = 2  # refinements of the last model; the outputs are weighed after each
 
 EXPLAINED = 3.0  # a continuation is good enough where the mean square of the residuals, in their scale, is below this
 OUTLYING = 2.0  # residuals beyond this, in units of their scale, count less at first in every model of a continuation
@@ -64,7 +64,9 @@ class _Search:
         """Search by continuation, then by basin hopping: shares, and whether the search converged."""
         tried, continuations = list[tuple[float, Array]](), self.free.continuations()
         for number, models in enumerate(continuations):
-            tried.append(self.follow(models, starts, seed + number))
+            # Most ways lead from the description to the logs: others are looked for where this one does not.
+            drawn = starts if number or len(models) == 1 else 0
+            tried.append(self.follow(models, drawn, seed + number))
             if tried[-1][0] < EXPLAINED:
                 break
         self.tolerance = TOLERANCE
@@ -87,11 +89,11 @@ class _Search:
         self.take(models[0])
         shares = self.begin(starts, seed)
         for model in models[:-1]:
-            shares, _ = self.converge(model, shares, robust=True)
+            shares, _ = self.converge(model, shares, robust=True, rounds=1)
         last = Residuals(models[-1])
         return float(np.mean(last.data(shares[None]) ** 2)), shares
 
-    def converge(self, model: Model, shares: Array, *, robust: bool) -> tuple[Array, bool]:
+    def converge(self, model: Model, shares: Array, *, robust: bool, rounds: int = ROUNDS) -> tuple[Array, bool]:
         """The best values for a model, from those of the one before; and whether the search converged."""
         self.take(model)
         self.best = shares
@@ -99,7 +101,7 @@ class _Search:
         if robust:
             # A stick or slip that comes at another instant is not to draw all values its way.
             shares, _ = self.refine(shares, LONG, "continuation", loss="soft_l1")
-        for _ in range(ROUNDS):
+        for _ in range(rounds):
             shares, converged = self.refine(shares, LONG, "fitting")
             # Outputs count by how well they can be predicted at all.
             self.weigh(shares)
@@ -183,6 +185,7 @@ class _Search:
     def result(self, shares: Array, converged: bool, seed: int, *, partial: bool = False) -> Fit:
         """Estimates with their intervals, and what they predict by the model that runs freely."""
         scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
+        shares = np.clip(scaled.shares(model.possible(scaled.values(shares)[None])[0]), 0.0, 1.0)
         for _ in range(passes):
             J = self.residuals.data_jacobian(shares)
         r = self.residuals.data(shares[None])[0]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from layflat.errors import InputError
 from layflat.identify.benches.contract import check_known
+from layflat.identify.benches.moving.links import MASSES, links
 from layflat.identify.model import ParameterSpec, Unknown, around, factor_range, fixed_range, from_zero
 from layflat.machine import Machine
 from layflat.physics.delay import LONGEST
@@ -18,7 +19,6 @@ SAMPLED = "steps, with the pressure sampled every few milliseconds"
 
 DELAYS = from_zero(lambda machine, _: LONGEST * machine.cycle)
 OFFSETS = around(lambda machine: 0.02 * machine.pressure_sensor.range)
-MASSES = factor_range(3.0, 0.1, log=False)  # what adds to something known does not change by factors
 
 VALVE = (
     ParameterSpec("valve.conductance", "m^3/(s Pa)", factor_range(3.0), FILLING),
@@ -83,6 +83,8 @@ def unknowns(machine: Machine, blocks: Sequence[str]) -> list[Unknown]:
             for name, joint in machine.joints.items()
             for spec in (*of, *(STRIBECK if block == "friction" and isinstance(joint.friction, StribeckPart) else ()))
         ]
+    if machine.arm.own_links:
+        specs["inertia"] = links(machine)
     specs["line"] = _of_lines(machine)
     if "line" in blocks and not specs["line"]:
         raise InputError("has no line", where=machine.origin, right="describe its [line], or leave line out of --fit")

@@ -11,6 +11,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.links import possible
 from layflat.identify.benches.moving.log import Record, sensor_offset
 from layflat.identify.model import Model, Unknown
 from layflat.machine import Machine, parameters
@@ -89,9 +90,20 @@ class ArmModel(Model):
         vars(easier).pop("used", None)
         return easier
 
+    def possible(self, values: Array) -> Array:
+        """Candidates whose links can be bodies."""
+        columns = possible(self.machine, self.columns(values))
+        return np.stack([columns[unknown.path] for unknown in self.unknowns], axis=-1)
+
+    def written(self, values: Array) -> dict[str, float]:
+        """What values of the unknowns (SI) make of the description, by its paths; links can be bodies."""
+        found = possible(self.machine, self.columns(values[None]))
+        nuisances = {unknown.path for unknown in self.unknowns if unknown.nuisance}
+        return {path: float(column[0]) for path, column in found.items() if path not in nuisances}
+
     def simulate(self, values: Array) -> Array:
         """All logs from their starts, whatever the candidates' values say."""
-        given, rate = self.columns(values), self.stage.feedback
+        given, rate = possible(self.machine, self.columns(values)), self.stage.feedback
         shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
         offset = np.asarray(shared.pop("pressure_sensor.offset", sensor_offset(self.machine)))
         shared |= {f"scenario.lead.{name}": np.full(len(values), rate * v) for name, v in self.feedback_gains.items()}

@@ -1,0 +1,127 @@
+"""Links of arms in space: what of them is looked for, that they stay bodies, and that logs tell what they can."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from layflat.arrays import Array
+from layflat.description.change import changed_all, value_at
+from layflat.identify import fit
+from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.links import SCALES, links, possible
+from layflat.identify.benches.moving.model import ArmModel
+from layflat.machine import Machine, load
+from layflat.physics.arms.chain.description import impossible
+from layflat.sim import rollout
+
+ARM = load("picking-arm")
+ELBOW = [f"arm.link.elbow.inertia.{i}" for i in range(3)]
+
+
+def test_a_link_that_only_turns_about_an_upright_axis_shows_nothing_of_its_height() -> None:
+    def of(name: str, path: str) -> set[str]:
+        start = f"arm.link.{name}."
+        return {spec.path.removeprefix(start) for spec in links(load(path)) if spec.path.startswith(start)}
+
+    every = {"mass", *(f"{what}.{i}" for what in ("centre", "inertia") for i in range(3)), "rotor_inertia"}
+    assert of("base", "picking-arm") == every - {"centre.2", "inertia.0", "inertia.1"}
+    assert of("elbow", "picking-arm") == every
+    assert of("small", "single-joint-lift") == every - {"centre.1", "inertia.0", "inertia.2"}
+    assert links(load("paper-arm")) == []
+
+
+def test_every_value_has_a_range_around_the_description() -> None:
+    sought = unknowns(ARM, [block for block in BLOCKS if block != "line"])
+    assert len({unknown.path for unknown in sought}) == len(sought)
+    for unknown in sought:
+        assert unknown.low <= unknown.guess <= unknown.high, unknown.path
+        assert unknown.low < unknown.high, unknown.path
+        assert unknown.guess == value_at(ARM, unknown.path)
+        assert unknown.excitation
+
+
+MOMENTS = st.floats(1e-5, 1e-2)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(MOMENTS, MOMENTS, MOMENTS), min_size=1, max_size=4))
+def test_what_no_body_can_have_becomes_the_nearest_that_one_can(given: list[tuple[float, float, float]]) -> None:
+    columns = dict(zip(ELBOW, np.array(given).T, strict=True)) | {"valve.delay": np.zeros(len(given))}
+    found = possible(ARM, columns)
+    assert list(found) == list(columns)
+    for asked, moments in zip(given, np.array([found[path] for path in ELBOW]).T, strict=True):
+        assert impossible(tuple(moments)) == ""
+        if impossible(asked) == "" and max(asked) < 0.99 * (sum(asked) - max(asked)):
+            assert tuple(moments) == asked
+    again = possible(ARM, found)
+    assert all(again[path] == pytest.approx(found[path], rel=1e-9) for path in ELBOW)
+
+
+def test_what_acts_on_no_joint_gives_way_to_what_is_sought() -> None:
+    path = "arm.link.small.inertia.1"
+    asked = np.array([0.001, 0.029, 0.09])
+    found = possible(load("single-joint-lift"), {path: asked})
+    assert np.array_equal(found[path], asked)
+    others = [found[f"arm.link.small.inertia.{i}"] for i in (0, 2)]
+    for xx, yy, zz in zip(others[0], asked, others[1], strict=True):
+        assert impossible((xx, yy, zz)) == ""
+    assert (others[0][1], others[1][1]) == (0.0005, 0.029)
+
+
+TRUTH = {
+    "arm.link.small.centre.0": -0.065,
+    "arm.link.small.centre.2": 0.012,
+    "arm.payload": 0.9,
+    "joint.small.brake.torque": 2.5,
+}
+LIFT = load("single-joint-lift")
+
+
+def log_of(truth: Machine, described: Machine, levels: Array) -> xarray.Dataset:
+    """What the sensors of an arm see whose controller takes it for the described one."""
+    duration = 0.5 * len(levels)
+    run = rollout(
+        truth, lambda t: levels[int(t / 0.5) % len(levels)], duration=duration, start=0.0, seed=1, controller=described
+    )
+    kept = run[["voltage", "measured_pressure", "dither_share"]].rename(dither_share="dither")
+    return kept.assign(angle=run["measured_angle"])
+
+
+@pytest.mark.compiled
+def test_link_payload_and_friction_are_found_from_motion_against_gravity() -> None:
+    levels = np.array([[0.0], [0.4], [-0.3], [0.5], [0.0]])
+    log = log_of(changed_all(LIFT, TRUTH), LIFT, levels)
+    model = ArmModel(LIFT, {"log": log}, blocks=["friction", "inertia", "payload"])
+    found = fit(model, starts=0)
+    assert found.converged
+    sought = [one for one in found.estimates if not one.unknown.nuisance]
+    told = [one for one in sought if one.identified]
+    truth = {one.unknown.path: TRUTH.get(one.unknown.path, value_at(LIFT, one.unknown.path)) for one in sought}
+    assert all(one.low <= truth[one.unknown.path] <= one.high for one in told)
+    assert "joint.small.brake.torque" in {one.unknown.path for one in told}
+    # A single joint feels mass times distance, and the payload may weigh what the link does.
+    for path in ("arm.link.small.mass", "arm.link.small.centre.0", "arm.payload"):
+        assert not found.of(path).identified
+    assert found.of("arm.link.small.mass").unknown.excitation == SCALES
+    kept = changed_all(LIFT, model.written(found.values))
+    assert kept.arm.payload == found.of("arm.payload").value
+    assert max(quality.share for quality in found.predictions) < 0.01
+
+
+@pytest.mark.compiled
+def test_what_an_arm_in_space_did_follows_from_its_voltages_and_dither() -> None:
+    levels = np.array([[0.0] * 4, [0.3, 0.2, -0.3, 0.4], [-0.2, -0.3, 0.2, -0.3], [0.0] * 4])
+    log = log_of(ARM, ARM, levels)
+    assert log["dither"].min() < 0.5
+
+    def missed(one: xarray.Dataset) -> float:
+        model = ArmModel(ARM, {"log": one}, blocks=["payload"])
+        error = model.simulate(model.guess[None])[0] - model.measured
+        scales = np.repeat([output.scale for output in model.outputs], len(one["time"]))
+        return float(np.sqrt(np.mean((error / scales) ** 2)))
+
+    assert missed(log) < 0.2 * missed(log.drop_vars("dither"))
