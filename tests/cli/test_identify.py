@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import layflat
+from commands import layflat, refused
 
 from layflat.identify.identification import begin
 from layflat.identify.page import write_page
@@ -59,6 +59,19 @@ def test_a_sequence_that_a_machine_follows(tmp_path: Path) -> None:
     table = np.loadtxt(tmp_path / "e.csv", delimiter=",", skiprows=1)
     assert table.shape[1] == 3
     assert np.abs(np.diff(table[:, 1:], axis=0)).max() <= 200.0 * 0.005 + 1e-4
+
+
+def test_arms_in_space_get_a_sequence_that_they_can_carry_out(tmp_path: Path) -> None:
+    done = layflat("excite", "picking-arm", "-o", "e.csv", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert read_demand(load("picking-arm"), tmp_path / "e.csv", 0.005).angles.shape[1] == 4
+    heavy = 'extends = "picking-arm"\nname = "heavy"\n[arm]\npayload = "6 kg"\n'
+    (tmp_path / "heavy.toml").write_text(heavy, encoding="utf-8")
+    told = refused("excite", "heavy.toml", "-o", "h.csv", cwd=tmp_path)
+    assert told.startswith("layflat: reach: joint 'wrist' can't move 6 kg against gravity where 0.3 leads it; give ")
+    told = refused("tune", "heavy.toml", "--out", "out", cwd=tmp_path)
+    assert told.startswith("layflat: heavy.toml: joint 'wrist' can't hold ")
+    assert not (tmp_path / "h.csv").exists()
 
 
 def test_a_machine_is_found_and_predicts_another_run(bench: Path) -> None:

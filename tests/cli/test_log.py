@@ -49,6 +49,27 @@ def test_a_guess_is_written_looked_through_and_used(rig: Path) -> None:
     assert "251 instants, one every 10 ms" in checked.stdout
 
 
+@pytest.mark.compiled
+def test_columns_of_an_arm_of_four_joints_are_guessed_by_number_or_name(tmp_path: Path) -> None:
+    goal = {"base": "30 deg", "shoulder": "-20 deg", "elbow": "25 deg", "wrist": "-30 deg"}
+    run = rollout("picking-arm", [("0 s", "0 deg"), ("0.3 s", goal), ("1.2 s", "0 deg")], duration="2 s")
+    joints = [str(name) for name in run["joint"].to_numpy()]
+    for style, names in (("number", "1234"), ("name", joints)):
+        columns, header = [run["time"].to_numpy()], ["t"]
+        for joint, name in zip(joints, names, strict=True):
+            one = run.sel(joint=joint)
+            columns += [np.degrees(one["measured_angle"]), one["voltage"], 1e-5 * one["measured_pressure"]]
+            header += [f"q_{name}_deg", f"u_{name}", f"dp_{name}_bar"]
+        log = f"{style}.csv"
+        np.savetxt(tmp_path / log, np.stack(columns, 1), delimiter=",", header=",".join(header), comments="")
+        assert layflat("log", "map", log, "--machine", "picking-arm", cwd=tmp_path).returncode == 0
+        words = ("log", "check", log, "--mapping", f"{style}-mapping.toml", "--machine", "picking-arm")
+        checked = layflat(*words, cwd=tmp_path)
+        assert checked.returncode == 0, checked.stderr
+        for joint in joints:
+            assert all(joint in checked.stdout and signal in checked.stdout for signal in ("angle", "voltage"))
+
+
 def test_errors_are_listed_and_refuse_the_log(rig: Path) -> None:
     text = (
         '[time]\ncolumn = "t [ms]"\nunit = "ms"\n'

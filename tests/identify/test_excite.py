@@ -10,7 +10,8 @@ import pytest
 from layflat.errors import InputError
 from layflat.identify.excite import AGAIN, PARTS, WHOLE, sequence
 from layflat.machine import Machine, changed, load, names
-from layflat.motion.limits import abilities, room_at_rest
+from layflat.motion.dynamics import room_at_rest
+from layflat.motion.limits import abilities
 from layflat.sim import rollout
 
 

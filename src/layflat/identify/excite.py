@@ -16,7 +16,8 @@ from scipy.signal import chirp
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
-from layflat.motion.limits import abilities, room_at_rest, together
+from layflat.motion.dynamics import room_at_rest
+from layflat.motion.limits import abilities, together
 
 REACH, NARROW = 0.3, 0.02  # largest angle from the middle, as a share of the working stroke: usual, and least
 SPEED = 5.0  # greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows

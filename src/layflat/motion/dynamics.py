@@ -51,6 +51,25 @@ def hose_torques(machine: Machine, able: Ability, states: States, payload: float
     return rigid_torques(machine, states, payload) + opposing
 
 
+def room_at_rest(machine: Machine, able: Ability, postures: Array, payload: float) -> tuple[Array, Array]:
+    """Return what is left to move an arm that its hoses hold, at the worst of some postures.
+
+    Args:
+        machine: with the arm.
+        able: what its joints can do.
+        postures: rad, (postures, joints).
+        payload: kg.
+
+    Returns:
+        Torque that every joint has left either way, (joints,), N m, below zero where it can't hold itself; and the
+        greatest inertias, (joints, joints), kg m2.
+    """
+    mass, _, held = _rigid_body(machine, postures, np.zeros(postures.shape), payload)
+    opposing = able.friction + able.loss
+    left = np.minimum(able.torque - opposing - held, held - able.least_torque - opposing)
+    return left.min(axis=0), np.abs(mass).max(axis=0)
+
+
 def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
     """Return mass matrices (instants, joints, joints), torques against velocities and to stay, (instants, joints)."""
     arm, (count, n) = parameters.arm(machine), angles.shape

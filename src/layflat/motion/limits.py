@@ -129,26 +129,6 @@ def check_holds(machine: Machine, gravity: Array, most: Array, least: Array, pay
         raise MachineError(problem, where=machine.origin, right="a smaller payload or reserve, or more pressure")
 
 
-def room_at_rest(machine: Machine, able: Ability, postures: Array, payload: float) -> tuple[Array, Array]:
-    """Return what is left to move an arm that its hoses hold, at the worst of some postures.
-
-    Args:
-        machine: with the arm.
-        able: what its joints can do.
-        postures: rad, (postures, joints).
-        payload: kg.
-
-    Returns:
-        Torque that every joint has left either way, (joints,), N m, below zero where it can't hold itself; and the
-        greatest inertias, (joints, joints), kg m2.
-    """
-    arm = parameters.arm(machine)
-    masses, pulls = zip(*(parameters.mass_and_pull(arm, payload, q) for q in postures.tolist()), strict=True)
-    held, opposing = needed_at_rest(machine, np.array(pulls), postures), able.friction + able.loss
-    left = np.minimum(able.torque - opposing - held, held - able.least_torque - opposing).min(axis=0)
-    return left, np.abs(masses).max(axis=0)
-
-
 def _joint_ability(machine: Machine, name: str) -> Sequence[float]:
     """Return the values of `Ability` of a joint."""
     valve, _, _ = parameters.drive_parts(machine)

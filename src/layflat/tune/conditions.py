@@ -20,7 +20,8 @@ from layflat.arrays import Array
 from layflat.description.change import changed, value_at
 from layflat.errors import MachineError
 from layflat.machine import Machine
-from layflat.motion.limits import abilities, room_at_rest
+from layflat.motion.dynamics import room_at_rest
+from layflat.motion.limits import abilities
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble.parallel import TIP_BAND
