@@ -20,7 +20,7 @@ import xarray
 
 from layflat.description.change import changed_all
 from layflat.design.arm.sizing import size_arm
-from layflat.design.arm.task import task_of
+from layflat.design.arm.task import read_task
 from layflat.identify import Fit, Unknown, fit
 from layflat.identify.benches.moving.blocks import unknowns
 from layflat.identify.benches.moving.links import possible
@@ -57,7 +57,9 @@ def random_arm(seed: int) -> Machine:
             "link": [f"{one:.4f} m" for one in link],
         })  # fmt: skip
     payload, supply = f"{draw.uniform(*PAYLOADS):.2f} kg", f"{draw.uniform(*SUPPLIES):.2f} bar"
-    return size_arm(task_of(f"random-{seed}", joint=joints, payload=payload, supply=supply, time="1 s")).machine
+    return size_arm(
+        read_task(None, name=f"random-{seed}", joint=joints, payload=payload, supply=supply, time="1 s")
+    ).machine
 
 
 def drawn(machine: Machine, sought: list[Unknown], random: np.random.Generator) -> tuple[Machine, dict[str, float]]:

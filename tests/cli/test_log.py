@@ -52,13 +52,17 @@ def test_a_guess_is_written_looked_through_and_used(rig: Path) -> None:
 @pytest.mark.compiled
 def test_columns_of_an_arm_of_four_joints_are_guessed_by_number_or_name(tmp_path: Path) -> None:
     goal = {"base": "30 deg", "shoulder": "-20 deg", "elbow": "25 deg", "wrist": "-30 deg"}
-    run = rollout("picking-arm", [("0 s", "0 deg"), ("0.3 s", goal), ("1.2 s", "0 deg")], duration="2 s")
+    rest = dict.fromkeys(goal, "0 deg")
+    run = rollout("picking-arm", [("0 s", rest), ("0.3 s", goal), ("1.2 s", rest)], duration="2 s")
     joints = [str(name) for name in run["joint"].to_numpy()]
     for style, names in (("number", "1234"), ("name", joints)):
         columns, header = [run["time"].to_numpy()], ["t"]
         for joint, name in zip(joints, names, strict=True):
             one = run.sel(joint=joint)
-            columns += [np.degrees(one["measured_angle"]), one["voltage"], 1e-5 * one["measured_pressure"]]
+            angle, voltage, pressure = (
+                one[key].to_numpy() for key in ("measured_angle", "voltage", "measured_pressure")
+            )
+            columns += [np.degrees(angle), voltage, 1e-5 * pressure]
             header += [f"q_{name}_deg", f"u_{name}", f"dp_{name}_bar"]
         log = f"{style}.csv"
         np.savetxt(tmp_path / log, np.stack(columns, 1), delimiter=",", header=",".join(header), comments="")
