@@ -60,8 +60,9 @@ def lively(cycle: int) -> NDArray[np.float64]:
 
 def off_by(machine: Machine, timestep: float, cycles: int) -> NDArray[np.float64]:
     """Root mean square of what the angles differ by from our own plant's, deg, and their least range."""
-    joints, _, data = made(machine, timestep)
-    own, apart, n = SteppedPlant(machine, noise=False), [], len(machine.joints)
+    filled = 0.75 * machine.supply.pressure
+    joints, _, data = made(machine, timestep, pressures=(filled, filled))
+    own, apart, n = SteppedPlant(machine, noise=False, pressures=(filled, filled)), [], len(machine.joints)
     angles = []
     for k in range(cycles):
         voltages = np.resize(lively(k), n)

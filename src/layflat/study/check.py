@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 
@@ -49,7 +50,7 @@ def check(
             cases(machine, list(scenarios), {path: [end]}, None, together=False).runs(first)
             for end in (values.min(), values.max())
         ]
-        if values.min() < values.max() and all(map(np.array_equal, *ends)):
+        if values.min() < values.max() and all(map(partial(np.array_equal, equal_nan=True), *ends)):
             raise InputError("has no effect on a run", where=f"{where}: vary.{path}", right="leave it out")
 
 
