@@ -154,8 +154,8 @@ def test_viscous_losses_vanish_when_slow_and_a_spring_draws_back(examples: Path)
     slow = sweep(load(examples / "viscous.toml"), "small", 4e5, brake=0.0)
     assert slow.hysteresis == pytest.approx(0.0, abs=1e-12)
     sprung = load(examples / "sprung_arm.toml")
-    given = {"start": "20 deg", "opening": 0.0, "brake": 0.0, "pressures": ("4 bar", "4 bar")}
-    run = rollout(sprung, "0 deg", duration="1 s", **given)
+    even = ("4 bar", "4 bar")
+    run = rollout(sprung, "0 deg", start="20 deg", opening=0.0, brake=0.0, pressures=even, duration="1 s")
     assert run["angle"][-1, 0] < np.radians(18.0)
 
 

@@ -1,12 +1,25 @@
 """How fast demands may be, against the dynamics of the arm, and what friction can hold."""
 
 import numpy as np
+from chains import random_arm
+from hanging_arm import lifting_arm
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.machine import load, parameters
+from layflat.machine import changed, load, parameters
 from layflat.motion.limits import abilities
-from layflat.rig.abilities import demand_limits, swings_on
+from layflat.rig.abilities import (
+    MOST,
+    demand_limits,
+    falls,
+    payloads,
+    postures,
+    pulls,
+    resting_angles,
+    sinks,
+    swings_on,
+    vent_time,
+)
 
 ARM = load("paper-arm-tracking")
 LIMITS, ABLE = demand_limits(ARM), abilities(ARM)
@@ -35,3 +48,49 @@ def test_friction_holds_an_arm_at_rest_and_slow_but_neither_fast_nor_pushed() ->
     assert not swings_on(ARM, middle, (0.5, 0.5), none)
     assert swings_on(ARM, middle, (5.0, 5.0), none)
     assert swings_on(ARM, middle, (0.0, 0.0), 0.5 * ABLE.torque)
+
+
+LIFTS = lifting_arm()
+HALVES = np.array([0.5 * joint.stops.working_stroke for joint in LIFTS.joints.values()])
+
+
+@given(st.tuples(SHARE, SHARE, SHARE), st.tuples(SHARE, SHARE, SHARE), st.floats(0.0, 1.0))
+def test_limits_of_an_arm_in_space_hold_in_any_posture_with_any_payload(
+    place: tuple[float, ...], push: tuple[float, ...], share: float
+) -> None:
+    limits, able, (lightest, heaviest) = demand_limits(LIFTS), abilities(LIFTS), payloads(LIFTS)
+    payload = lightest + share * (heaviest - lightest)
+    mass, gravity = parameters.mass_and_pull(parameters.arm(LIFTS), payload, HALVES * place)
+    acceleration = np.linalg.solve(mass, able.torque * push + gravity)
+    assert (np.abs(acceleration) <= 1.1 * limits.acceleration).all()  # looked at in a grid of postures
+    assert (np.abs(mass @ (limits.braking * np.sign(push))) + np.abs(gravity) <= 1.1 * able.torque).all()
+    assert (np.abs(gravity) <= 1.1 * pulls(LIFTS)).all()
+
+
+def test_a_payload_that_is_not_told_is_anything_up_to_the_end_of_its_spread() -> None:
+    assert payloads(LIFTS) == (0.0, 0.2 + 3.0**0.5 * 0.1)
+    assert payloads(changed(LIFTS, "controller.payload_spread", 0.0)) == (0.2, 0.2)
+    assert payloads(load("paper-arm")) == (0.0, 1.5)
+
+
+def test_many_joints_are_looked_at_in_a_bounded_number_of_postures() -> None:
+    for n in range(1, 8):
+        found = postures(random_arm(n, 1))
+        assert found.shape[1] == n
+        assert 2**n <= len(found) <= MOST
+
+
+def test_an_arm_that_its_brakes_do_not_hold_is_let_down_slowly() -> None:
+    assert sinks(LIFTS).tolist() == [False, True, False]  # the base turns about the vertical, the elbow's brake holds
+    assert falls(LIFTS)
+    assert vent_time(LIFTS) == 5.0 * LIFTS.safety.vent_time
+    assert not falls(ARM)
+    assert vent_time(ARM) == ARM.safety.vent_time
+    ends = np.array([0.5 * joint.stops.mechanical_stroke for joint in LIFTS.joints.values()])
+    # The shoulder is pressed into its stop, which gives way.
+    assert (resting_angles(LIFTS) - ends > 0.0).tolist() == [False, True, False]
+
+
+def test_what_gravity_takes_to_its_stop_is_no_arm_that_swings_on() -> None:
+    assert not swings_on(LIFTS, (0.0, 0.5, 0.0), (0.0, 0.0, 0.0), np.zeros(3))
+    assert swings_on(LIFTS, (0.0, 0.5, 0.0), (9.0, 9.0, 0.0), np.zeros(3))
