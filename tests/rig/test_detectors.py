@@ -83,6 +83,23 @@ def test_speed_and_stroke_count_where_the_joint_may_move() -> None:
     assert follow(2, [1.25, 1.31], level=MOTION)[1] == [0, Fault.OUTSIDE_STROKE], "it went on to the rail"
 
 
+def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_there() -> None:
+    limits, rails = outside.Limits(1.2, rests=1.25, inside=1.0), LIMITS.rail
+    shaking = [1.199, 1.201, 1.202, 1.24, 1.1, 1.201, 1.202]
+
+    def after(angles: list[float], begun: float = outside.AWAY) -> list[int]:
+        memory, found = begun, []
+        for angle in angles:
+            taken = Sample(angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, CYCLE, MOTION, 1.0)
+            memory, fault = outside.find(limits, memory, rails, taken)
+            found.append(fault)
+        return found
+
+    assert not any(after(shaking))
+    assert after([*shaking, 0.99, 1.201, 1.202])[-1] == Fault.OUTSIDE_STROKE, "it was inside"
+    assert after([1.26, 1.26])[-1] == Fault.OUTSIDE_STROKE, "no joint rests there"
+
+
 @pytest.mark.parametrize("when", np.linspace(0.0, 0.9, 10))
 @pytest.mark.parametrize("rate", [200.0, 500.0])
 def test_a_joint_that_speeds_up_is_found_two_samples_after_it_is_too_fast(when: float, rate: float) -> None:

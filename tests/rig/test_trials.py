@@ -7,10 +7,11 @@ from layflat.cli.virtual_rig import VirtualRig
 from layflat.machine import changed, load
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.device.process import DeviceProcess, SerialPort
+from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import Reading
 from layflat.rig.drivers.address import driver_of
 from layflat.rig.drivers.simulated import SimulatedDriver
-from layflat.rig.trials.campaign import campaign, judged
+from layflat.rig.trials.campaign import Trial, campaign, judged
 from layflat.rig.trials.cases import ROWS
 from layflat.rig.trials.rig import TrialRig
 from layflat.rig.trials.soak import quiet
@@ -63,6 +64,20 @@ def test_every_fault_is_found_over_the_wire_in_time_and_the_rig_is_made_safe() -
     assert [outcome.row for outcome in outcomes] == list(ROWS)
     assert all(outcome.good for outcome in outcomes), [outcome for outcome in outcomes if not outcome.good]
     assert all(of["good"] == of["trials"] == 1 for of in judged(outcomes).values())
+
+
+def test_a_rig_that_stops_before_it_is_made_to_fail_is_no_good_trial() -> None:
+    row = "following error"
+    with DeviceProcess(VirtualRig(PATIENT), PATIENT, SerialPort(), lockstep=True) as device:
+        rig = TrialRig(PATIENT, device, driver_of(device.address, PATIENT))
+        device.call(press)
+        outcome = Trial(rig, row, ROWS[row][0], np.random.default_rng(1)).run()
+    assert not outcome.good
+    assert outcome.found.startswith("stopped before it failed")
+
+
+def press(device: VirtualDevice) -> None:
+    device.stopped = True
 
 
 def test_a_law_with_a_model_bears_cycles_that_are_much_too_short_or_long() -> None:

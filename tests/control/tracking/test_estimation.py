@@ -3,7 +3,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.control.tracking.estimation import CREDIBLE, ParameterEstimate, Prior, Shapes, initial_estimate, updated
+from layflat.control.tracking.estimation import (
+    CREDIBLE,
+    LIKELY,
+    ParameterEstimate,
+    Prior,
+    Shapes,
+    heaviest,
+    initial_estimate,
+    updated,
+)  # fmt: skip
 
 N, M = 2, 5
 SHAPE = Shapes((0.0,) * (N * N), (0.0,) * (M * M), (0.0,) * (N * M))
@@ -58,3 +67,11 @@ def test_an_arm_that_is_left_to_what_pushes_it_learns_nothing() -> None:
     assert after == parameters
     assert turns == speeds == (0.0, 0.0)
     assert doubt == pytest.approx(0.25 / UNKNOWNS.angle_variance)
+
+
+def test_the_heaviest_payload_is_beyond_the_estimate_as_far_as_that_is_unsure_and_possible() -> None:
+    first = initial_estimate(UNKNOWNS, SHAPE)
+    assert heaviest(UNKNOWNS, first) == pytest.approx(1.0 + LIKELY * 0.6)
+    assert heaviest(UNKNOWNS._replace(high=(9.0,) * 4 + (1.5,)), first) == 1.5
+    sure = UNKNOWNS._replace(spread=(2.0, 1.0, 1.5, 0.5, 0.0))
+    assert heaviest(sure, initial_estimate(sure, SHAPE)) == 1.0

@@ -8,6 +8,8 @@ from layflat.machine import load, parameters
 from layflat.motion.inverse import Inverse
 from layflat.motion.kinematics import Kinematics
 from layflat.motion.limits import abilities
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
 
 PICKING = load("picking-arm")
 
@@ -28,6 +30,25 @@ def test_straight_lines_are_followed() -> None:
     assert np.all(followed(PICKING, along, seed=14) < CLOSE)
     # With nothing to carry the wrist weighs next to nothing: friction would hold it, and errors would not bring it on.
     assert np.all(followed(PICKING, along, seed=14, heaviest=0.0) < CLOSE)
+
+
+FAR_AND_FAST = {
+    # It folds as its base turns, which spins it up; it unfolds on the way, where it is heaviest; all joints at once.
+    "folds": ([43.0, -14.9, 32.4, 53.2], [-51.8, -12.3, -16.3, -34.8]),
+    "unfolds": ([-48.6, 33.6, 29.6, 9.5], [52.3, 13.8, -3.0, 4.5]),
+    "lifts": ([-32.4, -52.4, 14.8, -18.9], [43.2, 45.9, 43.2, -0.2]),
+}
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("way", FAR_AND_FAST)
+def test_far_moves_of_all_joints_stay_within_their_strokes_whatever_is_carried(way: str) -> None:
+    start, end = np.radians(FAR_AND_FAST[way])
+    move = Scenario(demand=[(0.0, start.tolist()), (0.3, end.tolist())], duration=1.6)
+    carried = {"scenario.payload": np.linspace(0.0, 1.0, 16)}
+    runs = ensemble(PICKING, move, carried, tip_band=CLOSE, traces=("angle",))
+    assert np.abs(runs["angle"].to_numpy()).max() < np.radians(56.0)
+    assert runs["tip_settling"].to_numpy()[:, -1].max() < 1.0
 
 
 def test_no_joint_is_too_light_for_feedback() -> None:

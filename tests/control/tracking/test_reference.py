@@ -20,7 +20,7 @@ from layflat.control.tracking.reference import (
 )
 
 T = 0.005
-PACE = PathLimits(acceleration=40.0, deceleration=30.0, hardest=40.0, jerk=900.0, velocity=1e3)
+PACE = PathLimits(acceleration=40.0, deceleration=30.0, hardest=40.0, jerk=900.0, velocity=1e3, fastest=inf)
 SPRINGY = PACE._replace(velocity=3.0)
 
 
@@ -45,7 +45,7 @@ def test_a_stop_is_as_long_as_the_quickest_one(v: float, share: float, d: float,
     found = ruckig.Trajectory(1)
     ruckig.Ruckig(1).calculate(wanted, found)
     length = found.at_time(found.duration)[0][0]
-    limits = PathLimits(d, d, d, j, inf)
+    limits = PathLimits(d, d, d, j, inf, inf)
     assert stop_at(v, share * d, limits) == pytest.approx(length, abs=1e-9)
 
 
@@ -150,7 +150,9 @@ def test_a_move_from_rest_is_left_as_it_is(distance: float) -> None:
     at, goal = Reference(0.0, 0.0, 0.0), Reference(distance, 0.0, 0.0)
     for _ in range(100):
         (a,) = path_acceleration((at,), (goal,), (1.0 if goal.angle > at.angle else -1.0,), PACE, T)
-        assert kept_before(a, at, goal, 1.0, at.velocity, PACE, PathLimits(1.0, 1.0, 1.0, 1.0, PACE.velocity), T) == a
+        assert (
+            kept_before(a, at, goal, 1.0, at.velocity, PACE, PathLimits(1.0, 1.0, 1.0, 1.0, PACE.velocity, inf), T) == a
+        )
         at = advanced(at, a, T)
 
 

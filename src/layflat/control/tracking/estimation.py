@@ -16,6 +16,7 @@ A short one would teach less of it than friction, as it is at rest, would preten
 | T | time since the last cycle | s |
 """
 
+from math import sqrt
 from typing import NamedTuple
 
 from layflat.control.tracking.model import angle_of_state
@@ -24,7 +25,9 @@ from layflat.lanes import each, gather, select, slots
 from layflat.physics.algebra import inverse, largest, times
 from layflat.physics.arms import dynamics
 
-FAR = 0.05  # length of a move from which it is open what the arm carries, rad
+CALM = 0.1  # speed of an arm that may have been given another payload since, rad/s
+FAR = 0.05  # way to the goal from which it is open what an arm carries that sets out, rad
+LIKELY = 2.0  # standard deviations within which the payload is likely to be
 CREDIBLE = 3.0  # standard deviations: the further an innovation is beyond them, the less it counts
 
 
@@ -83,6 +86,13 @@ def estimate_of(parameters, joints, shares):
     for j in range(n):
         frictions[j] = given[j].brake * (parts[j].brake_torque + x[n + j])
     return Estimate(gather(like, x), gather(like, frictions), x[2 * n])
+
+
+@composition
+def heaviest(prior, parameters):
+    """Return the payload that is likely to be the most, kg."""
+    m, x, C, high = len(prior.spread), slots(parameters.values), slots(parameters.covariance), slots(prior.high)
+    return min(x[m - 1] + LIKELY * sqrt(max(C[m * m - 1], 0.0)), high[m - 1])
 
 
 @law
@@ -181,11 +191,11 @@ def _lack(c_0, c_1, g_0, g_1, inertial_0, inertial_1):
 
 
 @composition
-def propagated(prior, parameters, shapes, arm, gains, before, after, shares, length, T):
+def propagated(prior, parameters, shapes, arm, gains, before, after, shares, left, T):
     """Return the estimate a cycle later: its sensitivities after the observer's correction and the motion since.
 
     Args: gains of the observer (`model.Gains`), states of the joints before and after the cycle, and shares of their
-    friction in it (`Shares`), tuples; length of the move, rad.
+    friction in it (`Shares`), tuples; what is left of the way to the goal, rad.
     """
     n, m, x = len(before), len(parameters.values), slots(parameters.values)
     angles, speeds, a = (
@@ -214,16 +224,16 @@ def propagated(prior, parameters, shapes, arm, gains, before, after, shares, len
             was = V[j * m + p] - K[j].velocity * Q[j * m + p]
             V[j * m + p] = (1.0 - held[j]) * (was + T * pushed)
             Q[j * m + p] = (1.0 - K[j].angle) * Q[j * m + p] + 0.5 * T * (was + V[j * m + p])
-    covariance = _wandered(prior, parameters.covariance, largest(speeds), length, T)
+    covariance = _wandered(prior, parameters.covariance, largest(speeds), left, T)
     return ParameterEstimate(parameters.values, covariance, gather(shapes.both, Q), gather(shapes.both, V))
 
 
 @composition
-def _wandered(prior, covariance, speed, length, T):
+def _wandered(prior, covariance, speed, left, T):
     # An arm at rest may have been given another payload: it is as little known then as at first.
     m, wander, C = len(prior.spread), slots(prior.wander), slots(covariance)
     for p in range(m):
         C[p * m + p] = C[p * m + p] + select(speed > 0.0, T * wander[p] * wander[p], 0.0)
-    sets_out = (speed == 0.0) & (length > FAR)
+    sets_out = (speed < CALM) & (left > FAR)
     C[m * m - 1] = select(sets_out, max(C[m * m - 1], _first(prior)), C[m * m - 1])
     return gather(covariance, C)

@@ -30,6 +30,7 @@ from layflat.control.tracking.estimation import (
     Prior,
     Shapes,
     estimate_of,
+    heaviest,
     initial_estimate,
     propagated,
     updated,
@@ -245,7 +246,8 @@ def step(settings, memory, sensed, demand, elapsed):
     met, later = states_on_arrival(plant, states, lines, estimate, asked, T)
     response = free_response(plant, met, lines, estimate, asked, T)
     begun_anew = reanchored(settings, memory.path, response, asked.compliant)
-    plan = plan_of(settings, begun_anew, estimate, response, goals, tolerance, T)
+    most = heaviest(settings.prior, parameters)
+    plan = plan_of(settings, begun_anew, estimate, most, response, goals, tolerance, T)
     torques = computed_torques(settings, plan, met, response, goals, estimate, asked, T)
     openings, after, lacks = valve_openings(
         settings, met, lines, response, estimate, asked, torques, asked.controls * (1.0 - doubt.held), T
@@ -254,9 +256,8 @@ def step(settings, memory, sensed, demand, elapsed):
         later = after
     references = governed(settings, plan, response, goals, lacks, T)
     path, waited = _landing(settings, memory, plan, references, goals, after, tolerance, T)
-    away = select(plan.landed > 0.5, 0.0, plan.length)
     parameters = propagated(
-        settings.prior, parameters, settings.shapes, plant.arm, gains, states, later, asked.mean, away, T
+        settings.prior, parameters, settings.shapes, plant.arm, gains, states, later, asked.mean, plan.left, T
     )
     rested = rested_for(plant, auxiliary, asked, after, response, estimate, plan.resting, T)
     report = each(

@@ -5,11 +5,13 @@
 | e | unit vector of the path from the reference to the goal, in joint space | 1 |
 | w | torque per acceleration along the path, of each joint: M e | kg m2 |
 | h | torque that holds a joint at rest less the middle of what its hoses give, along the path | N m |
+| c | torque of velocities on a joint, over the square of the velocity along the path | N m s2 |
 """
 
+from math import inf, sqrt
 from typing import NamedTuple
 
-from layflat.control.tracking.reference import PathLimits, angle_of, velocity_of
+from layflat.control.tracking.reference import ASIDE, PathLimits, angle_of
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.algebra import least, times
@@ -18,6 +20,7 @@ from layflat.physics.spring import spring_torque
 
 LEAST_SHARE = 0.1  # of its torque that a joint is always given to accelerate, whatever its friction is estimated to be
 LEAST_INERTIA = 1e-3  # along a path, kg m2
+SWUNG = 0.4  # share of a joint's torque that may go against those of velocities: they grow with their square
 
 
 class ActuatorLimits(NamedTuple):
@@ -55,19 +58,20 @@ def holding(joint, q, pull):
 
 
 @law
-def _held(actuator, holds, w):
-    h = holds - actuator.middle
+def _held(actuator, holds, c, w, going):
+    # Along the path, what velocities add to it included.
+    h = holds - c * going * going - actuator.middle
     return select(w < 0.0, -h, h)
 
 
 @law
-def _most(actuator, friction, here, there, w):
-    return max(actuator.torque - friction - max(here, there), LEAST_SHARE * actuator.torque) / w
+def _most(actuator, friction, held, w):
+    return max(actuator.torque - friction - held, LEAST_SHARE * actuator.torque) / w
 
 
 @law
-def _brakes(actuator, friction, here, there, w):
-    return max(actuator.torque + friction + min(here, there), LEAST_SHARE * actuator.torque) / w
+def _brakes(actuator, friction, held, w):
+    return max(actuator.torque + friction + held, LEAST_SHARE * actuator.torque) / w
 
 
 @law
@@ -81,40 +85,90 @@ def _speed(actuator, e):
 
 
 @law
-def _heavier(here, there):
-    heavier = max(abs(here), abs(there))
-    return max(heavier, LEAST_INERTIA)
+def _heaviest(here, on, there):
+    heavier, later = max(abs(here), LEAST_INERTIA), max(abs(on), abs(there))
+    return max(heavier, later)
 
 
 @law
-def own_limits(actuator, friction, inertia, holds, margins):
-    """Return the limits of a joint alone, of an inertia (kg m2), whichever way it turns; a torque holds it at rest."""
-    w, h = max(inertia, LEAST_INERTIA), abs(holds - actuator.middle)
+def _greater(here, on, there):
+    later = max(on, there)
+    return max(here, later)
+
+
+@law
+def _lesser(here, on, there):
+    later = min(on, there)
+    return min(here, later)
+
+
+@law
+def _bears(actuator, holds, c):
+    # Velocity along the path, rad/s, at which its share of the torque bears c.
+    spare = max(actuator.torque - abs(holds - actuator.middle), LEAST_SHARE * actuator.torque)
+    return sqrt(SWUNG * spare / max(abs(c), 1e-9))
+
+
+@law
+def _between(q, p):
+    return 0.5 * (q + p)
+
+
+@law
+def own_limits(actuator, friction, inertia, holds, speed, margins):
+    """Return the limits of a joint alone, of an inertia (kg m2), whichever way it turns; a torque holds it at rest.
+
+    No stop from a speed (rad/s) is meant to take less than half of what a move takes: light joints would swing.
+    """
+    w, h, quickest = max(inertia, LEAST_INERTIA), abs(holds - actuator.middle), margins.quickest
+    gentle = 4.0 * max(abs(speed), ASIDE) / quickest
+    brakes = min(_brakes(actuator, friction, -h, w), gentle)
     return PathLimits(
-        _most(actuator, friction, h, h, w),
-        margins.braking * _brakes(actuator, friction, -h, -h, w),
-        margins.late * _brakes(actuator, friction, -h, -h, w),
-        margins.jerk * _jerk(actuator, w),
+        _most(actuator, friction, h, w),
+        margins.braking * brakes,
+        margins.late * brakes,
+        min(margins.jerk * _jerk(actuator, w), 4.0 * gentle / quickest),
         actuator.speed,
+        inf,
     )
 
 
+class Place(NamedTuple):
+    """What a posture asks of the joints on a path."""
+
+    inertias: tuple[float, ...]  # w, kg m2
+    held: tuple[float, ...]  # h, and what velocities add to it, N m
+    fastest: float  # at which they bear the torques of velocities, rad/s
+
+
 @composition
-def path_limits(margins, actuators, estimate, plant, response, goals, direction):
-    """Return limits along a path, by the torques that remain here and at the goal, whichever leave less."""
+def _place(plant, actuators, payload, q, direction, going):
+    mass, swings, pulls = dynamics(plant.arm, payload, q, direction)
+    w, holds = times(mass, direction), each(holding, plant.joints, q, pulls)
+    held = each(_held, actuators, holds, swings, w, going)
+    return Place(w, held, least(each(_bears, actuators, holds, swings)))
+
+
+@composition
+def path_limits(margins, actuators, frictions, payload, plant, angles, goals, direction, going):
+    """Return limits along a path, by the torques that remain here, half of the way on and at the goal.
+
+    Whichever of the three leaves less counts. Args: payload, kg; where the path is, rad, a tuple, and how fast the arm
+    goes along it, rad/s.
+    """
     q = each(angle_of, goals)
-    mass, _, pulls = dynamics(plant.arm, estimate.payload, q, each(velocity_of, goals))
-    w_1, w_2 = times(response.mass, direction), times(mass, direction)
-    here = each(_held, actuators, response.holds, w_1)
-    there = each(_held, actuators, each(holding, plant.joints, q, pulls), w_2)
-    w = each(_heavier, w_1, w_2)
-    brakes = least(each(_brakes, actuators, estimate.frictions, here, there, w))
+    here = _place(plant, actuators, payload, angles, direction, going)
+    on = _place(plant, actuators, payload, each(_between, angles, q), direction, going)
+    there = _place(plant, actuators, payload, q, direction, going)
+    w = each(_heaviest, here.inertias, on.inertias, there.inertias)
+    brakes = least(each(_brakes, actuators, frictions, each(_lesser, here.held, on.held, there.held), w))
     return PathLimits(
-        least(each(_most, actuators, estimate.frictions, here, there, w)),
+        least(each(_most, actuators, frictions, each(_greater, here.held, on.held, there.held), w)),
         margins.braking * brakes,
         margins.late * brakes,
         margins.jerk * least(each(_jerk, actuators, w)),
         least(each(_speed, actuators, direction)),
+        _lesser(here.fastest, on.fastest, there.fastest),
     )
 
 
@@ -129,4 +183,5 @@ def for_length(limits, length, quickest):
         limits.hardest,
         min(limits.jerk, 4.0 * acceleration / quickest),
         limits.velocity,
+        limits.fastest,
     )

@@ -69,6 +69,7 @@ class Plan(NamedTuple):
 
     references: tuple[Reference, ...]
     length: float
+    left: float  # of the path, rad
     landed: float
     rests: float  # 1 where the goal is at rest, else 0
     resting: float  # 1 where it has landed, the goal is at rest and the tip there, else 0
@@ -149,19 +150,22 @@ def _onward(reference, goal, a, share, landed, T):
 
 
 @composition
-def plan_of(settings, path, estimate, response, goals, tolerance, T):
+def plan_of(settings, path, estimate, heaviest, response, goals, tolerance, T):
     """Return the `Plan` of the next cycle towards goals (`Reference`); the tip lands within a tolerance (m) of them."""
     plant, margins, references = settings.plant, settings.margins, path.references
     apart = each(_apart, references, goals)
     distance = sqrt(dot(apart, apart))
     direction = each(_per, apart, max(distance, 1e-9))
     length = max(select(path.landed > 0.5, 0.0, path.length), distance)
-    full = path_limits(margins, settings.actuators, estimate, plant, response, goals, direction)
+    speeds, gains = each(velocity_of, references), each(_gain, references, goals)
+    full = path_limits(
+        margins, settings.actuators, estimate.frictions, heaviest, plant, response.angles, goals, direction,
+        dot(direction, speeds),
+    )  # fmt: skip
     limits = for_length(full, max(length, SHORTEST), margins.quickest)
     a = path_acceleration(references, goals, direction, limits, T)
     inertias = diagonal(response.mass, direction)
-    alone = each(own_limits, settings.actuators, estimate.frictions, inertias, response.holds, margins)
-    speeds, gains = each(velocity_of, references), each(_gain, references, goals)
+    alone = each(own_limits, settings.actuators, estimate.frictions, inertias, response.holds, gains, margins)
     going = dot(direction, gains)
     a = each(kept_before, a, references, goals, direction, going, limits, alone, T)
     inertial = times(response.mass, a)
@@ -180,6 +184,7 @@ def plan_of(settings, path, estimate, response, goals, tolerance, T):
     return Plan(
         onward,
         select(turns, distance, length),
+        distance,
         select(landed, 1.0, 0.0) + 0.0 * distance,
         select(rests, 1.0, 0.0) + 0.0 * distance,
         select(landed & rests & inside, 1.0, 0.0) + 0.0 * distance,

@@ -45,6 +45,7 @@ class PathLimits(NamedTuple):
     hardest: float  # deceleration, of a motion that is late, rad/s2
     jerk: float  # j
     velocity: float  # u, which it may exceed for a while
+    fastest: float  # at which joints bear the torques of velocities besides, rad/s
 
 
 @law
@@ -81,7 +82,8 @@ def stop_at(v, a, limits):
 def _too_fast(a_1, left, v, a, limits, T):
     v_1 = v + 0.5 * T * (a + a_1)
     beyond = 0.5 * T * (v + v_1) + stop_at(v_1, a_1, limits) > left
-    return beyond | (v_1 + 0.5 * a_1 * max(a_1, 0.0) / limits.jerk > BEYOND * limits.velocity)
+    most = min(BEYOND * limits.velocity, limits.fastest)
+    return beyond | (v_1 + 0.5 * a_1 * max(a_1, 0.0) / limits.jerk > most)
 
 
 @law
@@ -109,7 +111,7 @@ def kept_before(a, reference, goal, e, going, limits, alone, T):
     which the reference is `going` so fast, rad/s; `alone`: what it can do alone.
     """
     d, j = max(alone.deceleration, limits.deceleration * abs(e)), max(alone.jerk, limits.jerk * abs(e))
-    own = PathLimits(alone.acceleration, d, d, j, alone.velocity)
+    own = PathLimits(alone.acceleration, d, d, j, alone.velocity, alone.fastest)
     v, a_0, a_1 = reference.velocity - goal.velocity, reference.acceleration - goal.acceleration, a - goal.acceleration
     forward = select(v >= 0.0, 1.0, -1.0)
     v_1 = v + 0.5 * T * (a_0 + a_1)

@@ -61,9 +61,7 @@ def _lost(actuator, feedback, inertia, torque):
 
 @law
 def _where_it_is(reference, q, v, lost):
-    return Reference(
-        select(lost, q, reference.angle), select(lost, v, reference.velocity), select(lost, 0.0, reference.acceleration)
-    )
+    return Reference(select(lost, q, reference.angle), select(lost, v, reference.velocity), reference.acceleration)
 
 
 @composition

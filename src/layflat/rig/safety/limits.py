@@ -181,6 +181,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
         outside.Limits(
             working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
             float(resting_angles(machine)[j]) + NOISE * angle.lsb if sinks(machine)[j] else 0.0,
+            working,
         ),
         doubt.Limits(
             angle.lsb,

@@ -12,6 +12,7 @@ from layflat.rig.clock import SECOND
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DeviceState
 from layflat.rig.safety.limits import plans
+from layflat.rig.safety.states import State
 from layflat.rig.trials.cases import HOST_GONE, ROWS, FaultCase
 from layflat.rig.trials.rig import TrialRig
 
@@ -99,7 +100,9 @@ class Trial:
         rig.clear_peaks()
         begun = rig.clock.now()
         instant = self._until_failure(begun)
-        if self.row == HOST_GONE:
+        if not self._obeys():
+            found, by, limit = inf, f"stopped before it failed: {rig.supervisor.ledger.worst.title}", 0.0
+        elif self.row == HOST_GONE:
             found, by, limit = self._host_gone()
         else:
             rig.clock.at(instant, lambda: case.switch(rig, self.joint, True))
@@ -121,20 +124,24 @@ class Trial:
         """Move at random up to the cycle in which it fails; the instant (ns)."""
         random, rig = self.random, self.rig
         when = begun + round(random.uniform(*WHEN) * SECOND)
-        while rig.clock.now() < when or (self.case.moving and not self._off()):
+        while self._obeys() and (rig.clock.now() < when or (self.case.moving and not self._off())):
             self._move()
             rig.cycle()
         if not self.case.moving:
             return rig.clock.now() + int(random.integers(1, round(rig.period * SECOND)))
         instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
-        while rig.clock.now() + rig.period * SECOND < instant or not self._goes():
+        while self._obeys() and (rig.clock.now() + rig.period * SECOND < instant or not self._goes()):
             rig.cycle()
             if rig.clock.now() > instant + ARRIVES * SECOND:  # it has arrived before: once more
-                while not self._off():
+                while self._obeys() and not self._off():
                     self._move()
                     rig.cycle()
                 instant = rig.clock.now() + round(random.uniform(*ON_ITS_WAY) * SECOND)
         return max(instant, rig.clock.now() + 1)
+
+    def _obeys(self) -> bool:
+        """Whether the rig moves as it is asked to: not where it was stopped for nothing, before anything failed."""
+        return self.rig.supervisor.state in {State.READY, State.MOVING}
 
     def _move(self) -> None:
         """Ask for another place now and then."""

@@ -16,6 +16,7 @@ class Limits(NamedTuple):
 
     stroke: float  # beyond which a joint is outside
     rests: float = 0.0  # up to which gravity may have taken it before it is led inside; 0: its brake holds it
+    inside: float = 0.0  # from which on it has been led inside
 
 
 @law
@@ -27,6 +28,6 @@ def find(limits, before, rails, sample):
     """
     turned, sound = abs(sample.angle), rail.sound(rails, sample.angle)
     beyond = turned > limits.stroke if sound else before > 0.0
-    rests = before < 0.0 and beyond and turned <= limits.rests
+    rests = before < 0.0 and limits.inside < turned <= limits.rests
     run = AWAY if rests else counted(max(before, 0.0), sample.level >= MOTION and beyond)
     return run, FAULT if run >= SAMPLES else 0
