@@ -38,7 +38,7 @@ SWING = (2000.0, 0.0, -2000.0, 0.0)
 def follow(
     samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
     opening: float = 0.5, residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
-    velocity: float = 0.0,
+    velocity: float = 0.0, inertia: float = 1e9,
 ) -> tuple[joint.Memory, list[Fault]]:  # fmt: skip
     """Memory after a signal, and the worst fault in each cycle."""
     memory, found = joint.FRESH, []
@@ -46,7 +46,22 @@ def follow(
         x = angle[k % len(angle)]
         p = pressure[k % len(pressure)] if pressure else SWING[k % 4] + 0.3 * k
         wanted = x if demand is None else demand
-        sample = Sample(x, p, averaged * k, others * k, velocity, opening, residual, wanted, 0.0, CYCLE, level, 1.0)
+        sample = Sample(
+            x,
+            p,
+            averaged * k,
+            others * k,
+            others * k,
+            inertia,
+            velocity,
+            opening,
+            residual,
+            wanted,
+            0.0,
+            CYCLE,
+            level,
+            1.0,
+        )
         memory, fault = joint.find(LIMITS, memory, sample)
         found.append(Fault(fault))
     return memory, found
@@ -90,7 +105,7 @@ def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_t
     def after(angles: list[float], begun: float = outside.AWAY) -> list[int]:
         memory, found = begun, []
         for angle in angles:
-            taken = Sample(angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, CYCLE, MOTION, 1.0)
+            taken = Sample(angle, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, CYCLE, MOTION, 1.0)
             memory, fault = outside.find(limits, memory, rails, taken)
             found.append(fault)
         return found
@@ -98,6 +113,50 @@ def test_a_joint_that_rests_at_the_border_of_its_stroke_may_be_led_inside_from_t
     assert not any(after(shaking))
     assert after([*shaking, 0.99, 1.201, 1.202])[-1] == Fault.OUTSIDE_STROKE, "it was inside"
     assert after([1.26, 1.26])[-1] == Fault.OUTSIDE_STROKE, "no joint rests there"
+
+
+STILL = LIMITS._replace(
+    angle_frozen=LIMITS.angle_frozen._replace(hides=5e4), doubt=LIMITS.doubt._replace(still=0.1, filling=0.4)
+)
+
+
+def frozen_after(pressure: float, light: float, heavy: float, inertia: float = 1e3, residual: float = 0.0) -> float:
+    """Time in which an angle that stays is told to be frozen, s."""
+    memory = joint.FRESH
+    for k in range(17):
+        p = SWING[k % 4] + 0.3 * k
+        taken = Sample(
+            0.5, p, pressure, light, heavy, inertia, 0.0, 0.0, residual, 0.5, 0.0, CYCLE, AIR, 1.0
+        )  # fmt: skip
+        memory, fault = joint.find(STILL, memory, taken)
+        if fault:
+            assert fault == Fault.ANGLE_FROZEN
+            return CYCLE * k
+    return inf
+
+
+def test_a_joint_that_bears_what_friction_cannot_hold_would_have_gone_on() -> None:
+    assert frozen_after(9e4, 0.0, 2e4) < 0.06
+    assert frozen_after(-9e4, 0.0, -2e4) < 0.06
+    assert frozen_after(9e4, 0.0, 2e4, inertia=1e6) == inf, "a heavy one does not in this time"
+    assert frozen_after(9e4, 0.0, 5e4) == inf, "with some payload friction holds it"
+    assert frozen_after(9e4, 4e4, 2e5) == inf, "with one payload it is pushed one way, with another the other way"
+
+
+def test_air_that_moves_around_a_joint_at_rest_tells_that_it_moves() -> None:
+    assert frozen_after(0.0, 0.0, 0.0, residual=0.09) == inf
+    assert frozen_after(0.0, 0.0, 0.0, residual=-0.12) < 0.07
+
+
+def test_of_payloads_that_may_be_there_the_one_counts_with_which_a_joint_bears_least() -> None:
+    swing, others = 4e5, (0.0, 8e5)  # between none and the most there is one that bears all of it
+    memory = joint.FRESH
+    for k in range(30):
+        turned = 1.0 if k > 15 else -1.0
+        p, (light, heavy) = turned * swing, (turned * other for other in others)
+        taken = Sample(0.5, SWING[k % 4] + 0.3 * k, p, light, heavy, 1e9, 0.0, 0.0, 0.0, 0.5, 0.0, CYCLE, AIR, 1.0)
+        memory, fault = joint.find(LIMITS, memory, taken)
+        assert not fault
 
 
 @pytest.mark.parametrize("when", np.linspace(0.0, 0.9, 10))
@@ -173,7 +232,7 @@ def test_a_joint_that_another_may_hold_back_is_given_four_times_the_time() -> No
     for others, cycles in ((0.0, 60), (push, 240)):
         memory, found = following.Memory(), []
         for _ in range(250):
-            sample = Sample(0.0, strained, strained, others, 0.1, 0.5, 0.0, 0.2, 0.0, CYCLE, AIR, 1.0)
+            sample = Sample(0.0, strained, strained, others, others, 1e9, 0.1, 0.5, 0.0, 0.2, 0.0, CYCLE, AIR, 1.0)
             memory, fault = following.find(LIMITS.following, memory, sample)
             found.append(fault)
         assert np.flatnonzero(found)[0] == pytest.approx(cycles, abs=2)

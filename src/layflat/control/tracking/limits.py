@@ -118,16 +118,16 @@ def _between(q, p):
 def own_limits(actuator, friction, inertia, holds, speed, margins):
     """Return the limits of a joint alone, of an inertia (kg m2), whichever way it turns; a torque holds it at rest.
 
-    No stop from a speed (rad/s) is meant to take less than half of what a move takes: light joints would swing.
+    No stop from a speed (rad/s) is meant to take less than a quarter of what a move takes: light joints would swing.
     """
     w, h, quickest = max(inertia, LEAST_INERTIA), abs(holds - actuator.middle), margins.quickest
-    gentle = 4.0 * max(abs(speed), ASIDE) / quickest
+    gentle = 8.0 * max(abs(speed), ASIDE) / quickest
     brakes = min(_brakes(actuator, friction, -h, w), gentle)
     return PathLimits(
         _most(actuator, friction, h, w),
         margins.braking * brakes,
         margins.late * brakes,
-        min(margins.jerk * _jerk(actuator, w), 4.0 * gentle / quickest),
+        min(margins.jerk * _jerk(actuator, w), 8.0 * gentle / quickest),
         actuator.speed,
         inf,
     )

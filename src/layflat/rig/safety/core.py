@@ -46,9 +46,7 @@ class Core:
             self._arrays += (arm.array[0], own.array[0], memory.array[0], report.array)
             self._perform = compiled.cycle_with(arm.like, own.like, memory.like, len(names))
         # What comes in: samples (rad, Pa), and the demands of the host (rad, rad/s, rad/s2), (joints,).
-        self.angles, self.pressures, self._asked, *self._rates, _ = (
-            self._given[:, column] for column in compiled.IN_GIVEN
-        )
+        self.angles, self.pressures, self._asked, *self._rates = self._given.T[:5]
         self._meant, self._plans = 0.0, law is not None and law.kind.plans
         self.between: Callable[[], object] | None = None  # is called between control law and the gate of its voltages
         self.voltages_asked = self.memory["asked"]  # what the control law asked for, V, (joints,)

@@ -38,7 +38,8 @@ class Rig(NamedTuple):
     centre: float  # voltage at which valves are closed, V
     per_volt: float  # opening of a valve, 1/V
     ambient: float  # pa
-    payload: float  # kg
+    lightest: float  # payload that there may be at least, kg
+    heaviest: float  # and at most
     voltage_low: float
     voltage_high: float
     demand_lead: float  # by which demands may be ahead of their references, rad
@@ -99,7 +100,9 @@ class JointInputs(NamedTuple):
     asked: float
     velocity: float  # of what is asked for; not a number: it is derived, as the next
     acceleration: float
-    others: float  # differential pressure that gravity and joints that turn would ask of it at rest, Pa
+    others_light: float  # differential pressure that gravity and joints that turn would ask of it at rest, Pa
+    others_heavy: float  # the same with the greatest payload, not the least
+    inertia: float  # differential pressure per acceleration, of the joint alone, Pa s2/rad
 
 
 class Known(NamedTuple):
@@ -136,7 +139,7 @@ def _air(rig, settings, memory, came, opening, supply_pressure, elapsed):
 
 @composition
 def _couple(arm, rig_numbers, settings, given, memory, nothing):
-    """Write what gravity and joints that turn ask of each joint (see coupling.py), with the described payload."""
+    """Write what gravity and joints that turn ask of each joint (see coupling.py), with either end of the payload."""
     n = len(nothing)
     angles, rates = slots(nothing), slots(nothing)
     turns, mass, work = np.zeros(n), np.empty((n, n)), np.empty((n, n + 1))
@@ -146,21 +149,25 @@ def _couple(arm, rig_numbers, settings, given, memory, nothing):
         # What is not a number turns nothing.
         turns[j] = 1.0 if abs(seen.averaged_velocity) > TURNS and isfinite(seen.averaged_pressure) else 0.0
         rates[j] = seen.averaged_velocity if turns[j] > 0.0 else 0.0
-    payload = read_numbers(RIG, rig_numbers).payload
-    upper, swings, pulls = dynamics(arm, payload, gather(nothing, angles), gather(nothing, rates))
-    row, swung, pulled = slots(upper), slots(in_lanes(swings, 0.0)), slots(in_lanes(pulls, 0.0))
-    at, passive, torques, asked = 0, np.empty(n), np.empty(n), np.empty(n)
-    for j in range(n):
-        for i in range(j, n):
-            mass[j, i] = mass[i, j] = row[at]
-            at += 1
-        own, seen = read_numbers(SETTINGS, settings[j]), read_numbers(MEMORY, memory[j]).estimate
-        passive[j] = swung[j] + pulled[j]
-        rubs = 0.5 * own.detectors.angle_frozen.friction_band * (1.0 if rates[j] > 0.0 else -1.0)
-        torques[j] = own.torque_constant * (seen.averaged_pressure - rubs) + passive[j]
-    torques_at_rest(mass, torques, passive, turns, work, asked)
-    for j in range(n):
-        given[j, IN_GIVEN.others] = asked[j] / read_numbers(SETTINGS, settings[j]).torque_constant
+    rig, q, v = read_numbers(RIG, rig_numbers), gather(nothing, angles), gather(nothing, rates)
+    passive, torques, asked = np.empty(n), np.empty(n), np.empty(n)
+    for heavy in range(2):
+        upper, swings, pulls = dynamics(arm, rig.heaviest if heavy else rig.lightest, q, v)
+        row, swung, pulled = slots(upper), slots(in_lanes(swings, 0.0)), slots(in_lanes(pulls, 0.0))
+        at = 0
+        for j in range(n):
+            for i in range(j, n):
+                mass[j, i] = mass[i, j] = row[at]
+                at += 1
+            own, seen = read_numbers(SETTINGS, settings[j]), read_numbers(MEMORY, memory[j]).estimate
+            passive[j] = swung[j] + pulled[j]
+            rubs = 0.5 * own.detectors.angle_frozen.friction_band * (1.0 if rates[j] > 0.0 else -1.0)
+            torques[j] = own.torque_constant * (seen.averaged_pressure - rubs) + passive[j]
+        torques_at_rest(mass, torques, passive, turns, work, asked)
+        for j in range(n):
+            per = 1.0 / read_numbers(SETTINGS, settings[j]).torque_constant
+            given[j, IN_GIVEN.others_light + heavy] = per * asked[j]
+            given[j, IN_GIVEN.inertia] = per * mass[j, j]
 
 
 @kernel
@@ -187,9 +194,9 @@ def judge(rig_numbers, settings, inputs, given, memory):
         opening = _opening(rig, before)
         air = _air(rig, own, before, came, opening, now.supply, now.elapsed)
         taken = sample.Sample(
-            came.angle, came.pressure, before.estimate.averaged_pressure, came.others,
-            before.estimate.averaged_velocity, opening, air.residual, before.demand.demand, lead, now.elapsed,
-            now.level, alone,
+            came.angle, came.pressure, before.estimate.averaged_pressure, came.others_light, came.others_heavy,
+            came.inertia, before.estimate.averaged_velocity, opening, air.residual, before.demand.demand, lead,
+            now.elapsed, now.level, alone,
         )  # fmt: skip
         detectors, fault = joint.find(own.detectors, before.detectors, taken)
         write_numbers(memory[j, IN_MEMORY.detectors :], detectors)

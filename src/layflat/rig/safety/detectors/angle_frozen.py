@@ -1,6 +1,6 @@
 """An angle that does not change although it should: its sensor is frozen, or the joint is blocked."""
 
-from math import nan
+from math import inf, nan
 from typing import NamedTuple
 
 from layflat.jit import law
@@ -18,6 +18,7 @@ BEYOND = 1.9
 DRIVEN, PARKED, OPEN = 0.09, 0.2, 0.12
 ASLEEP = 0.29  # a driven joint moves by a count within this time; sound ones, shaken by another, took 0.2 s, s
 HELD = 0.6  # the same by more than noise, which may go to and fro by a count, s
+TRAVELS = 0.01  # way that a joint would have gone by what friction can't hold, although its angle stays, rad
 
 
 class Limits(NamedTuple):
@@ -31,37 +32,65 @@ class Limits(NamedTuple):
     lands: float = 0.0  # error up to which the control law may bring the joint to rest at once, rad
     fades: float = 0.0  # time at rest until the averaged pressure has none of what braked the joint, s
     rests: float = 0.0  # way in a cycle from which the joint may be at rest in the next, rad
+    hides: float = inf  # differential pressure that friction may hold at rest; infinite: no torque follows from it, Pa
+
+
+class Borne(NamedTuple):
+    """Differential pressure since the angle last changed, Pa."""
+
+    least: float = 0.0
+    most: float = 0.0
 
 
 class Memory(NamedTuple):
     """What the joint has borne since its angle last changed, and for how long it has not followed."""
 
-    least: float = 0.0  # differential pressure since the angle last changed, Pa
-    most: float = 0.0
-    net_least: float = 0.0  # the same less what joints that turn would hold off, Pa
-    net_most: float = 0.0
+    whole: Borne = Borne()
+    net: Borne = Borne()  # less what gravity and joints that turn would hold off, whatever the payload
+    rate: float = 0.0  # that it would have got by what friction can't hold, rad/s
+    travel: float = 0.0  # how far it would have gone so, rad
     asleep: float = 0.0
     anchor: float = nan  # where it was when it last moved by more than noise, rad
     held: float = 0.0
 
 
 @law
+def _borne(before, low, high, goes_on):
+    # The least that a pressure which is known to lie between two has swung.
+    return Borne(min(before.least, high) if goes_on else high, max(before.most, low) if goes_on else low)
+
+
+@law
+def _swing(borne):
+    return borne.most - borne.least
+
+
+@law
+def _pushed(low, high, hides):
+    # What friction can't hold, whatever is carried.
+    return low - hides if low > hides else (high + hides if high < -hides else 0.0)
+
+
+@law
 def blocked(limits, memory, now):
     """Whether the angle stays while the joint bears more than friction hides."""
-    return now.same_angle > limits.sure and memory.most - memory.least > limits.friction_band
+    return now.same_angle > limits.sure and _swing(memory.whole) > limits.friction_band
 
 
 @law
 def find(limits, memory, doubts, before, now, sample):
     """Follow what the joint bears, and how long it stays where it is; traces are those before and after the sample."""
-    same, p, net = unchanged(before, sample), sample.averaged_pressure, sample.averaged_pressure - sample.others
+    same, p = unchanged(before, sample), sample.averaged_pressure
     bears = same and before.same_angle >= limits.fades
-    least = min(memory.least, p) if bears else p
-    most = max(memory.most, p) if bears else p
-    # Shaken by the others, or not as much as is believed: it is blocked if it bears both.
-    net_least = min(memory.net_least, net) if bears else net
-    net_most = max(memory.net_most, net) if bears else net
-    borne = min(most - least, net_most - net_least)
+    # Shaken by the others, or not as much as is believed: it is blocked if it bears all of them.
+    light, heavy = p - sample.others_light, p - sample.others_heavy
+    low, high = min(light, heavy), max(light, heavy)
+    whole, net = _borne(memory.whole, p, p, bears), _borne(memory.net, low, high, bears)
+    borne = min(_swing(whole), _swing(net))
+    pushed = _pushed(low, high, limits.hides) if bears else 0.0
+    onward = memory.rate if pushed * memory.rate > 0.0 else 0.0
+    rate = onward + sample.elapsed * pushed / sample.inertia
+    travel = (memory.travel if pushed * memory.travel > 0.0 else 0.0) + sample.elapsed * rate
     driven = sample.level >= AIR and abs(sample.demand - sample.angle) > DRIVEN
     drives = driven and (abs(sample.opening) > OPEN or abs(sample.demand - sample.angle) > PARKED)
     counts = sample.elapsed if drives else 0.0
@@ -69,7 +98,7 @@ def find(limits, memory, doubts, before, now, sample):
     near = abs(sample.angle - memory.anchor) <= MOVING * limits.lsb
     anchor = memory.anchor if near else sample.angle
     held = lasted(memory.held, anchor == memory.anchor and driven, counts)
-    after = Memory(least, most, net_least, net_most, asleep, anchor, held)
+    after = Memory(whole, net, rate, travel, asleep, anchor, held)
     stays = now.same_angle > limits.sure
     # By both: a sample after a late one is further from it, and what came late was sampled some time before.
     landed = abs(sample.demand - sample.angle) < limits.lands
@@ -77,6 +106,7 @@ def find(limits, memory, doubts, before, now, sample):
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))
+        or (stays and (doubts.moves or abs(travel) > TRAVELS))
         or asleep >= ASLEEP
         or held >= HELD
         or (now.same_angle >= limits.patience and borne > BEYOND * limits.friction_band)

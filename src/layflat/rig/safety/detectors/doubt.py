@@ -1,12 +1,13 @@
 """Whether a sensor may be frozen: until that is known, what is computed from it says nothing of the valve."""
 
-from math import isfinite
+from math import inf, isfinite
 from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.physics.air_balance import SMOOTHING
 from layflat.rig.safety.detectors.sample import AIR, lasted
 
+STIRS = 0.02  # for which air moves around a joint that stands still; that of a burst hose is wrong by then, s
 MOVING = 2.5  # counts from one sample to the next that are motion, not noise
 
 
@@ -19,6 +20,7 @@ class Limits(NamedTuple):
     doubtful: float  # of the same sample, after which a sensor may be frozen, s
     warmth: float = 0.0  # residual per speed of air that keeps the warmth of its compression; 0: joints are slow, s/rad
     filling: float = 0.0  # the same per opening of the valve, of air that keeps the warmth with which it flows in, 1
+    still: float = inf  # residual of a joint that stands still, besides that
 
 
 class Memory(NamedTuple):
@@ -28,6 +30,7 @@ class Memory(NamedTuple):
     suspect: float = 0.0
     speed: float = 0.0  # of the joint over the time in which the residual is averaged, rad/s
     opening: float = 0.0  # of its valve, likewise
+    stirs: float = 0.0  # for how long its air has moved although it stands still, s
 
 
 class Doubt(NamedTuple):
@@ -37,6 +40,7 @@ class Doubt(NamedTuple):
     any: bool  # the angle or the pressure may be frozen
     wrong: bool  # the air does what the valve was not asked for, or a sensor is wrong
     suspect: bool  # a sensor may be frozen, and the air has been wrong since
+    moves: bool  # by its air the joint moves, while its angle stays
 
 
 @law
@@ -62,4 +66,8 @@ def doubt(limits, memory, before, now, sample):
     beyond = sample.residual > limits.residual + most or sample.residual < least - limits.residual
     wrong = airy and sample.alone > 0.0 and beyond
     suspect = either and (wrong or memory.suspect > 0.0)
-    return Memory(same_pressure, 1.0 if suspect else 0.0, speed, opening), Doubt(angle, either, wrong, suspect)
+    stirred = abs(sample.residual) > limits.still + limits.filling * abs(opening)
+    stands = airy and sample.alone > 0.0 and now.same_angle > limits.doubtful
+    stirs = lasted(memory.stirs, stands and stirred, sample.elapsed)
+    after = Memory(same_pressure, 1.0 if suspect else 0.0, speed, opening, stirs)
+    return after, Doubt(angle, either, wrong, suspect, stirs > STIRS)

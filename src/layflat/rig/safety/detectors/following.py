@@ -61,6 +61,6 @@ def find(limits, memory, sample):
     p = sample.averaged_pressure
     strains = beside and abs(p) > limits.strained and abs(sample.velocity) < SLOW
     # Another joint that brakes may hold this one for a while.
-    alone = abs(p - sample.others) > limits.strained
+    alone = min(abs(p - sample.others_light), abs(p - sample.others_heavy)) > limits.strained
     strained = lasted(memory.strained, strains, sample.elapsed if alone else EXPLAINED * sample.elapsed)
     return Memory(reach, off, strained), FAULT if off >= limits.patience or strained >= limits.long else 0

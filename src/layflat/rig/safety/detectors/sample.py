@@ -15,7 +15,9 @@ class Sample(NamedTuple):
     angle: float  # as sampled, rad
     pressure: float  # differential pressure as sampled, Pa
     averaged_pressure: float  # the same over a dither period, Pa
-    others: float  # what joints that turn would hold off of it, Pa
+    others_light: float  # what gravity and joints that turn would hold off of it, with the least payload, Pa
+    others_heavy: float  # and with the greatest
+    inertia: float  # of the joint alone, as differential pressure per acceleration, Pa s2/rad
     velocity: float  # rad/s
     opening: float  # of the valve as asked for, 1
     residual: float  # air that the valve was not asked for, as an opening of it (see `physics/air_balance.py`)
