@@ -204,7 +204,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             LANDS if plans(machine) else 0.0,
             AVERAGED * cycle if plans(machine) else 0.0,
             rests_from(machine, name) * cycle if plans(machine) else 0.0,
-            0.5 * HIDES * friction if part.acting == "double" else inf,
+            0.5 * HIDES * friction if plans(machine) and part.acting == "double" else inf,
         ),
         valve_unresponsive.Limits(
             least_ripple(machine) if seen else 0.0,

@@ -87,7 +87,8 @@ def find(limits, memory, doubts, before, now, sample):
     low, high = min(light, heavy), max(light, heavy)
     whole, net = _borne(memory.whole, p, p, bears), _borne(memory.net, low, high, bears)
     borne = min(_swing(whole), _swing(net))
-    pushed = _pushed(low, high, limits.hides) if bears else 0.0
+    # In uneven cycles it is not known well enough when the pressure was what it was.
+    pushed = _pushed(low, high, limits.hides) if bears and sample.alone > 0.0 else 0.0
     onward = memory.rate if pushed * memory.rate > 0.0 else 0.0
     rate = onward + sample.elapsed * pushed / sample.inertia
     travel = (memory.travel if pushed * memory.travel > 0.0 else 0.0) + sample.elapsed * rate
