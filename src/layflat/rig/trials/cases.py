@@ -11,10 +11,9 @@ import numpy as np
 
 from layflat.rig.device.failures import failure
 from layflat.rig.device.virtual import VirtualDevice
-from layflat.rig.safety.detectors import angle_frozen
 from layflat.rig.safety.detectors.following import allowed
 from layflat.rig.safety.faults import Fault
-from layflat.rig.safety.limits import joint_limits, speed_limit
+from layflat.rig.safety.limits import speed_limit
 from layflat.rig.trials.rig import TrialRig
 
 EMPTY = 0.3e5  # gauge pressure below which a hose is empty, Pa
@@ -22,7 +21,6 @@ SINKING = 1.5  # speed up to which a joint is let down, rad/s
 STILL = 0.02  # speed below which a joint stands still, rad/s
 
 GRIP = 1.0  # of a joint's greatest torque: what holds it back; it slides: one that can't looks like a frozen sensor
-LEFT = 0.1  # what a joint has before it whose angle freezes: one that lands has nothing to show, rad
 PUSH = 1.2  # of a joint's greatest torque: what pushes it out against its controller
 
 
@@ -130,13 +128,6 @@ def _left_behind(rig: TrialRig, joint: int) -> bool:
     return bool(abs(rig.truth.angles[joint] - rig.reaches[joint]) > most)
 
 
-def _misleads(rig: TrialRig, joint: int) -> bool:
-    # Friction may stop a light joint within a cycle: a frozen angle tells nothing of it until it is wrong.
-    may_stop = joint_limits(rig.machine, list(rig.machine.joints)[joint]).angle_frozen.rests > 0.0
-    wrong = abs(rig.truth.angles[joint] - rig.supervisor.core.angles[joint])
-    return bool(wrong > (angle_frozen.DRIVEN if may_stop else 0.0))
-
-
 LINK = (Fault.LINK_LOST, Fault.DEVICE_CENTRED, Fault.DEVICE_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
@@ -163,8 +154,7 @@ ROWS: dict[str, tuple[FaultCase, ...]] = {
     "sensor frozen": (
         _of_rig("pressure-frozen", (Fault.PRESSURE_FROZEN,), VENTED, seconds=0.1),
         _of_rig("converter-frozen", (*FROZEN, Fault.VALVE_UNRESPONSIVE), VENTED, seconds=0.1),
-        _of_rig("angle-frozen", (*FROZEN, Fault.VALVE_UNRESPONSIVE), VENTED, seconds=0.1, moving=True,
-                since=_misleads, way_left=LEFT),
+        _of_rig("angle-frozen", (*FROZEN, Fault.VALVE_UNRESPONSIVE), VENTED, seconds=0.1, moving=True),
     ),
     "following error": (
         _of_rig(
