@@ -1,6 +1,6 @@
 """Arms in space: the cost of a step of four and of seven joints, alone and in an ensemble, and of compiling them.
 
-Run by itself (`python -m benchmarks.chains cold`) it prints how long the first rollout takes with nothing compiled, s.
+Run by itself (`python -m benchmarks.chains paper`, or `tracking`) it prints how long a first rollout takes, s.
 """
 
 from __future__ import annotations

@@ -1,15 +1,21 @@
+import gc
 import os
 import shutil
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import pytest
+from numba.core import event
+from numba.core.errors import TypingError
 
 import layflat
 from layflat.jit import by_kind, cache_folder, kernel, law
 from layflat.jit.cache import forget_stale, included_sources, source_digest, sources
+from layflat.jit.compiler import cached
+from layflat.lanes import interpreted
 from layflat.physics.arms.planar import OneLink
 from layflat.physics.hose import Stroke
 
@@ -186,3 +192,31 @@ def test_only_machine_code_is_removed_and_only_after_a_month(tmp_path: Path) -> 
         os.utime(folder, (0, 0))
     forget_stale(tmp_path)
     assert sorted(tmp_path.iterdir()) == [young, other]
+
+
+@pytest.mark.skipif(interpreted(), reason="nothing is compiled")
+@pytest.mark.parametrize("fails", [False, True])
+def test_garbage_is_collected_as_usual_after_a_compilation(fails: bool) -> None:
+    """Also after one that failed, and where a kernel compiles a law."""
+    seen = []
+
+    class Seen(event.Listener):
+        def on_start(self, _: Any) -> None:
+            seen.append(gc.get_threshold())
+
+        def on_end(self, _: Any) -> None:
+            """Only the beginning counts."""
+
+    @law
+    def doubled(x: float) -> float:
+        return 2.0 * x
+
+    def twice(x: float) -> Any:
+        return doubled(doubled(x)) + ("" if fails else 0.0)
+
+    usual = gc.get_threshold()
+    with event.install_listener("numba:compile", Seen()), pytest.raises(TypingError) if fails else nullcontext():
+        assert cached(twice, None)(3.0) == 12.0
+    assert gc.get_threshold() == usual
+    assert len(seen) > 1
+    assert all(each[0] > usual[0] for each in seen[1:])
