@@ -132,8 +132,7 @@ LINK = (Fault.LINK_LOST, Fault.DEVICE_CENTRED, Fault.DEVICE_DUMPED)
 SENSOR = (Fault.ANGLE_AT_RAIL, Fault.OUTSIDE_STROKE, Fault.OVER_SPEED)
 FROZEN = (Fault.ANGLE_FROZEN, Fault.PRESSURE_FROZEN)
 # A joint that is stopped at once may fling another out of its stroke before it is told that it was held back itself.
-# A law that no longer knows what it moves holds the arm and says so, before any joint is left behind.
-HELD_BACK = (Fault.FOLLOWING_ERROR, Fault.ANGLE_FROZEN, Fault.OUTSIDE_STROKE, Fault.MODEL_DOUBTED)
+HELD_BACK = (Fault.FOLLOWING_ERROR, Fault.ANGLE_FROZEN, Fault.OUTSIDE_STROKE)
 ANSWER = (Fault.VALVE_UNRESPONSIVE, Fault.OVER_SPEED, Fault.OUTSIDE_STROKE)
 BEYOND = (Fault.OVER_SPEED, Fault.OUTSIDE_STROKE, Fault.OVER_PRESSURE, Fault.VALVE_UNRESPONSIVE)
 
