@@ -15,6 +15,7 @@ from layflat.rig.trials.campaign import Trial, campaign, judged
 from layflat.rig.trials.cases import ROWS
 from layflat.rig.trials.rig import TrialRig
 from layflat.rig.trials.soak import quiet
+from layflat.rig.trials.work import RandomWork
 
 ARM = load("paper-arm")
 PATIENT = changed(ARM, "interface.serial.timeout", 0.1)
@@ -55,6 +56,19 @@ def test_nothing_is_found_of_a_sound_rig(clock: type[VirtualClock]) -> None:
 def test_replies_that_take_long_are_no_fault_of_the_air() -> None:
     found = quiet(ARM, VirtualRig(ARM), 60.0 / 3600.0, seed=3, driver_of=SlowDriver)
     assert found.trips == 0, found.messages
+
+
+def test_payloads_wait_for_motions_to_end() -> None:
+    host = RandomWork(load("paper-arm-tracking"), np.random.default_rng(2))
+    told, rests, now = [], [], 0
+    for _ in range(4000):
+        host.ask(now)
+        asked = host.request(now)
+        told.append(any((*(asked.velocities or ()), *(asked.accelerations or ()))))
+        rests.append(host.rests)
+        now += round(0.005 * SECOND)
+    assert any(told)
+    assert rests == [not moves for moves in told]
 
 
 def test_every_fault_is_found_over_the_wire_in_time_and_the_rig_is_made_safe() -> None:

@@ -40,7 +40,7 @@ def quiet(
 
     The device is a sound one; the seed is that of moves and payloads; `progress` is told the share that is done. The
     loop waits by the clock; default: one that is never late. An arm that would fall takes and leaves payloads where it
-    stands: one that it loses on its way throws it out of its stroke, and that is no false alarm.
+    rests and is to rest: on its way that throws it out of its stroke, which is no false alarm.
     """
     clock, random = clock or VirtualClock(), np.random.default_rng(seed)
     host = RandomWork(machine, random)
@@ -57,7 +57,7 @@ def quiet(
         if before in {State.OFF, State.FAULT, State.STOPPED}:
             host.edges = {"reset"} if before is State.FAULT else {"start"}
         host.ask(now)
-        stands = not thrown or bool(np.abs(device.plant.velocities).max() < STILL)
+        stands = not thrown or (host.rests and bool(np.abs(device.plant.velocities).max() < STILL))
         if lightest < heaviest and now >= next_payload and stands:
             next_payload = now + round(random.exponential(PAYLOAD_EVERY) * SECOND)
             device.plant.payload = random.uniform(lightest, heaviest)

@@ -61,6 +61,11 @@ class RandomWork(Script):
         asked = super().request(now)
         return asked if self.rates is None else asked._replace(velocities=self.rates[0], accelerations=self.rates[1])
 
+    @property
+    def rests(self) -> bool:
+        """Whether what is asked for now does not move."""
+        return self.rates is None or not (any(self.rates[0]) or any(self.rates[1]))
+
     rates: tuple[list[float], list[float]] | None = None
 
     def _motion(self) -> States | None:
