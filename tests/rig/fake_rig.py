@@ -66,7 +66,7 @@ class PlannedHost(Recorder):
     def __init__(self, n: int) -> None:
         self.demands = [nan] * n
         self.rates: tuple[list[float], list[float]] | None = None  # of the demands: velocities and accelerations
-        self.start = self.stop = self.reset = self.ended = False
+        self.start = self.stop = self.reset = self.hold = self.ended = False
         self.age = 0.0
         self.rows: list[Array] = []
         self.lines: list[str] = []
@@ -74,8 +74,8 @@ class PlannedHost(Recorder):
 
     def request(self, _now: int) -> HostRequest:
         v, a = self.rates or (None, None)
-        wish = HostRequest(list(self.demands), self.start, self.stop, self.reset, self.age, v, a)
-        self.start = self.stop = self.reset = False
+        wish = HostRequest(list(self.demands), self.start, self.stop, self.reset, self.age, v, a, hold=self.hold)
+        self.start = self.stop = self.reset = self.hold = False
         return wish
 
     def publish(self, row: Array) -> None:

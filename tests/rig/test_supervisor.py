@@ -53,6 +53,29 @@ def test_air_that_does_not_come_is_a_fault() -> None:
     assert not rig.supervisor.air
 
 
+@pytest.mark.parametrize("name", ["paper-arm-fast", "paper-arm-tracking"])
+def test_a_hold_keeps_the_air_and_the_joints_where_they_are_until_a_start(name: str) -> None:
+    rig = Rig(load(name), np.zeros(2)).seconds(0.1)
+    rig.host.demands = [0.6, -0.6]
+    rig.seconds(0.15)
+    rig.host.hold = True
+    rig.cycles(1)
+    assert rig.shows(State.HOLDING)
+    held = rig.supervisor.demands.copy()
+    rig.seconds(1.5)
+    assert rig.supervisor.air
+    assert rig.supervisor.demands.tolist() == held.tolist()
+    assert [state.motion.velocity for state in rig.bench.states] == pytest.approx([0.0, 0.0], abs=0.02)
+    rig.host.demands = [0.1, 0.1]
+    rig.seconds(0.2)
+    assert rig.shows(State.HOLDING), "demands move nothing"
+    rig.host.start = True
+    rig.seconds(2.0)
+    assert rig.shows(State.MOVING)
+    assert [state.motion.angle for state in rig.bench.states] == pytest.approx([0.1, 0.1], abs=radians(1.0))
+    assert rig.shows(Fault.NONE)
+
+
 def test_a_controlled_stop_holds_centres_and_vents() -> None:
     rig = Rig(ARM, np.zeros(2)).seconds(0.1)
     rig.host.demands = [0.5, 0.5]

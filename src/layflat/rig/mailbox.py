@@ -73,6 +73,7 @@ class Setpoints:
     starts: int = 0
     stops: int = 0
     resets: int = 0
+    holds: int = 0
     ended: bool = False  # whether the loop is to end once it has let out the air
     velocities: list[float] | None = None  # rad/s; None: they are derived from the demands, as the next
     accelerations: list[float] | None = None  # rad/s2
@@ -100,7 +101,7 @@ class Mailbox:
 
     def ask(self, wanted: Setpoints) -> None:
         """The host's: replace the setpoints; doing so again shows that it lives."""
-        edges = (wanted.starts, wanted.stops, wanted.resets, int(wanted.ended), wanted.asks, wanted.meant)
+        edges = (wanted.starts, wanted.stops, wanted.resets, wanted.holds, int(wanted.ended), wanted.asks, wanted.meant)
         unknown = [nan] * len(wanted.demands)
         rates = (*(wanted.velocities or unknown), *(wanted.accelerations or unknown))
         self.setpoints.write(self._format.pack(*edges, *wanted.demands, *rates))
@@ -110,11 +111,11 @@ class Mailbox:
         found = self.setpoints.read()
         if found is None:
             return None
-        starts, stops, resets, ended, asks, meant, *numbers = self._format.unpack(found[1])
+        starts, stops, resets, holds, ended, asks, meant, *numbers = self._format.unpack(found[1])
         n = len(numbers) // 3
         demands, *rates = (numbers[k * n : (k + 1) * n] for k in range(3))
         velocities, accelerations = (None if all(map(isnan, of)) else of for of in rates)
-        wanted = Setpoints(demands, starts, stops, resets, bool(ended), velocities, accelerations, asks, meant)
+        wanted = Setpoints(demands, starts, stops, resets, holds, bool(ended), velocities, accelerations, asks, meant)
         return found[0], wanted
 
     def publish(self, row: Array) -> None:
@@ -137,7 +138,7 @@ class Mailbox:
 
 def _plan(layout: Layout) -> tuple[struct.Struct, int, int]:
     """How setpoints are written, where the snapshot's slot begins behind theirs, and where it ends."""
-    setpoints = struct.Struct(f"<6q{3 * len(layout.joints)}d")
+    setpoints = struct.Struct(f"<7q{3 * len(layout.joints)}d")
     second = HEAD.size + setpoints.size
     return setpoints, second, second + HEAD.size + 8 * layout.width
 
@@ -165,9 +166,10 @@ class RemoteHost:
             if last.asks != before.asks:
                 self._meant = last.meant if abs(now - last.meant) <= OFF * SECOND else now
         start, stop, reset = last.starts > before.starts, last.stops > before.stops, last.resets > before.resets
+        hold = last.holds > before.holds
         return HostRequest(
             last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND, last.velocities,
-            last.accelerations, (now - self._meant) / SECOND,
+            last.accelerations, (now - self._meant) / SECOND, hold,
         )  # fmt: skip
 
     def publish(self, row: Array) -> None:

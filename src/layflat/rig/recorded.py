@@ -9,6 +9,7 @@ from pathlib import Path
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
+from layflat.rig.lease import Lease
 from layflat.rig.record import Layout
 from layflat.rig.recorder.bag import Heading
 from layflat.rig.recorder.client import RecorderClient
@@ -25,7 +26,9 @@ class Recorded(AbstractContextManager["Recorded"]):
     The log, NAME.mcap, keeps the rig's address; OutputError is raised if it can't be written at its place.
     """
 
-    def __init__(self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path) -> None:
+    def __init__(
+        self, machine: Machine, driver: Callable[[], Driver], address: str, place: Path, lease: Lease | None = None
+    ) -> None:
         self.machine, self.place = machine, place
         with ExitStack() as begun:
             self._ring = Ring.create(Layout.of(machine).width)
@@ -34,7 +37,7 @@ class Recorded(AbstractContextManager["Recorded"]):
             self.recorder = start_recorder(self._ring, place, Heading.of(machine, driver=address))
             begun.callback(self._finish)
             client = partial(RecorderClient.join, self._ring.path)
-            self.session = begun.enter_context(Session(machine, driver, client))
+            self.session = begun.enter_context(Session(machine, driver, client, lease))
             self._begun = begun.pop_all()
 
     @property

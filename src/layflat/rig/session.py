@@ -16,6 +16,7 @@ from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
+from layflat.rig.lease import Lease
 from layflat.rig.loop import Recorder
 from layflat.rig.mailbox import Mailbox, Setpoints
 from layflat.rig.process import run_loop
@@ -66,18 +67,21 @@ class Snapshot:
 class Session(AbstractContextManager["Session"]):
     """A rig in use: `with Session(...) as rig: rig.start(); rig.ask([0.3, 0.2])`.
 
-    The machine has a controller. What makes the driver, and the end of the recorder that takes rows, is called in the
+    The machine has a controller. With a lease the rig is held, and then stops, once nobody renews it: until
+    somebody does, `start` and `ask` do nothing. What makes the driver, and the end of the recorder that takes rows, is called in the
     loop's process, so it must be picklable. LoopError is raised if the loop does not begin; its message says why.
     """
 
     def __init__(
-        self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Recorder] = Recorder
-    ) -> None:
+        self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Recorder] = Recorder,
+        lease: Lease | None = None,
+    ) -> None:  # fmt: skip
         self._layout = Layout.of(machine)
         self.mailbox = Mailbox.create(self._layout)  # file of shared memory, in which anyone may look on
         self._memory = Mailbox(self.mailbox, self._layout)
         self._wanted = Setpoints([nan] * len(machine.joints))
-        self._guard, self._over = threading.Lock(), threading.Event()
+        self._guard, self._over, self._lease = threading.RLock(), threading.Event(), lease
+        self._lapsed = lease is not None
         self._want()
         self._pipe, its = multiprocessing.Pipe()
         self.process = start_process(run_loop, (machine, driver, self.mailbox, recorder, its), "layflat-loop")
@@ -96,7 +100,12 @@ class Session(AbstractContextManager["Session"]):
     def start(self) -> None:
         """Bring the air, softly; demands are obeyed from then on."""
         self.check()
-        self._want(starts=self._wanted.starts + 1)
+        self._want_if_minded(starts=self._wanted.starts + 1)
+
+    def hold(self) -> None:
+        """Hold the joints where they are, with air; what was asked for is forgotten. `start` goes on, then `ask`."""
+        self.check()
+        self._hold()
 
     def stop(self) -> None:
         """Hold the joints, then let out the air."""
@@ -140,7 +149,7 @@ class Session(AbstractContextManager["Session"]):
         self.check()
         rates = {name: of if of is None else [float(x) for x in of] for name, of in list(given.items())[1:]}
         meant = time.monotonic_ns() if at is None else round(at * SECOND)
-        self._want(demands=[float(x) for x in angles], **rates, asks=self._wanted.asks + 1, meant=meant)
+        self._want_if_minded(demands=[float(x) for x in angles], **rates, asks=self._wanted.asks + 1, meant=meant)
 
     def snapshot(self) -> Snapshot | None:
         """The last cycle; None before the first."""
@@ -183,9 +192,32 @@ class Session(AbstractContextManager["Session"]):
             self._wanted = replace(self._wanted, **changed)
             self._memory.ask(self._wanted)
 
+    def _want_if_minded(self, **changed: Any) -> None:
+        with self._guard:
+            self._mind()
+            if not self._lapsed:
+                self._want(**changed)
+
+    def _hold(self) -> None:
+        nothing = [nan] * len(self._wanted.demands)
+        self._want(demands=nothing, velocities=None, accelerations=None, holds=self._wanted.holds + 1)
+
     def _keep_fresh(self) -> None:
         while not self._over.wait(REFRESH):
-            self._want()
+            self._mind()
+            if self._lease is None or not self._lease.over or not self._has_air():
+                self._want()
+
+    def _mind(self) -> None:
+        """Hold the joints once the lease has lapsed."""
+        with self._guard:
+            before, self._lapsed = self._lapsed, self._lease is not None and not self._lease.lives
+            if self._lapsed and not before:
+                self._hold()
+
+    def _has_air(self) -> bool:
+        shot = self.snapshot()
+        return shot is not None and bool(shot["air"])
 
     def _listen(self) -> bool:
         """Take what the process has said, if anything."""

@@ -107,6 +107,12 @@ class StateMachine:
             self._obeyed, self._reset_for, self._there_for = False, RESET_LOW + RESET_HIGH, 0.0
             self.enter(State.STARTING, ValveMode.HOLD)
 
+    def hold(self) -> None:
+        """Hold joints that demands move, or could."""
+        if self.state in {State.READY, State.MOVING}:
+            self.core.freeze()
+            self.enter(State.HOLDING, ValveMode.HOLD)
+
     def stop(self) -> None:
         """Controlled stop: the joints are held, then the air is let out."""
         if self.state is State.FAULT:

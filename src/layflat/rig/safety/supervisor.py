@@ -34,6 +34,7 @@ class HostRequest(NamedTuple):
     velocities: Sequence[float] | None = None  # rad/s; None, or not a number: derived from the demands, as the next
     accelerations: Sequence[float] | None = None  # rad/s2
     since: float = 0.0  # the instant for which the demands are meant, s
+    hold: bool = False  # edge: hold the joints where they are, with air; a start goes on
 
 
 class Supervisor(StateMachine):
@@ -98,7 +99,8 @@ class Supervisor(StateMachine):
         """Whether all that was so in the cycle before is still so, as far as it can be told before it is judged."""
         return (
             self.state is State.MOVING
-            and not (request.start or request.stop or request.reset or reading.stopped or self._reset_for)
+            and not (request.start or request.stop or request.reset or request.hold)
+            and not (reading.stopped or self._reset_for)
             and not (self.noted or self.ledger.latched)
             and reading.device == DeviceState.RUNNING
             and request.age <= self._stale_after
@@ -139,9 +141,12 @@ class Supervisor(StateMachine):
             self.stop()
         if request.reset:
             self.reset()
-        if request.stop and running:
-            self.stop()
-        if request.start and not request.stop:
+        if request.stop:
+            if running:
+                self.stop()
+        elif request.hold:
+            self.hold()
+        elif request.start:
             self.start()
         if self.ledger.latched:
             self.react()
