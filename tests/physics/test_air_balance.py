@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.physics.air_balance import AirEstimate, AirParts, follow_air
+from layflat.physics.air import REFERENCE_DENSITY
+from layflat.physics.air_balance import REFERENCE_PRESSURE, AirEstimate, AirParts, follow_air
 from layflat.physics.flow import laminar_slope
 
 PARTS = AirParts(2e-4, 2e-4, 0.9, 2e-8, 0.0, inf, 0.3, float(laminar_slope(0.3)), 0.02, 0.0, 40.0, 0.05, 14.0)
@@ -122,3 +123,14 @@ def test_the_residual_is_the_pull_of_the_measured_difference_over_what_an_open_v
     # Air that comes in at the speed of sound raises the pressure by p_0 C p_s / V a second (ISO 6358).
     full = np.mean(1.185 * 287.05 * 293.15 * parts.conductance * SUPPLY / volumes)
     assert after.residual == pytest.approx(parts.follow * difference / full, rel=1e-4)
+
+
+@given(st.floats(0.1, 1.0))
+def test_air_taken_from_the_supply_is_what_the_hoses_gained(opening: float) -> None:
+    parts, estimate = PARTS._replace(follow=0.0), AirEstimate(2e5, EXHAUST, 0.1, 0.0)
+    for _ in range(100):
+        estimate = follow_air(parts, estimate, opening, 0.1, 0.0, SUPPLY, EXHAUST, CYCLE)
+    volume = parts.dead_volume + parts.torque_constant * (parts.neutral + 0.1)
+    gained = REFERENCE_DENSITY * (estimate.pressure_a - 2e5) * volume / REFERENCE_PRESSURE
+    assert gained > 0.0
+    assert estimate.taken == pytest.approx(gained, rel=1e-9)

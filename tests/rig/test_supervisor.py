@@ -53,6 +53,21 @@ def test_air_that_does_not_come_is_a_fault() -> None:
     assert not rig.supervisor.air
 
 
+def test_the_air_that_a_rig_takes_is_estimated() -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.1)
+    taken = [(state.ledger.air_taken, told) for state, told in zip(rig.bench.states, told_air(rig), strict=True)]
+    for demand in (0.5, -0.4, 0.3):
+        rig.host.demands = [demand, -demand]
+        rig.seconds(1.5)
+    for (truth_0, told_0), state, told in zip(taken, rig.bench.states, told_air(rig), strict=True):
+        assert told - told_0 == pytest.approx(state.ledger.air_taken - truth_0, rel=0.25)
+
+
+def told_air(rig: Rig) -> list[float]:
+    layout = rig.loop.layout
+    return list(layout.named(rig.loop.row, "estimated_air"))
+
+
 @pytest.mark.parametrize("name", ["paper-arm-fast", "paper-arm-tracking"])
 def test_a_hold_keeps_the_air_and_the_joints_where_they_are_until_a_start(name: str) -> None:
     rig = Rig(load(name), np.zeros(2)).seconds(0.1)
@@ -241,5 +256,5 @@ def test_the_loop_gives_the_trace_of_a_run_bit_for_bit() -> None:
     rows = np.array(rig.host.rows)
     layout = rig.loop.layout
     for name, at in layout.columns.items():
-        if name not in {"joint_fault", "demand_velocity"}:
+        if name not in {"joint_fault", "demand_velocity", "estimated_air"}:
             assert np.array_equal(layout.joint_rows(rows)[:, :, at], run[name].to_numpy()[:500]), name

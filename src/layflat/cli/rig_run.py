@@ -184,6 +184,7 @@ def _report(rig: Recorded, performance: PlanRunner, followed: str | None) -> Non
     from layflat.plot.runs import run_figure  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
     from layflat.rig.recorder.run import read_run  # noqa: PLC0415
+    from layflat.sim.metrics import air_used  # noqa: PLC0415
 
     if rig.place.exists():
         with busy("reading the log"):
@@ -193,6 +194,8 @@ def _report(rig: Recorded, performance: PlanRunner, followed: str | None) -> Non
             print_missed(part, Path(followed).name)
         elif performance.asked:
             print_moves(_moves(log, performance), rig.machine.name)
+        if "air_taken" in log:
+            typer.echo(f"air: about {air_used(log):.1f} normal litres")
         _print_events(log)
     for line in rig.session.messages:
         typer.echo(line)

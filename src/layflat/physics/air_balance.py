@@ -53,12 +53,13 @@ class AirParts(NamedTuple):
 
 
 class AirEstimate(NamedTuple):
-    """Pressures in the hoses (Pa), the angle before (rad), and the averaged residual."""
+    """What is known of a joint's air."""
 
-    pressure_a: float
-    pressure_b: float
-    angle: float
-    residual: float
+    pressure_a: float  # Pa
+    pressure_b: float  # Pa
+    angle: float  # before, rad
+    residual: float  # averaged
+    taken: float = 0.0  # from the supply so far, kg
 
 
 @law
@@ -73,12 +74,14 @@ def _conductance(parts, u):
 
 
 @law
-def _inflow(parts, fills, vents, p, p_s, p_e):
-    b, slope = parts.critical_ratio, parts.laminar_slope
-    come = effective_pressure(max(p_s, p), min(p_s, p), b, slope)
-    go = effective_pressure(max(p, p_e), min(p, p_e), b, slope)
-    come = come if p_s >= p else -come
-    go = go if p >= p_e else -go
+def _passes(parts, p, p_e):
+    # Mean of the pressure that drives flow from p to p_e, below zero where it flows the other way.
+    drives = effective_pressure(max(p, p_e), min(p, p_e), parts.critical_ratio, parts.laminar_slope)
+    return drives if p >= p_e else -drives
+
+
+@law
+def _inflow(come, go, fills, vents):
     return REFERENCE_PRESSURE * (fills * come - vents * go)
 
 
@@ -94,15 +97,17 @@ def follow_air(parts, estimate, opening, angle, difference, supply, exhaust, ela
     volume_a = max(parts.dead_volume + K * (parts.neutral + angle), 0.5 * parts.dead_volume)
     volume_b = max(parts.dead_volume + K * (parts.neutral - angle), 0.5 * parts.dead_volume)
     fills, vents = _conductance(parts, opening), _conductance(parts, -opening)
-    p_a, p_b, led = estimate.pressure_a, estimate.pressure_b, 0.0
+    p_a, p_b, led, taken = estimate.pressure_a, estimate.pressure_b, 0.0, estimate.taken
     for _ in range(SUBSTEPS):
         pull = 0.5 * parts.follow * (difference - (p_a - p_b))
         led += pull
-        p_a += h * ((_inflow(parts, fills, vents, p_a, supply, exhaust) - p_a * K * velocity) / volume_a + pull)
-        p_b += h * ((_inflow(parts, vents, fills, p_b, supply, exhaust) + p_b * K * velocity) / volume_b - pull)
+        come_a, go_a = _passes(parts, supply, p_a), _passes(parts, p_a, exhaust)
+        come_b, go_b = _passes(parts, supply, p_b), _passes(parts, p_b, exhaust)
+        taken += h * REFERENCE_DENSITY * (fills * max(come_a, 0.0) + vents * max(come_b, 0.0))
+        p_a += h * ((_inflow(come_a, go_a, fills, vents) - p_a * K * velocity) / volume_a + pull)
+        p_b += h * ((_inflow(come_b, go_b, vents, fills) + p_b * K * velocity) / volume_b - pull)
         p_a, p_b = max(p_a, 0.5 * exhaust), max(p_b, 0.5 * exhaust)
     full = REFERENCE_PRESSURE * parts.conductance * supply * 0.5 * (1.0 / volume_a + 1.0 / volume_b)
     share = elapsed / parts.smoothing
-    return AirEstimate(
-        p_a, p_b, angle, estimate.residual + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - estimate.residual)
-    )
+    residual = estimate.residual + min(share, 1.0) * (led / (SUBSTEPS * 0.5 * full) - estimate.residual)
+    return AirEstimate(p_a, p_b, angle, residual, taken)

@@ -37,6 +37,7 @@ RIG_SIGNALS: dict[str, tuple[str, str]] = {
     "demand_velocity": ("rad/s", "velocity of the demand; zero where the control law takes none"),
     **{name: SIGNALS[name] for name in ("voltage", "measured_angle", "measured_pressure")},
     **AVERAGED,
+    "estimated_air": ("kg", "air taken from the supply since the loop began, as the rig estimates it"),
 }
 
 

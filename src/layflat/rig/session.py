@@ -68,8 +68,8 @@ class Session(AbstractContextManager["Session"]):
     """A rig in use: `with Session(...) as rig: rig.start(); rig.ask([0.3, 0.2])`.
 
     The machine has a controller. With a lease the rig is held, and then stops, once nobody renews it: until
-    somebody does, `start` and `ask` do nothing. What makes the driver, and the end of the recorder that takes rows, is called in the
-    loop's process, so it must be picklable. LoopError is raised if the loop does not begin; its message says why.
+    somebody does, `start` and `ask` do nothing. What makes the driver, and the end of the recorder that takes rows, is
+    called in the loop's process, so it must be picklable. LoopError is raised if the loop does not begin, and says why.
     """
 
     def __init__(

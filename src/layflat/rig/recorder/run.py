@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 BEST_KNOWN = {
     "angle": ("measured_angle", "rad", "joint angle, as sampled"),
     "velocity": ("averaged_velocity", "rad/s", "joint velocity, from the averaged angle"),
+    "air_taken": ("estimated_air", "kg", "air taken from the supply since the start, estimated"),
 }
 # Columns that stand for something else than a quantity.
 FLAGS: dict[str, type[IntEnum]] = {"mode": State, "fault": Fault, "joint_fault": Fault, "device": DeviceState}
@@ -129,7 +130,8 @@ def read_run(path: Path) -> "xarray.Dataset":
     log = read_recording(path)
     run = xarray.Dataset(coords={"time": ("time", log.columns["time"], {"units": "s"}), "joint": list(log.joints)})
     for name, (source, unit, meaning) in BEST_KNOWN.items():
-        run[name] = (("time", "joint"), log.columns[source], {"units": unit, "long_name": meaning})
+        if source in log.columns:  # logs of earlier versions lack some
+            run[name] = (("time", "joint"), log.columns[source], {"units": unit, "long_name": meaning})
     for name, values in log.columns.items():
         if name == "time":
             continue

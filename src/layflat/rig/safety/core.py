@@ -68,7 +68,7 @@ class Core:
         held = max(FILLED * reading.supply if filled else empty, empty)
         for j, (angle, pressure) in enumerate(zip(reading.angles, reading.pressures, strict=True)):
             half = 0.5 * pressure if isfinite(pressure) else 0.0
-            self.memory.replace("air", AirEstimate(held + half, held - half, angle, 0.0), j)
+            self.memory.replace("air", AirEstimate(held + half, held - half, angle, 0.0, 0.0), j)
 
     def wake(self, reading: Reading) -> None:
         """Let control law and estimators begin at this reading."""

@@ -114,6 +114,7 @@ class Known(NamedTuple):
     measured_angle: float
     measured_pressure: float
     estimate: estimator.Estimate
+    estimated_air: float
 
 
 JOINT_INPUTS, KNOWN = len(JointInputs._fields), len(list(leaves(blank(Known))))
@@ -304,7 +305,15 @@ def record(rows, given, memory, report, recorded):
         came, after = read_numbers(JOINT, given[j]), read_numbers(MEMORY, memory[j])
         write_numbers(
             rows[j],
-            Known(after.demand.demand, after.velocity, after.voltage, came.angle, came.pressure, after.estimate),
+            Known(
+                after.demand.demand,
+                after.velocity,
+                after.voltage,
+                came.angle,
+                came.pressure,
+                after.estimate,
+                after.air.taken,
+            ),
         )
         for k in range(len(recorded)):
             rows[j, KNOWN + k] = report[j, recorded[k]]
