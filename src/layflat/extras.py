@@ -20,6 +20,8 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},
     "view": {"viser": "viser", "mujoco": "mujoco", "trimesh": "trimesh", "collada": "pycollada", "PIL": "pillow"},
+    "panel": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "pyarrow": "pyarrow", "pymodbus": "pymodbus",
+              "serial": "pyserial", "cobs": "cobs", "nicegui": "nicegui", "trimesh": "trimesh", "collada": "pycollada"},
     "cell": {"mujoco": "mujoco", "cv2": "opencv-python-headless", "ruckig": "ruckig", "av": "av", "PIL": "pillow"},
 }  # fmt: skip
 """Packages of each extra: the name to import, and the name that pip knows."""

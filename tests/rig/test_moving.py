@@ -19,8 +19,9 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.limits import demands_move, joint_limits
 from layflat.rig.safety.moving import GOES_ON, Limits, Moving, Stream, by_now, derived, inside, let_through, turns
 from layflat.rig.safety.states import State
+from layflat.rig.smooth import smooth
 from layflat.rig.trials.soak import quiet
-from layflat.rig.trials.work import smooth
+from layflat.rig.trials.work import HARD
 
 ARM = load("paper-arm-tracking")
 CYCLE, WORKING, B = 0.005, radians(60.0), 20.0
@@ -156,7 +157,7 @@ def test_a_step_of_40_degrees_arrives_through_loop_and_supervisor() -> None:
 @pytest.mark.parametrize("rates", [True, False])
 def test_a_motion_is_followed_with_its_rates_given_or_derived(rates: bool) -> None:
     start = np.array([-0.4, 0.3])
-    rig, states = rig_at(*start), smooth(ARM, start, np.array([0.4, -0.5]))
+    rig, states = rig_at(*start), smooth(ARM, start, np.array([0.4, -0.5]), HARD)
     off = []
     for q, v, a in zip(*states, strict=True):
         rig.host.demands = q.tolist()

@@ -44,6 +44,8 @@ app = LazyTyper(
         "identify": "identify",
         "log": "log:logs",
         "rig": "rig:rigs",
+        "panel": "panel",
+        "studio": "studio",
         "cells": "pack",
         "pack": "pack",
         "arm": "arm:arms",

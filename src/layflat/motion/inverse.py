@@ -65,6 +65,16 @@ class Inverse:
         """Take the arm of a machine, and a margin (rad) to the ends of its strokes."""
         self._kinematics, self._half = Kinematics(machine), half_strokes(machine) - margin
 
+    @property
+    def joints(self) -> int:
+        """How many joints the arm has."""
+        return len(self._half)
+
+    def tip(self, angles: Array) -> Array:
+        """Return where the tip is, (3,), m, at angles (joints,), rad."""
+        place: Array = self._kinematics.tip(angles[None])[0]
+        return place
+
     @cached_property
     def _known(self) -> Array:
         """Postures all over the strokes, (postures, joints), rad."""

@@ -16,6 +16,7 @@ from layflat.motion.trajectory import States
 from layflat.rig.abilities import demand_limits
 from layflat.rig.clock import SECOND
 from layflat.rig.safety.supervisor import HostRequest
+from layflat.rig.smooth import PEAKS, fifth, smooth
 from layflat.rig.trials.rig import Script
 
 SPAN = 0.9  # of the working stroke in which moves end
@@ -26,7 +27,6 @@ BELT_SPEED, BELT_ACCELERATION = (0.05, 0.5), 4.0  # m/s, m/s2
 BELT_TURNS = (0.2, 1.5)  # after which a belt turns round, and after which it stops, s
 PLANE = 2  # axes of a tip that moves in a plane
 LINE, NODES = (0.1, 0.5), 17  # lengths of lines in space, m, and postures that one is laid through
-PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of a polynomial of fifth degree: velocity over L/T, acceleration over L/T2
 
 
 class RandomWork(Script):
@@ -74,7 +74,7 @@ class RandomWork(Script):
         if not np.isfinite(start).all() or kind > MOTIONS + BELTS:
             return None
         if kind < MOTIONS:
-            return smooth(self._machine, start, self._random.uniform(-self._half, self._half))
+            return smooth(self._machine, start, self._random.uniform(-self._half, self._half), HARD)
         tip = tip_position(self._machine, start)
         if len(tip) > PLANE:
             return self._line(start, tip)
@@ -113,19 +113,3 @@ def harder(machine: Machine, rows: States) -> float:
     speed = (np.abs(rows[1]) / (HARD * can.speed)).max()
     acceleration = (np.abs(rows[2]) / (HARD * can.braking)).max()
     return max(1.0, float(speed), sqrt(float(acceleration)))
-
-
-def fifth(share: Array) -> tuple[Array, Array, Array]:
-    """Return place, velocity and acceleration of a polynomial of fifth degree at shares of its time, (times, 1)."""
-    x = np.minimum(share, 1.0)[:, None]
-    return x**3 * (10.0 - 15.0 * x + 6.0 * x**2), 30.0 * (x - x**2) ** 2, 60.0 * x * (1 - x) * (1 - 2 * x)
-
-
-def smooth(machine: Machine, start: Array, end: Array) -> States:
-    """Return a motion from rest to rest (rad, (joints,)) by a polynomial of fifth degree, as hard as `HARD` has it."""
-    can, way = demand_limits(machine), np.abs(end - start)
-    slow = np.maximum(PEAKS[0] * way / (HARD * can.speed), np.sqrt(PEAKS[1] * way / (HARD * can.braking)))
-    T = max(float(slow.max()), machine.cycle)
-    place, speed, surge = fifth(np.arange(0.0, T + machine.cycle, machine.cycle) / T)
-    L = end - start
-    return States(start + L * place, L * speed / T, L * surge / T**2)

@@ -1,0 +1,1 @@
+"""Pages in the browser: the operator panel of a rig, the design studio, and how they are served."""

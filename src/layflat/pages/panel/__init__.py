@@ -1,0 +1,1 @@
+"""The operator panel: a page on which a person runs a rig."""

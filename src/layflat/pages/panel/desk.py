@@ -1,0 +1,64 @@
+"""All that the panel's pages share: the rig, who drives it, and what it is asked to do."""
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from layflat.machine import Machine
+from layflat.motion.inverse import Inverse
+from layflat.pages.panel.link import Reached, RigLink, Standing
+from layflat.pages.panel.operators import Operators
+from layflat.pages.panel.pilot import Pilot
+from layflat.rig.lease import Lease
+from layflat.rig.session import Snapshot
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Which rig a panel is for."""
+
+    reached: Reached
+    address: str  # for people
+    tell: Callable[[str], str] | None = None  # of a virtual rig: obeys a line such as "fail e-stop", and answers
+
+
+class Desk(AbstractContextManager["Desk"]):
+    """The desk behind all pages of one panel: `with Desk(machine, rig, folder) as desk: ...`.
+
+    Logs and sequences are kept in the folder.
+    """
+
+    def __init__(self, machine: Machine, rig: Rig, folder: Path) -> None:
+        self.rig, self.folder, self.lease = rig, folder, Lease()
+        self.first = machine  # as described
+        self.link = RigLink(machine, rig.reached, folder, self.lease)
+        self.pilot, self.operators = Pilot(self.link, self.lease), Operators(self.lease)
+
+    @property
+    def machine(self) -> Machine:
+        """What the rig is, with the controller that it has now."""
+        return self.link.machine
+
+    @cached_property
+    def inverse(self) -> Inverse:
+        """Inverse kinematics of the arm."""
+        return Inverse(self.first)
+
+    def snapshot(self) -> Snapshot | None:
+        """The last cycle; None while the rig is not there."""
+        return self.link.snapshot()
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the rig is there."""
+        return self.link.standing is Standing.OPEN
+
+    def close(self) -> None:
+        """Stop the rig, let out the air, finish the log."""
+        self.pilot.close()
+        self.link.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

@@ -1,0 +1,119 @@
+"""What an operator asks of a rig, done as long as somebody minds it, and a look at the rig twenty times a second."""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+
+import numpy as np
+
+from layflat.pages.panel.history import History
+from layflat.pages.panel.link import RigLink
+from layflat.pages.panel.moves import Course, Jog, Move, Step
+from layflat.rig.lease import Lease
+from layflat.rig.safety.states import State
+from layflat.rig.session import LoopError, Session, Snapshot
+
+TICK = 0.02  # between two looks, s: demands that move go on for 50 ms
+WISHED = 1.0  # for so long a start is wished for while the lease has lapsed, as it may on a busy computer, s
+MOVES = {State.READY, State.MOVING}
+
+
+class Pilot:
+    """Leads a rig: one move at a time, which ends where the lease lapses or the rig does no longer obey.
+
+    Methods may be called from any thread; where the rig is gone they do nothing.
+
+    Attributes:
+        share: of what the arm can do, at which courses move, 0..1.
+        history: what was seen lately.
+    """
+
+    def __init__(self, link: RigLink, lease: Lease) -> None:
+        self.share, self.history = 0.3, History()
+        self._link, self._lease = link, lease
+        self._move: Move | None = None
+        self._start_until = 0.0  # s, monotonic
+        self._guard, self._over = threading.Lock(), threading.Event()
+        self._thread = threading.Thread(target=self._lead, name="layflat-pilot", daemon=True)
+        self._thread.start()
+
+    @property
+    def course(self) -> Course | None:
+        """The course that the arm is on, if it is on one."""
+        move = self._move
+        return move if isinstance(move, Course) else None
+
+    def start(self) -> None:
+        """Bring the air, or go on after the joints were held."""
+        self._start_until = time.monotonic() + WISHED
+
+    def stop(self) -> None:
+        """Hold the joints where they are, with air."""
+        self._drop()
+        self._tell(Session.hold)
+
+    def vent(self) -> None:
+        """Hold the joints, then let out the air."""
+        self._drop()
+        self._tell(Session.stop)
+
+    def reset(self) -> None:
+        """Let go of faults that are over."""
+        self._tell(Session.reset)
+
+    def jog(self, velocities: Sequence[float]) -> None:
+        """Move joints by these speeds, rad/s, from now until they are asked for zero."""
+        with self._guard:
+            jog = self._move if isinstance(self._move, Jog) else None
+            if jog is None and any(velocities) and (shot := self._obeying()) is not None:
+                self._move = jog = Jog(self._link.machine, np.array(shot["demand"]))
+            if jog is not None:
+                jog.wanted = np.array(velocities, float)
+
+    def go(self, steps: Sequence[Step], *, repeats: bool = False) -> bool:
+        """Move through places from where the joints are; returns whether the rig obeys."""
+        with self._guard:
+            shot = self._obeying()
+            if shot is None:
+                return False
+            start = np.array(shot["demand"])
+            self._move = Course(self._link.machine, start, steps, self.share, repeats=repeats)
+            return True
+
+    def close(self) -> None:
+        """End it; the rig is left to its link."""
+        self._over.set()
+        self._thread.join()
+
+    def _obeying(self) -> Snapshot | None:
+        shot = self._link.snapshot()
+        return shot if shot is not None and shot.state in MOVES and self._lease.lives else None
+
+    def _drop(self) -> None:
+        with self._guard:
+            self._move, self._start_until = None, 0.0
+
+    def _tell(self, what: Callable[[Session], None]) -> None:
+        session = self._link.session
+        if session is not None:
+            with suppress(LoopError, ValueError):  # it went meanwhile: the link tells
+                what(session)
+
+    def _lead(self) -> None:
+        while not self._over.wait(TICK):
+            shot, session = self._link.snapshot(), self._link.session
+            if shot is None or session is None:
+                self._drop()
+                self.history.pause()
+                continue
+            self.history.add(shot, self._link.machine)
+            if time.monotonic() < self._start_until and self._lease.lives:
+                self._start_until = 0.0
+                self._tell(Session.start)
+            with self._guard:
+                if self._move is not None and (shot.state not in MOVES or not self._lease.lives or self._move.over):
+                    self._move = None
+                if self._move is not None:
+                    with suppress(LoopError, ValueError):
+                        self._move.ask(session, shot, time.monotonic())

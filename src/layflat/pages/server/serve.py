@@ -1,0 +1,127 @@
+"""Pages of NiceGUI, served until it is to end."""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from layflat import extras
+from layflat.pages.server.guard import LARGEST, Guard
+from layflat.pages.server.place import Place
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+    from uvicorn import Server
+
+POLL = 0.05  # s
+GRACE = 1  # s, that connections have to end
+RECONNECT = 3.0  # s, that a browser has to come back to the page it had
+HEAD = 2**16  # bytes of a request's head; all cookies of this computer are in it
+
+CANNOT = (  # in place of what NiceGUI has to say
+    "<style>body > #esm-fallback { display: none }</style>"
+    '<p role="alert" style="font: 1.1rem/1.5 sans-serif; max-width: 36rem; margin: 15vh auto; padding: 0 1rem">%s</p>'
+)
+NO_SCRIPTS = f"<noscript>{CANNOT}</noscript>" % (
+    "This page needs JavaScript. Switch it on for this address, then load the page again."
+)
+TOO_OLD = (
+    f"""<script>
+if (!window.WebSocket || !HTMLScriptElement.supports || !HTMLScriptElement.supports("importmap"))
+  document.write('{CANNOT}')
+</script>"""
+    % "This page needs a newer browser: Chrome or Edge 96, Firefox 108, Safari 16.4, or later ones."
+)
+
+
+def serve(
+    root: Callable[[], object],
+    place: Place,
+    *,
+    title: str,
+    ready: Callable[[str], object],
+    stopped: Callable[[], bool],
+    started: Callable[[], object] | None = None,
+    ended: Callable[[], object] | None = None,
+) -> None:
+    """Serve a page until it is to end; once in a process, as NiceGUI keeps what it serves for all of it.
+
+    All functions are called in the one thread of the event loop.
+
+    Args:
+        root: builds the page of a browser's tab, at the path `/`.
+        place: where it is served.
+        title: of the page.
+        ready: told the start link, which lets a browser in, once it can be opened.
+        stopped: asked about every 50 ms whether to end; signals are left to the caller.
+        started: called once in the event loop, before `ready`.
+        ended: called once in the event loop where `started` was due, whatever the reason, with pages still open.
+
+    Raises:
+        InputError: the place can't be had.
+        MissingExtraError: what serves pages is not installed.
+    """
+    extras.require("panel", "nicegui")
+    with place.listen() as listener:
+        port = listener.getsockname()[1]
+        app = _application(root, title)
+        secure = place.certificate is not None
+        guard = Guard(app, place.hosts(port), cookie=f"layflat-{port}", secure=secure, admit=listener.admit)
+        server = _server(guard, place)
+
+        async def run() -> None:
+            async with app.router.lifespan_context(app):
+                await server.startup(sockets=[listener])
+                try:
+                    if started is not None:
+                        started()
+                    ready(f"{place.address(port)}/?token={guard.token}")
+                    while not stopped():
+                        listener.sweep()
+                        await asyncio.sleep(POLL)
+                finally:
+                    if ended is not None:
+                        ended()
+                    await server.shutdown(sockets=[listener])
+
+        with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:  # other loops accept in other ways
+            runner.run(run())
+
+
+def _server(guard: Guard, place: Place) -> "Server":
+    """Return a server that prints nothing, and is started and stopped by hand: its own loop would take the signals."""
+    import uvicorn  # noqa: PLC0415
+
+    config = uvicorn.Config(
+        guard, lifespan="off", log_config=None, log_level="critical", access_log=False,
+        http="h11", h11_max_incomplete_event_size=HEAD, ws_max_size=LARGEST, ws_per_message_deflate=False,
+        proxy_headers=False, server_header=False, timeout_graceful_shutdown=GRACE,
+        ssl_certfile=place.certificate, ssl_keyfile=place.key,
+    )  # fmt: skip
+    config.load()
+    server = uvicorn.Server(config)
+    server.lifespan = config.lifespan_class(config)
+    return server
+
+
+def _application(root: Callable[[], object], title: str) -> "FastAPI":
+    """Return an application with the page at its root, which writes nothing and asks nobody else for anything."""
+    nicegui = extras.module("panel", "nicegui")
+    ui = nicegui.ui
+    from fastapi import FastAPI  # noqa: PLC0415
+
+    logging.getLogger("nicegui").setLevel(logging.ERROR)  # a page that is not there is nobody's concern
+    app = FastAPI(openapi_url=None)
+    nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name for readers of screens
+    ui.page("/", title=title)(root)
+    ui.add_body_html(NO_SCRIPTS, shared=True)
+    ui.add_body_html(TOO_OLD, shared=True)
+    ui.run_with(
+        app,
+        title=title,
+        language="en-US",
+        reconnect_timeout=RECONNECT,
+        gzip_middleware_factory=None,  # it would only cost time on one's own computer
+        show_welcome_message=False,
+    )
+    return app

@@ -1,0 +1,54 @@
+"""Say that a file was changed on the disk while it was worked on, and let the person choose."""
+
+from collections.abc import Callable
+
+from nicegui import ui
+
+from layflat.errors import LayflatError
+from layflat.pages.look import theme
+from layflat.pages.studio.session import Session
+
+EVERY = 1.0  # between two looks at the files, s
+
+
+class DiskView:
+    """A line above the results, seen only where a file was changed."""
+
+    def __init__(self, session: Session, reread: Callable[[], object]) -> None:
+        """Make it within the current element; `reread` is called when the files were read again."""
+        self._session, self._reread = session, reread
+        self._left: tuple[str, ...] = ()  # what is known to have changed, and was let be
+        self._known: tuple[str, ...] = ()
+        with ui.element("div").classes("lf-note lf-warning st-line").props("role=alert") as self._box:
+            ui.icon("warning").props("aria-hidden=true")
+            self._text = ui.label().classes("st-grow")
+            theme.button("Reload, keep my changes", self._reload)
+            theme.button("Go on without", self._go_on, kind="flat")
+        self._box.set_visibility(False)
+        if session.design.opened.files:
+            ui.timer(EVERY, self._look)
+
+    def _look(self) -> None:
+        opened = self._session.design.opened
+        changed = opened.changed_on_disk()
+        self._known = tuple(f"{path}: {opened.state(path)}" for path in changed)
+        self._box.set_visibility(bool(changed) and self._known != self._left)
+        if changed:
+            names = " and ".join(path.name for path in changed)
+            self._text.set_text(f"{names} has changed on the disk since it was opened.")
+
+    def _reload(self) -> None:
+        try:
+            dropped = self._session.design.reload()
+        except LayflatError as error:
+            self._text.set_text(str(error))
+            return
+        self._box.set_visibility(False)
+        if dropped:
+            text = f"These changes do not go with the file any more and were dropped: {', '.join(dropped)}"
+            theme.say(text, "warning", stays=True)
+        self._reread()
+
+    def _go_on(self) -> None:
+        self._left = self._known
+        self._box.set_visibility(False)

@@ -1,0 +1,29 @@
+"""Smooth motions of all joints from one place to another, all at once, for arms that are asked as they go."""
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.machine import Machine
+from layflat.motion.trajectory import States
+from layflat.rig.abilities import demand_limits
+
+PEAKS = 15.0 / 8.0, 10.0 / 3.0**0.5  # of a polynomial of fifth degree: velocity over L/T, acceleration over L/T2
+
+
+def fifth(share: Array) -> tuple[Array, Array, Array]:
+    """Return place, velocity and acceleration of a polynomial of fifth degree at shares of its time, (times, 1)."""
+    x = np.minimum(share, 1.0)[:, None]
+    return x**3 * (10.0 - 15.0 * x + 6.0 * x**2), 30.0 * (x - x**2) ** 2, 60.0 * x * (1 - x) * (1 - 2 * x)
+
+
+def smooth(machine: Machine, start: Array, end: Array, share: float) -> States:
+    """Return a motion from rest to rest (rad, (joints,)) by a polynomial of fifth degree, a row a control cycle.
+
+    Its speeds and accelerations are at most this share (0..1) of what every posture of the arm can do.
+    """
+    can, way = demand_limits(machine), np.abs(end - start)
+    slow = np.maximum(PEAKS[0] * way / (share * can.speed), np.sqrt(PEAKS[1] * way / (share * can.braking)))
+    T = max(float(slow.max()), machine.cycle)
+    place, speed, surge = fifth(np.arange(0.0, T + machine.cycle, machine.cycle) / T)
+    L = end - start
+    return States(start + L * place, L * speed / T, L * surge / T**2)

@@ -1,0 +1,74 @@
+"""A real browser without a screen, and commands that serve pages, for tests."""
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ARGUMENTS = ["--no-sandbox"]  # tests may run as root
+HARMLESS = ("GPU stall", "GL Driver Message")  # what a browser without a device says of its speed
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """A browser; the test is skipped where there is none."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    program = shutil.which("chromium")
+    if program is None:
+        pytest.skip("needs chromium")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
+        try:
+            yield browser
+        finally:
+            browser.close()
+
+
+@dataclass
+class Served:
+    """A command that serves a page."""
+
+    process: subprocess.Popen[str]
+    link: str
+    complaints: list[str] = field(default_factory=list)  # of browsers' consoles
+
+    def page(self, browser: Any, width: int = 1280, height: int = 800) -> Any:
+        """A page of a browser of its own, as by the start link."""
+        page = browser.new_context(viewport={"width": width, "height": height}).new_page()
+        page.set_default_timeout(15000.0)
+        page.on("console", self._hear)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.goto(self.link)
+        page.wait_for_selector("main")
+        return page
+
+    def _hear(self, message: Any) -> None:
+        if message.type in {"error", "warning"} and not any(words in message.text for words in HARMLESS):
+            self.complaints.append(message.text)
+
+
+@contextmanager
+def served(folder: Path, *words: str) -> Iterator[Served]:
+    """A `layflat` command that serves a page, in a folder, until the end; then it stops as by Ctrl-C."""
+    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words, "--port", "0", "--no-browser"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, cwd=folder, stdout=pipe, stderr=pipe, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        found = re.search(r"(https?://\S+);", process.stdout.readline())
+        assert found, process.stderr.read()
+        try:
+            yield Served(process, found.group(1))
+        finally:
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=60.0)
+    assert process.returncode == 0, said
+    assert not said, said

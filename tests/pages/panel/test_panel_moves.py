@@ -1,0 +1,82 @@
+"""What moves an arm: jogs stay inside the stroke and come to rest, courses go through their places."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.arrays import Array
+from layflat.machine import load
+from layflat.motion.path import half_strokes
+from layflat.pages.panel.moves import ARRIVES, Course, Jog, Step
+
+ARM = load("paper-arm-tracking")
+HALF = half_strokes(ARM)
+
+
+class Asked:
+    """A session that only notes, of an arm that follows at once."""
+
+    def __init__(self) -> None:
+        self.angles: list[Array] = []
+        self.velocities: list[Array] = []
+
+    def ask(self, angles: Any, velocities: Any = None, *_: Any, **__: Any) -> None:
+        self.angles.append(np.array(angles))
+        self.velocities.append(np.zeros(2) if velocities is None else np.array(velocities))
+
+    def __getitem__(self, name: str) -> Array:
+        return self.angles[-1] if name == "averaged_angle" else self.velocities[-1]
+
+
+@given(st.lists(st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.integers(1, 60)), min_size=1, max_size=6))
+def test_a_jog_stays_inside_the_stroke_gathers_way_smoothly_and_rests_once_released(
+    wishes: list[tuple[float, float, int]],
+) -> None:
+    jog, asked, now = Jog(ARM, np.zeros(2)), Asked(), 0.0
+    for large, small, looks in [*wishes, (0.0, 0.0, 60)]:
+        jog.wanted = np.array([large, small])
+        for _ in range(looks):
+            jog.ask(asked, asked, now)  # type: ignore[arg-type]
+            now += 0.02
+    angles, velocities = np.array(asked.angles), np.array(asked.velocities)
+    assert (np.abs(angles) <= HALF + 1e-12).all()
+    assert np.abs(np.diff(angles, axis=0)).max() <= 1.0 * 0.02 + 1e-9
+    assert not velocities[-1].any()
+    assert jog.over
+
+
+def test_a_jog_has_its_speed_after_a_quarter_of_a_second() -> None:
+    jog, asked = Jog(ARM, np.zeros(2)), Asked()
+    jog.wanted = np.array([0.3, 0.0])
+    for k in range(20):
+        jog.ask(asked, asked, 0.02 * k)  # type: ignore[arg-type]
+    assert asked.velocities[-1][0] == pytest.approx(0.3)
+    assert not asked.velocities[0].any()
+
+
+def test_a_course_goes_through_its_places_and_pauses() -> None:
+    steps = [Step((0.4, -0.3), 0.5), Step((-0.2, 0.1))]
+    course, asked, now = Course(ARM, np.zeros(2), steps, 0.4), Asked(), 10.0
+    while not course.over:
+        course.ask(asked, asked, now)  # type: ignore[arg-type]
+        now += 0.02
+        assert now < 20.0
+    angles = np.array(asked.angles)
+    for step in steps:
+        assert np.abs(angles - step.angles).max(axis=1).min() < 1e-9
+    assert (np.abs(angles - steps[0].angles).max(axis=1) < 1e-9).any()
+    assert angles[-1] == pytest.approx(steps[-1].angles)
+    assert course.rounds == 1
+
+
+def test_a_course_again_and_again_begins_anew_and_does_not_wait_for_ever() -> None:
+    course, asked, now = Course(ARM, np.zeros(2), [Step((0.2, 0.2))], 1.0, repeats=True), Asked(), 0.0
+    held = {"averaged_angle": np.zeros(2), "averaged_velocity": np.zeros(2)}  # something holds the arm
+    while course.rounds < 2:
+        course.ask(asked, held, now)  # type: ignore[arg-type]
+        now += 0.02
+        assert now < 2 * ARRIVES + 5.0
+    assert not course.over

@@ -1,0 +1,288 @@
+"""The operator's page in a real browser, beside a virtual rig and its loop, in real time."""
+
+import inspect
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
+
+import pytest
+from tests.pages.browsers import Served, chromium, served
+
+sync_api = pytest.importorskip("playwright.sync_api")
+TimeoutError = sync_api.TimeoutError
+pytestmark = pytest.mark.realtime
+REST = {"Off", "Stopped"}
+SHOWN = 0.4  # until a page shows what is so, and a test sees it, at most, s
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def panel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    pytest.importorskip("nicegui")
+    with served(tmp_path_factory.mktemp("panel"), "panel", "paper-arm-tracking") as found:
+        yield found
+    assert not found.complaints
+
+
+@pytest.fixture
+def page(panel: Served, browser: Any) -> Iterator[Any]:
+    """A page that drives, of a rig without air."""
+    page = panel.page(browser)
+    try:
+        until(lambda: state(page) in REST, 60.0)
+        until(lambda: drives(page))
+        yield page
+        until(lambda: vented(page), 30.0)
+    finally:
+        page.context.close()
+
+
+def until(condition: Callable[[], bool], seconds: float = 10.0) -> float:
+    begun = time.monotonic()
+    while not condition():
+        assert time.monotonic() - begun < seconds, inspect.getsource(condition)
+        time.sleep(0.02)
+    return time.monotonic() - begun
+
+
+def state(page: Any) -> str:
+    return str(page.locator(".lf-state").inner_text())
+
+
+def angle(page: Any, joint: int = 0) -> float:
+    return float(page.locator(".lf-joints .lf-number").nth(joint).inner_text().split()[0])
+
+
+def press(page: Any, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def pressed(page: Any, name: str) -> None:
+    """Press a button if it can be pressed now: a rig that is held meanwhile may take it away at any time."""
+    button = page.get_by_role("button", name=name, exact=True)
+    with suppress(TimeoutError):
+        if button.is_visible() and button.is_enabled(timeout=300.0):
+            button.click(timeout=300.0)
+
+
+def tab(page: Any, name: str) -> None:
+    page.get_by_role("tab", name=name, exact=True).click()
+
+
+def drives(page: Any) -> bool:
+    pressed(page, "Drive from here")
+    return "this page drives" in page.inner_text("header")
+
+
+def vented(page: Any) -> bool:
+    pressed(page, "Heal")
+    pressed(page, "Reset")
+    pressed(page, "Vent")
+    return state(page) in REST
+
+
+def ready(page: Any) -> None:
+    """Bring the air; on a busy computer the page may pause for so long that the rig is held, or stops."""
+
+    def obeys() -> bool:
+        pressed(page, "Go on" if state(page) == "Holding" else "Start")
+        return state(page) in {"Ready", "Moving"}
+
+    until(obeys, 30.0)
+
+
+def jogged(page: Any, button: str, condition: Callable[[], bool]) -> None:
+    """Hold a button until a condition holds, anew where the rig was held meanwhile; it is not released at the end."""
+    for _ in range(10):
+        ready(page)
+        box = page.get_by_role("button", name=button).bounding_box()
+        page.mouse.move(box["x"] + 5, box["y"] + 5)
+        page.mouse.down()
+        until(lambda: condition() or state(page) not in {"Ready", "Moving"}, 20.0)
+        if condition():
+            return
+        page.mouse.up()
+    raise AssertionError(button)
+
+
+def test_from_start_to_a_jog_that_ends_when_it_is_released_and_a_stop_in_motion(page: Any) -> None:
+    ready(page)
+    before = angle(page)
+    jogged(page, "large, forwards", lambda: angle(page) > before + 8.0)
+    page.mouse.up()
+    time.sleep(0.8)
+    rest = angle(page)
+    time.sleep(0.5)
+    assert angle(page) == pytest.approx(rest, abs=0.3)
+    tab(page, "Moves")
+    page.get_by_role("slider", name="Speed of moves:").press("Home")
+    tab(page, "Target")
+    page.get_by_label("large (deg)").fill("-50")
+    ready(page)
+    press(page, "Go to target")
+    tab(page, "Jog")
+    until(lambda: angle(page) < rest - 3.0 or state(page) == "Holding")
+    pressed(page, "Stop")
+    until(lambda: state(page) == "Holding", 2.0)
+    time.sleep(0.8)
+    held = angle(page)
+    assert held > -48.0
+    time.sleep(0.5)
+    assert angle(page) == pytest.approx(held, abs=0.3)
+    ready(page)
+    assert angle(page) == pytest.approx(held, abs=0.5), "what was asked for before is forgotten"
+    press(page, "Vent")
+    until(lambda: state(page) == "Stopped")
+    ready(page)
+
+
+@pytest.mark.parametrize(
+    ("failure", "words", "next_step"),
+    [
+        ("e-stop", "E-stop", "Release it"),
+        ("angle-open", "sensor open or shorted", "wires and plug"),
+        ("supply-lost", "Supply lost", "compressor"),
+        ("silence", "Link lost", "power, cable and plugs"),
+        ("supply-high", "Over-pressure", "regulator"),
+        ("burst-hose", "ir does not answer", "hoses and valve"),
+    ],
+)
+def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
+    page: Any, failure: str, words: str, next_step: str
+) -> None:
+    ready(page)
+    tab(page, "Failures")
+    page.get_by_role("combobox", name="failure").click()
+    page.get_by_role("option", name=failure, exact=True).click()
+    press(page, "Fail")
+    until(lambda: state(page) == "Fault", 15.0)
+    told = page.locator(".lf-fault").inner_text()
+    assert words in told
+    assert next_step in told
+    tab(page, "Failures")
+    press(page, "Heal")
+
+    def over() -> bool:
+        pressed(page, "Reset")
+        return state(page) != "Fault"
+
+    until(over, 20.0)
+
+
+def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(
+    panel: Served, browser: Any, page: Any
+) -> None:
+    driver = panel.page(browser)
+    until(lambda: drives_instead(driver, page), 20.0)
+    jogged(driver, "small, forwards", lambda: angle(driver, 1) > 3.0)
+    begun = time.monotonic()
+    driver.context.close()
+    until(lambda: state(page) in {"Holding", "Stopped"}, 1.0)
+    held = time.monotonic() - begun
+    until(lambda: state(page) == "Stopped", 2.0)
+    stopped = time.monotonic() - begun
+    assert held < 0.25 + SHOWN
+    assert stopped < 1.0 + SHOWN
+    time.sleep(3.5)  # until the page that is gone drives no more
+    until(lambda: drives(page))
+
+
+def drives_instead(page: Any, other: Any) -> bool:
+    pressed(page, "Drive from here")
+    pressed(other, "Hand over")
+    return "this page drives" in page.inner_text("header")
+
+
+def test_another_page_looks_on_until_it_is_handed_the_rig(panel: Served, browser: Any, page: Any) -> None:
+    other = panel.page(browser, 768, 1024)
+    ready(page)
+    until(lambda: state(other) in {"Ready", "Moving", "Holding"})
+    assert not other.get_by_role("button", name="Vent").is_enabled()
+    assert not other.get_by_role("button", name="large, forwards").is_enabled()
+    until(lambda: drives_instead(other, page))
+    until(lambda: other.get_by_role("button", name="Vent").is_enabled())
+    assert not page.get_by_role("button", name="Vent").is_enabled()
+    until(lambda: vented(other))
+    until(lambda: drives_instead(page, other))
+    other.context.close()
+
+
+def test_by_keyboard_alone(page: Any) -> None:
+    page.get_by_role("button", name="Start").focus()
+    page.keyboard.press("Enter")
+    ready(page)
+    before = angle(page)
+    for _ in range(5):
+        ready(page)
+        page.get_by_role("button", name="large, backwards").focus()
+        page.keyboard.down("Space")
+        until(lambda: angle(page) < before - 4.0 or state(page) not in {"Ready", "Moving"})
+        page.keyboard.up("Space")
+        if angle(page) < before - 4.0:
+            break
+    assert angle(page) < before - 4.0
+    ready(page)
+    page.keyboard.press("Escape")
+    until(lambda: state(page) == "Holding")
+
+
+def test_values_out_of_range_are_told_and_go_nowhere(page: Any) -> None:
+    tab(page, "Target")
+    page.get_by_label("small (deg)").fill("500")
+    until(lambda: "outside the working stroke" in page.inner_text("main"))
+    assert not page.get_by_role("button", name="Go to target").is_enabled()
+    page.get_by_label("tip x (mm)").fill("5000")
+    page.get_by_label("tip y (mm)").fill("0")
+    press(page, "Find angles that bring the tip there")
+    until(lambda: "out of the arm's reach" in page.inner_text("main"))
+
+
+def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
+    ready(page)
+    tab(page, "Moves")
+    press(page, "Add present angles")
+    tab(page, "Jog")
+    jogged(page, "small, forwards", lambda: angle(page, 1) > 10.0)
+    page.mouse.up()
+    time.sleep(0.6)
+    tab(page, "Moves")
+    press(page, "Add present angles")
+    page.get_by_label("name").fill("to and fro")
+    press(page, "Save")
+    press(page, "Clear")
+    press(page, "Load")
+    until(lambda: page.locator("main .lf-table tr").count() == 3)
+
+    def performed() -> bool:
+        if state(page) not in {"Ready", "Moving"} or "at step" not in page.inner_text("main"):
+            ready(page)
+            pressed(page, "Run again and again")
+        return "at step 2" in page.inner_text("main")
+
+    until(performed, 20.0)
+    pressed(page, "Stop")
+    until(lambda: state(page) == "Holding")
+
+
+def test_the_check_before_first_air(page: Any) -> None:
+    tab(page, "Check")
+    until(lambda: page.get_by_role("button", name="Check without air").is_enabled(), 15.0)
+    press(page, "Check without air")
+    until(lambda: page.locator("main .lf-table tr").count() > 5, 30.0)
+    until(lambda: state(page) == "Off", 30.0)
+
+
+def test_every_tab_passes_an_accessibility_check(page: Any) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    for name in ("Jog", "Target", "Moves", "Check", "Controller", "Logs", "Failures"):
+        tab(page, name)
+        page.wait_for_timeout(300)
+        found = axe.run(page).response["violations"]
+        serious = [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in {"serious", "critical"}]
+        assert not serious, name

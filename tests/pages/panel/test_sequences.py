@@ -1,0 +1,67 @@
+"""Sequences come back as they were saved, and nonsense is one line."""
+
+from math import degrees, radians
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.errors import LayflatError
+from layflat.machine import load
+from layflat.pages.panel.moves import Step
+from layflat.pages.panel.sequences import load_sequence, place_of, save_sequence, sequence_names, target
+
+ARM = load("paper-arm")
+HALF = degrees(ARM.joint["small"].stops.working_stroke) / 2
+
+
+@given(st.lists(st.tuples(st.floats(-0.9, 0.9), st.floats(-0.9, 0.9), st.floats(0.0, 9.0)), min_size=1, max_size=5))
+def test_a_sequence_comes_back(
+    tmp_path_factory: pytest.TempPathFactory, rows: list[tuple[float, float, float]]
+) -> None:
+    folder = tmp_path_factory.mktemp("saved")
+    steps = [Step((a, b), pause) for a, b, pause in rows]
+    save_sequence(folder, "to and fro", ARM, steps)
+    assert sequence_names(folder) == ["to and fro"]
+    for found, step in zip(load_sequence(folder, "to and fro", ARM), steps, strict=True):
+        assert found.angles == pytest.approx(step.angles, abs=radians(1e-3))
+        assert found.pause == pytest.approx(step.pause, abs=1e-3)
+
+
+@pytest.mark.parametrize("name", ["", "../elsewhere", "a/b", ".hidden", "x" * 41, "nul\0"])
+def test_names_stay_in_the_folder(tmp_path: Path, name: str) -> None:
+    with pytest.raises(LayflatError, match="is no name for a sequence"):
+        place_of(tmp_path, name)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("no toml = = =", "can't be read"),
+        ('machine = "paper-arm"', "holds no steps"),
+        ('[[step]]\nangles = {large = "1 deg"}', "other joints"),
+        ('[[step]]\nangles = {large = "1 deg", small = "200 deg"}', "outside the working stroke"),
+        ('[[step]]\nangles = {large = "1 kg", small = "0 deg"}', "step 1: large"),
+        ('[[step]]\npause = "-1 s"\nangles = {large = "1 deg", small = "0 deg"}', "pause"),
+        ("step = [3]", "other joints"),
+    ],
+)
+def test_nonsense_is_named(tmp_path: Path, text: str, words: str) -> None:
+    place_of(tmp_path, "one").write_text(text)
+    with pytest.raises(LayflatError, match=words) as raised:
+        load_sequence(tmp_path, "one", ARM)
+    assert "one.sequence.toml" in str(raised.value)
+
+
+def test_a_sequence_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(LayflatError, match="can't be read"):
+        load_sequence(tmp_path, "none", ARM)
+
+
+def test_targets_are_inside_the_stroke() -> None:
+    assert target(ARM, {"large": 10.0, "small": -HALF}) == pytest.approx((radians(10.0), radians(-HALF)))
+    with pytest.raises(LayflatError, match="outside the working stroke"):
+        target(ARM, {"large": 10.0, "small": HALF + 1.0})
+    with pytest.raises(LayflatError, match="lacks an angle"):
+        target(ARM, {"large": 10.0, "small": None})

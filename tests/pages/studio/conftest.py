@@ -1,0 +1,10 @@
+import pytest
+
+from layflat.pages.studio.design import Design
+from layflat.pages.studio.opened import open_description
+
+
+@pytest.fixture
+def design() -> Design:
+    """The paper's arm, as opened."""
+    return Design(open_description("paper-arm"))

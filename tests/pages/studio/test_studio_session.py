@@ -1,0 +1,190 @@
+"""Results follow the newest edit, A stays what it was, and the process that simulates serves many designs in turn."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from layflat.errors import LayflatError
+from layflat.machine import Machine
+from layflat.pages.studio.cloud import Cloud, Step, Tolerances, cloud
+from layflat.pages.studio.design import Design
+from layflat.pages.studio.report import report
+from layflat.pages.studio.session import Session
+from layflat.pages.studio.worker import Worker
+
+pytestmark = pytest.mark.compiled
+WIDTH = "joint.large.hose.width"
+
+
+class Immediate(Worker):
+    """Simulates a few runs at once; a request that is overtaken has no result."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.newest: dict[int, int] = {}
+
+    def overtake(self, tab: int, number: int) -> None:
+        self.newest[tab] = number
+
+    async def cloud(
+        self, tab: int, number: int, machine: Machine, step: Step, tolerances: Tolerances
+    ) -> Cloud | LayflatError | None:
+        await asyncio.sleep(0.01)
+        return cloud(machine, step, tolerances, runs=8) if number >= self.newest.get(tab, 0) else None
+
+
+def followed(session: Session, act: Callable[[], Awaitable[None]]) -> None:
+    """Do something while a session follows."""
+
+    async def run() -> None:
+        task = asyncio.create_task(session.follow())
+        await act()
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+
+    asyncio.run(run())
+
+
+async def current(session: Session) -> None:
+    """Wait until all results belong to the newest request."""
+
+    def is_current() -> bool:
+        shown, kept = session.shown, session.kept
+        return (
+            shown.figures_number == shown.cloud_number == session.number
+            and (kept is None or kept.shown.cloud is not None)
+        )  # fmt: skip
+
+    for _ in range(1000):
+        if is_current():
+            return
+        await asyncio.sleep(0.01)
+    raise AssertionError("results do not come")
+
+
+@pytest.fixture
+def session(design: Design) -> Session:
+    return Session(design, Immediate())
+
+
+def test_results_belong_to_the_newest_edit(session: Session) -> None:
+    seen: list[tuple[str, bool]] = []
+    session.listen(lambda what: seen.append((what, session.shown.cloud_number == session.number)))
+
+    async def act() -> None:
+        await current(session)
+        first = session.shown.cloud
+        for width in (170, 180, 190):
+            session.design.edit(WIDTH, f"{width} mm")
+            session.renew()
+            assert session.shown.cloud_number < session.number
+            await asyncio.sleep(0.0)
+        await current(session)
+        assert isinstance(first, Cloud)
+        assert isinstance(session.shown.cloud, Cloud)
+        assert not np.array_equal(first.angle, session.shown.cloud.angle)
+        assert session.shown.cloud.angle[0] == pytest.approx(
+            cloud(session.design.machine, session.step, runs=8).angle[0]
+        )
+
+    followed(session, act)
+    assert ("cloud", True) in seen
+    assert ("design", True) not in seen
+
+
+def test_a_is_kept_while_the_design_goes_on(session: Session) -> None:
+    async def act() -> None:
+        await current(session)
+        session.keep()
+        session.design.edit(WIDTH, "200 mm")
+        session.renew()
+        await current(session)
+        assert session.kept is not None
+        assert isinstance(session.kept.shown.cloud, Cloud)
+        before = session.kept.shown.cloud
+        session.look_at("small")
+        await current(session)
+        assert isinstance(session.kept.shown.cloud, Cloud)
+        assert session.kept.shown.cloud.step.joint == "small"
+        assert before.step.joint == "large"
+        session.drop()
+        assert session.kept is None
+
+    followed(session, act)
+
+
+def test_a_report_needs_nothing_else(session: Session) -> None:
+    async def act() -> None:
+        session.design.edit(WIDTH, "200 mm")
+        session.keep()
+        session.design.edit(WIDTH, "210 mm")
+        session.renew()
+        await current(session)
+
+    followed(session, act)
+    text = report(session)
+    assert text.count("<figure") == 3
+    assert "210 mm" in text
+    assert "now less A" in text
+    assert "5.5 kg is from before" in text or not session.stale
+    for word in ('src="http', 'href="http', "url(http", "<script", "<link", "@import"):
+        assert word not in text
+
+
+@pytest.fixture(scope="module")
+def worker() -> Iterator[Worker]:
+    made = Worker()
+    yield made
+    made.close()
+
+
+def test_another_process_simulates_the_same(worker: Worker, design: Design) -> None:
+    async def ask(*given: Any) -> Any:
+        return await worker.cloud(worker.tab(), 1, *given)
+
+    step = Step("large", lasts=0.5)
+    found = asyncio.run(ask(design.machine, step, Tolerances()))
+    here = cloud(design.machine, step)
+    assert np.array_equal(found.angle, here.angle)
+    assert found.quantities == here.quantities
+    wrong = asyncio.run(ask(design.machine, Step("large", size=3.0), Tolerances()))
+    assert "outside the working stroke" in str(wrong)
+
+
+def test_what_is_overtaken_has_no_result_and_a_lost_process_begins_again(worker: Worker, design: Design) -> None:
+    step = Step("large", lasts=0.2)
+
+    async def both() -> tuple[Any, Any]:
+        tab = worker.tab()
+        first = asyncio.ensure_future(worker.cloud(tab, 1, design.machine, step, Tolerances()))
+        await asyncio.sleep(0.0)
+        worker.overtake(tab, 2)
+        old = await first
+        worker.close()
+        return old, await worker.cloud(tab, 3, design.machine, step, Tolerances())
+
+    old, new = asyncio.run(both())
+    assert old is None
+    assert isinstance(new, Cloud)
+
+
+def test_a_law_that_fails_is_said_and_the_next_edit_goes_on(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def act() -> None:
+        await current(session)
+        with monkeypatch.context() as patch:
+            patch.setattr("layflat.pages.studio.results.design_joint", lambda *_, **__: 1 / 0)
+            session.design.edit(WIDTH, "200 mm")
+            session.renew()
+            for _ in range(100):
+                await asyncio.sleep(0.01)
+                if session.findings and session.findings[0].rule == "results":
+                    break
+            assert "ZeroDivisionError" in session.findings[0].what
+        session.design.edit(WIDTH, "210 mm")
+        session.renew()
+        await current(session)
+
+    followed(session, act)
