@@ -1,4 +1,3 @@
-import shutil
 import socket
 import time
 from collections.abc import Iterator
@@ -6,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.pages.browsers import chromium
 from tests.pages.server.serving import SOCKET, Served, serving
 from tests.pages.server.test_place import certificate
 from websockets.exceptions import ConnectionClosed
@@ -48,14 +48,8 @@ def test_pages_are_served_by_tls(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    sync_api = pytest.importorskip("playwright.sync_api")
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        pytest.skip("needs chromium")
-    with sync_api.sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+    with chromium() as found:
         yield found
-        found.close()
 
 
 def test_a_browser_opens_the_link_and_its_clicks_reach_python(served: Served, browser: Any) -> None:

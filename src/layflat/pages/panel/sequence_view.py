@@ -6,6 +6,7 @@ from nicegui import ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
+from layflat.pages.look.dialogs import confirmed
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.moves import Step
 from layflat.pages.panel.sequences import check_pause, load_sequence, place_of, save_sequence, sequence_names
@@ -81,19 +82,20 @@ class SequenceView:
     def _run(self, *, repeats: bool) -> None:
         self._desk.pilot.go(self.steps, repeats=repeats)
 
-    def _save(self) -> None:
+    async def _save(self) -> None:
+        name, folder = str(self.name.value or ""), self._desk.folder
         if not self.steps:
             self.told.set_text("There are no steps to save: add some.")
             return
         try:
-            path = place_of(self._desk.folder, self.name.value or "")
-            known = path.exists()
-            save_sequence(self._desk.folder, self.name.value or "", self._desk.first, self.steps)
+            if place_of(folder, name).exists() and not await confirmed(f"Replace the sequence {name!r}?", "Replace"):
+                return
+            path = save_sequence(folder, name, self._desk.first, self.steps)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
-        self.saved.set_options(sequence_names(self._desk.folder), value=self.name.value)
-        self.told.set_text(f"saved {path}" + (", in place of the one before" if known else ""))
+        self.saved.set_options(sequence_names(folder), value=name)
+        self.told.set_text(f"saved {path}")
 
     def _load(self) -> None:
         if not self.saved.value:

@@ -1,0 +1,81 @@
+"""A rig that goes comes back, is lent, and goes on with another controller."""
+
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from layflat.cli.virtual_rig import simulated_rig
+from layflat.machine import changed, load
+from layflat.pages.panel.link import RigLink, Standing
+from layflat.rig.drivers.address import driver_of
+from layflat.rig.lease import Lease
+from layflat.rig.session import Session
+
+pytestmark = pytest.mark.realtime
+ARM = load("paper-arm")
+NOBODY = "modbus://127.0.0.1:1"
+
+
+def until(condition: Callable[[], bool], seconds: float = 30.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def link(tmp_path: Path) -> Iterator[RigLink]:
+    link = RigLink(ARM, lambda machine: (partial(simulated_rig, machine), "simulated"), tmp_path, Lease())
+    try:
+        until(lambda: link.at_rest)
+        yield link
+    finally:
+        link.close()
+
+
+def session_of(link: RigLink) -> Session:
+    session = link.session
+    assert session is not None
+    return session
+
+
+def test_a_loop_that_dies_is_told_and_the_rig_comes_back_with_another_log(link: RigLink, tmp_path: Path) -> None:
+    before, first = session_of(link), link.place
+    before.process.kill()
+    until(lambda: link.standing is Standing.GONE)
+    assert "process is gone" in link.trouble
+    assert link.snapshot() is None
+    until(lambda: link.at_rest)
+    assert link.trouble == ""
+    assert link.place != first
+    assert session_of(link) is not before
+
+
+def test_a_rig_at_rest_goes_on_with_another_controller(link: RigLink) -> None:
+    before = session_of(link)
+    other = changed(ARM, "joint.small.gains.integral_limit", 1.0)
+    link.change(other)
+    until(lambda: link.session is not None and link.session is not before and link.at_rest)
+    assert link.machine is other
+    assert not before.process.is_alive()
+
+
+def test_a_rig_is_lent_and_taken_back(link: RigLink) -> None:
+    before = session_of(link)
+    link.lend()
+    assert link.standing is Standing.LENT
+    assert not before.process.is_alive()
+    link.take_back()
+    until(lambda: link.at_rest)
+
+
+def test_a_rig_that_is_not_there_is_tried_again(tmp_path: Path) -> None:
+    link = RigLink(ARM, lambda machine: (partial(driver_of, NOBODY, machine), NOBODY), tmp_path, Lease())
+    try:
+        until(lambda: link.standing is Standing.GONE)
+        assert "nobody answers" in link.trouble
+    finally:
+        link.close()
