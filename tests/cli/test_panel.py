@@ -11,7 +11,7 @@ from commands import refused
     ("words", "expected"),
     [
         (["paper-arn"], "paper-arn: no such machine; did you mean 'paper-arm'?"),
-        (["paper-arm", "--driver", "nowhere"], "--driver"),
+        (["paper-arm", "--driver", "nowhere"], "nowhere: is not a driver's address"),
         (["paper-arm", "--host", "192.0.2.1"], "--host: '192.0.2.1' can be reached from other computers"),
         (["paper-arm", "--certificate", "none.pem"], "--key: is missing"),
     ],
