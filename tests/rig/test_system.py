@@ -1,5 +1,6 @@
 """Systems that lack what Linux has: what can run there runs, the rest says so in a line."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -62,3 +63,22 @@ def test_what_takes_posix_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.name", "nt")
     with pytest.raises(InputError, match="rig run: needs Linux or macOS"):
         require_posix("rig run")
+
+
+@pytest.mark.skipif(not hasattr(os, "SCHED_RESET_ON_FORK"), reason="needs Linux")
+def test_what_a_process_with_priority_starts_has_none() -> None:
+    code = """
+import os, subprocess, sys
+from layflat.rig.system import first_in
+try:
+    first_in()
+except OSError:
+    print("refused")
+    sys.exit()
+show = "import os; print(os.sched_getscheduler(0))"
+print(subprocess.run([sys.executable, "-c", show], capture_output=True, text=True).stdout.strip())
+"""
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
+    if told == "refused":
+        pytest.skip("real-time priority is not granted here")
+    assert told == str(os.SCHED_OTHER)

@@ -1,7 +1,5 @@
 """Command that checks whether a rig is what its description says: rig check."""
 
-import gc
-from contextlib import suppress
 from typing import Annotated
 
 import typer
@@ -22,19 +20,12 @@ def check_rig(
     Exit status 3 if a check failed.
     """
     from layflat.machine import load  # noqa: PLC0415
-    from layflat.rig.check.all import check_rig as check  # noqa: PLC0415
-    from layflat.rig.clock import MonotonicClock  # noqa: PLC0415
-    from layflat.rig.system import first_in  # noqa: PLC0415
+    from layflat.rig.check.process import checked  # noqa: PLC0415
 
     described = load(machine)
     factory, _ = driver_at(driver, described)
-    gc.freeze()
-    gc.disable()  # a collection takes many cycles
-    with suppress(OSError, AttributeError):
-        first_in()
     with busy("starting") as show:
-        findings = check(described, factory(), MonotonicClock(), air=air, tell=show)
-    gc.enable()
+        findings = checked(described, factory, air=air, tell=show)
     rows = [[one.what, one.found, one.action or "passed"] for one in findings]
     print_table(["check", "found", "action"], rows, f"{described.name} at {driver}")
     wrong = sum(not one.passed for one in findings)

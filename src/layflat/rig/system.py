@@ -112,7 +112,8 @@ def go_realtime() -> list[str]:
 
 def first_in() -> None:
     """Run before everything that is not real-time itself; raise OSError if that is not granted."""
-    os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
+    # What it starts is none of that: it would take the processor from all others.
+    os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(PRIORITY))
 
 
 def _lock_memory() -> None:

@@ -4,7 +4,7 @@ from nicegui import run, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
-from layflat.pages.panel.checking import checked
+from layflat.pages.panel.checking import checked_at
 from layflat.pages.panel.desk import Desk
 from layflat.rig.check.open_loop import CheckResult
 
@@ -43,7 +43,7 @@ class CheckView:
         self.refresh()
         self.found.clear()
         try:
-            found = await run.io_bound(checked, self._desk, air=air, tell=self.told.set_text)
+            found = await run.io_bound(checked_at, self._desk, air=air, tell=self.told.set_text)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
