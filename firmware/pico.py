@@ -19,6 +19,7 @@ class PicoIO:
         self._settings = settings
         self._air = machine.Pin(settings.AIR_PIN, machine.Pin.OUT, value=0)
         self._stop = machine.Pin(settings.STOP_PIN, machine.Pin.IN, machine.Pin.PULL_DOWN)
+        self._outputs = [machine.Pin(pin, machine.Pin.OUT, value=0) for pin in settings.OUTPUT_PINS]
         self._valves = [machine.PWM(machine.Pin(pin), freq=PWM_FREQUENCY, duty_u16=0) for pin in settings.VALVE_PINS]
         self._shift = 16 - settings.VOLTAGE_BITS
         self._chosen = [machine.Pin(pin, machine.Pin.OUT, value=1) for pin in settings.ADC_SELECTS]
@@ -64,6 +65,10 @@ class PicoIO:
 
     def air(self, on):
         self._air.value(on)
+
+    def switch(self, outputs):
+        for bit, pin in enumerate(self._outputs):
+            pin.value(outputs >> bit & 1)
 
     def alive(self):
         self._watchdog.feed()

@@ -23,6 +23,7 @@ DITHER_PERIOD = 20000  # us
 # Pins of a Raspberry Pi Pico, by GPIO number.
 VALVE_PINS = (2, 4)  # PWM, through a filter and an amplifier by three
 AIR_PIN = 6  # high: the dump valve lets air in
+OUTPUT_PINS = ()  # one for each of interface.outputs; off where the device has dumped
 STOP_PIN = 7  # high: the e-stop's loop is closed
 SERVICE_PIN = 8  # to ground while it starts: the program does not run
 ADC_PINS = (16, 18, 19)  # MCP3208: data out, clock, data in

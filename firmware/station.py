@@ -10,6 +10,7 @@ All of its input and output is an object with
     angle(joint), pressure(joint), supply()     counts
     drive(counts)   of the voltages to the valves
     air(on)         whether the dump valve lets air in
+    switch(outputs) which digital outputs are on, as bits
     alive()         tells the hardware's watchdog so
 """
 
@@ -21,6 +22,8 @@ from frames import IDENTIFY, COMMAND, READING, IDENTITY, Decoder, encode
 RUNNING, CENTRED, DUMPED = 0, 1, 2
 STOPPED = 4
 AIR, RESET = 1, 2
+OUTPUTS = 8
+"""Where the bits of the digital outputs begin in a command's flags, and their number in an identity's."""
 MAGIC, VERSION, DITHERS, LETS_DOWN = 0x4C46, 1, 1, 2
 STEPS = 32
 """Of the dither's sine."""
@@ -38,6 +41,7 @@ class Station:
         self.centre = (settings.CENTRE_VOLTAGE - settings.VOLTAGE_LOW) * counts // span
         amplitude = settings.DITHER_AMPLITUDE * counts / 2
         self.wave = [round(amplitude * sin(2 * pi * i / STEPS)) for i in range(STEPS)]
+        self.outputs = len(settings.OUTPUT_PINS)
         self.decoder = Decoder()
         self.last = None
         self.heard = io.ticks()
@@ -72,7 +76,8 @@ class Station:
         if len(payload) != 2 + 2 * self.settings.JOINTS:
             return False
         words = struct.unpack(">" + str(1 + self.settings.JOINTS) + "H", payload)
-        if words[0] & ~(AIR | RESET) or max(words[1:]) > self.top:
+        outputs = words[0] >> OUTPUTS
+        if words[0] & ~(AIR | RESET) & 0xFF or outputs >> self.outputs or max(words[1:]) > self.top:
             return False
         if self.last is not None and not 0 < (sequence - self.last) & 0xFFFF < 0x8000:
             return False
@@ -84,6 +89,7 @@ class Station:
         if self.state == RUNNING:
             self.counts = list(words[1:])
             self.io.air(bool(words[0] & AIR))
+            self.io.switch(outputs)
         return True
 
     def watch(self):
@@ -105,6 +111,7 @@ class Station:
             self.state, self.dumped, self.opened = DUMPED, self.io.ticks(), False
             self.counts = [self.centre] * self.settings.JOINTS
         self.io.air(False)
+        self.io.switch(0)
 
     def output(self):
         """Drive the valves, with the dither unless they are opened to let the air out."""
@@ -133,6 +140,7 @@ class Station:
         words = (MAGIC, VERSION, s.JOINTS, s.VOLTAGE_BITS, s.ANGLE_BITS, s.PRESSURE_BITS, s.SUPPLY_BITS)
         volts = (s.VOLTAGE_LOW & 0xFFFF, s.VOLTAGE_HIGH & 0xFFFF, s.CENTRE_VOLTAGE & 0xFFFF)
         flags = (DITHERS if s.DITHER_AMPLITUDE else 0) | (LETS_DOWN if s.LETS_DOWN else 0)
+        flags |= self.outputs << OUTPUTS
         times = (s.SHORTEST_CYCLE, s.CENTRES_AFTER // 1000, s.DUMPS_AFTER // 1000)
         return struct.pack(">14H", *(words + volts + (flags,) + times))
 

@@ -136,3 +136,16 @@ def test_a_key_of_an_earlier_version_is_read_in_files_and_logs(tmp_path: Path) -
     assert machine.safety.air_residual == 0.3
     logged = machine.model_dump_json().replace('"air_residual"', '"surplus"')
     assert restored(logged).safety == machine.safety
+
+
+@pytest.mark.parametrize(
+    ("outputs", "said"),
+    [
+        ('["gripper", "gripper"]', "'gripper' is there twice"),
+        (str([f"output {k}" for k in range(9)]), "interface.outputs"),
+        ('["grip/per"]', "interface.outputs"),
+        ('"gripper"', "interface.outputs"),
+    ],
+)
+def test_outputs_that_can_not_be_are_told(tmp_path: Path, outputs: str, said: str) -> None:
+    assert said in broken(tmp_path, f"[interface]\noutputs = {outputs}")

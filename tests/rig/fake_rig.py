@@ -67,6 +67,7 @@ class PlannedHost(Recorder):
         self.demands = [nan] * n
         self.rates: tuple[list[float], list[float]] | None = None  # of the demands: velocities and accelerations
         self.start = self.stop = self.reset = self.hold = self.ended = False
+        self.switched: list[tuple[int, bool]] = []
         self.age = 0.0
         self.rows: list[Array] = []
         self.lines: list[str] = []
@@ -74,7 +75,9 @@ class PlannedHost(Recorder):
 
     def request(self, _now: int) -> HostRequest:
         v, a = self.rates or (None, None)
-        wish = HostRequest(list(self.demands), self.start, self.stop, self.reset, self.age, v, a, hold=self.hold)
+        edges = self.start, self.stop, self.reset
+        wish = HostRequest(list(self.demands), *edges, self.age, v, a, hold=self.hold, switched=self.switched)
+        self.switched = []
         self.start = self.stop = self.reset = self.hold = False
         return wish
 

@@ -2,6 +2,7 @@ import multiprocessing
 import os
 import signal
 import time
+from dataclasses import replace
 from math import isnan, nan
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from layflat.machine.interface import MOST_OUTPUTS
 from layflat.rig.clock import SECOND, VirtualClock
 from layflat.rig.mailbox import HEAD, Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import Layout
@@ -66,7 +68,7 @@ def test_a_spoilt_message_is_not_taken(rubbish: bytes, at: int) -> None:
     try:
         box = Mailbox(path, LAYOUT)
         box.ask(Setpoints([0.25, 0.5], 3))
-        end = HEAD.size + 48
+        end = HEAD.size + 8 * (7 + MOST_OUTPUTS)
         at = min(at, end - 1)
         before = bytes(box._memory[:end])
         box._memory[at : min(at + len(rubbish), end)] = rubbish[: end - at]
@@ -94,6 +96,19 @@ def test_edges_are_given_once_and_age_is_by_the_loops_clock(path: Path) -> None:
     assert not host.ended
     clock.wait(5 * SECOND)
     assert host.ended
+
+
+def test_digital_outputs_are_switched_by_edges_whatever_was_asked_for_before(path: Path) -> None:
+    box, host = Mailbox(path, LAYOUT), RemoteHost(Mailbox(path, LAYOUT), VirtualClock(), 2)
+    wanted = Setpoints([nan, nan])
+    for output, on in [(2, True), (2, True), (0, False), (2, False), (1, True)]:
+        wanted = replace(wanted, switches=wanted.switched(output, on))
+        box.ask(wanted)
+        assert host.request(0).switched == [(output, on)]
+        assert host.request(0).switched == ()
+    wanted = replace(wanted, switches=wanted.switched(0, True))
+    box.ask(replace(wanted, switches=wanted.switched(3, True)))
+    assert host.request(0).switched == [(0, True), (3, True)]
 
 
 def test_rates_come_across_and_a_late_demand_counts_from_when_it_was_meant(path: Path) -> None:

@@ -39,6 +39,8 @@ def test_a_rig_starts_moves_and_stops(tmp_path: Path) -> None:
         os.kill(rig.process.pid, signal.SIGINT)  # as Ctrl-C would: the host decides
         with pytest.raises(InputError, match="one a joint"):
             rig.ask([0.1])
+        with pytest.raises(InputError, match=r"unknown output 'gripper'; name it in interface\.outputs"):
+            rig.switch("gripper", True)
         rig.start()
         wait(lambda: state(rig) is State.READY)
         rig.ask([0.2, 0.1])

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat.machine import changed, load
+from layflat.rig.driver import DeviceState
 from layflat.rig.safety.demands import LIMITED, Demand, Gate, followed, margin
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State, ValveMode
@@ -109,6 +110,25 @@ def test_a_controlled_stop_holds_centres_and_vents() -> None:
     assert rig.shows(Fault.NONE)
     rig.host.start = True
     rig.until(lambda: rig.supervisor.state is State.MOVING, 4.0)
+
+
+def test_digital_outputs_that_were_on_when_the_device_dumped_come_on_by_the_host_alone() -> None:
+    rig = Rig(ARM, np.zeros(2)).seconds(0.1)
+    rig.host.switched = [(0, True), (2, True)]
+    rig.cycles(1)
+    assert rig.driver.commands[-1].outputs == 5
+    rig.host.switched = [(0, False)]
+    rig.cycles(2)
+    assert rig.driver.commands[-1].outputs == 4
+    assert rig.loop.layout.named(rig.host.rows[-1], "outputs") == 4
+    rig.driver.device = DeviceState.DUMPED
+    rig.host.switched = [(1, True)]
+    rig.cycles(5)
+    assert rig.driver.commands[-1].outputs == 0
+    rig.driver.device = DeviceState.RUNNING
+    assert rig.cycles(5).driver.commands[-1].outputs == 0
+    rig.host.switched = [(2, True)]
+    assert rig.cycles(1).driver.commands[-1].outputs == 4
 
 
 def test_stale_setpoints_hold_and_then_vent() -> None:

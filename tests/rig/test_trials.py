@@ -18,7 +18,7 @@ from layflat.rig.trials.soak import quiet
 from layflat.rig.trials.work import RandomWork
 
 ARM = load("paper-arm")
-PATIENT = changed(ARM, "interface.serial.timeout", 0.1)
+PATIENT = changed(ARM, "interface.serial.timeout", 0.03)
 
 
 class LateClock(VirtualClock):

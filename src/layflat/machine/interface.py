@@ -5,12 +5,25 @@ The device is what the wires end in: a remote I/O station, or a microcontroller.
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from layflat.description import Part
 from layflat.description import units as u
 
+MOST_OUTPUTS = 8  # a command has bits for so many
+
 Register = Annotated[int, Field(ge=0, le=65535)]
+
+
+def _all_different(names: tuple[str, ...]) -> tuple[str, ...]:
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise ValueError(f"{twice!r} is there twice; give each output a name of its own")
+    return names
+
+
+OutputName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9 _-]{0,23}$")]
+OutputNames = Annotated[tuple[OutputName, ...], Field(max_length=MOST_OUTPUTS), AfterValidator(_all_different)]
 
 
 class ModbusLink(Part):
@@ -40,5 +53,8 @@ class Interface(Part):
         default=4, description="control cycles without a command, after which the device centres the valves"
     )
     dump_after: u.Time = Field(default=0.2, description="without a command, after which it lets out the air")
+    outputs: OutputNames = Field(
+        default=(), description="digital outputs for tools, by name; off where the device has dumped"
+    )
     modbus: ModbusLink = Field(default_factory=ModbusLink)
     serial: SerialLink = Field(default_factory=SerialLink)

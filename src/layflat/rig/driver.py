@@ -41,6 +41,7 @@ class Command(NamedTuple):
     voltages: Array  # to the valves' drivers, V, (joints,)
     air: bool  # whether the dump valve lets air in; else the supply line is open to the atmosphere
     reset: bool = False  # asks a device that has dumped to obey again; it does on the edge, with the e-stop released
+    outputs: int = 0  # digital outputs that are on, as bits: the first of the machine's is 1, the second 2
 
 
 class Reading(NamedTuple):
@@ -63,17 +64,19 @@ class Capabilities(NamedTuple):
     dithers: bool  # whether the device adds the dither; nobody else does
     shortest_cycle: float  # s
     lets_down: bool = False  # whether it keeps valves centred while it lets out the air, so that an arm does not fall
+    outputs: int = 0  # digital outputs
 
     @classmethod
     def needed(cls, machine: Machine) -> Self:
         """What a machine needs of them; raise MachineError if it has no valve or sensors."""
         valve, _, _ = drive_parts(machine)
         centre, span, dithers = valve.centre_voltage, valve.volts_to_full, valve.dithered is not None
-        return cls(len(machine.joints), centre - span, centre + span, centre, dithers, machine.cycle, falls(machine))
+        able = dithers, machine.cycle, falls(machine), len(machine.interface.outputs)
+        return cls(len(machine.joints), centre - span, centre + span, centre, *able)
 
     def check(self, machine: Machine) -> None:
         """Make sure that this fits a machine; raise InputError if it does not."""
-        joints, low, high, centre, dithers, cycle, falling = Capabilities.needed(machine)
+        joints, low, high, centre, dithers, cycle, falling, outputs = Capabilities.needed(machine)
         mine, shortest = f"{self.voltage_low:g} to {self.voltage_high:g} V", f"{1e3 * self.shortest_cycle:g} ms"
         wrong = {
             f"it has {self.joints} joints, the machine {joints}": self.joints != joints,
@@ -85,6 +88,7 @@ class Capabilities(NamedTuple):
             ),
             "it does not add the dither": dithers and not self.dithers,
             "it opens the valves as it lets out the air, and the arm would fall": falling and not self.lets_down,
+            f"it has {self.outputs} digital outputs, the machine {outputs}": self.outputs < outputs,
             f"its shortest cycle is {shortest}, the controller's {1e3 * cycle:g} ms": self.shortest_cycle > cycle,
         }
         for what, differs in wrong.items():

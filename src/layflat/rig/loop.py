@@ -111,7 +111,8 @@ class Loop:
         supervisor.noted = found if self._recording else (*found, Fault.RECORDER_DEAD)
         supervisor.barred = not self._recording
         supervisor.cycle(reading, self.host.request(now), elapsed, deadlines.elapsed)
-        self.driver.write(Command(supervisor.voltages.copy(), supervisor.air, supervisor.resets))
+        voltages = supervisor.voltages.copy()
+        self.driver.write(Command(voltages, supervisor.air, supervisor.resets, supervisor.outputs))
         self._record(now, (answered - begun) / SECOND)
         self._compute = (perf_counter_ns() - answered) / SECOND
         deadlines.took(self._compute)
@@ -124,6 +125,7 @@ class Loop:
         HEAD.pack_into(
             row.data, 0, since / SECOND, time_ns() / SECOND, deadlines.elapsed, deadlines.lateness, self._compute, link,
             reading.supply, supervisor.air, reading.stopped, reading.device, supervisor.state, worst, supervisor.lost,
+            supervisor.outputs,
         )  # fmt: skip
         supervisor.core.record(self._joints)
         if worst:

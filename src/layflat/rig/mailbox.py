@@ -9,6 +9,7 @@ import contextlib
 import mmap
 import os
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan, nan
 from pathlib import Path
@@ -17,6 +18,7 @@ from zlib import crc32
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.machine.interface import MOST_OUTPUTS
 from layflat.rig.clock import SECOND, Clock
 from layflat.rig.record import Layout
 from layflat.rig.safety.supervisor import HostRequest
@@ -79,6 +81,12 @@ class Setpoints:
     accelerations: list[float] | None = None  # rad/s2
     asks: int = 0  # demands asked for so far, whether they differ or not
     meant: int = 0  # instant for which the last ones are meant, by a monotonic clock, ns
+    switches: tuple[int, ...] = (0,) * MOST_OUTPUTS  # edges of each digital output: odd where it is to be on
+
+    def switched(self, output: int, on: bool) -> tuple[int, ...]:
+        """Return `switches` with one edge more, whatever the output was asked for before."""
+        count = self.switches[output] + 1
+        return *self.switches[:output], count + (count % 2 != on), *self.switches[output + 1 :]
 
 
 class Mailbox:
@@ -101,7 +109,10 @@ class Mailbox:
 
     def ask(self, wanted: Setpoints) -> None:
         """The host's: replace the setpoints; doing so again shows that it lives."""
-        edges = (wanted.starts, wanted.stops, wanted.resets, wanted.holds, int(wanted.ended), wanted.asks, wanted.meant)
+        edges = (
+            wanted.starts, wanted.stops, wanted.resets, wanted.holds, int(wanted.ended), wanted.asks, wanted.meant,
+            *wanted.switches,
+        )  # fmt: skip
         unknown = [nan] * len(wanted.demands)
         rates = (*(wanted.velocities or unknown), *(wanted.accelerations or unknown))
         self.setpoints.write(self._format.pack(*edges, *wanted.demands, *rates))
@@ -111,11 +122,13 @@ class Mailbox:
         found = self.setpoints.read()
         if found is None:
             return None
-        starts, stops, resets, holds, ended, asks, meant, *numbers = self._format.unpack(found[1])
+        starts, stops, resets, holds, ended, asks, meant, *rest = self._format.unpack(found[1])
+        switches, numbers = tuple(rest[:MOST_OUTPUTS]), rest[MOST_OUTPUTS:]
         n = len(numbers) // 3
         demands, *rates = (numbers[k * n : (k + 1) * n] for k in range(3))
         velocities, accelerations = (None if all(map(isnan, of)) else of for of in rates)
-        wanted = Setpoints(demands, starts, stops, resets, holds, bool(ended), velocities, accelerations, asks, meant)
+        edges = starts, stops, resets, holds, bool(ended)
+        wanted = Setpoints(demands, *edges, velocities, accelerations, asks, meant, switches)
         return found[0], wanted
 
     def publish(self, row: Array) -> None:
@@ -138,7 +151,7 @@ class Mailbox:
 
 def _plan(layout: Layout) -> tuple[struct.Struct, int, int]:
     """How setpoints are written, where the snapshot's slot begins behind theirs, and where it ends."""
-    setpoints = struct.Struct(f"<7q{3 * len(layout.joints)}d")
+    setpoints = struct.Struct(f"<{7 + MOST_OUTPUTS}q{3 * len(layout.joints)}d")
     second = HEAD.size + setpoints.size
     return setpoints, second, second + HEAD.size + 8 * layout.width
 
@@ -167,9 +180,13 @@ class RemoteHost:
                 self._meant = last.meant if abs(now - last.meant) <= OFF * SECOND else now
         start, stop, reset = last.starts > before.starts, last.stops > before.stops, last.resets > before.resets
         hold = last.holds > before.holds
+        switched: Sequence[tuple[int, bool]] = ()
+        if last.switches != before.switches:
+            counts = enumerate(zip(last.switches, before.switches, strict=True))
+            switched = [(number, after % 2 == 1) for number, (after, then) in counts if after != then]
         return HostRequest(
             last.demands, start, stop or last.ended, reset, (now - self._heard) / SECOND, last.velocities,
-            last.accelerations, (now - self._meant) / SECOND, hold,
+            last.accelerations, (now - self._meant) / SECOND, hold, switched,
         )  # fmt: skip
 
     def publish(self, row: Array) -> None:

@@ -29,6 +29,7 @@ SHARED: dict[str, tuple[str, str]] = {
     "mode": ("1", "state of the supervisor"),
     "fault": ("1", "number of the worst fault, 0 for none"),
     "lost": ("1", "transactions that failed one after the other"),
+    "outputs": ("1", "digital outputs that are on, as bits"),
 }  # unit and meaning of what there is once
 
 # What there is of every joint, whatever law controls it; behind it stands what the law tells, then its fault.

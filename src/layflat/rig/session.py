@@ -76,7 +76,7 @@ class Session(AbstractContextManager["Session"]):
         self, machine: Machine, driver: Callable[[], Driver], recorder: Callable[[], Recorder] = Recorder,
         lease: Lease | None = None,
     ) -> None:  # fmt: skip
-        self._layout = Layout.of(machine)
+        self._layout, self._outputs = Layout.of(machine), machine.interface.outputs
         self.mailbox = Mailbox.create(self._layout)  # file of shared memory, in which anyone may look on
         self._memory = Mailbox(self.mailbox, self._layout)
         self._wanted = Setpoints([nan] * len(machine.joints))
@@ -111,6 +111,21 @@ class Session(AbstractContextManager["Session"]):
         """Hold the joints, then let out the air."""
         self.check()
         self._want(stops=self._wanted.stops + 1)
+
+    def switch(self, output: str, on: bool) -> None:
+        """Switch a digital output of the machine; the device switches all off as it dumps, and none on by itself.
+
+        Raises:
+            InputError: the machine has no output of that name.
+            LoopError: the loop does not run.
+        """
+        if output not in self._outputs:
+            known = ", ".join(self._outputs)
+            right = f"give {known}" if known else "name it in interface.outputs of the machine's file"
+            raise InputError(f"unknown output {output!r}", where="output", right=right)
+        self.check()
+        with self._guard:
+            self._want_if_minded(switches=self._wanted.switched(self._outputs.index(output), on))
 
     def reset(self) -> None:
         """Let go of latched faults that are over."""

@@ -22,12 +22,20 @@ class Asked:
     def __init__(self) -> None:
         self.angles: list[Array] = []
         self.velocities: list[Array] = []
+        self.outputs = 0
+        self.switched: list[tuple[str, bool, Array]] = []
 
     def ask(self, angles: Any, velocities: Any = None, *_: Any, **__: Any) -> None:
         self.angles.append(np.array(angles))
         self.velocities.append(np.zeros(2) if velocities is None else np.array(velocities))
 
-    def __getitem__(self, name: str) -> Array:
+    def switch(self, output: str, on: bool) -> None:
+        self.outputs = on
+        self.switched.append((output, on, self.angles[-1]))
+
+    def __getitem__(self, name: str) -> Any:
+        if name == "outputs":
+            return self.outputs
         return self.angles[-1] if name == "averaged_angle" else self.velocities[-1]
 
 
@@ -70,6 +78,22 @@ def test_a_course_goes_through_its_places_and_pauses() -> None:
     assert (np.abs(angles - steps[0].angles).max(axis=1) < 1e-9).any()
     assert angles[-1] == pytest.approx(steps[-1].angles)
     assert course.rounds == 1
+
+
+def test_a_course_switches_outputs_where_it_has_come_to_a_place() -> None:
+    grips = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper",)})})
+    closed, opened = frozenset({"gripper"}), frozenset[str]()
+    places = [((0.2, 0.0), None), ((0.3, 0.1), closed), ((0.1, 0.1), closed), ((0.0, 0.0), opened)]
+    course = Course(grips, np.zeros(2), [Step(angles, 0.1, outputs) for angles, outputs in places], 0.5)
+    asked, now = Asked(), 0.0
+    while not course.over:
+        course.ask(asked, asked, now)  # type: ignore[arg-type]
+        now += 0.02
+    (first, second) = asked.switched
+    assert first[:2] == ("gripper", True)
+    assert first[2] == pytest.approx((0.3, 0.1))
+    assert second[:2] == ("gripper", False)
+    assert second[2] == pytest.approx((0.0, 0.0))
 
 
 def test_a_course_again_and_again_begins_anew_and_does_not_wait_for_ever() -> None:

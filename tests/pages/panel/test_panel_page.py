@@ -25,7 +25,10 @@ def browser() -> Iterator[Any]:
 @pytest.fixture(scope="module")
 def panel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     pytest.importorskip("nicegui")
-    with served(tmp_path_factory.mktemp("panel"), "panel", "paper-arm-tracking") as found:
+    folder = tmp_path_factory.mktemp("panel")
+    described = 'extends = "paper-arm-tracking"\nname = "arm-with-tool"\n[interface]\noutputs = ["gripper"]\n'
+    (folder / "arm.toml").write_text(described, encoding="utf-8")
+    with served(folder, "panel", "arm.toml") as found:
         yield found
     assert not found.complaints
 
@@ -251,8 +254,14 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
     jogged(page, "small, forwards", lambda: angle(page, 1) > 10.0)
     page.mouse.up()
     time.sleep(0.6)
+    press(page, "Switch gripper on")
+    until(lambda: page.get_by_role("button", name="Switch gripper off").is_visible())
     tab(page, "Moves")
     press(page, "Add present angles")
+    assert [row.split("\t")[3] for row in page.locator("main .lf-table tr").all_inner_texts()[1:]] == [
+        "nothing",
+        "gripper",
+    ]
     page.get_by_label("name").fill("to and fro")
     press(page, "Save")
     press(page, "Clear")
@@ -266,6 +275,9 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
         return "at step 2" in page.inner_text("main")
 
     until(performed, 20.0)
+    tab(page, "Jog")
+    for switched in ("on", "off"):
+        until(lambda on=switched: page.locator(".lf-outputs .lf-number").inner_text() == on, 20.0)  # type: ignore[misc]
     pressed(page, "Stop")
     until(lambda: state(page) == "Holding")
 

@@ -29,6 +29,17 @@ def test_a_sequence_comes_back(
         assert found.pause == pytest.approx(step.pause, abs=1e-3)
 
 
+GRIPS = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper", "lamp")})})
+
+
+def test_outputs_of_steps_come_back_and_others_are_refused(tmp_path: Path) -> None:
+    steps = [Step((0.1, 0.2), 0.5, outputs) for outputs in (frozenset({"gripper"}), frozenset[str](), None)]
+    save_sequence(tmp_path, "grip", GRIPS, steps)
+    assert [step.outputs for step in load_sequence(tmp_path, "grip", GRIPS)] == [step.outputs for step in steps]
+    with pytest.raises(LayflatError, match=r"step 1: outputs: .*leave them out: the machine has none"):
+        load_sequence(tmp_path, "grip", ARM)
+
+
 @pytest.mark.parametrize("name", ["", "../elsewhere", "a/b", ".hidden", "x" * 41, "nul\0"])
 def test_names_stay_in_the_folder(tmp_path: Path, name: str) -> None:
     with pytest.raises(LayflatError, match="is no name for a sequence"):

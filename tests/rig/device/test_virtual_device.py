@@ -97,6 +97,21 @@ def test_running_it_obeys_at_once() -> None:
     assert device.capabilities[:5] == (1, 0.0, 10.0, 5.0, True)
 
 
+def test_digital_outputs_stay_while_it_is_centred_are_off_once_it_dumps_and_come_on_by_commands_alone() -> None:
+    device, _, clock = noted()
+    device.obey(asked()._replace(outputs=5))
+    after(clock, 50 * MS)
+    assert (device.reading().device, device.outputs) == (DeviceState.CENTRED, 5)
+    after(clock, SECOND)
+    assert (device.reading().device, device.outputs) == (DeviceState.DUMPED, 0)
+    device.obey(asked()._replace(outputs=5))
+    assert device.outputs == 0
+    device.obey(asked(reset=True)._replace(outputs=1))
+    assert (state(device), device.outputs) == (DeviceState.RUNNING, 1)
+    device.stopped = True
+    assert device.outputs == 0
+
+
 @given(st.integers(0, SECOND), st.lists(st.integers(0, SECOND), max_size=5), st.booleans())
 def test_the_watchdog_bites_to_the_instant_however_long_nobody_looks(
     gap: int, looks: list[int], commanded: bool

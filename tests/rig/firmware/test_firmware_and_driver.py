@@ -75,6 +75,8 @@ class Board:
     def air(self, on: bool) -> None:
         self.let_in.append(on)
 
+    def switch(self, outputs: int) -> None: ...
+
     def alive(self) -> None:
         pass
 

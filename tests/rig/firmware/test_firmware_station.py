@@ -28,6 +28,7 @@ class Pins:
         self.incoming, self.outgoing = b"", b""
         self.driven: list[int] = []
         self.let_in = True
+        self.on = 0
         self.lives = 0
 
     def ticks(self) -> int:
@@ -60,6 +61,9 @@ class Pins:
 
     def air(self, on: bool) -> None:
         self.let_in = on
+
+    def switch(self, outputs: int) -> None:
+        self.on = outputs
 
     def alive(self) -> None:
         self.lives += 1
@@ -130,6 +134,24 @@ def test_it_says_what_the_machines_file_says() -> None:
     found = Identity.from_words(frames.as_words(told.payload))
     found.check(ARM, "here")
     assert found == Identity.of(ARM)._replace(shortest_cycle=SETTINGS.SHORTEST_CYCLE)
+
+
+def test_digital_outputs_stay_while_it_is_centred_and_are_off_once_it_dumps() -> None:
+    bench = OpenLoopRig(OUTPUT_PINS=(10, 11))
+    (told,) = bench.exchange(frames.encode(frames.IDENTIFY, 77, b""))
+    assert Identity.from_words(frames.as_words(told.payload)).check(ARM, "here").outputs == 2
+    bench.start()
+    wire = WIRE._replace(outputs=2)
+    words = wire.command_words(Command(_array([5.0, 5.0]), air=True, outputs=2))
+    bench.sent(10, words)
+    assert bench.pins.on == 2
+    assert not bench.exchange(frames.encode(frames.COMMAND, 11, frames.as_bytes([words[0] | 0x0400, *words[1:]])))
+    bench.wait(SETTINGS.CENTRES_AFTER + 10 * MS)
+    assert bench.pins.on == 2
+    bench.wait(SETTINGS.DUMPS_AFTER)
+    assert bench.pins.on == 0
+    bench.sent(12, words)
+    assert bench.pins.on == 0
 
 
 def test_it_starts_with_the_air_out_and_runs_after_a_reset_alone() -> None:

@@ -81,6 +81,21 @@ def test_the_centre_is_met_exactly() -> None:
         assert words[1:] == [wire.centre] * wire.joints
 
 
+GRIPS = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper", "lamp", "horn")})})
+
+
+@given(st.integers(0, 7), st.booleans())
+def test_digital_outputs_arrive_and_those_that_are_not_there_are_refused(outputs: int, air: bool) -> None:
+    wire = Wire.of(GRIPS)
+    words = wire.command_words(Command(np.array([5.0, 5.0]), air, outputs=outputs))
+    assert wire.command(words)[1:] == (air, False, outputs)
+    with pytest.raises(WireError, match="mean nothing"):
+        wire.command([words[0] | 0x0800, *words[1:]])
+    if outputs:
+        with pytest.raises(WireError, match="mean nothing"):
+            WIRES["12 bits"][1].command(words)
+
+
 @given(st.lists(st.integers(0, 0xFFFF), max_size=12))
 def test_any_words_are_refused_or_mean_just_what_they_say(words: list[int]) -> None:
     _, wire = WIRES["12 bits"]

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from layflat import changed, load
-from layflat.errors import MachineError
+from layflat.errors import InputError, MachineError
 from layflat.rig.driver import Capabilities, DriverError
 from layflat.rig.wire.content import WireError
 from layflat.rig.wire.identity import IDENTITY_SIZE, MAGIC, Identity, Registers
@@ -17,6 +17,16 @@ ABLE = Capabilities(2, 0.0, 10.0, 5.0, True, 1e-3)
 def test_a_far_side_of_the_same_machine_fits() -> None:
     told = Identity.from_words(Identity.of(ARM, ABLE).words())
     assert told.check(ARM, "here") == ABLE
+
+
+def test_a_device_has_as_many_digital_outputs_as_the_machine_or_more() -> None:
+    grips = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper", "lamp")})})
+    with pytest.raises(DriverError, match=r"the rig has 1 digital output\(s\), the machine 'paper-arm' 2"):
+        Identity.of(grips, ABLE._replace(outputs=1)).check(grips, "here")
+    able = ABLE._replace(outputs=3)
+    assert Identity.from_words(Identity.of(grips, able).words()).check(grips, "here") == able
+    with pytest.raises(InputError, match="it has 0 digital outputs, the machine 2"):
+        ABLE.check(grips)
 
 
 def test_negative_voltages_come_back() -> None:

@@ -13,8 +13,9 @@ from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.minder import Jogs
-from layflat.pages.panel.moves import Step
+from layflat.pages.panel.moves import Step, outputs_on
 from layflat.pages.panel.sequences import target
+from layflat.rig.driver import DeviceState
 from layflat.rig.session import Snapshot
 
 JOG_SPEEDS = (2.0, 60.0, 15.0)  # slowest, fastest, and at first, deg/s
@@ -64,6 +65,40 @@ class JogView:
             label.set_text(text)
         for button in self.buttons:
             button.set_enabled(fits)
+
+
+class OutputsView:
+    """A row a digital output of the machine: whether it is on, and a button that switches it."""
+
+    def __init__(self, desk: Desk) -> None:
+        """Build it."""
+        self._desk, names = desk, desk.first.interface.outputs
+        self._rows: dict[str, tuple[ui.label, ui.button]] = {}
+        self._on: frozenset[str] | None = None
+        with ui.element("div").classes("lf-outputs"):
+            for name in names:
+                ui.label(name).classes("lf-name")
+                shown = ui.label("-").classes("lf-number").props("role=status")
+                button = theme.button(f"Switch {name} on", partial(self._switch, name))
+                self._rows[name] = shown, button
+
+    def refresh(self, shot: Snapshot | None, drives: bool) -> None:
+        """Show which are on; they may be switched while the device obeys."""
+        on = outputs_on(self._desk.first, shot) if shot is not None else frozenset()
+        obeys = shot is not None and int(shot["device"]) != DeviceState.DUMPED
+        for name, (shown, button) in self._rows.items():
+            button.set_enabled(drives and obeys)
+            if on != self._on:
+                shown.set_text("on" if name in on else "off")
+                button.set_text(f"Switch {name} {'off' if name in on else 'on'}")
+                button.props["aria-label"] = button.text
+                button.update()
+        self._on = on
+
+    def _switch(self, name: str) -> None:
+        shot = self._desk.snapshot()
+        if shot is not None:
+            self._desk.pilot.switch(name, name not in outputs_on(self._desk.first, shot))
 
 
 class TargetView:

@@ -31,6 +31,13 @@ class Step(NamedTuple):
 
     angles: tuple[float, ...]  # rad
     pause: float = 0.0  # after the arm has come there, s
+    outputs: frozenset[str] | None = None  # digital outputs that are on from when it has come there; None: as before
+
+
+def outputs_on(machine: Machine, shot: Snapshot) -> frozenset[str]:
+    """Return the names of the digital outputs that are on."""
+    bits = int(shot["outputs"])
+    return frozenset(name for number, name in enumerate(machine.interface.outputs) if bits >> number & 1)
 
 
 class Jog:
@@ -40,10 +47,7 @@ class Jog:
         self.over = False
         self.wanted: Array = np.zeros(len(start))  # velocities, rad/s
         self._at, self._half = start.copy(), half_strokes(machine)
-        self._velocity, self._most = (
-            np.zeros(len(start)),
-            np.zeros(len(start)),
-        )  # now, and the greatest wanted yet, rad/s
+        self._velocity = self._most = np.zeros(len(start))  # now, and the greatest wanted yet, rad/s
         self._before: float | None = None
 
     def ask(self, session: Session, shot: Snapshot, now: float) -> None:  # noqa: ARG002  (as of `Move`)
@@ -87,13 +91,21 @@ class Course:
         if self._arrived is None:
             session.ask(self.target)
             late = now - self._begun - len(self._rows.angles) * self._machine.cycle > ARRIVES
-            self._arrived = now if late or self._is_there(shot) else None
+            if late or self._is_there(shot):
+                self._arrived = now
+                self._switch(session, shot)
         elif now - self._arrived >= self._steps[self.step].pause:
             self._next(now)
 
     def _is_there(self, shot: Snapshot) -> bool:
         off = np.abs(shot["averaged_angle"] - np.array(self.target)).max()
         return bool(off < NEAR and np.abs(shot["averaged_velocity"]).max() < STILL)
+
+    def _switch(self, session: Session, shot: Snapshot) -> None:
+        wanted = self._steps[self.step].outputs
+        if wanted is not None:
+            for name in sorted(wanted ^ outputs_on(self._machine, shot)):
+                session.switch(name, name in wanted)
 
     def _next(self, now: float) -> None:
         start = np.array(self.target)

@@ -15,7 +15,7 @@ from layflat.pages.panel.charts_view import ChartsView
 from layflat.pages.panel.check_view import CheckView
 from layflat.pages.panel.controller_view import ControllerView
 from layflat.pages.panel.desk import Desk
-from layflat.pages.panel.drive_view import JogView, TargetView
+from layflat.pages.panel.drive_view import JogView, OutputsView, TargetView
 from layflat.pages.panel.failures_view import FailuresView
 from layflat.pages.panel.logs_view import LogsView
 from layflat.pages.panel.minder import Jogs, Minder
@@ -78,7 +78,7 @@ class PanelPage:
         with theme.panel("Move and look"):
             bar = ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows")
             with ui.tab_panels(bar, value="Jog", animated=False).classes("lf-plain"):
-                self.jog = self._tab(bar, "Jog", lambda: JogView(desk))
+                self.jog, self.outputs = self._tab(bar, "Jog", lambda: (JogView(desk), OutputsView(desk)))
                 self.target = self._tab(bar, "Target", lambda: TargetView(desk, lambda: self.scene))
                 self.sequence = self._tab(bar, "Moves", lambda: SequenceView(desk))
                 self.check = self._tab(bar, "Check", lambda: CheckView(desk, self._key))
@@ -123,6 +123,7 @@ class PanelPage:
         self.timing.refresh(shot)
         self.charts.refresh()
         self.jog.refresh(shot, fits)
+        self.outputs.refresh(shot, drives)
         self.target.refresh(fits)
         self.sequence.refresh(shot, fits)
         self.check.refresh()

@@ -62,6 +62,10 @@ class Pilot:
         """Let go of faults that are over."""
         self._tell(Session.reset)
 
+    def switch(self, output: str, on: bool) -> None:
+        """Switch a digital output of the machine."""
+        self._tell(lambda session: session.switch(output, on))
+
     def jog(self, velocities: Sequence[float]) -> None:
         """Move joints by these speeds, rad/s, from now until they are asked for zero."""
         with self._guard:

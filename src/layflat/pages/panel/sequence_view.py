@@ -8,7 +8,7 @@ from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
 from layflat.pages.panel.desk import Desk
-from layflat.pages.panel.moves import Step
+from layflat.pages.panel.moves import Step, outputs_on
 from layflat.pages.panel.sequences import check_pause, load_sequence, place_of, save_sequence, sequence_names
 from layflat.rig.session import Snapshot
 
@@ -20,7 +20,7 @@ class SequenceView:
 
     def __init__(self, desk: Desk) -> None:
         """Build it."""
-        self._desk = desk
+        self._desk, self._outputs = desk, desk.first.interface.outputs
         self.steps: list[Step] = []
         least, most, usual = SHARES
         with ui.row().classes("lf-line"):
@@ -67,7 +67,8 @@ class SequenceView:
             self.told.set_text(str(error))
             return
         if shot is not None:
-            self.steps.append(Step(tuple(map(float, shot["demand"])), pause))
+            outputs = outputs_on(self._desk.first, shot) if self._outputs else None
+            self.steps.append(Step(tuple(map(float, shot["demand"])), pause, outputs))
             self.told.set_text("")
             self._draw()
 
@@ -117,12 +118,20 @@ class SequenceView:
                 return
             with ui.element("table").classes("lf-table"):
                 with ui.element("tr"):
-                    for head in ("step", *(f"{name} (deg)" for name in self._desk.first.joints), "pause (s)", ""):
+                    switched = ("then on",) if self._outputs else ()
+                    joints = (f"{name} (deg)" for name in self._desk.first.joints)
+                    for head in ("step", *joints, *switched, "pause (s)", ""):
                         theme.text_element("th", head)
                 for at, step in enumerate(self.steps):
                     with ui.element("tr"):
-                        for text in (str(at + 1), *(f"{degrees(x):.1f}" for x in step.angles), f"{step.pause:g}"):
+                        angles = (f"{degrees(x):.1f}" for x in step.angles)
+                        on = (_named(step.outputs),) if self._outputs else ()
+                        for text in (str(at + 1), *angles, *on, f"{step.pause:g}"):
                             theme.text_element("td", text)
                         with ui.element("td"):
                             hint = f"Take step {at + 1} away"
                             theme.button("", lambda at=at: self._drop(at), icon="delete", kind="flat", hint=hint)
+
+
+def _named(outputs: frozenset[str] | None) -> str:
+    return "as before" if outputs is None else ", ".join(sorted(outputs)) or "nothing"

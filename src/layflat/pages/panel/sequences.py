@@ -35,12 +35,14 @@ def place_of(folder: Path, name: str) -> Path:
 
 def save_sequence(folder: Path, name: str, machine: Machine, steps: Sequence[Step]) -> Path:
     """Write a sequence of a machine's joints; raise InputError for a bad name, OutputError if it can't be written."""
-    rows = [
-        {"angles": {joint: f"{degrees(at):.3f} deg" for joint, at in zip(machine.joints, step.angles, strict=True)},
-         "pause": f"{step.pause:.3f} s"}
-        for step in steps
-    ]  # fmt: skip
+    rows = [_row(step, machine) for step in steps]
     return write_text(place_of(folder, name), tomli_w.dumps({"machine": machine.name, "step": rows}))
+
+
+def _row(step: Step, machine: Machine) -> dict[str, Any]:
+    angles = {joint: f"{degrees(at):.3f} deg" for joint, at in zip(machine.joints, step.angles, strict=True)}
+    outputs = {} if step.outputs is None else {"outputs": sorted(step.outputs)}
+    return {"angles": angles, "pause": f"{step.pause:.3f} s", **outputs}
 
 
 def load_sequence(folder: Path, name: str, machine: Machine) -> list[Step]:
@@ -71,7 +73,17 @@ def _step(row: Any, machine: Machine, where: str) -> Step:
     for name, angle in zip(machine.joints, found, strict=True):
         check_inside_stroke(machine, name, angle, where)
     pause = u.quantity(row.get("pause", "0 s"), u.TIME, f"{where}: pause")
-    return Step(tuple(found), check_pause(pause, where))
+    return Step(tuple(found), check_pause(pause, where), _outputs(row.get("outputs"), machine, where))
+
+
+def _outputs(names: Any, machine: Machine, where: str) -> frozenset[str] | None:
+    known = machine.interface.outputs
+    if names is None:
+        return None
+    if not isinstance(names, list) or not set(map(str, names)) <= set(known):
+        right = f"give a list of {', '.join(known)}" if known else "leave them out: the machine has none"
+        raise InputError(f"{names!r} are not outputs of the machine", where=f"{where}: outputs", right=right)
+    return frozenset(names)
 
 
 def check_pause(seconds: float, where: str) -> float:

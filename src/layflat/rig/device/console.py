@@ -38,6 +38,8 @@ def state(device: VirtualDevice) -> str:
     parts.append(f"supply {_gauge(device, plant.supply)}")
     for name, angle, (a, b) in zip(plant.joints, plant.angles, plant.pressures, strict=True):
         parts.append(f"{name} {57.29578 * angle:.2f} deg, hoses {_gauge(device, a)} and {_gauge(device, b)}")
+    on = [name for number, name in enumerate(device.output_names) if device.outputs >> number & 1]
+    parts += [f"{name} on" for name in on]
     return "; ".join(parts)
 
 

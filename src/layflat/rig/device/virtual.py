@@ -7,7 +7,7 @@
 Dumped is latched: only the edge of a reset with the e-stop released ends it, and a device that was just switched on
 has to see the reset low first. Dumped, the supply line is open to the atmosphere; once it is empty, every valve is
 opened fully to one end: a joint's hose A lets go through the line, its hose B through the exhaust. Those of an arm that
-would fall stay centred: what they pass as they dither lets it down slowly.
+would fall stay centred: what they pass as they dither lets it down slowly. Digital outputs are off while it is dumped.
 """
 
 import numpy as np
@@ -77,6 +77,7 @@ class VirtualDevice:
         self._at = self._heard = clock.now()
         self._begin = self._at - round(plant.time * SECOND)
         self._stopped, self._reset = False, True
+        self.output_names, self.outputs = machine.interface.outputs, 0  # these are those that are on, as bits
         self._opens: int | None = None
         self.state = DeviceState.RUNNING if running else DeviceState.DUMPED
         plant.supply = self.line.pressure
@@ -104,7 +105,7 @@ class VirtualDevice:
         if self.state is DeviceState.DUMPED and not (edge and not self._stopped):
             return
         self.state, self._opens = DeviceState.RUNNING, None
-        self.line.air = command.air
+        self.line.air, self.outputs = command.air, command.outputs
         self.plant.drive(command.voltages)
 
     def reading(self) -> Reading:
@@ -141,7 +142,7 @@ class VirtualDevice:
         if self.state is DeviceState.RUNNING:
             self.plant.drive(self._centred)
         self.state = DeviceState.DUMPED
-        self.line.air = False
+        self.line.air, self.outputs = False, 0
 
     def _pass(self, until: int) -> None:
         """Move plant and line on to an instant."""

@@ -35,6 +35,7 @@ class HostRequest(NamedTuple):
     accelerations: Sequence[float] | None = None  # rad/s2
     since: float = 0.0  # the instant for which the demands are meant, s
     hold: bool = False  # edge: hold the joints where they are, with air; a start goes on
+    switched: Sequence[tuple[int, bool]] = ()  # edges: digital outputs by number, and whether they are on from now on
 
 
 class Supervisor(StateMachine):
@@ -44,6 +45,7 @@ class Supervisor(StateMachine):
         core = Core(machine, law)
         super().__init__(machine, core)
         self.lost = 0  # replies that were lost, one after the other
+        self.outputs = 0  # digital outputs that are on, as bits
         self._stale_after = machine.safety.setpoint_age - machine.cycle
         self._low, self._high = core.rig["voltage_low"][0], core.rig["voltage_high"][0]
         self._centre = core.rig["centre"][0]
@@ -67,6 +69,8 @@ class Supervisor(StateMachine):
         The reading is None where the reply was lost; times are since the last samples and since the last cycle, s.
         """
         self.ledger.new_cycle()
+        for number, on in request.switched:
+            self.outputs = self.outputs & ~(1 << number) | on << number
         core = self.core
         core.ask(request.demands, request.velocities, request.accelerations, request.since)
         if reading is not None:
@@ -118,6 +122,8 @@ class Supervisor(StateMachine):
         self.pressed = reading.stopped
         if reading.stopped:
             self.ledger.note(Fault.E_STOP)
+        if reading.device == DeviceState.DUMPED:
+            self.outputs = 0  # as the device's are: none comes on by itself once it obeys again
         self.device_state(reading.device)
         if self._perform(JUDGE, reading.supply, elapsed, 0.0):
             self._note_found()

@@ -17,7 +17,7 @@ from layflat.rig.driver import Command, DeviceState, Reading
 
 WORD = 16  # bits
 ROUND = 1 << WORD  # numbers of transactions go round, so that "later" means less than half a round ahead
-AIR, RESET = 1, 2  # bits of a command's flags
+AIR, RESET, OUTPUTS = 1, 2, 8  # of a command's flags: two bits, and where those of the outputs begin
 STATE, STOPPED = 3, 4  # bits of a reading's flags: two of the device's state, one of the e-stop
 
 
@@ -82,6 +82,7 @@ class Wire(NamedTuple):
     angle: Converter
     pressure: Converter  # differential
     supply: Converter  # absolute
+    outputs: int = 0  # digital ones, that commands switch
 
     @classmethod
     def of(cls, machine: Machine) -> Self:
@@ -97,6 +98,7 @@ class Wire(NamedTuple):
             Converter.of_sensor(first.angle_sensor),
             Converter.of_sensor(first.pressure_sensor),
             Converter.of_sensor(Sensor(ambient, ambient + own.supply_range_gauge, lsb, 0.0, 0.0)),
+            len(own.outputs),
         )
 
     @property
@@ -113,13 +115,13 @@ class Wire(NamedTuple):
         """A command on the wire; voltages end at the ends of the range, and what is not a number is the centre."""
         voltage = self.voltage
         counts = [voltage.count(v) if isfinite(v) else self.centre for v in command.voltages.tolist()]
-        return [AIR * command.air + RESET * command.reset, *counts]
+        return [AIR * command.air | RESET * command.reset | command.outputs << OUTPUTS, *counts]
 
     def command(self, words: Sequence[int]) -> Command:
         """The command that words say; raise WireError if they are no command."""
-        _check(words, self.command_size, AIR | RESET)
-        voltages = np.array([self.voltage.take(words, i) for i in range(1, len(words))])
-        return Command(voltages, air=bool(words[0] & AIR), reset=bool(words[0] & RESET))
+        _check(words, self.command_size, AIR | RESET | ((1 << self.outputs) - 1) << OUTPUTS)
+        voltages, flags = np.array([self.voltage.take(words, i) for i in range(1, len(words))]), words[0]
+        return Command(voltages, air=bool(flags & AIR), reset=bool(flags & RESET), outputs=flags >> OUTPUTS)
 
     def reading_words(self, reading: Reading) -> list[int]:
         """A reading on the wire."""

@@ -12,7 +12,7 @@ from layflat.rig.wire.content import Wire, WireError
 
 MAGIC = 0x4C46  # nothing else that answers is taken for a rig
 VERSION = 1
-DITHERS, LETS_DOWN = 1, 2  # flags
+DITHERS, LETS_DOWN, OUTPUTS = 1, 2, 8  # of the flags: two bits, and where the number of digital outputs begins
 
 
 class Identity(NamedTuple):
@@ -42,14 +42,14 @@ class Identity(NamedTuple):
         _, angle_sensor, pressure_sensor = drive_parts(machine)
         if machine.controller is None:
             raise MachineError("has no controller", where=machine.origin, right="give a machine that moves by itself")
-        joints, low, high, centre, dithers, cycle, lets_down = able or Capabilities.needed(machine)
+        joints, low, high, centre, dithers, cycle, lets_down, outputs = able or Capabilities.needed(machine)
         if max(abs(low), abs(high)) > 32.0:
             raise MachineError(f"reaches from {low:g} to {high:g} V", where="valve", right="rigs have up to +-32 V")
         own = machine.interface
         bits = own.voltage_bits, angle_sensor.bits, pressure_sensor.bits, own.supply_bits
         voltages = (round(1e3 * voltage) for voltage in (low, high, centre))
         times = (1e6 * cycle, 1e3 * own.watchdog_cycles * machine.cycle, 1e3 * own.dump_after)
-        flags = DITHERS * dithers + LETS_DOWN * lets_down
+        flags = DITHERS * dithers | LETS_DOWN * lets_down | outputs << OUTPUTS
         return cls._make((MAGIC, VERSION, joints, *bits, *voltages, flags, *map(round, times)))
 
     def words(self) -> list[int]:
@@ -81,11 +81,15 @@ class Identity(NamedTuple):
             raise DriverError(
                 what, where=where, right="its device has to keep them centred (LETS_DOWN in its settings)"
             )
+        outputs = self.flags >> OUTPUTS
+        if outputs < found.outputs:
+            what = f"the rig has {outputs} digital output(s), the machine {machine.name!r} {found.outputs}"
+            raise DriverError(what, where=where, right="give the description of this rig")
         if self.shortest_cycle > 1e6 * machine.cycle:
             what = f"the rig needs {self.shortest_cycle} us a cycle, the machine's is {1e3 * machine.cycle:g} ms"
             raise DriverError(what, where=where, right="make controller.cycle longer")
         flags = {"dithers": bool(self.flags & DITHERS), "lets_down": bool(self.flags & LETS_DOWN)}
-        return found._replace(shortest_cycle=1e-6 * self.shortest_cycle, **flags)
+        return found._replace(shortest_cycle=1e-6 * self.shortest_cycle, outputs=outputs, **flags)
 
 
 IDENTITY_SIZE = len(Identity._fields)

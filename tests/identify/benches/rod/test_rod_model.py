@@ -28,10 +28,12 @@ REAL = RIG.model_copy(
 """Four times the area, and several times the friction, of what the search begins with."""
 
 
-def pushed(rig: RodBench, gauge: float, noisy: float = 0.0, spikes: int = 0, seed: int = 0) -> xarray.Dataset:
+def pushed(
+    rig: RodBench, gauge: float, noisy: float = 0.0, spikes: int = 0, seed: int = 0, cycles: int = 5
+) -> xarray.Dataset:
     rng = np.random.default_rng(seed)
-    time = np.linspace(0.0, 40.0, 4000)
-    position = 0.02 - 0.02 * np.cos(2 * np.pi * time / 8.0) * np.where(time < 32.0, 1.0, 0.5)
+    time = np.linspace(0.0, 8.0 * cycles, 800 * cycles)
+    position = 0.02 - 0.02 * np.cos(2 * np.pi * time / 8.0) * np.where(time < 8.0 * (cycles - 1), 1.0, 0.5)
     pressure = gauge + 3e3 * np.sign(np.sin(2 * np.pi * time / 8.0)) + 101325.0
     log = xarray.Dataset(
         {"position": ("time", position), "pressure": ("time", pressure), "force": ("time", np.cos(time))},
@@ -43,8 +45,8 @@ def pushed(rig: RodBench, gauge: float, noisy: float = 0.0, spikes: int = 0, see
 
 
 def test_what_a_rig_shows_is_found_again() -> None:
-    logs = {f"{bar} bar": pushed(REAL, bar * 1e5, noisy=0.2, seed=bar) for bar in (1, 3, 6)}
-    model = RodModel(RIG, logs, {"5 bar": pushed(REAL, 5e5)})
+    logs = {f"{bar} bar": pushed(REAL, bar * 1e5, noisy=0.2, seed=bar, cycles=3) for bar in (1, 3, 6)}
+    model = RodModel(RIG, logs, {"5 bar": pushed(REAL, 5e5, cycles=3)})
     found = fit(model, starts=0)
     described = model.described(found.values)
     assert described.piston.area == pytest.approx(1.2e-3, rel=1e-3)
@@ -207,7 +209,7 @@ def test_noise_of_a_smooth_motion() -> None:
 @pytest.mark.parametrize(("seal", "left", "most"), [("O-ring", 5, 0.05), ("PK", 5, 0.057), ("Kidney_lc", 3, 0.06)])
 def test_measured_loops_are_predicted_at_a_pressure_that_was_not_fitted(seal: str, left: int, most: float) -> None:
     def read(bar: int) -> xarray.Dataset:
-        samples = np.loadtxt(DATA / f"{seal}_{bar}bar.csv", usecols=(0, 4, 5, 6))[::4]
+        samples = np.loadtxt(DATA / f"{seal}_{bar}bar.csv", usecols=(0, 4, 5, 6))[::5]
         time, position, pressure, force = samples.T.copy()
         return xarray.Dataset(
             {
