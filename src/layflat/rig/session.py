@@ -11,6 +11,8 @@ from multiprocessing import connection
 from multiprocessing.util import Finalize
 from typing import Any
 
+import numpy as np
+
 from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
@@ -43,6 +45,10 @@ class Snapshot:
     def __getitem__(self, name: str) -> Array:
         """A shared number, or those of all joints, (joints,)."""
         return self._layout.named(self.row, name)
+
+    def told(self, name: str, untold: float) -> Array:
+        """Return the numbers of all joints, (joints,), or this one for each where the control law does not tell it."""
+        return self[name] if name in self._layout.by_joint else np.full(len(self._layout.joints), untold)
 
     @property
     def state(self) -> State:

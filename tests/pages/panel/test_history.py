@@ -54,6 +54,19 @@ def test_air_is_told_by_the_minute() -> None:
     assert air_rate(seen) == pytest.approx(2 * 0.1 * 60.0 / 10.0)
 
 
+def test_brakes_are_wholly_on_where_the_control_law_leaves_them_alone() -> None:
+    tracking = load("paper-arm-tracking")
+    layout = Layout.of(tracking)
+    row = np.zeros(layout.width)
+    layout.named(row, "brake_share")[...] = (0.25, 1.0)
+    for machine, shown, wanted in ((ARM, shot(1.0), (1.0, 1.0)), (tracking, Snapshot(layout, row), (0.25, 1.0))):
+        history = History()
+        history.add(shown, machine)
+        seen = history.seen()
+        assert seen is not None
+        assert seen.joints["brake_share"].tolist() == [list(wanted)]
+
+
 def test_the_worst_lateness_is_of_the_loop_and_not_of_its_start() -> None:
     history = History()
     for time, late in ((0.5, 0.3), (2.0, 1e-4), (3.0, 5e-5)):

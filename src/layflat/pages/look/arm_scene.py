@@ -20,6 +20,7 @@ from layflat.machine import Machine
 COLOURS = {"link": "#aab4c0", "joint": "#29333f", "tip": "#c05a00"}  # far apart in black and white, too
 FRAMES = 10  # a second: a browser without a graphics device draws them all by itself
 GHOST = "#1b6a8f"
+WITHIN = 0.97  # a target is drawn so much smaller: where the arm is there, it hides it
 TRAIL, TRAIL_STEP = 400, 0.002  # points of the tip's way that are shown, and how far they are apart, m
 ABOVE = 0.002  # the floor lies what is drawn on it, m
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # cylinders there lie along y, here along z
@@ -128,6 +129,8 @@ def _draw(scene: ui.scene, piece: Piece, ghost: str | None) -> None:
     for made, axes, along in _solids(scene, piece):
         place = piece.place + piece.axes @ np.array([0.0, 0.0, along])
         made.material(ghost or COLOURS[piece.of], 0.35 if ghost else 1.0)
+        if ghost:
+            made.scale(WITHIN)
         made.move(*place.tolist()).rotate_R((piece.axes @ axes).tolist())
 
 

@@ -1,4 +1,4 @@
-"""The last half minute of a rig in charts: angles and targets, errors, pressures, voltages."""
+"""The last half minute of a rig in charts: angles and targets, errors, pressures, voltages, brakes, air."""
 
 from math import ceil, floor
 
@@ -8,7 +8,7 @@ from nicegui import ui
 from layflat.pages.look import theme
 from layflat.pages.look.charts import STYLES, Axis, Line, LineChart, points
 from layflat.pages.panel.desk import Desk
-from layflat.pages.panel.history import SPAN, Seen
+from layflat.pages.panel.history import SPAN, Seen, air_taken
 
 TIME = Axis("time before now", "s", -SPAN, 0.0)
 KINDS = {
@@ -16,6 +16,8 @@ KINDS = {
     "Errors": (Axis("target less angle", "deg"), 2.0),
     "Pressures": (Axis("hose A less hose B", "bar"), 1.0),
     "Valves": (Axis("voltage", "V"), 5.0),
+    "Brakes": (Axis("share of the brake's torque", "%"), 100.0),
+    "Air": (Axis("taken since then", "normal litres"), 10.0),
 }
 """What is drawn, by the name of its tab, and in which steps its axis grows: noise at rest is no motion."""
 
@@ -54,9 +56,9 @@ class ChartsView:
         lines = []
         for i, name in enumerate(self._names):
             colour, dash = STYLES[i % len(STYLES)]
-            lines.append(Line(name, colour, dash if kind != "Angles" else "solid"))
+            lines.append(Line(name, colour, dash))
             if kind == "Angles":
-                lines.append(Line(f"{name}, target", colour, [4, 4], width=1.2, quiet=True))
+                lines.append(Line(f"{name}, target", colour, "solid", width=1.0, quiet=True, opacity=0.5))
         return lines
 
     def _data(self, kind: str, seen: Seen) -> dict[str, list[list[float]]]:
@@ -66,6 +68,8 @@ class ChartsView:
             "Errors": np.degrees(joints["demand"] - joints["averaged_angle"]),
             "Pressures": joints["averaged_pressure"] / 1e5,
             "Valves": joints["voltage"],
+            "Brakes": 100.0 * joints["brake_share"],
+            "Air": air_taken(seen),
         }[kind]
         found = {name: points(seen.times, drawn[:, j]) for j, name in enumerate(self._names)}
         if kind == "Angles":

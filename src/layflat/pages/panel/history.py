@@ -14,6 +14,7 @@ SPAN = 30.0  # that is kept, s
 EVERY = 0.1  # between two instants that are kept, s
 PER_JOINT = ("averaged_angle", "demand", "averaged_pressure", "voltage", "estimated_air")
 SHARED = ("supply", "lateness", "link")
+WHOLE = "brake_share"  # is 1 where the control law leaves the brakes alone
 
 
 class Seen(NamedTuple):
@@ -41,7 +42,7 @@ class History:
         if self._rows and now - self._rows[-1][0] < EVERY - 0.5 * machine.cycle:
             return
         self._last = shot
-        parts = [shot[name] for name in PER_JOINT]
+        parts = [*(shot[name] for name in PER_JOINT), shot.told(WHOLE, 1.0)]
         self._rows.append((now, np.concatenate([*parts, [shot[name] for name in SHARED]])))
         while now - self._rows[0][0] > SPAN:
             self._rows.popleft()
@@ -59,13 +60,20 @@ class History:
             return None
         times = np.array([time for time, _ in rows])
         table = np.array([row for _, row in rows])
-        n = (table.shape[1] - len(SHARED)) // len(PER_JOINT)
-        joints = {name: table[:, i * n : (i + 1) * n] for i, name in enumerate(PER_JOINT)}
+        names = (*PER_JOINT, WHOLE)
+        n = (table.shape[1] - len(SHARED)) // len(names)
+        joints = {name: table[:, i * n : (i + 1) * n] for i, name in enumerate(names)}
         return Seen(times - times[-1], joints, {name: table[:, i - len(SHARED)] for i, name in enumerate(SHARED)})
+
+
+def air_taken(seen: Seen) -> Array:
+    """Return the air that each joint has taken since the first of what is kept, normal litres, (instants, joints)."""
+    taken = seen.joints["estimated_air"]
+    litres: Array = (taken - taken[0]) / NORMAL_DENSITY * 1000.0
+    return litres
 
 
 def air_rate(seen: Seen) -> float:
     """Return the air taken over what is kept, normal litres a minute."""
     lasted = -float(seen.times[0])
-    taken = seen.joints["estimated_air"]
-    return float((taken[-1] - taken[0]).sum()) / NORMAL_DENSITY * 1000.0 * 60.0 / lasted if lasted > 0.0 else 0.0
+    return float(air_taken(seen)[-1].sum()) * 60.0 / lasted if lasted > 0.0 else 0.0

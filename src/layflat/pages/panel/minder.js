@@ -28,7 +28,7 @@ export default {
   },
   methods: {
     beat(number) {
-      this.seen = number;
+      this.$el.dataset.beat = this.seen = number;
     },
     key(event) {
       if (event.key === "Escape") this.$emit("stop");

@@ -1,0 +1,81 @@
+"""Pictures of the pages, as the docs show them, from real pages in a real browser: `make pictures`.
+
+Needs chromium, and the extras `panel`, `cell` and `test`.
+"""
+
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+from playwright.sync_api import TimeoutError
+from tests.pages.browsers import Served, chromium, served
+
+FOLDER = Path(__file__).parent
+SIZE = (1280, 900)
+COLOURS = 192  # of a picture: text stays sharp in a third of the bytes
+
+
+def panel(page: Any) -> None:
+    """The operator's panel, with an arm on its way through a sequence."""
+    for angles, seconds in (((35, 25, -40, 20), 8.0), ((-30, -10, 30, -15), 7.0), ((40, 30, -20, 25), 1.2)):
+        page.get_by_role("tab", name="Target", exact=True).click()
+        for joint, angle in zip(("base", "shoulder", "elbow", "wrist"), angles, strict=True):
+            page.get_by_label(f"{joint} (deg)").fill(str(angle))
+        until_it_moves(page)
+        page.wait_for_timeout(1000 * seconds)
+
+
+def until_it_moves(page: Any) -> None:
+    """Bring the air and go, anew where a busy computer let the arm be held."""
+    going = page.locator(".lf-state", has_text="Moving")
+    for _ in range(600):
+        for name in ("Start", "Go on", "Go to target"):
+            button = page.get_by_role("button", name=name, exact=True)
+            if button.is_visible() and button.is_enabled():
+                with suppress(TimeoutError):
+                    button.click(timeout=300)
+        page.wait_for_timeout(200)
+        if going.is_visible():
+            return
+    raise RuntimeError("the rig does not get ready")
+
+
+def studio(page: Any) -> None:
+    """The studio, with a hose that was widened, beside the design before."""
+    current = "() => document.querySelector('.st-row') && !document.querySelector('.st-old')"
+    page.wait_for_function(current, timeout=120_000)
+    page.get_by_role("button", name="Keep as A").click()
+    width = page.get_by_role("textbox", name="Joint large, hose, Width in mm")
+    width.fill("180")
+    width.press("Enter")
+    page.wait_for_timeout(1000)
+    page.wait_for_function(current, timeout=120_000)
+
+
+def taken(words: tuple[str, ...], name: str, act: Callable[[Any], None]) -> None:
+    """Serve a page, act on it, and keep a picture of it."""
+    with tempfile.TemporaryDirectory() as folder, served(Path(folder), *words) as found, chromium() as browser:
+        keep(found, browser, name, act)
+
+
+def keep(found: Served, browser: Any, name: str, act: Callable[[Any], None]) -> None:
+    """Act on a page, and keep a picture of it."""
+    page = found.page(browser, *SIZE)
+    act(page)
+    picture = Image.open(BytesIO(page.screenshot())).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture.save(FOLDER / f"{name}.png", optimize=True)
+    page.context.close()
+
+
+def main() -> None:
+    """Take all pictures."""
+    taken(("panel", "picking-arm"), "panel", panel)
+    taken(("studio", "paper-arm"), "studio", studio)
+
+
+if __name__ == "__main__":
+    main()
