@@ -114,8 +114,8 @@ def told(name: str, log: Path) -> None:
     missed = int((elapsed > 1.5 * np.median(elapsed)).sum())
     median, most = np.quantile(late, (0.5, 0.99))
     print(
-        f"{name}: {len(late)} cycles, late by {median:.1f} us (median), {most:.0f} us (99 %), {late.max():.0f} us (worst)"
-        f"; {missed} deadlines missed"
+        f"{name}: {len(late)} cycles, late by {median:.1f} us, 99 % {most:.0f} us, worst {late.max():.0f} us; "
+        f"{missed} missed deadlines"
     )
 
 
