@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from commands import refused
 from typer.testing import CliRunner
 
 from layflat.cli import app
@@ -150,6 +152,11 @@ def test_an_empty_tray_is_told_after_the_results_are_written(few: str, tmp_path:
         (["--study", "--over", "sky"], "--over: 'sky' is nothing to pack over; give cloud"),
         (["--over", "cloud"], "--over: is for a study; add --study"),
         (["--calibration", "nowhere.toml"], "nowhere.toml: can't be read"),
+        (["--watch", "--study"], "--watch: cannot be combined with --study"),
+        (["--port", "9000"], "--port: is for the page; add --watch, or leave it out"),
+        (["--no-browser"], "--no-browser: is for the page; add --watch"),
+        (["--watch", "--host", "192.0.2.1"], "--host: '192.0.2.1' can be reached from other computers"),
+        (["--watch", "--key", "none.pem"], "--certificate: is missing"),
     ],
 )
 def test_what_is_wrong_is_said_before_any_work(options: list[str], said: str, tmp_path: Path) -> None:
@@ -157,3 +164,18 @@ def test_what_is_wrong_is_said_before_any_work(options: list[str], said: str, tm
     assert isinstance(done.exception, InputError)
     assert said in str(done.exception)
     assert not (tmp_path / "out").exists()
+
+
+def test_a_port_in_use_is_named_before_any_work(few: str, tmp_path: Path) -> None:
+    pytest.importorskip("nicegui")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        line = refused("pack", "--watch", "--cell", few, "--port", str(port), "--no-browser", cwd=tmp_path)
+    assert line.startswith(f"layflat: --port: port {port} can't be had")
+
+
+def test_a_page_needs_its_extra(few: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "nicegui", None)
+    line = refused("pack", "--watch", "--cell", few, "--no-browser", cwd=tmp_path)
+    assert line == "layflat: --watch: needs nicegui, not installed; install it: pip install 'layflat[panel]'"
+    assert not (tmp_path / "build").exists()

@@ -2,7 +2,7 @@
 
 import webbrowser
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -29,6 +29,12 @@ class PageOptions:
     key: Annotated[Path | None, typer.Option(metavar="FILE", help="of the certificate, PEM")] = None
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the page")] = True
 
+    @property
+    def given(self) -> str:
+        """The first option that is not at its default; empty where all are."""
+        others = (one.name for one in fields(self) if getattr(self, one.name) != one.default)
+        return next((OPTIONS.get(name, "--no-browser") for name in others), "")
+
     def place(self) -> "Place":
         """Return where the page is served; raise InputError naming the option if it can't be."""
         from layflat.pages.server.place import Place  # noqa: PLC0415
@@ -43,9 +49,13 @@ class PageOptions:
         from layflat.pages.server.serve import serve  # noqa: PLC0415
 
         def ready(link: str) -> None:
-            typer.echo(f"{machine.name} at {link}; Ctrl-C ends it")
-            if self.browser and not webbrowser.open(link):
-                typer.echo("no browser was found: open the link in one")
+            self.tell(machine.name, link)
 
         with naming_options(OPTIONS):
             serve(root, place, title=f"layflat: {machine.name}", ready=ready, stopped=stopped, **more)
+
+    def tell(self, name: str, link: str) -> None:
+        """Say where the page of something is, and open it."""
+        typer.echo(f"{name} at {link}; Ctrl-C ends it")
+        if self.browser and not webbrowser.open(link):
+            typer.echo("no browser was found: open the link in one")

@@ -5,15 +5,27 @@ from __future__ import annotations
 import pytest
 from changed_cells import cell_with
 
+from layflat.cell.perception import Observation
+from layflat.cell.plan.containers import Fruit
 from layflat.cell.plan.pick import Outcome
 from layflat.cell.work.observer import Observer
 from layflat.cell.work.results import Summary
 from layflat.cell.work.run import Run, packed
 
 
-def run(speeds: list[list[str]], picks: int, count: int = 12) -> Run:
+class Chosen(Observer):
+    """Notes what was chosen, and by which image."""
+
+    def __init__(self) -> None:
+        self.noted: list[tuple[Fruit, Observation]] = []
+
+    def chosen(self, fruit: Fruit, observation: Observation) -> None:
+        self.noted.append((fruit, observation))
+
+
+def run(speeds: list[list[str]], picks: int, count: int = 12, observer: Observer | None = None) -> Run:
     changes = {"conveyor/speeds": speeds, "conveyor/count": {"least": count, "most": count}, "conveyor/patience": "3 s"}
-    return packed(cell_with(changes, of="belt"), 1, picks, None, Observer())
+    return packed(cell_with(changes, of="belt"), 1, picks, None, observer or Observer())
 
 
 @pytest.mark.parametrize(
@@ -26,12 +38,15 @@ def run(speeds: list[list[str]], picks: int, count: int = 12) -> Run:
     ids=["fast", "stops", "turns back"],
 )
 def test_what_moves_is_picked_and_laid_down(speeds: list[list[str]]) -> None:
-    found = run(speeds, 3)
+    chosen = Chosen()
+    found = run(speeds, 3, observer=chosen)
     figures = Summary(found.deliveries)
     picks = [pick for delivery in found.deliveries for pick in delivery.picks]
     assert figures.correct >= 2
     assert figures.collisions == 0
     assert figures.release_error_worst_mm < 6.0
+    assert len(chosen.noted) == len(picks)
+    assert all(fruit in observation.fruits for fruit, observation in chosen.noted), "as it lay in that image"
     # What gets away is told; nothing is dropped.
     assert all(pick.trouble for pick in picks if pick.outcome is not Outcome.PLACED)
     assert not any(pick.outcome in {Outcome.LOST, Outcome.STUCK} for pick in picks)
@@ -44,7 +59,7 @@ def test_a_belt_on_which_nothing_comes_ends_the_run() -> None:
 
 
 def test_what_passed_by_unpicked_is_told_with_the_reason() -> None:
-    found = run([["0 s", "0.4 m/s"]], 12)
+    found = run([["0 s", "0.4 m/s"]], 6)
     (first, *_) = found.deliveries
     passed = {one.reason for one in first.not_picked} - {"no place takes apple of grade 'yellow'"}
     assert passed

@@ -183,24 +183,25 @@ def test_a_delivery_that_can_t_begin_ends_the_run_and_those_before_are_kept(
 
 
 class Impatient(Observer):
-    """Presses Ctrl-C when the second fruit is carried."""
+    """Presses Ctrl-C when so many fruit have been carried, or are."""
 
-    carried = 0
+    def __init__(self, most: int) -> None:
+        self.carried, self.most = 0, most
 
     def phase(self, choice: Choice, before: State, after: State) -> None:  # noqa: ARG002  (as all observers)
         self.carried += after.phase is Phase.CARRY
-        if self.carried == 2:
+        if self.carried == self.most:
             raise KeyboardInterrupt
 
 
 def test_what_was_done_before_ctrl_c_is_kept(cell: Cell) -> None:
-    found = packed(cell, 2, 5, None, Impatient())
-    assert isinstance(found.error, StoppedError)
-    assert Summary(found.deliveries).correct == 1
-    hasty = Impatient()
-    hasty.carried = 1
+    for most, kept in ((2, [1]), (3, [2])):  # also in a delivery of which nothing was done yet
+        found = packed(cell, 2, 5, None, Impatient(most))
+        assert isinstance(found.error, StoppedError)
+        assert [len(delivery.picks) for delivery in found.deliveries] == kept
+        assert Summary(found.deliveries).correct == sum(kept)
     with pytest.raises(KeyboardInterrupt):
-        packed(cell, 2, 5, None, hasty)
+        packed(cell, 2, 5, None, Impatient(1))
 
 
 def test_one_is_not_counted_in_the_plural() -> None:

@@ -246,6 +246,11 @@ def test_values_out_of_range_are_told_and_go_nowhere(page: Any) -> None:
     until(lambda: "out of the arm's reach" in page.inner_text("main"))
 
 
+def added(page: Any) -> list[str]:
+    """What is on after each step of the sequence."""
+    return [row.split("\t")[3] for row in page.locator("main .lf-table tr").all_inner_texts()[1:]]
+
+
 def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
     ready(page)
     tab(page, "Moves")
@@ -258,10 +263,7 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
     until(lambda: page.get_by_role("button", name="Switch gripper off").is_visible())
     tab(page, "Moves")
     press(page, "Add present angles")
-    assert [row.split("\t")[3] for row in page.locator("main .lf-table tr").all_inner_texts()[1:]] == [
-        "nothing",
-        "gripper",
-    ]
+    until(lambda: added(page) == ["nothing", "gripper"])
     page.get_by_label("name").fill("to and fro")
     press(page, "Save")
     press(page, "Clear")

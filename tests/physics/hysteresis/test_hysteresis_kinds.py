@@ -181,22 +181,32 @@ def test_a_step_is_of_second_order(kind: str) -> None:
     assert convergence(turning, losing(kind)) > 1.7
 
 
-def machine(kind: str) -> Machine:
-    return changed(load("paper-small-joint"), SMALL, described(kind, damping_time="5 ms"))
+CASE = Scenario(demand=[(0.0, -0.3), (0.1, 0.3)], duration=0.6, seed=3, brake=0.1)
+
+
+def machine(kind: str, **changes: Any) -> Machine:
+    return changed(load("paper-small-joint"), SMALL, described(kind, damping_time="5 ms", **changes))
 
 
 @pytest.mark.compiled
 @each_kind
-def test_a_run_closes_its_ledger_and_an_ensemble_repeats_it_bit_for_bit(kind: str) -> None:
-    case = Scenario(demand=[(0.0, -0.3), (0.1, 0.3)], duration=0.6, seed=3, brake=0.1)
-    run = rollout(machine(kind), scenario=case).isel(joint=0)
+def test_a_run_closes_its_ledger(kind: str) -> None:
+    run = rollout(machine(kind), scenario=CASE).isel(joint=0)
     works = run["gas_work"] + run["load_work"] - run["hose_work"] - run["brake_heat"] - run["damping_heat"]
     inertia = load("paper-small-joint").arm.payload * 0.4**2 + 0.001 + 0.0053 + 0.4 * 0.2**2
     assert float(abs(works - 0.5 * inertia * run["velocity"] ** 2).max()) < 1e-3
     assert float((run["hose_work"] - run["hose_stored"]).min()) >= -1e-4
     assert float(run["damping_heat"][-1]) > 0.0
-    angles = traced(machine(kind), case, {"seed": np.array([3.0, 3.0])}, ("angle",))[:, :, 0, 0]
+
+
+@pytest.mark.compiled
+def test_an_ensemble_with_every_kind_in_parallel_repeats_a_run_bit_for_bit() -> None:
+    parts = {kind: {"kind": kind, **DESCRIBED[kind]} for kind in DESCRIBED if kind != "parallel"}
+    every = machine("parallel", parts=parts)
+    run = rollout(every, scenario=CASE).isel(joint=0)
+    angles = traced(every, CASE, {"seed": np.array([3.0, 3.0])}, ("angle",))[:, :, 0, 0]
     assert np.array_equal(angles[1], run["angle"].to_numpy()[: angles.shape[1]])
+    assert np.ptp(angles) > 0.1
 
 
 def test_what_varies_from_run_to_run_may_be_any_number_of_any_kind() -> None:

@@ -162,9 +162,9 @@ class BeltPacker(Packer):
         self._track = self._course = None
         return pick
 
-    def _observation(self, choice: Choice) -> Observation:  # noqa: ARG002  (as of all packers)
+    def _sighting(self, choice: Choice) -> tuple[Observation, Fruit]:  # noqa: ARG002  (as of all packers)
         assert self._track is not None  # it was chosen
-        return self._track.observation
+        return self._track.observation, self._track.fruit
 
     def _measure(self, relocation: Relocation | None = None) -> Readings:
         return replace(self._station.measure(relocation), moving=self._moving())

@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any
 
 from layflat.cell.perception import Observation
+from layflat.cell.plan.containers import Fruit
 from layflat.cell.plan.order import Choice
 from layflat.cell.plan.pick import State
 from layflat.cell.scene import Scene
@@ -20,6 +21,9 @@ class Observer:
 
     def cycle(self, time: float) -> None:
         """A control cycle is over, s since the delivery began."""
+
+    def chosen(self, fruit: Fruit, observation: Observation) -> None:
+        """A pick begins: of a fruit as it lay in the image by which it was chosen."""
 
     def phase(self, choice: Choice, before: State, after: State) -> None:
         """A pick's phase has changed."""
@@ -38,7 +42,7 @@ class Observers(Observer):
     """Observers as one: each event goes to all, in the order given."""
 
     def __init__(self, *observers: Observer) -> None:
-        for event in ("begins", "cycle", "phase", "observed", "picked", "ends"):
+        for event in ("begins", "cycle", "chosen", "phase", "observed", "picked", "ends"):
             setattr(self, event, partial(_tell, [getattr(observer, event) for observer in observers]))
 
 

@@ -76,7 +76,8 @@ class Packer:
         return selection.choice
 
     def _pick(self, number: int, choice: Choice) -> Pick:
-        station, observation = self._station, self._observation(choice)
+        station, (observation, lay) = self._station, self._sighting(choice)
+        self._observer.chosen(lay, observation)
         begin, air, self._current = station.time, station.air, False
         state, relocation = begun(task_of(self._cell, choice), self._measure()), None
         while state.phase is not Phase.DONE:
@@ -99,9 +100,9 @@ class Packer:
         taken = station.air - air
         return Pick(number, choice, state.outcome, state.trouble, state.tried, begin, station.time, taken, observation)
 
-    def _observation(self, choice: Choice) -> Observation:
-        """Return the last one in which the chosen fruit was seen."""
-        return self._world.seen_in[choice.fruit]
+    def _sighting(self, choice: Choice) -> tuple[Observation, Fruit]:
+        """Return the last observation in which the chosen fruit was seen, and the fruit as it lay there."""
+        return self._world.seen_in[choice.fruit], choice.fruit
 
     def _measure(self, relocation: Relocation | None = None) -> Readings:
         """Return what the sensors give, and what is known of the fruit that is picked."""

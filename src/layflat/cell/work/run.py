@@ -54,10 +54,10 @@ def packed(cell: Cell, seed: int, picks: int, calibration: Calibration | None, o
         drawn = int(np.random.SeedSequence((seed, len(deliveries))).generate_state(1)[0])
         try:
             delivery = _delivered(cell, drawn, picks - done, calibration, observer)
-        except LayflatError as raised:
+        except (LayflatError, KeyboardInterrupt) as raised:
             if not deliveries:
                 raise
-            error = raised
+            error = StoppedError(f"{done} picks") if isinstance(raised, KeyboardInterrupt) else raised
             break
         deliveries.append(delivery.without_pictures)
         done += len(delivery.picks)
