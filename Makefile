@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 BENCH_LAWS := tests/identify/benches/*/test_*_laws.py tests/identify/benches/vessel/test_real_gas.py
 
 .DEFAULT_GOAL := help
-.PHONY: help install wheel reproduce questions test test-nojit lint bench mutants calibrate clean
+.PHONY: help install wheel reproduce questions test test-nojit lint pictures bench mutants calibrate clean
 
 help:  ## show what can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-12s %s\n", $$1, $$2}'
@@ -37,6 +37,9 @@ lint: $(READY)  ## style, types, import contracts
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+pictures: $(READY)  ## take the pictures of the pages in docs anew, in a real browser (a minute, on a quiet computer)
+	$(BIN)/python -m docs.pictures
 
 bench: $(READY)  ## measure speed: build/bench.json
 	$(BIN)/python -m benchmarks.run --out build/bench.json

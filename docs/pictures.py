@@ -12,11 +12,10 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import TimeoutError
-from tests.pages.browsers import Served, chromium, served
+from tests.pages.browsers import chromium, served
 
 FOLDER = Path(__file__).parent
 SIZE = (1280, 900)
-COLOURS = 192  # of a picture: text stays sharp in a third of the bytes
 
 
 def panel(page: Any) -> None:
@@ -56,25 +55,38 @@ def studio(page: Any) -> None:
     page.wait_for_function(current, timeout=120_000)
 
 
-def taken(words: tuple[str, ...], name: str, act: Callable[[Any], None]) -> None:
-    """Serve a page, act on it, and keep a picture of it."""
+def watch(page: Any) -> None:
+    """The packing cell at its third pick or so, as a fruit is carried."""
+    page.get_by_role("button", name="as fast as it computes").click()
+    carried = "() => parseInt(document.querySelector('#cell-picks').innerText) > 2"
+    page.wait_for_function(carried, timeout=120_000)
+    page.get_by_role("button", name="real time").click()
+    page.wait_for_timeout(2500)
+
+
+def ended(page: Any) -> None:
+    """The run has ended by itself."""
+    page.get_by_role("button", name="as fast as it computes").click()
+    page.wait_for_selector("#cell-end", timeout=120_000)
+
+
+def taken(
+    words: tuple[str, ...], name: str, act: Callable[[Any], None], then: Callable[[Any], None] | None = None
+) -> None:
+    """Serve a page, act on it, keep a picture of it, and act again."""
     with tempfile.TemporaryDirectory() as folder, served(Path(folder), *words) as found, chromium() as browser:
-        keep(found, browser, name, act)
-
-
-def keep(found: Served, browser: Any, name: str, act: Callable[[Any], None]) -> None:
-    """Act on a page, and keep a picture of it."""
-    page = found.page(browser, *SIZE)
-    act(page)
-    picture = Image.open(BytesIO(page.screenshot())).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    picture.save(FOLDER / f"{name}.png", optimize=True)
-    page.context.close()
+        page = found.page(browser, *SIZE)
+        act(page)
+        Image.open(BytesIO(page.screenshot())).convert("RGB").save(FOLDER / f"{name}.png", optimize=True)
+        if then is not None:
+            then(page)
 
 
 def main() -> None:
     """Take all pictures."""
     taken(("panel", "picking-arm"), "panel", panel)
     taken(("studio", "paper-arm"), "studio", studio)
+    taken(("pack", "--watch", "--picks", "5"), "watch", watch, ended)
 
 
 if __name__ == "__main__":
