@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from served_rig import LAYFLAT, ServedRig
 
 from layflat import cli
 from layflat.errors import LayflatError
@@ -22,8 +21,6 @@ from layflat.rig.recorder.run import read_run
 from layflat.rig.safety.states import State
 
 pytestmark = pytest.mark.realtime
-
-LAYFLAT = [sys.executable, "-c", "from layflat.cli import main; main()"]
 
 PATIENT = """
 extends = "paper-arm-fast"
@@ -41,49 +38,6 @@ setpoint_age = "0.3 s"
 """Replies may take long: tests share their cores."""
 
 
-class Served:
-    """A virtual rig in a process of its own."""
-
-    def __init__(self, *words: str, cwd: Path) -> None:
-        pipe = subprocess.PIPE
-        self.process = subprocess.Popen(
-            [*LAYFLAT, "rig", "serve", *words], stdin=pipe, stdout=pipe, stderr=pipe, text=True, cwd=cwd
-        )
-        told = self.line()
-        assert " at " in told, self.process.communicate()
-        self.address = told.split(" at ")[1]
-
-    def line(self) -> str:
-        assert self.process.stdout is not None
-        return self.process.stdout.readline().strip()
-
-    def send(self, text: str) -> None:
-        assert self.process.stdin is not None
-        self.process.stdin.write(text + "\n")
-        self.process.stdin.flush()
-
-    def ask(self, text: str) -> str:
-        self.send(text)
-        return self.line()
-
-    def vented(self) -> bool:
-        """Whether no hose holds more than a tenth of a bar, within some seconds."""
-        until = time.monotonic() + 5.0
-        while time.monotonic() < until:
-            hoses = re.findall(r"hoses ([\d.]+) bar and ([\d.]+) bar", self.ask("state"))
-            assert len(hoses) == 2
-            if all(float(hose) < 0.1 for joint in hoses for hose in joint):
-                return True
-            time.sleep(0.1)
-        return False
-
-    def end(self, number: int = signal.SIGINT) -> int:
-        self.process.send_signal(number)
-        status = self.process.wait(10.0)
-        self.process.communicate()
-        return status
-
-
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("rig")
@@ -92,8 +46,8 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def modbus(place: Path) -> Iterator[Served]:
-    served = Served("arm.toml", "--modbus", "0", cwd=place)
+def modbus(place: Path) -> Iterator[ServedRig]:
+    served = ServedRig("arm.toml", "--modbus", "0", cwd=place)
     yield served
     assert served.end() == 0
 
@@ -119,7 +73,7 @@ def complete(path: Path) -> None:
     assert np.all(np.diff(time_) <= elapsed[1:] + 0.002)
 
 
-def test_a_move_through_modbus_settles_and_is_logged(modbus: Served, place: Path) -> None:
+def test_a_move_through_modbus_settles_and_is_logged(modbus: ServedRig, place: Path) -> None:
     words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "out")
     done = subprocess.run(
         [*LAYFLAT, *words, "--demand", "15 deg, 10 deg", "--demand", "large=5 deg @ 1.7 s", "--duration", "3.3 s"],
@@ -142,7 +96,7 @@ def test_a_move_through_modbus_settles_and_is_logged(modbus: Served, place: Path
 
 
 def test_ctrl_c_through_serial_is_a_controlled_stop(place: Path) -> None:
-    served = Served("arm.toml", "--link", "tty", cwd=place)
+    served = ServedRig("arm.toml", "--link", "tty", cwd=place)
     assert served.address == "serial://tty"
     words = ("rig", "run", "arm.toml", "--driver", f"serial://{place / 'tty'}", "--out", "serial")
     running = start(*words, "--demand", "large=15 deg, small=10 deg", "--duration", "60 s", cwd=place)
@@ -171,7 +125,7 @@ def wait_until_moving(part: Path) -> None:
         time.sleep(0.05)
 
 
-def test_a_demand_file_is_followed(modbus: Served, place: Path) -> None:
+def test_a_demand_file_is_followed(modbus: ServedRig, place: Path) -> None:
     times = np.arange(0.0, 1.5, 0.05)
     rows = [f"{t:.2f},{10.0 * np.sin(3.0 * t):.3f},{-8.0 * np.sin(2.0 * t):.3f}" for t in times]
     (place / "sines.csv").write_text("\n".join(["time [s],demand.large [deg],demand.small [deg]", *rows]))
@@ -187,7 +141,7 @@ def test_a_demand_file_is_followed(modbus: Served, place: Path) -> None:
     assert np.sqrt(np.mean(error**2)) < 6.0
 
 
-def test_a_run_ends_when_its_recorder_dies_and_the_log_can_be_repaired(modbus: Served, place: Path) -> None:
+def test_a_run_ends_when_its_recorder_dies_and_the_log_can_be_repaired(modbus: ServedRig, place: Path) -> None:
     words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "dies", "--demand", "10 deg")
     part = place / "dies" / "arm-rig.mcap.part"
     running = start(*words, "--duration", "60 s", cwd=place)
@@ -211,7 +165,7 @@ def who_writes(path: Path, parent: int) -> int:
     raise AssertionError(f"nobody writes {path}")
 
 
-def test_an_e_stop_ends_a_run_with_status_3(modbus: Served, place: Path) -> None:
+def test_an_e_stop_ends_a_run_with_status_3(modbus: ServedRig, place: Path) -> None:
     assert modbus.ask("fail e-stop").startswith("e-stop: ")
     assert "e-stop pressed" in modbus.ask("state")
     words = ("rig", "run", "arm.toml", "--driver", modbus.address, "--out", "stopped", "--demand", "10 deg")
@@ -223,7 +177,7 @@ def test_an_e_stop_ends_a_run_with_status_3(modbus: Served, place: Path) -> None
     assert np.all(read_run(place / "stopped" / "arm-rig.mcap")["supply"].to_numpy() < 1.1e5)
 
 
-def test_a_served_rig_says_what_it_is_told(modbus: Served) -> None:
+def test_a_served_rig_says_what_it_is_told(modbus: ServedRig) -> None:
     assert modbus.ask("fail stuck-spool small 0.2") == "stuck-spool: the joint's valve stays at an opening"
     assert modbus.ask("heal stuck-spool small") == "stuck-spool: healed"
     modbus.send("failures")
@@ -242,7 +196,7 @@ def test_a_served_rig_says_what_it_is_told(modbus: Served) -> None:
     assert "address already in use" in refused("rig", "serve", "paper-arm", "--modbus", port)
 
 
-def test_a_rig_is_checked(modbus: Served, place: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_rig_is_checked(modbus: ServedRig, place: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arm = str(place / "arm.toml")
     status = cli.app(["rig", "check", arm, "--driver", modbus.address], standalone_mode=False)
     out = capsys.readouterr().out

@@ -1,18 +1,18 @@
 """The operator's page in a real browser, beside a virtual rig and its loop, in real time."""
 
-import inspect
+import socket
 import time
-from collections.abc import Callable, Iterator
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 from tests.pages.browsers import Served, chromium, served
+from tests.pages.panel.driving import REST, angle, drives, jogged, press, pressed, ready, state, tab, until, vented
 
-sync_api = pytest.importorskip("playwright.sync_api")
-TimeoutError = sync_api.TimeoutError
 pytestmark = pytest.mark.realtime
-REST = {"Off", "Stopped"}
+FLOOD = 600  # connections at once; a process may have 1024 files open
 SHOWN = 0.4  # until a page shows what is so, and a test sees it, at most, s
 
 
@@ -44,74 +44,6 @@ def page(panel: Served, browser: Any) -> Iterator[Any]:
         until(lambda: vented(page), 30.0)
     finally:
         page.context.close()
-
-
-def until(condition: Callable[[], bool], seconds: float = 10.0) -> float:
-    begun = time.monotonic()
-    while not condition():
-        assert time.monotonic() - begun < seconds, inspect.getsource(condition)
-        time.sleep(0.02)
-    return time.monotonic() - begun
-
-
-def state(page: Any) -> str:
-    return str(page.locator(".lf-state").inner_text())
-
-
-def angle(page: Any, joint: int = 0) -> float:
-    return float(page.locator(".lf-joints .lf-number").nth(joint).inner_text().split()[0])
-
-
-def press(page: Any, name: str) -> None:
-    page.get_by_role("button", name=name, exact=True).click()
-
-
-def pressed(page: Any, name: str) -> None:
-    """Press a button if it can be pressed now: a rig that is held meanwhile may take it away at any time."""
-    button = page.get_by_role("button", name=name, exact=True)
-    with suppress(TimeoutError):
-        if button.is_visible() and button.is_enabled(timeout=300.0):
-            button.click(timeout=300.0)
-
-
-def tab(page: Any, name: str) -> None:
-    page.get_by_role("tab", name=name, exact=True).click()
-
-
-def drives(page: Any) -> bool:
-    pressed(page, "Drive from here")
-    return "this page drives" in page.inner_text("header")
-
-
-def vented(page: Any) -> bool:
-    pressed(page, "Heal")
-    pressed(page, "Reset")
-    pressed(page, "Vent")
-    return state(page) in REST
-
-
-def ready(page: Any) -> None:
-    """Bring the air; on a busy computer the page may pause for so long that the rig is held, or stops."""
-
-    def obeys() -> bool:
-        pressed(page, "Go on" if state(page) == "Holding" else "Start")
-        return state(page) in {"Ready", "Moving"}
-
-    until(obeys, 30.0)
-
-
-def jogged(page: Any, button: str, condition: Callable[[], bool]) -> None:
-    """Hold a button until a condition holds, anew where the rig was held meanwhile; it is not released at the end."""
-    for _ in range(10):
-        ready(page)
-        box = page.get_by_role("button", name=button).bounding_box()
-        page.mouse.move(box["x"] + 5, box["y"] + 5)
-        page.mouse.down()
-        until(lambda: condition() or state(page) not in {"Ready", "Moving"}, 20.0)
-        if condition():
-            return
-        page.mouse.up()
-    raise AssertionError(button)
 
 
 def test_from_start_to_a_jog_that_ends_when_it_is_released_and_a_stop_in_motion(page: Any) -> None:
@@ -235,6 +167,21 @@ def test_by_keyboard_alone(page: Any) -> None:
     until(lambda: state(page) == "Holding")
 
 
+def test_a_flood_of_connections_leaves_page_and_loop_alone(panel: Served, page: Any) -> None:
+    ready(page)
+    address = urlsplit(panel.link)
+    with ExitStack() as open_ones:
+        for _ in range(FLOOD):
+            one = open_ones.enter_context(socket.socket())
+            one.setblocking(False)
+            one.connect_ex((address.hostname, address.port))
+        before = angle(page)
+        jogged(page, "large, forwards", lambda: angle(page) > before + 4.0)
+        page.mouse.up()
+        late = page.locator(".lf-figures dd", has_text="worst").inner_text()
+        assert float(late.split()[0]) < 1000.0, late
+
+
 def test_values_out_of_range_are_told_and_go_nowhere(page: Any) -> None:
     tab(page, "Target")
     page.get_by_label("small (deg)").fill("500")
@@ -292,11 +239,14 @@ def test_the_check_before_first_air(page: Any) -> None:
     until(lambda: state(page) == "Off", 30.0)
 
 
-def test_every_tab_passes_an_accessibility_check(page: Any) -> None:
+def test_every_tab_passes_an_accessibility_check_and_fits_a_tablet(page: Any) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
     for name in ("Jog", "Target", "Moves", "Check", "Controller", "Logs", "Failures"):
         tab(page, name)
-        page.wait_for_timeout(300)
+        for width in (768, 1280):
+            page.set_viewport_size({"width": width, "height": 800})
+            page.wait_for_timeout(200)
+            assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth"), name
         found = axe.run(page).response["violations"]
         serious = [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in {"serious", "critical"}]
         assert not serious, name

@@ -186,3 +186,9 @@ def test_nothing_is_cut_off(page: Any, width: int) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
     for side in (".st-left", ".st-right"):
         assert page.evaluate(f"(e => e.scrollWidth <= e.clientWidth)(document.querySelector('{side}'))")
+
+
+def test_the_page_passes_an_accessibility_check(page: Any) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    found = axe.run(page).response["violations"]
+    assert [(one["id"], one["nodes"][0]["html"]) for one in found if one["impact"] in {"serious", "critical"}] == []

@@ -1,6 +1,7 @@
 """Pages of NiceGUI, served until it is to end."""
 
 import asyncio
+import gc
 import logging
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -75,6 +76,7 @@ def serve(
                 try:
                     if started is not None:
                         started()
+                    _spare_collector()
                     ready(f"{place.address(port)}/?token={guard.token}")
                     while not stopped():
                         listener.sweep()
@@ -86,6 +88,12 @@ def serve(
 
         with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:  # other loops accept in other ways
             runner.run(run())
+
+
+def _spare_collector() -> None:
+    """Let the collector pass over all that is there: to look at it again and again would hold everything up for 0.3 s."""
+    gc.collect()
+    gc.freeze()
 
 
 def _server(guard: Guard, place: Place) -> "Server":
