@@ -75,6 +75,8 @@ def with_page(found: Served, minutes: float) -> None:
                 page.wait_for_timeout(300)
             page.get_by_role("button", name="Add present angles").click()
         page.evaluate(BEATS)
+        tools = page.context.new_cdp_session(page)
+        tools.send("HeapProfiler.enable")
         begun, looks, idle, printed = time.monotonic(), 0, 0, 0
         while (passed := time.monotonic() - begun) < 60.0 * minutes:
             looks, idle = looks + 1, idle + kept_going(page)
@@ -82,7 +84,8 @@ def with_page(found: Served, minutes: float) -> None:
             if passed >= 60.0 * printed:
                 printed += 1
                 gaps = np.diff(page.evaluate("() => window.beats.splice(0)"))
-                heap = page.evaluate("() => performance.memory.usedJSHeapSize") / 1e6
+                tools.send("HeapProfiler.collectGarbage")
+                heap = tools.send("Runtime.getHeapUsage")["usedSize"] / 1e6
                 print(
                     f"{passed / 60.0:4.0f} min: beats every {np.median(gaps):.0f} ms, worst {gaps.max():.0f} ms; "
                     f"server, loop and recorder {megabytes(found.process.pid):.0f} MB, page {heap:.0f} MB; "
@@ -127,7 +130,7 @@ def main() -> None:
         place = Path(folder)
         with served(place, "panel", name) as found:
             with_page(found, minutes)
-        told("with the page", next(place.rglob("*.mcap")))
+        told("with the page", next(place.rglob("*-panel.mcap")))
         alone(name, minutes, place / "alone.mcap")
         told("alone", place / "alone.mcap")
 

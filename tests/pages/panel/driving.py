@@ -1,0 +1,81 @@
+"""What a person does on the operator's page, and sees there."""
+
+import inspect
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import pytest
+
+sync_api = pytest.importorskip("playwright.sync_api")
+TimeoutError = sync_api.TimeoutError
+REST = {"Off", "Stopped"}
+
+
+def until(condition: Callable[[], bool], seconds: float = 10.0) -> float:
+    begun = time.monotonic()
+    while not condition():
+        assert time.monotonic() - begun < seconds, inspect.getsource(condition)
+        time.sleep(0.02)
+    return time.monotonic() - begun
+
+
+def state(page: Any) -> str:
+    return str(page.locator(".lf-state").inner_text())
+
+
+def angle(page: Any, joint: int = 0) -> float:
+    return float(page.locator(".lf-joints .lf-number").nth(joint).inner_text().split()[0])
+
+
+def press(page: Any, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def pressed(page: Any, name: str) -> None:
+    """Press a button if it can be pressed now: a rig that is held meanwhile may take it away at any time."""
+    button = page.get_by_role("button", name=name, exact=True)
+    with suppress(TimeoutError):
+        if button.is_visible() and button.is_enabled(timeout=300.0):
+            button.click(timeout=300.0)
+
+
+def tab(page: Any, name: str) -> None:
+    page.get_by_role("tab", name=name, exact=True).click()
+
+
+def drives(page: Any) -> bool:
+    pressed(page, "Drive from here")
+    return "this page drives" in page.inner_text("header")
+
+
+def vented(page: Any) -> bool:
+    pressed(page, "Heal")
+    pressed(page, "Reset")
+    pressed(page, "Vent")
+    return state(page) in REST
+
+
+def ready(page: Any) -> None:
+    """Bring the air; on a busy computer the page may pause for so long that the rig is held, or stops."""
+
+    def obeys() -> bool:
+        pressed(page, "Go on" if state(page) == "Holding" else "Start")
+        return state(page) in {"Ready", "Moving"}
+
+    until(obeys, 30.0)
+
+
+def jogged(page: Any, button: str, condition: Callable[[], bool]) -> None:
+    """Hold a button until a condition holds, anew where the rig was held meanwhile; it is not released at the end."""
+    for _ in range(10):
+        ready(page)
+        box = page.get_by_role("button", name=button).bounding_box()
+        page.mouse.move(box["x"] + 5, box["y"] + 5)
+        page.mouse.down()
+        until(lambda: condition() or state(page) not in {"Ready", "Moving"}, 20.0)
+        if condition():
+            return
+        page.mouse.up()
+    raise AssertionError(button)

@@ -1,0 +1,66 @@
+"""The rig goes, and comes back; then the server is killed: the page says so, and the rig makes itself safe."""
+
+import re
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from served_rig import LAYFLAT, ServedRig
+from tests.pages.browsers import Served, chromium
+from tests.pages.panel.driving import pressed, ready, state, until
+
+pytestmark = pytest.mark.realtime
+
+
+@pytest.fixture
+def browser() -> Iterator[Any]:
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def server(rig: ServedRig, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    pytest.importorskip("nicegui")
+    command = [*LAYFLAT, "panel", "paper-arm", "--driver", rig.address, "--port", "0", "--no-browser"]
+    made = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    yield made
+    made.kill()
+    made.communicate()
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[ServedRig]:
+    made = ServedRig("paper-arm", "--modbus", "0", cwd=tmp_path)
+    yield made
+    made.end(signal.SIGKILL)
+
+
+def test_a_rig_and_a_server_that_go_away_are_told_and_the_rig_is_safe(
+    rig: ServedRig, server: subprocess.Popen[str], tmp_path: Path, browser: Any
+) -> None:
+    assert server.stdout is not None
+    found = re.search(r"(https?://\S+);", server.stdout.readline())
+    assert found
+    page = Served(server, found.group(1)).page(browser)
+    until(lambda: state(page) == "Off", 30.0)
+    port = rig.address.rpartition(":")[2]
+    assert rig.end() == 0
+    until(lambda: "Link lost" in page.inner_text("main"), 15.0)
+    other = ServedRig("paper-arm", "--modbus", port, cwd=tmp_path)
+    try:
+        until(lambda: is_reset(page), 15.0)
+        ready(page)
+        server.kill()
+        until(lambda: "Connection lost" in page.inner_text("body"), 10.0)
+        assert other.vented()
+        assert "supply 0.00 bar" in other.ask("state")
+    finally:
+        other.end(signal.SIGKILL)
+
+
+def is_reset(page: Any) -> bool:
+    pressed(page, "Reset")
+    return state(page) == "Off"
