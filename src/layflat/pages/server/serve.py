@@ -91,7 +91,7 @@ def serve(
 
 
 def _spare_collector() -> None:
-    """Let the collector pass over all that is there: to look at it again and again would hold everything up for 0.3 s."""
+    """Let the collector of garbage pass over all that is there: each look at it holds everything up for 0.3 s."""
     gc.collect()
     gc.freeze()
 
