@@ -9,27 +9,13 @@ from pathlib import Path
 
 import pytest
 from commands import refused
+from few_tomatoes import FEW
 from typer.testing import CliRunner
 
 from layflat.cli import app
 from layflat.errors import CameraError, CellError, InputError
 
 pytest.importorskip("mujoco")
-
-FEW = """\
-extends = "packing"
-name = "few"
-
-[tray.infeed]
-produce = ["tomato"]
-count = { least = 2, most = 2 }
-
-[produce.tomato.diameter]
-least = "54 mm"
-
-[produce.tomato.colour.orange]
-share = 0.000001
-"""
 
 
 MOVED = """\

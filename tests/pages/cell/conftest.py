@@ -1,21 +1,7 @@
 from pathlib import Path
 
 import pytest
-
-FEW = """\
-extends = "packing"
-name = "few"
-
-[tray.infeed]
-produce = ["tomato"]
-count = { least = 2, most = 2 }
-
-[produce.tomato.diameter]
-least = "54 mm"
-
-[produce.tomato.colour.orange]
-share = 0.000001
-"""
+from few_tomatoes import FEW
 
 
 @pytest.fixture(scope="session")

@@ -96,6 +96,16 @@ def test_a_course_switches_outputs_where_it_has_come_to_a_place() -> None:
     assert second[2] == pytest.approx((0.0, 0.0))
 
 
+def test_a_course_switches_nothing_where_it_has_not_come() -> None:
+    grips = ARM.model_copy(update={"interface": ARM.interface.model_copy(update={"outputs": ("gripper",)})})
+    course, asked, now = Course(grips, np.zeros(2), [Step((0.2, 0.2), 0.0, frozenset({"gripper"}))], 1.0), Asked(), 0.0
+    held = {"averaged_angle": np.zeros(2), "averaged_velocity": np.zeros(2), "outputs": 0}  # something holds the arm
+    while not course.over:
+        course.ask(asked, held, now)  # type: ignore[arg-type]
+        now += 0.02
+    assert asked.switched == []
+
+
 def test_a_course_again_and_again_begins_anew_and_does_not_wait_for_ever() -> None:
     course, asked, now = Course(ARM, np.zeros(2), [Step((0.2, 0.2))], 1.0, repeats=True), Asked(), 0.0
     held = {"averaged_angle": np.zeros(2), "averaged_velocity": np.zeros(2)}  # something holds the arm

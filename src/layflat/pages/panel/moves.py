@@ -91,9 +91,11 @@ class Course:
         if self._arrived is None:
             session.ask(self.target)
             late = now - self._begun - len(self._rows.angles) * self._machine.cycle > ARRIVES
-            if late or self._is_there(shot):
+            if self._is_there(shot):
                 self._arrived = now
                 self._switch(session, shot)
+            elif late:  # nothing is let go of where it should not be
+                self._arrived = now
         elif now - self._arrived >= self._steps[self.step].pause:
             self._next(now)
 
