@@ -11,6 +11,7 @@ import pytest
 sync_api = pytest.importorskip("playwright.sync_api")
 TimeoutError = sync_api.TimeoutError
 REST = {"Off", "Stopped"}
+PATIENCE = 1000.0  # with a button that may be taken away meanwhile, ms
 
 
 def until(condition: Callable[[], bool], seconds: float = 10.0) -> float:
@@ -37,8 +38,8 @@ def pressed(page: Any, name: str) -> None:
     """Press a button if it can be pressed now: a rig that is held meanwhile may take it away at any time."""
     button = page.get_by_role("button", name=name, exact=True)
     with suppress(TimeoutError):
-        if button.is_visible() and button.is_enabled(timeout=300.0):
-            button.click(timeout=300.0)
+        if button.is_visible() and button.is_enabled(timeout=PATIENCE):
+            button.click(timeout=PATIENCE)
 
 
 def tab(page: Any, name: str) -> None:
@@ -58,10 +59,10 @@ def vented(page: Any) -> bool:
 
 
 def ready(page: Any) -> None:
-    """Bring the air; on a busy computer the page may pause for so long that the rig is held, or stops."""
+    """Bring the air; on a busy computer page or device may pause for so long that the rig is held, stops, or trips."""
 
     def obeys() -> bool:
-        pressed(page, "Go on" if state(page) == "Holding" else "Start")
+        pressed(page, {"Holding": "Go on", "Fault": "Reset"}.get(state(page), "Start"))
         return state(page) in {"Ready", "Moving"}
 
     until(obeys, 30.0)

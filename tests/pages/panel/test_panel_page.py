@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from tests.pages.browsers import Served, chromium, served
-from tests.pages.panel.driving import REST, angle, drives, jogged, press, pressed, ready, state, tab, until, vented
+from tests.pages.panel.driving import angle, drives, jogged, press, pressed, ready, state, tab, until, vented
 
 pytestmark = pytest.mark.realtime
 FLOOD = 600  # connections at once; a process may have 1024 files open
@@ -38,12 +38,13 @@ def page(panel: Served, browser: Any) -> Iterator[Any]:
     """A page that drives, of a rig without air."""
     page = panel.page(browser)
     try:
-        until(lambda: state(page) in REST, 60.0)
         until(lambda: drives(page))
+        until(lambda: vented(page), 60.0)
         yield page
         until(lambda: vented(page), 30.0)
     finally:
-        page.context.close()
+        for context in browser.contexts:  # a page that is left open would go on driving
+            context.close()
 
 
 def test_from_start_to_a_jog_that_ends_when_it_is_released_and_a_stop_in_motion(page: Any) -> None:
@@ -56,7 +57,7 @@ def test_from_start_to_a_jog_that_ends_when_it_is_released_and_a_stop_in_motion(
     time.sleep(0.5)
     assert angle(page) == pytest.approx(rest, abs=0.3)
     tab(page, "Moves")
-    page.get_by_role("slider", name="Speed of moves:").press("Home")
+    page.get_by_role("slider", name="Speed of moves:").locator("[tabindex]").press("PageDown")
     tab(page, "Target")
     page.get_by_label("large (deg)").fill("-50")
     ready(page)
@@ -91,23 +92,27 @@ def test_from_start_to_a_jog_that_ends_when_it_is_released_and_a_stop_in_motion(
 def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
     page: Any, failure: str, words: str, next_step: str
 ) -> None:
-    ready(page)
-    tab(page, "Failures")
-    page.get_by_role("combobox", name="failure").click()
-    page.get_by_role("option", name=failure, exact=True).click()
-    press(page, "Fail")
-    until(lambda: state(page) == "Fault", 15.0)
-    told = page.locator(".lf-fault").inner_text()
-    assert words in told
-    assert next_step in told
-    tab(page, "Failures")
-    press(page, "Heal")
+    def told() -> str:
+        ready(page)
+        tab(page, "Failures")
+        page.get_by_role("combobox", name="failure").click()
+        page.get_by_role("option", name=failure, exact=True).click()
+        press(page, "Fail")
+        until(lambda: state(page) == "Fault", 15.0)
+        found = str(page.locator(".lf-fault").inner_text())
+        press(page, "Heal")
+        until(over, 20.0)
+        return found
 
     def over() -> bool:
         pressed(page, "Reset")
         return state(page) != "Fault"
 
-    until(over, 20.0)
+    found = told()
+    if words not in found and "Link lost" in found:
+        found = told()  # a busy computer had kept the device from answering just then
+    assert words in found
+    assert next_step in found
 
 
 def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(
@@ -128,6 +133,26 @@ def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(
     until(lambda: drives(page))
 
 
+def pictures(page: Any) -> int:
+    """How many times the arm was drawn."""
+    scene = page.locator('[aria-label^="The arm in three"]').get_attribute("id")
+    return int(page.evaluate(f"getElement({scene[1:]}).renderer.info.render.frame"))
+
+
+def test_the_arm_is_drawn_only_where_something_changes(page: Any) -> None:
+    def still() -> bool:
+        before = pictures(page)
+        time.sleep(1.0)
+        return pictures(page) == before
+
+    until(still, 20.0)
+    before = pictures(page)
+    tab(page, "Target")
+    page.get_by_label("large (deg)").fill("20")
+    until(lambda: pictures(page) > before)
+    until(still)
+
+
 def drives_instead(page: Any, other: Any) -> bool:
     pressed(page, "Drive from here")
     pressed(other, "Hand over")
@@ -141,6 +166,7 @@ def test_another_page_looks_on_until_it_is_handed_the_rig(panel: Served, browser
     assert not other.get_by_role("button", name="Vent").is_enabled()
     assert not other.get_by_role("button", name="large, forwards").is_enabled()
     until(lambda: drives_instead(other, page))
+    ready(other)
     until(lambda: other.get_by_role("button", name="Vent").is_enabled())
     assert not page.get_by_role("button", name="Vent").is_enabled()
     until(lambda: vented(other))

@@ -16,11 +16,13 @@ from layflat.bridge.pieces import Piece
 from layflat.bridge.view.scenery import scenery
 from layflat.bridge.view.viewpoint import FIELD, viewpoint
 from layflat.machine import Machine
+from layflat.pages.look.sparing import Sparing
 
 COLOURS = {"link": "#aab4c0", "joint": "#29333f", "tip": "#c05a00"}  # far apart in black and white, too
-FRAMES = 10  # a second: a browser without a graphics device draws them all by itself
+FRAMES = 10  # a second, at most, where something changes: a browser without a graphics device draws them by itself
 GHOST = "#1b6a8f"
 WITHIN = 0.97  # a target is drawn so much smaller: where the arm is there, it hides it
+VISIBLE = 1e-3  # what moves less is not drawn anew, rad: a sensor's noise
 TRAIL, TRAIL_STEP = 400, 0.002  # points of the tip's way that are shown, and how far they are apart, m
 ABOVE = 0.002  # the floor lies what is drawn on it, m
 UPRIGHT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # cylinders there lie along y, here along z
@@ -50,7 +52,9 @@ class ArmScene:
             camera=ui.scene.perspective_camera(fov=FIELD, near=0.05, far=30),
         ).classes("w-full")  # fmt: skip
         self.scene.style(f"height: {height}").props(f'role=img aria-label="{label}"')
+        Sparing(self.scene)
         self._trail: deque[list[float]] = deque(maxlen=TRAIL)
+        self._posed = np.full(len(rest), np.inf)
         with self.scene as scene:
             self._floor()
             self._arm = self._build(None)
@@ -65,6 +69,9 @@ class ArmScene:
 
     def pose(self, angles: Sequence[float] | Array) -> None:
         """Put the arm where its joints are, rad, and its tip's way behind it."""
+        if float(np.abs(angles - self._posed).max()) < VISIBLE:
+            return
+        self._posed = np.array(angles, float)
         self._place(self._arm, angles)
         tip = self._shown.level @ self._shown.tip(angles)
         if not self._trail or float(np.abs(tip - self._trail[-1]).max()) > TRAIL_STEP:
