@@ -24,6 +24,11 @@ from layflat.sim.ensemble import ensemble
 
 SECONDS, STEPS = 4.0, 16000
 MOVES = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
+SWAYS = Scenario(
+    opening=[(0.0, (0.3, -0.2)), (1.0, (-0.4, 0.3)), (2.0, (0.1, 0.1)), (3.0, (-0.1, -0.1))],
+    duration=SECONDS,
+    noise=False,
+)
 SPREAD = (
     "valve.conductance",
     "valve.friction",
@@ -50,27 +55,45 @@ def vary(machine: Machine, runs: int) -> dict[str, Any]:
     }
 
 
-def seconds(machine: Machine, runs: int, threads: int, device: str = "cpu") -> float:
+def seconds(machine: Machine, runs: int, threads: int, **options: str) -> float:
     """Time of so many runs of 4 s, s."""
     begin = time.perf_counter()
-    ensemble(machine, MOVES, vary(machine, runs), threads=threads, device=device)
+    ensemble(machine, MOVES, vary(machine, runs), threads=threads, **options)
     return time.perf_counter() - begin
+
+
+def angle_error(machine: Machine, runs: int) -> float:
+    """How far angles in single precision are from those in double precision, without controllers, deg rms."""
+    varied = {path: values for path, values in vary(machine, runs).items() if path != "seed"}
+    double, single = (
+        ensemble(machine, SWAYS, varied, precision=precision, traces=("angle",))["angle"].to_numpy()
+        for precision in ("double", "single")
+    )
+    return float(np.degrees(np.sqrt(np.mean((single - double) ** 2))))
 
 
 def measure(machine: Machine) -> dict[str, float]:
     """All figures by name."""
     cores = os.cpu_count() or 1
-    seconds(machine, 64, 1)
-    # Turn and turn about, so that a busy moment of the machine meets both.
-    pairs = [
-        (seconds(machine, 512, 1) / (512 * STEPS), mujoco_arm.batched_seconds(machine, 8, 4000) / (8 * 4000))
+    for precision in ("double", "single"):
+        seconds(machine, 64, 1, precision=precision)
+    # Turn and turn about, so that a busy moment of the machine meets all.
+    rounds = [
+        (
+            seconds(machine, 512, 1) / (512 * STEPS),
+            seconds(machine, 512, 1, precision="single") / (512 * STEPS),
+            mujoco_arm.batched_seconds(machine, 8, 4000) / (8 * 4000),
+        )
         for _ in range(5)
     ]
-    ours, theirs = (float(np.median(each)) for each in zip(*pairs, strict=True))
+    double, single, theirs = (float(np.median(each)) for each in zip(*rounds, strict=True))
     found = {
-        "ensemble_ns_per_step_per_core": 1e9 * ours,
+        "ensemble_ns_per_step_per_core": 1e9 * double,
+        "ensemble_single_ns_per_step_per_core": 1e9 * single,
+        "single_precision_angle_error_deg": angle_error(machine, 512),
         "mujoco_rollout_ns_per_step_per_core": 1e9 * theirs,
-        "ensemble_mujoco_ratio": theirs / ours,
+        "ensemble_mujoco_ratio": theirs / double,
+        "ensemble_single_mujoco_ratio": theirs / single,
         "ensemble_speedup_over_threads": seconds(machine, 2048, 1) / seconds(machine, 2048, cores),
     }
     for runs in (100, 10_000, 100_000):
@@ -78,8 +101,10 @@ def measure(machine: Machine) -> dict[str, float]:
             1e9 * cores * seconds(machine, runs, cores) / (runs * STEPS)
         )
     with suppress(InputError):  # no CUDA device
-        seconds(machine, 64, 1, "cuda")
-        found["ensemble_100000_runs_on_gpu_ns_per_step"] = 1e9 * seconds(machine, 100_000, 1, "cuda") / (1e5 * STEPS)
+        seconds(machine, 64, 1, device="cuda")
+        found["ensemble_100000_runs_on_gpu_ns_per_step"] = (
+            1e9 * seconds(machine, 100_000, 1, device="cuda") / (1e5 * STEPS)
+        )
     peak = subprocess.run(
         [sys.executable, "-m", "benchmarks.many", "100000"], capture_output=True, check=True, text=True
     )

@@ -12,7 +12,9 @@ from layflat.lanes import (
     abreast,
     anywhere,
     apart,
+    epsilon,
     halves,
+    host_width,
     in_lanes,
     join,
     lane_by_lane,
@@ -160,21 +162,46 @@ def through_lanes(block: Any, out: Any, kept: Any) -> None:
     write_lanes(kept, in_lanes(Pair(7.0, 0.5), both.z))
 
 
-def test_lanes_are_read_from_and_written_to_columns() -> None:
-    block, out, kept = np.arange(3.0 * 2 * width()).reshape(3, -1) / 4, np.zeros((3, width())), np.zeros((2, width()))
-    part = block[:, width() - 1 : 2 * width() - 1]
+@pytest.mark.parametrize("number", [np.float64, np.float32])
+def test_lanes_are_read_from_and_written_to_columns(number: Any) -> None:
+    lanes = host_width(np.dtype(number).itemsize)
+    block = np.arange(3.0 * 2 * lanes).reshape(3, -1).astype(number) / 4
+    out, kept = np.zeros((3, lanes), number), np.zeros((2, lanes), number)
+    part = block[:, lanes - 1 : 2 * lanes - 1]
     through_lanes(part, out, kept)
     assert np.array_equal(out, [part[0] + part[2], part[1], np.floor(part[2])])
-    assert kept.tolist() == [[7.0] * width(), [0.5] * width()]
+    assert kept.tolist() == [[7.0] * lanes, [0.5] * lanes]
+
+
+@kernel
+def all_sorts(block: Any, out: Any) -> Any:
+    x, y = read_lanes(Pair(0.0, 0.0), block)
+    first, second = halves(join(x, y))
+    near = select((first < 0.1) & (second > 0.0), select(x > y, 1.0, 3.0), 1 / 3)
+    write_lanes(out, Pair(near * sqrt(abs(first)) + min(second, 2.0), floor(x) / -y))
+    return width(block), epsilon(x)
+
+
+@pytest.mark.parametrize("number", [np.float64, np.float32])
+def test_a_block_in_single_precision_is_computed_in_it(number: Any) -> None:
+    lanes = host_width(np.dtype(number).itemsize)
+    block = np.random.default_rng(1).uniform(0.05, 3.0, (2, lanes)).astype(number)
+    out = np.zeros((2, lanes), number)
+    assert all_sorts(block, out) == (lanes, np.finfo(number).eps)
+    x, y = block
+    one, near = number(1.0), np.where((x < number(0.1)) & (y > 0.0), np.where(x > y, 1.0, 3.0), 1 / 3).astype(number)
+    wanted = [near * np.sqrt(np.abs(x)) + np.minimum(y, 2.0 * one), np.floor(x) / -y]
+    assert np.array_equal(out, wanted)
 
 
 def test_the_interpreter_reads_and_writes_alike() -> None:
-    block, out = np.arange(3.0 * width()).reshape(3, -1), np.zeros((3, width()))
+    lanes = host_width()
+    block, out = np.arange(3.0 * lanes).reshape(3, -1), np.zeros((3, lanes))
     read = read_lanes(Nested(Pair(0.0, 0.0), 0.0), block)
     assert isinstance(read, Nested)
     write_lanes(out, read)
     assert np.array_equal(out, block)
-    assert in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * width()), read.z)  # type: ignore[arg-type]
+    assert in_lanes(Pair(1.0, read.z), read.z) == Pair(Lanes([1.0] * lanes), read.z)  # type: ignore[arg-type]
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from layflat.jit import composition, kernel
-from layflat.lanes import in_lanes, read_lanes, slots, width, write_lanes
+from layflat.lanes import host_width, in_lanes, read_lanes, slots, width, write_lanes
 
 
 class Pair(NamedTuple):
@@ -48,12 +48,13 @@ def through_slots(block: Any, out: Any) -> int:
     places[1] = row
     for j in range(3):
         write_lanes(out[2 * j : 2 * j + 2], places[j])
-    return width()
+    return width(block)
 
 
 def test_they_hold_lanes() -> None:
-    block, out = np.arange(2.0 * width()).reshape(2, width()), np.zeros((6, width()))
-    assert through_slots(block, out) == width()
+    lanes = host_width()
+    block, out = np.arange(2.0 * lanes).reshape(2, lanes), np.zeros((6, lanes))
+    assert through_slots(block, out) == lanes
     assert np.array_equal(out[2:4], block)
     assert out[[0, 1, 4, 5], 0].tolist() == [1.0, 2.0, 1.0, 2.0]
 

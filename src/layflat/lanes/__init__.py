@@ -10,7 +10,8 @@ apart. `abreast` and `apart` do the same with all items of a tuple, however many
 `sums_from` add these up. `write_row` is the way out of named
 tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named tuples and back, which costs far
 less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead from arrays into lanes and back:
-an item of a named tuple is a row there, a lane is a column. `slots` are lists without a heap, `gather` makes a tuple
+an item of a named tuple is a row there, a lane is a column; lanes of a block in single
+precision are twice as many. `slots` are lists without a heap, `gather` makes a tuple
 of what they hold, `total` adds the items of one, and `each` calls a law for every item of tuples.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
@@ -39,14 +40,14 @@ def interpreted() -> bool:
 
 
 @cache
-def host_width() -> int:
-    """Lanes that a vector register of this machine holds; in the simulator of a CUDA device, one."""
+def host_width(size: int = 8) -> int:
+    """Lanes of so many bytes that a vector register of this machine holds; in the simulator of a CUDA device, one."""
     if interpreted() and _switched_on("NUMBA_ENABLE_CUDASIM"):
         return 1
     from llvmlite import binding  # noqa: PLC0415  # part of the compiler, which takes long to load
 
     features: Any = binding.get_host_cpu_features()  # type: ignore[no-untyped-call]
-    return 8 if features.get("avx512f") else 4
+    return (64 if features.get("avx512f") else 32) // size
 
 
 class Lanes(tuple[Any, ...]):
@@ -73,6 +74,11 @@ for _name in ("add", "sub", "mul", "truediv"):
     _forward, _reverse = _elementwise(getattr(operator, _name))
     setattr(Lanes, f"__{_name}__", _forward)
     setattr(Lanes, f"__r{_name}__", _reverse)
+
+
+def epsilon(number: Any) -> float:  # noqa: ARG001  (of which only the precision counts)
+    """How far from 1 the next number is in the precision of this one."""
+    return 2.0**-52
 
 
 def select(condition: Any, yes: Any, no: Any) -> Any:
@@ -181,17 +187,18 @@ def leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-def width() -> int:
-    """Lanes that `read_lanes` gives; known when a kernel is compiled."""
-    return host_width()
+def width(block: Any) -> int:
+    """Lanes that `read_lanes` gives of a block, by the precision of its numbers; known when a kernel is compiled."""
+    return host_width(block.itemsize)
 
 
 def read_lanes(like: Any, block: Any) -> Any:
     """A tuple like `like` (nested, of floats), its leaves in order from block[0, :], block[1, :] and so on.
 
-    Only the first `width()` columns of the block are read.
+    Only the first `width(block)` columns of the block are read. Lanes have the precision of its numbers; all that is
+    done with them, and with others, is done in that precision.
     """
-    rows, lanes = count(), host_width()
+    rows, lanes = count(), width(block)
 
     def read(part: Any) -> Any:
         if isinstance(part, tuple):

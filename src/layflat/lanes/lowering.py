@@ -17,24 +17,25 @@ from numba.np.arrayobj import make_array
 from layflat import lanes
 from layflat.lanes.typing import (
     ARITHMETIC,
+    BITS,
     COMPARISONS,
+    EPSILON,
     EXTREMES,
     INDEX,
     INTRINSICS,
     LOGIC,
     LanesType,
     half_type,
+    number_in,
     part_type,
     size_of_part,
     width_in,
 )
 
-ALIGNED = 8  # rows of a block begin at multiples of this, bytes
-
 
 @lower_cast(types.Number, LanesType)
 def _spread(context: Any, builder: Any, number: Any, lanes: Any, value: Any) -> Any:
-    value = context.cast(builder, value, number, types.float64)
+    value = context.cast(builder, value, number, lanes.leaf)
     vector = ir.VectorType(value.type, lanes.count)
     single = builder.insert_element(ir.Constant(vector, ir.Undefined), value, ir.Constant(INDEX, 0))
     return builder.shuffle_vector(single, single, ir.Constant(ir.VectorType(INDEX, lanes.count), None))
@@ -70,7 +71,7 @@ def _extreme(builder: Any, sign: str, first: Any, second: Any) -> Any:
 
 def _intrinsic(builder: Any, name: str, value: Any) -> Any:
     if "nvptx" not in builder.module.triple:
-        return _call(builder, f"llvm.{name}.v{value.type.count}f64", value)
+        return _call(builder, f"llvm.{name}.v{value.type.count}{value.type.element.intrinsic_name}", value)
     # CUDA devices have them in a library, for single numbers.
     for i in range(value.type.count):
         place = ir.Constant(INDEX, i)
@@ -95,6 +96,12 @@ _lowered(INTRINSICS, 1, _intrinsic)
 @lower_builtin(lanes.select, types.Any, types.Any, types.Any)
 def _select(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
     return builder.select(*args)
+
+
+@lower_builtin(lanes.epsilon, types.Float)
+@lower_builtin(lanes.epsilon, LanesType)
+def _epsilon(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
+    return context.get_constant(sig.return_type, EPSILON[number_in(sig.args[0])])
 
 
 @lower_builtin(lanes.anywhere, types.Float)
@@ -127,7 +134,7 @@ def _join_leaf(context: Any, builder: Any, joined: Any, kinds: Any, values: Any)
             for i, (leaf, pair) in enumerate(zip(joined.types, items, strict=True))
         ]
         return context.make_tuple(builder, joined, leaves)
-    half = LanesType(types.float64, joined.count // 2)
+    half = LanesType(joined.leaf, joined.count // 2)
     first, second = (context.cast(builder, value, kind, half) for kind, value in zip(kinds, values, strict=True))
     return _shuffled(builder, first, second, 0, joined.count)
 
@@ -164,7 +171,7 @@ def _abreast_leaf(context: Any, builder: Any, joined: Any, items: Any) -> Any:
         return items[0]
     numbers = [number for item in items for number in _numbers_in(builder, item)]
     numbers += numbers[-1:] * (joined.count - len(numbers))
-    vector = ir.Constant(ir.VectorType(ir.DoubleType(), len(numbers)), ir.Undefined)
+    vector = ir.Constant(ir.VectorType(numbers[0].type, len(numbers)), ir.Undefined)
     for i, number in enumerate(numbers):
         vector = builder.insert_element(vector, number, ir.Constant(INDEX, i))
     return vector
@@ -252,9 +259,14 @@ def _row(context: Any, builder: Any, block: Any, array: Any, row: int, lanes: An
     return builder.bitcast(pointer, context.get_value_type(lanes).as_pointer())
 
 
-@lower_builtin(lanes.width)
+@lower_builtin(lanes.width, types.Array)
 def _width(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-    return context.get_constant(sig.return_type, width_in(context))
+    return context.get_constant(sig.return_type, width_in(context, sig.args[0]))
+
+
+def _aligned(kind: Any) -> int:
+    # Rows of a block begin wherever a number may, bytes.
+    return int(BITS[number_in(kind)]) // 8
 
 
 def _read(context: Any, builder: Any, kind: Any, place: Callable[[int, Any], Any]) -> Any:
@@ -264,7 +276,7 @@ def _read(context: Any, builder: Any, kind: Any, place: Callable[[int, Any], Any
     def read(kind: Any) -> Any:
         if isinstance(kind, types.BaseTuple):
             return context.make_tuple(builder, kind, [read(leaf) for leaf in kind.types])
-        return builder.load(place(next(leaves), kind), align=ALIGNED)
+        return builder.load(place(next(leaves), kind), align=_aligned(kind))
 
     return read(kind)
 
@@ -277,7 +289,7 @@ def _write(builder: Any, kind: Any, value: Any, place: Callable[[int, Any], Any]
             for leaf, item in zip(kind.types, cgutils.unpack_tuple(builder, value), strict=True):
                 write(leaf, item)
         else:
-            builder.store(value, place(next(leaves), kind), align=ALIGNED)
+            builder.store(value, place(next(leaves), kind), align=_aligned(kind))
 
     write(kind, value)
 

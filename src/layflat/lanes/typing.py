@@ -24,15 +24,17 @@ ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", 
 COMPARISONS = {operator.lt: "<", operator.le: "<=", operator.gt: ">", operator.ge: ">=", operator.eq: "=="}
 LOGIC = {operator.and_: "and_", operator.or_: "or_"}
 EXTREMES = {min: "<", max: ">"}
+EPSILON = {types.float64: 2.0**-52, types.float32: 2.0**-23}
+BITS = {types.float64: 64, types.float32: 32, types.boolean: 1}
 INTRINSICS = {abs: "fabs", math.sqrt: "sqrt", math.floor: "floor"}
 
 
 class LanesType(types.Type):
-    """`count` floats, or as many booleans, side by side."""
+    """`count` floats, or as many booleans, side by side; `number` is the kind of floats, or of those compared."""
 
-    def __init__(self, leaf: types.Type, count: int) -> None:
-        self.leaf, self.count = leaf, count
-        super().__init__(name=f"Lanes({leaf} x {count})")
+    def __init__(self, leaf: types.Type, count: int, number: types.Type | None = None) -> None:
+        self.leaf, self.count, self.number = leaf, count, number or leaf
+        super().__init__(name=f"Lanes({leaf} x {count}, {self.number})")
 
 
 @register_model(LanesType)
@@ -41,7 +43,7 @@ class _Vector(models.PrimitiveModel):
         leaf = manager.lookup(lanes.leaf).get_value_type()
         super().__init__(manager, lanes, ir.VectorType(leaf, lanes.count))
         # Lists align their items to 16 bytes at most, as they are to such an integer; a vector would want more.
-        self._stored = ir.IntType(lanes.count * (64 if lanes.leaf == types.float64 else 1))
+        self._stored = ir.IntType(lanes.count * BITS[lanes.leaf])
 
     def get_data_type(self) -> Any:
         return self._stored
@@ -53,21 +55,26 @@ class _Vector(models.PrimitiveModel):
         return builder.bitcast(value, self.get_value_type())
 
 
-def width_in(context: Any) -> int:
+def width_in(context: Any, block: Any) -> int:
     """Lanes that `read_lanes` gives in code of a compiler's context: other targets than this machine have one."""
-    return lanes.host_width() if isinstance(context, (Context, CPUContext)) else 1
+    return lanes.host_width(BITS[block.dtype] // 8) if isinstance(context, (Context, CPUContext)) else 1
 
 
-def lanes_type(count: int) -> Any:
+def number_in(kind: Any) -> Any:
+    """Type of the numbers that lanes hold, or of a plain number."""
+    return kind.number if isinstance(kind, LanesType) else kind if kind in BITS else types.float64
+
+
+def lanes_type(count: int, number: Any) -> Any:
     """Type of so many numbers side by side; one is a plain number."""
-    return LanesType(types.float64, count) if count > 1 else types.float64
+    return LanesType(number, count) if count > 1 else number
 
 
 def joined_type(first: Any, second: Any) -> Any:
     """Type of `join(first, second)`."""
     if isinstance(first, types.BaseTuple):
         return _tuple_like(first, [joined_type(a, b) for a, b in zip(first.types, second.types, strict=True)])
-    return LanesType(types.float64, 2 * getattr(first, "count", 1))
+    return LanesType(number_in(first), 2 * getattr(first, "count", 1))
 
 
 def room(count: int) -> int:
@@ -79,14 +86,14 @@ def abreast_type(item: Any, count: int) -> Any:
     """Type of so many items of one type side by side; single numbers have some lanes to spare (see `room`)."""
     if isinstance(item, types.BaseTuple):
         return _tuple_like(item, [abreast_type(leaf, count) for leaf in item.types])
-    return lanes_type(count * item.count if isinstance(item, LanesType) else room(count))
+    return lanes_type(count * item.count if isinstance(item, LanesType) else room(count), number_in(item))
 
 
 def part_type(joined: Any, count: int) -> Any:
     """Type of each of so many parts of lanes."""
     if isinstance(joined, types.BaseTuple):
         return _tuple_like(joined, [part_type(leaf, count) for leaf in joined.types])
-    return lanes_type(size_of_part(getattr(joined, "count", 1), count))
+    return lanes_type(size_of_part(getattr(joined, "count", 1), count), number_in(joined))
 
 
 def size_of_part(lanes: int, count: int) -> int:
@@ -100,7 +107,7 @@ def half_type(joined: Any) -> Any:
         return _tuple_like(joined, [half_type(leaf) for leaf in joined.types])
     if not isinstance(joined, LanesType):
         return joined
-    return lanes_type(joined.count // 2)
+    return lanes_type(joined.count // 2, joined.number)
 
 
 def spread_type(kind: Any, lanes: Any) -> Any:
@@ -116,7 +123,7 @@ def _tuple_like(like: Any, items: list[Any]) -> Any:
 
 def _numbers(args: Iterable[Any]) -> Any:
     # The lanes of floats among the arguments, if there are any and the rest are numbers.
-    lanes = {arg for arg in args if isinstance(arg, LanesType) and arg.leaf == types.float64}
+    lanes = {arg for arg in args if isinstance(arg, LanesType) and arg.leaf == arg.number}
     sound = len(lanes) == 1 and all(arg in lanes or isinstance(arg, types.Number) for arg in args)
     return lanes.pop() if sound else None
 
@@ -128,7 +135,7 @@ def _same(*args: Any) -> Any:
 
 def _compared(*args: Any) -> Any:
     lanes = _numbers(args)
-    return lanes and signature(LanesType(types.boolean, lanes.count), lanes, lanes)
+    return lanes and signature(LanesType(types.boolean, lanes.count, lanes.number), lanes, lanes)
 
 
 def _combined(first: Any, second: Any) -> Any:
@@ -139,7 +146,7 @@ def _combined(first: Any, second: Any) -> Any:
 def _selected(condition: Any, yes: Any, no: Any) -> Any:
     lanes = _numbers((yes, no)) or types.float64
     if isinstance(condition, LanesType):
-        lanes = LanesType(types.float64, condition.count)
+        lanes = LanesType(condition.number, condition.count)
     return signature(lanes, condition, lanes, lanes)
 
 
@@ -164,6 +171,7 @@ _typed((*ARITHMETIC, *EXTREMES, *INTRINSICS, operator.neg), _same)
 _typed(COMPARISONS, _compared)
 _typed(LOGIC, _combined)
 _typed([lanes.select], _selected)
+_typed([lanes.epsilon], lambda number: signature(types.float64, number))
 _typed([lanes.anywhere], lambda number: signature(types.boolean, number))
 _typed([lanes.join], lambda first, second: signature(joined_type(first, second), first, second))
 _typed([lanes.halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
@@ -182,7 +190,7 @@ class _Width(AbstractTemplate):
     key = lanes.width
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002  (the compiler's own interface)
-        return signature(types.intp)
+        return signature(types.intp, *args)
 
 
 @infer_global(lanes.read_lanes)
@@ -191,4 +199,4 @@ class _ReadLanes(AbstractTemplate):
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
         like, block = args
-        return signature(spread_type(like, lanes_type(width_in(self.context))), like, block)
+        return signature(spread_type(like, lanes_type(width_in(self.context, block), block.dtype)), like, block)

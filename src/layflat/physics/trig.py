@@ -3,19 +3,21 @@
 from math import pi
 
 from layflat.jit import law
+from layflat.lanes import epsilon
 
 S_3, S_5, S_7, S_9, S_11, S_13 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800, 1 / 6227020800
 C_4, C_6, C_8, C_10, C_12, C_14 = -1 / 24, 1 / 720, -1 / 40320, 1 / 3628800, -1 / 479001600, 1 / 87178291200
 
 
 TURN = 2.0 * pi
-NEAREST = 1.5 * 2.0**52  # numbers beyond it are whole: added and taken off again, it rounds
+NEAREST = 1.5  # over the last place of 1: numbers beyond that are whole; added and taken off again, it rounds
 
 
 @law
 def within_half_a_turn(x):
     """Return the same angle within +-pi, rad: not another bit where it is."""
-    return x - TURN * ((x / TURN + NEAREST) - NEAREST)
+    nearest = NEAREST / epsilon(x)
+    return x - TURN * ((x / TURN + nearest) - nearest)
 
 
 @law

@@ -74,7 +74,7 @@ def sweep_many(like, numbers, forward, found):
     joint; room for the torques of a way, (points, lanes). Writes into `found` (2, joints).
     """
     points = len(forward)
-    for first in range(0, len(found[0]), width()):
+    for first in range(0, len(found[0]), width(numbers)):
         hose_a, hose_b, friction, brake, p, stroke = read_lanes(like, numbers[:, first:])
         zero = 0.0 * p
         slow, q = in_lanes(unturned(hose_a, hose_b), zero), -0.5 * stroke

@@ -9,7 +9,7 @@ import xarray
 
 from layflat.description.change import value_at
 from layflat.errors import InputError
-from layflat.lanes import width
+from layflat.lanes import host_width
 from layflat.machine import Machine, changed, load
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
@@ -201,7 +201,7 @@ def test_scenarios_differ_from_run_to_run() -> None:
 
 
 def test_neither_neighbours_nor_threads_nor_blocks_matter() -> None:
-    count = BLOCK * width() + 3
+    count = BLOCK * host_width() + 3
     case = Scenario(demand=[(0.0, 0.0), (0.05, 0.2)], duration="0.1 s")
     payloads = np.linspace(0.0, 2.0, count)
     vary = {"scenario.payload": payloads, "seed": np.arange(count)}

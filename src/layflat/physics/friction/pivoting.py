@@ -17,12 +17,12 @@ since M is positive definite (judice1994).
 """
 
 from layflat.jit import composition, law
-from layflat.lanes import anywhere, each, gather, select, slots, total
+from layflat.lanes import anywhere, each, epsilon, gather, select, slots, total
 from layflat.physics.algebra import times
 from layflat.physics.friction.box import passing
 
 BLOCKS, ROUNDS = 6, 60  # rounds in which all may change, and rounds at most
-ROUNDING = 1e-12  # of an impulse
+ROUNDING = 1e-12 * 2.0**52  # of an impulse, in the last places of its precision
 
 
 @law
@@ -80,7 +80,8 @@ def _missing(needed, p):
 @law
 def _turned(c, w, J, B):
     # How a joint goes instead: as before, unless that is against what follows from it.
-    slips = select(J > B + ROUNDING * B, -1.0, select(J < -B - ROUNDING * B, 1.0, 0.0))
+    most = B + ROUNDING * epsilon(J) * B
+    slips = select(most < J, -1.0, select(-most > J, 1.0, 0.0))
     return select(c == 0.0, slips, select(c * w < 0.0, 0.0, c))
 
 

@@ -26,7 +26,7 @@ from layflat.jit import law
 from layflat.lanes import in_lanes, select
 from layflat.physics.hysteresis.kind import HysteresisKind, LossesPart, over_pressure
 
-TINY = 1e-300  # N m: a hose without losses carries nothing of nothing
+TINY = 1e-30  # N m: a hose without losses carries nothing of nothing
 
 
 class BoucWen(NamedTuple):

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.sim.ensemble.cases import Cases
-from layflat.sim.ensemble.kernel import Plan, Runs
-from layflat.sim.ensemble.results import DIVERGED, Moves, Results, Totals
+from layflat.sim.ensemble.results import DIVERGED, Moves, Plan, Results, Runs, Totals
 from layflat.sim.tally import COLUMNS
 
 

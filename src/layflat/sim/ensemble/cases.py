@@ -16,8 +16,7 @@ from layflat.lanes import leaves, mapped, read_numbers
 from layflat.machine import Machine, parameters
 from layflat.physics.arms import tip_in_space
 from layflat.physics.noise import sensor_noise
-from layflat.sim.ensemble.kernel import Plan, Runs
-from layflat.sim.ensemble.results import Moves
+from layflat.sim.ensemble.results import Moves, Plan, Runs
 from layflat.sim.metrics import move_windows
 from layflat.sim.run import driver_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
@@ -39,6 +38,7 @@ class Cases:
     scenarios: list[Scenario]  # what may happen
     vary: Mapping[str, Array]  # arrays of `count` items by what they change
     count: int  # of runs
+    number: type[np.floating[Any]] = np.float64  # in which the runs are computed
     _plans: dict[tuple[int, ...], tuple[Plan, Array, Array]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
@@ -111,12 +111,12 @@ class Cases:
             self.at(rows, "scenario.payload", self.machine.arm.payload),
         ]
         return Runs(
-            columns(self.case, rows),
+            columns(self.case, rows).astype(self.number, copy=False),
             np.searchsorted(np.unique(own), own),
-            self._angles(rows, own),
-            self._pressures(rows, own),
-            usual,
-            np.stack(shared),
+            self._angles(rows, own).astype(self.number, copy=False),
+            self._pressures(rows, own).astype(self.number, copy=False),
+            usual.astype(self.number, copy=False),
+            np.stack(shared).astype(self.number, copy=False),
             self._noise(rows, own, n),
         )
 
@@ -198,8 +198,9 @@ def cases(
     *,
     together: bool = True,
     controller: Machine | None = None,
+    number: type[np.floating[Any]] = np.float64,
 ) -> Cases:
-    """An ensemble from what varies in it, also checked `together` unless that is done elsewhere.
+    """An ensemble from what varies in it, also checked `together` unless that is done elsewhere, computed in `number`.
 
     With a `controller`, that machine's controllers drive, and what varies of them is this one's.
 
@@ -223,7 +224,7 @@ def cases(
         raise InputError(
             f"{which.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
         )
-    return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1)
+    return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number)
 
 
 def _varied(machine: Machine, own: Mapping[str, Array], *, together: bool) -> Machine:

@@ -104,7 +104,7 @@ def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
 
 def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any, ...]:
     """What `run_each` takes to run a block."""
-    watch = new_watch(len(block.runs.scenario))
+    watch = new_watch(block.runs)
     return prepared.template, block.runs, block.plan, block.moves, timing, block.results, watch
 
 

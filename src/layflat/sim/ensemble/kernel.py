@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from layflat.control import wake
 from layflat.jit import composition, kernel, law
 from layflat.lanes import each, gather, in_lanes, read_lanes, select, slots, width
@@ -23,27 +21,6 @@ from layflat.sim.ensemble.watch import (
     some_lanes,
     trace,
 )
-
-
-class Plan(NamedTuple):
-    """Scenarios over control cycles; not a number: as usual in the run."""
-
-    shapes: (
-        np.ndarray
-    )  # demand, its rates and stiffness, opening, voltage, brake, dither, load, drift: (scenarios, cycles, joints, 10)
-    shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
-
-
-class Runs(NamedTuple):
-    """What differs from run to run; runs lie side by side in memory where they are the last axis."""
-
-    parameters: np.ndarray  # every number of the machine in order, a column a run: (numbers, runs)
-    scenario: np.ndarray  # which scenario, (runs,)
-    angles: np.ndarray  # at the start, rad, (joints, runs)
-    pressures: np.ndarray  # at the start, Pa, (joints, 2, runs)
-    usual: np.ndarray  # the numbers of `Defaults`: (joints, 4, runs)
-    usual_shared: np.ndarray  # gauge supply pressure and payload where the scenario gives none: (2, runs)
-    noise: np.ndarray  # standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none
 
 
 class Given(NamedTuple):
@@ -84,7 +61,7 @@ def _usual(runs, first, j):
 @composition
 def _acting(scratch, runs, plan, usual, joint, first, j, k):
     # Gathered number by number: views of arrays would cost more than all the rest.
-    for lane in range(width()):
+    for lane in range(width(scratch)):
         run = first + lane
         scenario, sample = runs.scenario[run], k % runs.noise.shape[1]
         for i in range(SHAPES):
@@ -108,7 +85,7 @@ def _acting(scratch, runs, plan, usual, joint, first, j, k):
 
 @composition
 def _surroundings(scratch, air, runs, plan, first, k):
-    for lane in range(width()):
+    for lane in range(width(scratch)):
         for i in range(2):
             scratch[i, lane] = plan.shared[runs.scenario[first + lane], k, i]
     given_gauge, given_payload = read_lanes((0.0, 0.0), scratch)
@@ -184,5 +161,5 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
 @kernel
 def run_block(case, runs, plan, moves, timing, results, watch):
     """Run all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
-    for first in range(0, len(runs.scenario), width()):
+    for first in range(0, len(runs.scenario), width(runs.parameters)):
         run_lanes(case, first, runs, plan, moves, timing, results, some_lanes(watch, first))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.lanes import width
+from layflat.lanes import host_width
 from layflat.sim.ensemble.cases import columns, first_of
 from layflat.sim.slow import sweep_many
 
@@ -28,7 +28,7 @@ def heights(prepared: "Cases", share: float = 1.0) -> tuple[Array, Array]:
     """
     machine, count = prepared.machine, prepared.count
     found = np.empty((2, count, len(prepared.base.joints)))
-    lanes = width()
+    lanes = host_width()
     rows = np.minimum(np.arange(lanes * -(-count // lanes)), count - 1)
     for j, (joint, described) in enumerate(zip(prepared.case[1], machine.joints.values(), strict=True)):
         swept = (joint.hose_a, joint.hose_b, joint.friction, joint.brake_torque)

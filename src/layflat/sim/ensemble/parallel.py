@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.lanes import width
+from layflat.lanes import host_width
 from layflat.machine import Machine, load
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
@@ -35,7 +35,10 @@ if TYPE_CHECKING:
     import xarray
 
 BLOCK, SHARES = 32, 4
-"""Groups of `width()` runs that a thread takes at a time: at most, and so that each thread takes this many times."""
+"""Groups of runs side by side that a thread takes at a time: at most, and so that each thread takes this many times."""
+
+PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
+LONGEST_SINGLE = 60.0  # runs in single precision, s: time itself is kept in it where the dither is begun anew
 
 TIP_BAND = 2e-3  # within this of its goal the tip has settled, m: section 5 of the paper
 
@@ -53,6 +56,7 @@ class Options:
         every: control cycles from record to record of the traces.
         controller: the machine that the controllers believe to drive, and whose controller it is; paths of `vary` that
             begin with "controller." then change this one. Default: each run's own machine.
+        precision: "double", or "single": of all numbers of a run, which takes half the time; see docs/speed.md.
         device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
         threads: how many of the processor work at a time; default: one a core. Results do not depend on it.
         progress: is called with the number of runs each time that some are done.
@@ -65,6 +69,7 @@ class Options:
     traces: Sequence[str] = ()
     every: int = 1
     controller: Machine | None = None
+    precision: str = "double"
     device: str = "cpu"
     threads: int | None = None
     progress: Callable[[int], None] | None = None
@@ -99,9 +104,13 @@ def ensemble(
     from layflat.sim.ensemble.dataset import measured  # noqa: PLC0415  # xarray takes long to import
 
     chosen = checked_options(Options, options, "ensemble")
+    number = _number(chosen.precision)
     prepared = cases(
-        load(machine), _scenarios(scenario or Scenario()), vary or {}, chosen.runs, controller=chosen.controller
-    )
+        load(machine), _scenarios(scenario or Scenario()), vary or {}, chosen.runs,
+        controller=chosen.controller, number=number,
+    )  # fmt: skip
+    if number is np.float32:
+        _check_single(prepared, chosen.device)
     bands = u.quantity(chosen.band, u.ANGLE, "band"), u.quantity(chosen.tip_band, u.LENGTH, "tip_band")
     if chosen.every < 1:
         raise InputError(f"{chosen.every} is out of range", where="every", right="give 1 or more")
@@ -147,6 +156,22 @@ def _scenarios(given: Scenario | Sequence[Scenario]) -> list[Scenario]:
     return [given] if isinstance(given, Scenario) else list(given)
 
 
+def _number(precision: str) -> type[np.floating[Any]]:
+    if precision not in PRECISIONS:
+        raise InputError(f"{precision!r} is not a precision", where="precision", right='use "double" or "single"')
+    return PRECISIONS[precision]
+
+
+def _check_single(prepared: Cases, device: str) -> None:
+    """Make sure that single precision is enough for these runs."""
+    lasting = prepared.cycles * prepared.cycle
+    if device != "cpu":
+        raise InputError("single precision is only had on the processor", where="precision", right='use "double"')
+    if lasting > LONGEST_SINGLE:
+        what = f"single precision is too coarse for runs of {lasting:g} s"
+        raise InputError(what, where="precision", right=f'use "double", or runs of {LONGEST_SINGLE:g} s at most')
+
+
 def _timing(prepared: Cases, step: Value) -> Timing:
     return timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1)
 
@@ -169,12 +194,11 @@ def _run_on_threads(
         return _run_block(prepared, rows, timing, bands, results)
 
     with ThreadPoolExecutor(workers) as pool:
-        yield from pool.map(work, _blocks(prepared.count, workers))
+        yield from pool.map(work, _blocks(prepared.count, workers, host_width(np.dtype(prepared.number).itemsize)))
 
 
-def _blocks(count: int, workers: int) -> Iterator[NDArray[np.int64]]:
+def _blocks(count: int, workers: int, lanes: int) -> Iterator[NDArray[np.int64]]:
     """Numbers of the runs of every block; the last run stands in where a group of lanes is not full."""
-    lanes = width()
     size = lanes * min(BLOCK, ceil(count / (lanes * SHARES * workers)))
     for first in range(0, count, size):
         filled = lanes * ceil((min(first + size, count) - first) / lanes)
@@ -192,5 +216,5 @@ def _run_block(
     prepared: Cases, rows: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
 ) -> int:
     block = block_of(prepared, rows, bands, results)
-    run_block(prepared.template, block.runs, block.plan, block.moves, timing, block.results, new_watch(len(rows)))
+    run_block(prepared.template, block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
     return keep(results, block.results, int(rows[0]))

@@ -5,6 +5,27 @@ from typing import NamedTuple
 import numpy as np
 
 
+class Plan(NamedTuple):
+    """Scenarios over control cycles; not a number: as usual in the run."""
+
+    shapes: (
+        np.ndarray
+    )  # demand, its rates and stiffness, opening, voltage, brake, dither, load, drift: (scenarios, cycles, joints, 10)
+    shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
+
+
+class Runs(NamedTuple):
+    """What differs from run to run; runs lie side by side in memory where they are the last axis."""
+
+    parameters: np.ndarray  # every number of the machine in order, a column a run: (numbers, runs)
+    scenario: np.ndarray  # which scenario, (runs,)
+    angles: np.ndarray  # at the start, rad, (joints, runs)
+    pressures: np.ndarray  # at the start, Pa, (joints, 2, runs)
+    usual: np.ndarray  # the numbers of `Defaults`: (joints, 4, runs)
+    usual_shared: np.ndarray  # gauge supply pressure and payload where the scenario gives none: (2, runs)
+    noise: np.ndarray  # standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none
+
+
 class Moves(NamedTuple):
     """The moves of every scenario; a scenario of fewer moves than another ends in moves from and to record -1."""
 

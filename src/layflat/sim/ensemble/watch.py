@@ -10,7 +10,7 @@ from layflat.lanes import gather, read_lanes, select, slots, width, write_lanes
 from layflat.physics.arms import tip_in_space
 from layflat.physics.joint import is_sound
 from layflat.physics.valves import net_opening
-from layflat.sim.ensemble.results import Totals, Traced
+from layflat.sim.ensemble.results import Runs, Totals, Traced
 from layflat.sim.tally import COLUMNS, EMPTY, Tally, counted, emptied
 
 ROOM = 16  # numbers of a run that are gathered at a time, at most
@@ -68,15 +68,16 @@ NO_TRACK = Track(0.0, 0.0, EMPTY)
 NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.nan)  # before the first record
 
 
-def new_watch(lanes: int) -> Watch:
-    """A watch over so many lanes of runs."""
-    return Watch(np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((ROOM, lanes)))
+def new_watch(runs: Runs) -> Watch:
+    """A watch over runs, in their precision."""
+    lanes = len(runs.scenario)
+    return Watch(np.zeros(lanes, np.int64), np.zeros(lanes, np.int64), np.zeros((ROOM, lanes), runs.parameters.dtype))
 
 
 @composition
 def some_lanes(watch, first):
     """The part of a watch that is over the lanes that go side by side from number `first` on."""
-    last = first + width()
+    last = first + width(watch.scratch)
     return Watch(watch.move[first:last], watch.end[first:last], watch.scratch[:, first:last])
 
 
@@ -84,7 +85,7 @@ def some_lanes(watch, first):
 def begin_moves(watch, moves, scenarios, course, tracks, first):
     """Set out for the goals of the moves that the watch names; what goes on already just goes on."""
     scratch = watch.scratch
-    for lane in range(width()):
+    for lane in range(width(watch.scratch)):
         run, m = first + lane, watch.move[lane]
         begin, end = moves.ends[scenarios[run], m, 0], moves.ends[scenarios[run], m, 1]
         watch.end[lane] = end
@@ -94,7 +95,7 @@ def begin_moves(watch, moves, scenarios, course, tracks, first):
     c = course[0]
     course[0] = Course(read_lanes(NO_MOVE, scratch), c.tally, c.tip, c.diverged)
     for j in range(moves.goals.shape[2]):
-        for lane in range(width()):
+        for lane in range(width(watch.scratch)):
             scratch[0, lane] = moves.goals[scenarios[first + lane], watch.move[lane], j]
         tracks[j] = Track(read_lanes(0.0, scratch), tracks[j].way, tracks[j].tally)
 
@@ -103,7 +104,7 @@ def begin_moves(watch, moves, scenarios, course, tracks, first):
 def _keep(watch, results, tally, first, j, k):
     # The tally of joint j (or of the tip) in the lanes whose move ends with record k.
     write_lanes(watch.scratch, tally)
-    for lane in range(width()):
+    for lane in range(width(watch.scratch)):
         if watch.end[lane] == k:
             for column in range(COLUMNS):
                 results.tallies[first + lane, watch.move[lane], j, column] = watch.scratch[column, lane]
@@ -113,14 +114,14 @@ def _keep(watch, results, tally, first, j, k):
 def _end_moves(watch, results, moves, scenarios, course, tracks, first, k):
     n = moves.goals.shape[2]
     over = 0
-    for lane in range(width()):
+    for lane in range(width(watch.scratch)):
         over += watch.end[lane] == k
     if over == 0:
         return
     for j in range(n):
         _keep(watch, results, tracks[j].tally, first, j, k)
     _keep(watch, results, course[0].tally, first, n, k)
-    for lane in range(width()):
+    for lane in range(width(watch.scratch)):
         if watch.end[lane] == k and watch.move[lane] + 1 < moves.ends.shape[1]:
             watch.move[lane] += 1
     begin_moves(watch, moves, scenarios, course, tracks, first)
@@ -172,7 +173,7 @@ def trace(watch, results, joint, state, voltage, first, j, k):
     motion, opening = state.motion, net_opening(joint.valve, state.valve)
     seen = Traced(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure, opening, voltage)
     write_lanes(watch.scratch, seen)
-    for lane in range(width()):
+    for lane in range(width(watch.scratch)):
         for column in range(len(results.traced)):
             results.traces[first + lane, k // results.every, j, column] = watch.scratch[results.traced[column], lane]
 
@@ -192,6 +193,6 @@ def note_totals(watch, results, states, course, first, n):
     for j in range(1, n):
         air = air + states[j].ledger.air_taken
     write_lanes(watch.scratch, Totals(air, course[0].tip.acceleration, course[0].diverged))
-    for lane in range(width()):
+    for lane in range(width(watch.scratch)):
         for column in range(3):
             results.totals[first + lane, column] = watch.scratch[column, lane]

@@ -1,0 +1,67 @@
+"""Runs in single precision: what they cost in accuracy, and that all else is as in double precision."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import ks_2samp
+
+from layflat.errors import InputError
+from layflat.machine import load
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+
+ARM = load("paper-arm-fast")
+MANY = 512
+RUNS = 37  # which fills no number of registers
+SWAYS = Scenario(opening=[(0.0, (0.3, -0.2)), (0.3, (-0.4, 0.3)), (0.8, (0.1, 0.1))], duration="1.5 s", noise=False)
+MOVES = Scenario(demand=[(0.0, (-0.3, -0.3)), (0.2, (0.3, -0.3)), (0.9, (0.3, 0.3))], duration="1.5 s")
+VARY = {"scenario.payload": np.linspace(0.0, 2.0, RUNS)}
+
+
+def test_openings_lead_to_the_same_angles_within_a_hundredth_of_a_degree() -> None:
+    double, single = (ensemble(ARM, SWAYS, VARY, precision=one, traces=["angle"]) for one in ("double", "single"))
+    error = np.degrees((single.angle - double.angle).to_numpy())
+    assert 0.0 < np.sqrt(np.mean(error**2)) < 0.01
+    assert float(single.air_used.mean()) == pytest.approx(float(double.air_used.mean()), rel=1e-4)
+
+
+def test_controlled_runs_are_others_of_the_same_distribution() -> None:
+    # A count of a converter that falls the other way leads a controlled arm elsewhere within its band.
+    vary = {"scenario.payload": np.linspace(0.0, 2.0, MANY), "seed": np.arange(MANY)}
+    double, single = (ensemble(ARM, MOVES, vary, precision=one) for one in ("double", "single"))
+    for name in ("settling", "steady_error", "overshoot"):
+        pairs = zip(*(each[name].to_numpy().reshape(MANY, -1).T for each in (double, single)), strict=True)
+        assert min(ks_2samp(one, other, method="asymp").pvalue for one, other in pairs) > 0.05, name
+
+
+def test_a_joint_that_its_brake_holds_does_not_move() -> None:
+    held = Scenario(opening=0.0, start=0.1, load=0.2, brake=2.0, duration="1 s", noise=False)
+    assert np.ptp(ensemble(ARM, held, VARY, precision="single", traces=["angle"]).angle.to_numpy()) == 0.0
+
+
+def test_neither_neighbours_nor_threads_matter() -> None:
+    vary = VARY | {"seed": np.arange(RUNS)}
+    one, two = (ensemble(ARM, MOVES, vary, precision="single", threads=threads) for threads in (1, 2))
+    assert one.identical(two)
+    some = [RUNS - 1, 5, 0]
+    alone = ensemble(ARM, MOVES, {key: values[some] for key, values in vary.items()}, precision="single")
+    assert alone.identical(one.isel(run=some))
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"precision": "half"}, 'precision: \'half\' is not a precision; use "double" or "single"'),
+        ({"precision": "single", "device": "cuda"}, "precision: single precision is only had on the processor"),
+    ],
+)
+def test_what_is_not_there_is_told(options: dict[str, Any], told: str) -> None:
+    with pytest.raises(InputError) as caught:
+        ensemble(ARM, MOVES, runs=1, **options)
+    assert str(caught.value).startswith(told)
+
+
+def test_long_runs_need_double_precision() -> None:
+    with pytest.raises(InputError, match="precision: single precision is too coarse for runs of 3600 s"):
+        ensemble(ARM, Scenario(duration="1 h"), runs=1, precision="single")
