@@ -58,14 +58,27 @@ def vented(page: Any) -> bool:
     return state(page) in REST
 
 
+def onwards(page: Any, found: str) -> None:
+    """Press what brings the rig on: where page or device pause on a busy computer it is held, stops, or trips."""
+    pressed(page, {"Holding": "Go on", "Fault": "Reset"}.get(found, "Start"))
+
+
 def ready(page: Any) -> None:
-    """Bring the air; on a busy computer page or device may pause for so long that the rig is held, stops, or trips."""
+    """Bring the air."""
 
     def obeys() -> bool:
-        pressed(page, {"Holding": "Go on", "Fault": "Reset"}.get(state(page), "Start"))
+        onwards(page, state(page))
         return state(page) in {"Ready", "Moving"}
 
     until(obeys, 30.0)
+
+
+def faulted(page: Any) -> bool:
+    """Whether the rig has tripped; one that was stopped meanwhile is started, since without air little can be seen."""
+    found = state(page)
+    if found != "Fault":
+        onwards(page, found)
+    return found == "Fault"
 
 
 def jogged(page: Any, button: str, condition: Callable[[], bool]) -> None:

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from tests.pages.browsers import Served, chromium, served
-from tests.pages.panel.driving import angle, drives, jogged, press, pressed, ready, state, tab, until, vented
+from tests.pages.panel.driving import angle, drives, faulted, jogged, press, pressed, ready, state, tab, until, vented
 
 pytestmark = pytest.mark.realtime
 FLOOD = 600  # connections at once; a process may have 1024 files open
@@ -98,7 +98,7 @@ def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
         page.get_by_role("combobox", name="failure").click()
         page.get_by_role("option", name=failure, exact=True).click()
         press(page, "Fail")
-        until(lambda: state(page) == "Fault", 15.0)
+        until(lambda: faulted(page), 30.0)
         found = str(page.locator(".lf-fault").inner_text())
         press(page, "Heal")
         until(over, 20.0)
