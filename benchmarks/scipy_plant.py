@@ -90,7 +90,7 @@ def rates(t, y, arm, joints, openings, brakes, around):  # type: ignore[no-untyp
     return dy
 
 
-def run(machine: Machine, seconds: float) -> NDArray[np.float64]:
+def run(machine: Machine, seconds: float, tolerance: float = 1e-5) -> NDArray[np.float64]:
     """Simulate from rest with constant openings; final states."""
     around = parameters.surroundings(machine)
     joints = parameters.joints(machine)
@@ -104,5 +104,5 @@ def run(machine: Machine, seconds: float) -> NDArray[np.float64]:
             y[at + 1] = air_mass(hose.chamber, p, T, volume, p_a)
     openings, brakes = np.array([0.08, 0.06]), np.array([joint.brake_torque for joint in joints])
     extra = (parameters.arm(machine), joints, openings, brakes, around)
-    found = solve_ivp(rates, (0.0, seconds), y, method="LSODA", args=extra, rtol=1e-5, atol=1e-8)
+    found = solve_ivp(rates, (0.0, seconds), y, method="LSODA", args=extra, rtol=tolerance, atol=1e-3 * tolerance)
     return np.asarray(found.y[:, -1])

@@ -11,6 +11,7 @@ from layflat.bridge.brake import Brakes
 from layflat.errors import InputError
 from layflat.machine import Machine, build, changed, load
 from layflat.machine.loader import tables
+from layflat.physics.step import STEP
 from layflat.sim.plant import SteppedPlant
 
 mujoco: Any = pytest.importorskip("mujoco")
@@ -82,11 +83,11 @@ def off_by(machine: Machine, timestep: float, cycles: int) -> NDArray[np.float64
     "machine", [TILTED, LATE, RUBBING, IN_SPACE], ids=["tilted", "late valve", "stribeck", "four joints in space"]
 )
 def test_with_our_step_it_is_our_own_plant(machine: Machine) -> None:
-    assert off_by(machine, 0.25e-3, 200).max() < 1e-8
+    assert off_by(machine, STEP, 200).max() < 1e-8
 
 
 def test_over_four_seconds_too() -> None:
-    assert off_by(ARM, 0.25e-3, 800).max() < 1e-7
+    assert off_by(ARM, STEP, 800).max() < 1e-7
 
 
 @pytest.mark.parametrize("timestep", [0.1e-3, 1e-3])

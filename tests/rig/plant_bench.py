@@ -13,12 +13,10 @@ from layflat.physics.delay import NOTHING_ASKED, delayed
 from layflat.physics.joint import Drive, joint_at_rest
 from layflat.physics.plant import advance
 from layflat.physics.sensor import read_sensor
+from layflat.physics.step import STEP
 from layflat.physics.valves import commanded_opening, start_wave
 
 Array = NDArray[np.float64]
-
-STEPS = 20
-"""Of the plant in a control cycle."""
 
 FREE = 9.0
 """In place of an opening: the spool is not held."""
@@ -55,6 +53,7 @@ class PlantBench:
     def __init__(self, machine: Machine, angles: Array, seed: int = 0, gauge: float | None = None) -> None:
         self.n = len(machine.joints)
         self.cycle = machine.cycle
+        self._steps = round(machine.cycle / STEP)
         self._arm = parameters.arm(machine)
         self._joints: list[Any] = list(parameters.joints(machine))
         self.around = parameters.surroundings(machine)
@@ -77,7 +76,7 @@ class PlantBench:
         nothing = np.zeros(self.n)
         through_a_cycle(
             self._arm, tuple(self._joints), tuple(self.states), tuple(self._lines), self.around,
-            nothing, self.held, self.brakes, self.load, 0, self.cycle, STEPS,
+            nothing, self.held, self.brakes, self.load, 0, self.cycle, self._steps,
         )  # fmt: skip
 
     def sense(self) -> tuple[Array, Array]:
@@ -106,7 +105,7 @@ class PlantBench:
         """Let a control cycle pass."""
         self.states, self._lines = through_a_cycle(
             self._arm, tuple(self._joints), tuple(self.states), tuple(self._lines), self.around,
-            voltages - self.drift, self.held, self.brakes, self.load, self.k, self.cycle, STEPS,
+            voltages - self.drift, self.held, self.brakes, self.load, self.k, self.cycle, self._steps,
         )  # fmt: skip
         self.k += 1
         for j in range(self.n):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from layflat.errors import DivergedError, InputError
 from layflat.machine import Machine, changed, load, parameters
 from layflat.physics.failing import BURST_TIME
+from layflat.physics.step import STEP
 from layflat.sim import Scenario, rollout
 from layflat.sim.kernel import Signals
 from layflat.sim.plant import SteppedPlant
@@ -67,7 +68,7 @@ def test_in_however_many_pieces_time_passes(pieces: list[float]) -> None:
     for piece in pieces:
         time += piece
         parted.advance(time)
-        assert time - 0.25e-3 < parted.time <= time + 1e-9
+        assert time - STEP < parted.time <= time + 1e-9
     whole.advance(0.24)
     parted.advance(0.24)
     assert np.array_equal(whole.angles, parted.angles)

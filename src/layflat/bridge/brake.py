@@ -18,25 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.jit import composition, kernel
+from layflat.jit import kernel
 from layflat.lanes import gather, write_numbers
-from layflat.physics.friction.box import slide_one, slide_two
-from layflat.physics.friction.pivoting import slide_many
+from layflat.physics.friction.turning import slide
 
 ROUNDS, CLOSE = 30, 1e-7
 """Rounds in which contacts answer to the brakes; the change of J, as a share of the greatest B, that ends them."""
-
-
-@composition
-def _rubbed(M, p, u, B, S):  # type: ignore[no-untyped-def]
-    # In closed form where there is one.
-    if len(p) == 1:
-        w, J = slide_one(0.0, M[0], p[0], u[0], B[0], S[0])
-        return (w,), (J,)
-    if len(p) == 2:
-        w_1, w_2, J_1, J_2 = slide_two(0.0, M, p[0], p[1], u[0], u[1], B[0], B[1], S[0], S[1])
-        return (w_1, w_2), (J_1, J_2)
-    return slide_many(0.0, M, p, u, B, S)
 
 
 @kernel
@@ -55,7 +42,7 @@ def rub(like, A, u, v, B, S, J, after):  # type: ignore[no-untyped-def]
             at += 1
     p = M @ v
     limits = gather(items, B), gather(items, S)
-    w, impulses = _rubbed(gather(upper, triangle), gather(items, p), gather(items, u), limits[0], limits[1])
+    w, impulses = slide(0.0, gather(upper, triangle), gather(items, p), gather(items, u), limits[0], limits[1])
     write_numbers(J, impulses)
     write_numbers(after, w)
 

@@ -120,7 +120,7 @@ def _tip_at(machine: Machine, angles: Values) -> Values:
 def simulate(
     machine: MachineName,
     asked: Asked,
-    step: Annotated[str, typer.Option(help="of the plant")] = "0.25 ms",
+    step: Annotated[str, typer.Option(help="of the plant")] = "0.5 ms",
     out: Out = Path("build/simulate"),
 ) -> None:
     """Simulate a machine with its controller.

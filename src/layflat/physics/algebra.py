@@ -27,13 +27,18 @@ def dot(x, y):
     return total(each(_product, x, y))
 
 
+@law
+def _greater(a, b):
+    return max(a, b)
+
+
 @composition
 def greatest(values):
     """Return the greatest of a tuple's values."""
     items = slots(values)
     found = items[0]
     for i in range(1, len(values)):
-        found = max(found, items[i])
+        found = _greater(found, items[i])
     return found
 
 

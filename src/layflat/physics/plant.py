@@ -4,7 +4,7 @@ from layflat.jit import Law, composition, kernel, law
 from layflat.lanes import abreast, apart, each, gather, halves, join, select, slots
 from layflat.physics.algebra import times
 from layflat.physics.arms import ARMS, dynamics
-from layflat.physics.friction import levels, rub_many, rub_one, rub_two
+from layflat.physics.friction import levels, rub
 from layflat.physics.joint import joint_at_rest, pressures_at_rest, supplied
 from layflat.physics.step import finish, midpoint, pack, unpack
 from layflat.physics.valves import turn_wave
@@ -46,7 +46,8 @@ def _step_two(arm, joints, running, drives, waves, around, h):
     # The air's torques come last: all else is ready before them.
     p_1 = M_11 * v_1 + M_12 * v_2 + h * (c_1 + load_1) + h * torque_1
     p_2 = M_12 * v_1 + M_22 * v_2 + h * (c_2 + load_2) + h * torque_2
-    w_1, w_2, J_1, J_2 = rub_two(joints.friction, M, p_1, p_2, v_1, v_2, h * B_1, h * B_2, h * S_1, h * S_2)
+    limits = (h * B_1, h * B_2), (h * S_1, h * S_2)
+    (w_1, w_2), (J_1, J_2) = rub(joints.friction, M, (p_1, p_2), (v_1, v_2), limits[0], limits[1])
     return finish(joints, running, mid, join(w_1, w_2), join(J_1, J_2), join(load_1, load_2), h)
 
 
@@ -65,12 +66,12 @@ def advance_two(arm, joints, states, drives, waves, around, h, n):
 @composition
 def _step_one(arm, joint, running, drive, wave, around, h):
     mid = midpoint(joint, running, drive.opening, wave, supplied(around, drive), h)
-    (M,), (c,), (g,) = dynamics(arm, around.payload, (mid.angle,), (mid.velocity,))
+    M, (c,), (g,) = dynamics(arm, around.payload, (mid.angle,), (mid.velocity,))
     load = drive.load_torque + g
     before = running.motion.velocity
     sliding, held = levels(joint.friction, drive.brake_torque, before, mid.velocity, mid.pull)
-    p = M * before + h * (c + load) + h * mid.torque
-    v, J = rub_one(joint.friction, M, p, before, h * sliding, h * held)
+    p = M[0] * before + h * (c + load) + h * mid.torque
+    (v,), (J,) = rub(joint.friction, M, (p,), (before,), (h * sliding,), (h * held,))
     return finish(joint, running, mid, v, J, load, h)
 
 
@@ -110,7 +111,7 @@ def _step_many(arm, like, joints, running, drives, waves, around, h):
     v, loads = apart(before, like), each(_sum, apart(drives.load_torque, like), pulls)
     p = each(_pushed, times(M, v), moving, loads, apart(mid.torque, like), h)
     limits = apart(_scaled(sliding, h), like), apart(_scaled(held, h), like)
-    w, J = rub_many(joints.friction, M, p, v, limits[0], limits[1])
+    w, J = rub(joints.friction, M, p, v, limits[0], limits[1])
     return finish(joints, running, mid, abreast(w), abreast(J), abreast(loads), h)
 
 

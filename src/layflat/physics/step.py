@@ -27,7 +27,7 @@ from layflat.physics.spring import spring_torque
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import move
 
-STEP = 0.25e-3  # default step, s
+STEP = 0.5e-3  # default step, s: docs/speed.md says why
 
 
 class Running(NamedTuple):

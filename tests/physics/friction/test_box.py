@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from layflat.physics.friction.box import brake_one, brake_two, keep_two, slide_one, slide_two
-from layflat.physics.friction.coulomb import Coulomb
+from layflat.physics.friction.box import brake_one, brake_two
 
 momenta = st.floats(-5.0, 5.0)
 limits = st.floats(0.0, 2.0)
@@ -85,54 +84,3 @@ def test_two_uncoupled_brakes_are_two_single_ones(M: float, p: float, B: float) 
     v, J = both(np.diag([M, 1.0]), (p, 0.0), (B, 0.1))
     assert (v[0], J[0]) == pytest.approx(brake_one(M, p, B), abs=1e-12)
     assert (v[1], J[1]) == (0.0, 0.0)
-
-
-def energy(M: np.ndarray, p: np.ndarray) -> float:
-    return float(0.5 * p @ np.linalg.solve(M, p))
-
-
-pairs = st.tuples(st.floats(0.0, 2.0), st.floats(0.0, 2.0))
-
-
-@given(mass_matrices(), st.tuples(momenta, momenta), st.tuples(momenta, momenta), pairs, pairs)
-def test_friction_of_any_levels_only_takes_energy(
-    M: np.ndarray, p: tuple[float, float], u: tuple[float, float], B: tuple[float, float], more: tuple[float, float]
-) -> None:
-    S = (B[0] + more[0], B[1] + more[1])
-    v_1, v_2, *J = slide_two(Coulomb(), (M[0, 0], M[0, 1], M[1, 1]), *p, *u, *B, *S)
-    v = np.array([v_1, v_2])
-    assert M @ v == pytest.approx(np.array(p) + J, abs=1e-9)
-    assert energy(M, np.array(p) + J) <= energy(M, np.array(p)) + 1e-9
-    for i in (0, 1):
-        # Against the motion, at one level or the other; what has passed no rest slides at the lower one.
-        assert J[i] * v[i] <= 1e-12
-        slides = abs(v[i]) > 1e-9
-        assert abs(J[i]) <= S[i]
-        assert not slides or abs(J[i]) == pytest.approx(B[i]) or abs(J[i]) == pytest.approx(S[i])
-
-
-@given(mass_matrices(), st.tuples(momenta, momenta), st.tuples(momenta, momenta), pairs)
-def test_where_static_friction_is_kinetic_friction_it_is_coulombs(
-    M: np.ndarray, p: tuple[float, float], u: tuple[float, float], B: tuple[float, float]
-) -> None:
-    mass = (M[0, 0], M[0, 1], M[1, 1])
-    found = slide_two(Coulomb(), mass, *p, *u, *B, *B)
-    assert found == keep_two(Coulomb(), mass, *p, *u, *B, *B) == brake_two(*mass, *p, *B)
-
-
-@pytest.mark.parametrize(
-    ("u", "p", "J"),
-    [
-        (0.0, 0.7, -0.7),  # at rest, held by more than it slides at
-        (0.0, -1.1, 1.0),  # torn loose
-        (2.0, 0.7, -0.5),  # sliding on
-        (2.0, -0.7, 0.7),  # it would turn back, but is held where it stops
-        (2.0, -1.2, 1.0),  # it turns back
-        (2.0, 0.3, -0.3),  # it comes to rest
-    ],
-)
-def test_a_joint_holds_more_than_it_slides_at(u: float, p: float, J: float) -> None:
-    v, found = slide_one(Coulomb(), 0.3, p, u, 0.5, 1.0)
-    assert found == J
-    assert v == pytest.approx((p + J) / 0.3)
-    assert (v == 0.0) == (p == -J)

@@ -13,6 +13,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError, MachineError
 from layflat.machine.model import Machine
 from layflat.pages.studio.results import Quantity
+from layflat.physics.step import STEP
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import BAND
@@ -23,7 +24,7 @@ MOST_CYCLES = 4000  # of a run: sensor noise of all runs is in memory at once
 EVERY = 4  # control cycles from one record to the next
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 SINGLE = 6  # runs that are drawn one by one
-FEW, FINE, COARSE = 2, "0.25 ms", "1 ms"
+FEW, FINE, COARSE = 2, STEP, 1e-3
 """Joints up to which runs take the default step, and the steps: more joints with the coarse one, as tuning searches."""
 
 
@@ -64,7 +65,7 @@ class Cloud:
     overshoot: Array  # rad
     air: Array  # normal litres of all joints
     hysteresis: float  # nominal, share
-    plant_step: str
+    plant_step: float  # s
     seconds: float  # that it took
 
     @property

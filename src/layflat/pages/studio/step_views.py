@@ -56,7 +56,7 @@ class StepView(Panel):
         data |= _kept_lines(kept)
         self.chart.show(data)
         self.chart.label = f"Angle over time after a step of {2 * half:.3g} deg. {cloud.summary}"
-        self._said.set_text(f"{cloud.summary} {cloud.runs} runs, step {cloud.plant_step}.")
+        self._said.set_text(f"{cloud.summary} {cloud.runs} runs, step {1e3 * cloud.plant_step:g} ms.")
 
     def wait(self, text: str) -> None:
         """Say what is waited for."""

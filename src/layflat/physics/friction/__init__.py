@@ -4,16 +4,18 @@ from layflat.jit import law
 from layflat.kinds import Table
 from layflat.lanes import select
 from layflat.physics.friction import coulomb, stribeck
-from layflat.physics.friction.box import keep_one, keep_two, slide_one, slide_two
 from layflat.physics.friction.kind import FrictionKind, FrictionPart
-from layflat.physics.friction.pivoting import keep_many, slide_many
+from layflat.physics.friction.turning import keep, slide
 
 FRICTION: Table[FrictionKind] = Table("friction", coulomb.KIND, stribeck.KIND)
 
 level = FRICTION.law("level")
-rub_one = FRICTION.law(lambda kind: keep_one if kind.constant else slide_one)
-rub_two = FRICTION.law(lambda kind: keep_two if kind.constant else slide_two)
-rub_many = FRICTION.law(lambda kind: keep_many if kind.constant else slide_many)
+rub = FRICTION.law(lambda kind: keep if kind.constant else slide)
+"""Velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0.
+
+`rub(friction, M, p, u, B, S)` takes the upper triangle of the mass matrix, and of each joint the momentum that the step
+would end with without friction, the velocity before it, and the greatest impulses while it slides and where it rests.
+"""
 
 
 @law
@@ -29,4 +31,4 @@ def levels(friction, brake, velocity, extrapolated, pull):
     return level(friction, brake, speed, load), level(friction, brake, 0.0 * speed, load)
 
 
-__all__ = ["FRICTION", "FrictionKind", "FrictionPart", "level", "levels", "rub_many", "rub_one", "rub_two"]
+__all__ = ["FRICTION", "FrictionKind", "FrictionPart", "level", "levels", "rub"]

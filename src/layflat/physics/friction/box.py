@@ -5,17 +5,13 @@
 | p | momentum of a joint (M v)_i that the step would end with, were there no friction | kg m2 rad/s |
 | M | mass matrix (M_11, M_12, M_22) | kg m2 |
 | B | greatest impulse of friction in this step: torque x step | N m s |
-| S | the same of a joint that stands still at some instant of the step | N m s |
 | J | impulse of friction | N m s |
-| u, v | velocities before and after the step | rad/s |
+| v | velocity after the step | rad/s |
 
 Find J with |J| <= B such that each joint either stands still, or slides with J = -B sign(v), where M v = p + J. This is
 the optimality condition of a convex quadratic in J over a box; for two joints the exact minimiser is closed-form (see
 docs/derivations.md): minimise over J_2 first, clip J_1, then solve for J_2 again. Whatever B is, the minimum can't have
 more kinetic energy than p has: friction only takes.
-
-Where friction depends on velocity, B is that of the velocity in the middle of the step, and a joint whose velocity
-would pass zero is solved for once more with what holds it there, S.
 """
 
 from layflat.jit import law
@@ -42,37 +38,3 @@ def brake_two(M_11, M_12, M_22, p_1, p_2, B_1, B_2):
     v_1 = select(abs(needed_1) <= B_1, 0.0, (M_22 * per_det) * end_1 - (M_12 * per_det) * end_2)
     v_2 = select(abs(needed_2) <= B_2, 0.0, (M_11 * per_det) * end_2 - (M_12 * per_det) * end_1)
     return v_1, v_2, J_1, J_2
-
-
-@law
-def passing(u, v, B, S):
-    """The limit of a joint that goes from velocity u to v: that at rest if there is an instant of rest on the way."""
-    return select(u * v <= 0.0, S, B)
-
-
-@law
-def slide_one(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
-    """As `brake_one`, of friction that holds up to S and slides at B."""
-    v, _ = brake_one(M, p, B)
-    return brake_one(M, p, passing(u, v, B, S))
-
-
-@law
-def slide_two(friction, M, p_1, p_2, u_1, u_2, B_1, B_2, S_1, S_2):  # noqa: ARG001
-    """As `brake_two`, of friction that holds up to S and slides at B; M is (M_11, M_12, M_22)."""
-    M_11, M_12, M_22 = M
-    v_1, v_2, _, _ = brake_two(M_11, M_12, M_22, p_1, p_2, B_1, B_2)
-    return brake_two(M_11, M_12, M_22, p_1, p_2, passing(u_1, v_1, B_1, S_1), passing(u_2, v_2, B_2, S_2))
-
-
-@law
-def keep_one(friction, M, p, u, B, S):  # noqa: ARG001  (as `slide_one`)
-    """As `slide_one`, of friction that holds as much as it slides at: S is B."""
-    return brake_one(M, p, B)
-
-
-@law
-def keep_two(friction, M, p_1, p_2, u_1, u_2, B_1, B_2, S_1, S_2):  # noqa: ARG001  (as `slide_two`)
-    """As `slide_two`, of friction that holds as much as it slides at: S is B."""
-    M_11, M_12, M_22 = M
-    return brake_two(M_11, M_12, M_22, p_1, p_2, B_1, B_2)

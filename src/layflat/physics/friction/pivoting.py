@@ -19,14 +19,14 @@ since M is positive definite (judice1994).
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, epsilon, gather, select, slots, total
 from layflat.physics.algebra import times
-from layflat.physics.friction.box import passing
 
 BLOCKS, ROUNDS = 6, 60  # rounds in which all may change, and rounds at most
 ROUNDING = 1e-12 * 2.0**52  # of an impulse, in the last places of its precision
 
 
 @law
-def _way(u):
+def way(u):
+    """Return the way of a velocity: 1, -1, or 0."""
     return select(u > 0.0, 1.0, select(u < 0.0, -1.0, 0.0))
 
 
@@ -117,7 +117,7 @@ def brake_many(M, p, u, B):
 
     Args: upper triangle of the mass matrix; tuples of momenta, velocities before the step, and greatest impulses.
     """
-    c = each(_way, u)
+    c = each(way, u)
     w = _velocities(M, p, B, c)
     J = each(_missing, times(M, w), p)
     better = each(_turned, c, w, J, B)
@@ -129,16 +129,3 @@ def brake_many(M, p, u, B):
         better = each(_turned, c, w, J, B)
         turn += 1
     return w, each(_limited, J, B)
-
-
-@composition
-def keep_many(friction, M, p, u, B, S):  # noqa: ARG001  (as `slide_many`)
-    """As `slide_many`, of friction that holds as much as it slides at: S is B."""
-    return brake_many(M, p, u, B)
-
-
-@composition
-def slide_many(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
-    """As `brake_many`, of friction that holds up to S and slides at B."""
-    v, _ = brake_many(M, p, u, B)
-    return brake_many(M, p, u, each(passing, u, v, B, S))

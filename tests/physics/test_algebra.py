@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from layflat.lanes import Lanes
 from layflat.physics.algebra import diagonal, dot, greatest, inverse, largest, least, times
 
 SIZES, SEEDS = st.integers(1, 4), st.integers(0, 10_000)
@@ -43,3 +44,10 @@ def test_the_inverse_with_a_fixed_row_is_that_of_the_rest(n: int, seed: int) -> 
 
 def test_extremes() -> None:
     assert (largest((1.0, -3.0, 2.0)), greatest((1.0, -3.0, 2.0)), least((1.0, -3.0, 2.0))) == (3.0, 2.0, -3.0)
+
+
+def test_lanes_have_each_their_own_extremes() -> None:
+    values = (Lanes((1.0, -5.0)), Lanes((2.0, -7.0)), Lanes((-3.0, 6.0)))
+    assert greatest(values) == (2.0, 6.0)
+    assert least(values) == (-3.0, -7.0)
+    assert largest(values) == (3.0, 7.0)
