@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks import mujoco_arm
-from benchmarks.timing import median_seconds
+from benchmarks.timing import STEP, median_seconds
 from layflat.description.change import value_at
 from layflat.machine import Machine, load
 from layflat.machine.loader import build, tables
@@ -24,7 +24,8 @@ from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.run import prepare
 
-SECONDS, STEPS = 4.0, 16000
+SECONDS = 4.0
+STEPS = round(SECONDS / STEP)
 PAPER = "paper-arm-fast"  # whose law and gains these arms have: they cost what they do whatever comes of them
 SPREAD = "valve.conductance", "valve.friction", "supply.pressure_gauge", "arm.payload"
 """What differs from run to run, by 10 % either way."""
@@ -75,7 +76,7 @@ def moves(machine: Machine) -> Scenario:
 
 def step_seconds(machine: Machine) -> float:
     """Time of a step of 0.25 ms in a rollout, s."""
-    return median_seconds(prepare(machine, moves(machine)).run) / STEPS
+    return median_seconds(prepare(machine, moves(machine), step=STEP).run) / STEPS
 
 
 def ensemble_seconds(machine: Machine, runs: int) -> float:
@@ -83,7 +84,7 @@ def ensemble_seconds(machine: Machine, runs: int) -> float:
     factors = np.random.default_rng(1).uniform(0.9, 1.1, (len(SPREAD), runs))
     vary: dict[str, Any] = {path: value_at(machine, path) * own for path, own in zip(SPREAD, factors, strict=True)}
     begin = time.perf_counter()
-    ensemble(machine, moves(machine), {"seed": np.arange(runs), **vary}, threads=1)
+    ensemble(machine, moves(machine), {"seed": np.arange(runs), **vary}, threads=1, step=STEP)
     return (time.perf_counter() - begin) / (runs * STEPS)
 
 

@@ -16,13 +16,15 @@ from typing import Any
 import numpy as np
 
 from benchmarks import mujoco_arm
+from benchmarks.timing import STEP
 from layflat.description.change import value_at
 from layflat.errors import InputError
 from layflat.machine import Machine, load
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 
-SECONDS, STEPS = 4.0, 16000
+SECONDS = 4.0
+STEPS = round(SECONDS / STEP)
 MOVES = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
 SWAYS = Scenario(
     opening=[(0.0, (0.3, -0.2)), (1.0, (-0.4, 0.3)), (2.0, (0.1, 0.1)), (3.0, (-0.1, -0.1))],
@@ -58,7 +60,7 @@ def vary(machine: Machine, runs: int) -> dict[str, Any]:
 def seconds(machine: Machine, runs: int, threads: int, **options: str) -> float:
     """Time of so many runs of 4 s, s."""
     begin = time.perf_counter()
-    ensemble(machine, MOVES, vary(machine, runs), threads=threads, **options)
+    ensemble(machine, MOVES, vary(machine, runs), threads=threads, step=STEP, **options)
     return time.perf_counter() - begin
 
 

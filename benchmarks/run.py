@@ -12,8 +12,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import cell, chains, many, mujoco_arm, rig_loop, scipy_plant
-from benchmarks.timing import median_seconds
+from benchmarks import accuracy, cell, chains, many, mujoco_arm, rig_loop, scipy_plant
+from benchmarks.timing import STEP, median_seconds
 from layflat.experiments.controller import CYCLES
 from layflat.experiments.kernels import control_cycles
 from layflat.files import whole_file
@@ -29,8 +29,8 @@ def measure() -> dict[str, float | str]:
     """All figures by name."""
     machine = load("paper-arm")
     moves = Scenario(demand=[(0.0, (-0.35, -0.35)), (0.5, (0.35, -0.35)), (2.0, (0.35, 0.35))], duration=SECONDS)
-    steps = round(SECONDS / 0.25e-3)
-    rollout = median_seconds(prepare(machine, moves).run) / steps
+    steps = round(SECONDS / STEP)
+    rollout = median_seconds(prepare(machine, moves, step=STEP).run) / steps
 
     arm = mujoco_arm.build(machine)
     mujoco = median_seconds(lambda: mujoco_arm.run(arm, 4000)) / 4000
@@ -49,9 +49,10 @@ def measure() -> dict[str, float | str]:
         "mujoco_arm_with_brakes_ns_per_step": 1e9 * mujoco_braked,
         "mujoco_ratio": mujoco / rollout,
         "scipy_seconds_per_simulated_second": scipy_seconds,
-        "scipy_ratio": scipy_seconds / (rollout / 0.25e-3),
+        "scipy_ratio": scipy_seconds / (rollout / STEP),
         "controller_ns_per_cycle": 1e9 * controller,
         **many.measure(machine),
+        **accuracy.measure(machine),
         **chains.measure(),
         **rig_loop.measure(),
         **cell.measure(),
@@ -68,7 +69,7 @@ MEANING = {
     "scipy_seconds_per_simulated_second": "SciPy's LSODA on the same plant, its laws compiled",
     "scipy_ratio": "SciPy's time over ours; aim 100",
     "controller_ns_per_cycle": "the controllers of both axes, per cycle; aim 1000",
-    "ensemble_ns_per_step_per_core": "the same plant, each run with its own parameters, per step; aim 40 (AVX-512 15)",
+    "ensemble_ns_per_step_per_core": "the same plant, each run with its own parameters, per step; aim 45 (AVX-512 35)",
     "ensemble_single_ns_per_step_per_core": "the same in single precision; aim 30 (AVX-512 20)",
     "single_precision_angle_error_deg": "angles in single less those in double precision, no controllers, deg rms",
     "mujoco_rollout_ns_per_step_per_core": "mujoco.rollout, the arm alone, per step",
@@ -80,6 +81,7 @@ MEANING = {
     "ensemble_100000_runs_ns_per_step_per_core": "100 000 runs",
     "ensemble_100000_runs_on_gpu_ns_per_step": "100 000 runs on the CUDA device, where there is one",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
+    **accuracy.MEANING,
     **chains.MEANING,
     **rig_loop.MEANING,
     **cell.MEANING,

@@ -73,7 +73,7 @@ def rates(t, y, arm, joints, openings, brakes, around):  # type: ignore[no-untyp
             pressing = max(p - around.ambient_pressure, 0.0)
             loss = hose.loss
             for i in range(3):
-                stiffness, limit = loss[i], loss[3 + i] + loss[6 + i] * pressing
+                stiffness, limit = loss.stiffness[i], loss.base[i] + loss.slope[i] * pressing
                 f = s[at + 2 + i]
                 near_slip = max(f * (1.0 if s[1] > 0.0 else -1.0), 0.0) / limit
                 out[at + 2 + i] = stiffness * s[1] * (1.0 - near_slip**4)

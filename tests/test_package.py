@@ -24,6 +24,12 @@ def test_importing_costs_nothing() -> None:
     assert done.stdout.strip() == "[]"
 
 
+def test_a_rollout_waits_for_nothing_that_it_does_not_need() -> None:
+    code = "import sys, layflat.sim; print(sorted({'scipy.interpolate', 'numba', 'xarray'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_test_files_have_names_of_their_own() -> None:
     """Pytest imports them by name alone."""
     files = [path.name for path in Path(__file__).parent.rglob("*.py")]

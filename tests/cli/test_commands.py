@@ -164,9 +164,10 @@ def test_a_test_bench_is_checked_and_not_simulated(tmp_path: Path) -> None:
 def test_simulate_writes_data_and_figure(tmp_path: Path) -> None:
     done = layflat(
         "simulate", "paper-arm", "--move", "large=20 deg", "--move", "small=10 deg @ 1 s", "--duration", "2 s",
-        "--payload", "2 kg @ 0.5 s", "--out", str(tmp_path / "out"),
+        "--payload", "2 kg @ 0.5 s", "--step", "0.3 ms", "--out", str(tmp_path / "out"),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
+    assert "steps of 0.2941 ms: 0.3 ms does not divide a control cycle" in done.stdout
     assert "settling (s)" in done.stdout
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["paper-arm.nc", "paper-arm.png"]
 

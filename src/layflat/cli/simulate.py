@@ -120,7 +120,9 @@ def _tip_at(machine: Machine, angles: Values) -> Values:
 def simulate(
     machine: MachineName,
     asked: Asked,
-    step: Annotated[str, typer.Option(help="of the plant")] = "0.5 ms",
+    step: Annotated[
+        str, typer.Option(help="of the plant; rounded where it does not divide a control cycle")
+    ] = "0.5 ms",
     out: Out = Path("build/simulate"),
 ) -> None:
     """Simulate a machine with its controller.
@@ -143,8 +145,20 @@ def simulate(
         except DivergedError as error:
             _write_run(described, error.run, out)  # type: ignore[arg-type]
             raise
+    _print_rounded(run, step)
     _print_metrics(described, run, scenario, asked.demand)
     _write_run(described, run, out)
+
+
+def _print_rounded(run: xarray.Dataset, asked: str) -> None:
+    """Say which step was taken where the one that was asked for does not divide a control cycle."""
+    from math import isclose  # noqa: PLC0415
+
+    from layflat.description import units as u  # noqa: PLC0415
+
+    taken = float(run.attrs["step"])
+    if not isclose(taken, u.quantity(asked, u.TIME, "--step"), rel_tol=1e-6):
+        typer.echo(f"steps of {1e3 * taken:.4g} ms: {asked} does not divide a control cycle")
 
 
 def _check_times(acting: Mapping[str, Steps], lasts: str) -> None:

@@ -14,14 +14,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import degrees
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.machine import Machine
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 LOOKS = 401  # points at which a path is checked
 CLOSE = 1e-9  # points that are closer, m or rad, are the same; an angle (rad) may be so much beyond its stroke
@@ -103,12 +105,14 @@ def half_strokes(machine: Machine) -> Array:
     return np.array([joint.stops.working_stroke / 2 for joint in machine.joints.values()])
 
 
-def smooth(points: Array, where: str) -> CubicSpline:
+def smooth(points: Array, where: str) -> "CubicSpline":
     """Lay a natural cubic spline through points (points, values), over the distances between them added up.
 
     Raises:
         InputError: naming `where`: two points that follow each other are the same.
     """
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415  # takes long to import
+
     # Not over its own length: where it turns back on itself, it would have a corner there.
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if steps.min() < CLOSE:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from layflat.arrays import Array
 from layflat.machine.loader import restored
@@ -71,6 +70,8 @@ def _sizes(distances: Array) -> tuple[float, float]:
 
 def _from_path(points: Array, path: Array) -> Array:
     """Return the distances of points (points, axes) from a line through others (instants, axes), m."""
+    from scipy.spatial import KDTree  # noqa: PLC0415  # takes long to import
+
     nearest = KDTree(path).query(points)[1]
     apart = []
     for begin in (np.maximum(nearest - 1, 0), np.minimum(nearest, len(path) - 2)):

@@ -23,6 +23,7 @@ MOVES = Scenario(demand=[(0.0, (-0.3, -0.3)), (0.2, (0.3, -0.3)), (0.9, (0.3, 0.
 
 def assert_same(run: xarray.Dataset, found: xarray.Dataset, rel: float = 0.0) -> None:
     """The metrics of a rollout and those of a run of an ensemble."""
+    assert found.attrs["step"] == run.attrs["step"]
     moves = moves_of(run)
     n = len(found.joint)
     for i, (_, move) in enumerate(moves):

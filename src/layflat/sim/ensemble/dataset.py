@@ -1,5 +1,7 @@
 """The metrics of many runs as an `xarray.Dataset`: dims `run`, `move` and `joint`."""
 
+from typing import Any
+
 import numpy as np
 import xarray
 
@@ -8,6 +10,7 @@ from layflat.physics.air import NORMAL_DENSITY
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.loops import hysteresis
 from layflat.sim.ensemble.results import ACCELERATION, AIR, DIVERGED, Results, Traced
+from layflat.sim.kernel import Timing
 from layflat.sim.tally import LAST_HIGH, LAST_LOW, LAST_SUM, OVERSHOOT, SETTLED, last_records
 
 UNITS = {
@@ -27,8 +30,9 @@ UNITS = {
 TRACE_UNITS = dict(zip(Traced._fields, ("rad", "rad/s", "Pa", "Pa", "1", "V"), strict=True))
 
 
-def measured(prepared: Cases, results: Results, cycle: float) -> xarray.Dataset:
+def measured(prepared: Cases, results: Results, timing: Timing) -> xarray.Dataset:
     """Name the results. Metrics of a run that diverged are not numbers."""
+    cycle = timing.cycle
     joints = list(prepared.base.joints)
     counts = np.zeros((len(prepared.moves), prepared.most_moves))
     for s, moves in enumerate(prepared.moves):
@@ -52,20 +56,27 @@ def measured(prepared: Cases, results: Results, cycle: float) -> xarray.Dataset:
         "peak_acceleration": results.totals[:, ACCELERATION],
     }
     diverged = results.totals[:, DIVERGED]
-    data = xarray.Dataset(coords={"joint": joints})
+    said: dict[str, Any] = {}
     for name, value in {**values, "diverged": diverged * cycle}.items():
         if name != "diverged":
             value[~np.isnan(diverged)] = np.nan
-        unit, meaning = UNITS[name]
-        data[name] = (("run", "move", "joint")[: value.ndim], value, {"units": unit, "long_name": meaning})
-    unit, meaning = UNITS["hysteresis"]
-    data["hysteresis"] = (("run", "joint"), hysteresis(prepared), {"units": unit, "long_name": meaning})
-    for key, array in prepared.vary.items():
-        data = data.assign_coords({key: ("run", array)})
+        said[name] = (("run", "move", "joint")[: value.ndim], value, _told(*UNITS[name]))
+    said["hysteresis"] = (("run", "joint"), hysteresis(prepared), _told(*UNITS["hysteresis"]))
+    coords: dict[str, Any] = {"joint": joints, **{key: ("run", array) for key, array in prepared.vary.items()}}
     for column, number in enumerate(results.traced):
         name = Traced._fields[number]
-        attributes = {"units": TRACE_UNITS[name], "long_name": name.replace("_", " ")}
-        data[name] = (("run", "time", "joint"), results.traces[..., column], attributes)
-        data = data.assign_coords(time=("time", cycle * results.every * np.arange(results.traces.shape[1])))
-    data.attrs = {"machine_name": prepared.base.name, "layflat_version": layflat.__version__}
+        told = _told(TRACE_UNITS[name], name.replace("_", " "))
+        said[name] = (("run", "time", "joint"), results.traces[..., column], told)
+        coords["time"] = ("time", cycle * results.every * np.arange(results.traces.shape[1]))
+    # All at once: laid into a dataset one by one, they would be merged with all others each time.
+    data = xarray.Dataset(said, coords)
+    data.attrs = {
+        "machine_name": prepared.base.name,
+        "layflat_version": layflat.__version__,
+        "step": cycle / timing.steps,
+    }
     return data
+
+
+def _told(unit: str, meaning: str) -> dict[str, str]:
+    return {"units": unit, "long_name": meaning}

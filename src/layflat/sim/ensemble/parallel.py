@@ -119,7 +119,7 @@ def ensemble(
     for done in _runner(chosen.device, chosen.threads)(prepared, timing, bands, results):
         if chosen.progress is not None:
             chosen.progress(done)
-    return measured(prepared, results, timing.cycle)
+    return measured(prepared, results, timing)
 
 
 def traced(
