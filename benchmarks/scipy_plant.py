@@ -22,6 +22,8 @@ from layflat.physics.valves.spool_ports import path_conductance
 
 STATES = 14
 """Per joint: q, v, x, x', then E, m and three element torques of each hose."""
+OPENINGS = 0.08, 0.06
+"""Of the valves."""
 AT_REST = 0.01
 """Speed over which a brake is smoothed, rad/s."""
 SPOOL_AT_REST = 1.0
@@ -102,7 +104,7 @@ def run(machine: Machine, seconds: float, tolerance: float = 1e-5) -> NDArray[np
             at = STATES * j + 4 + 5 * k
             y[at] = energy(hose.chamber, p, volume, p_a)
             y[at + 1] = air_mass(hose.chamber, p, T, volume, p_a)
-    openings, brakes = np.array([0.08, 0.06]), np.array([joint.brake_torque for joint in joints])
+    openings, brakes = np.array(OPENINGS), np.array([joint.brake_torque for joint in joints])
     extra = (parameters.arm(machine), joints, openings, brakes, around)
     found = solve_ivp(rates, (0.0, seconds), y, method="LSODA", args=extra, rtol=tolerance, atol=1e-3 * tolerance)
     return np.asarray(found.y[:, -1])

@@ -70,7 +70,7 @@ def ready(page: Any) -> None:
         onwards(page, state(page))
         return state(page) in {"Ready", "Moving"}
 
-    until(obeys, 30.0)
+    until(obeys, 60.0)
 
 
 def faulted(page: Any) -> bool:

@@ -109,8 +109,9 @@ def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
         return state(page) != "Fault"
 
     found = told()
-    if words not in found and "Link lost" in found:
-        found = told()  # a busy computer had kept the device from answering just then
+    for _ in range(2):  # on a busy computer the device may not answer just then, or the rig be stopped before it fails
+        if words not in found:
+            found = told()
     assert words in found
     assert next_step in found
 

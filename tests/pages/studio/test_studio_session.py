@@ -32,6 +32,7 @@ class Immediate(Worker):
     async def cloud(
         self, tab: int, number: int, machine: Machine, step: Step, tolerances: Tolerances
     ) -> Cloud | LayflatError | None:
+        self.overtake(tab, number)
         await asyncio.sleep(0.01)
         return cloud(machine, step, tolerances, runs=8) if number >= self.newest.get(tab, 0) else None
 
@@ -114,6 +115,24 @@ def test_a_is_kept_while_the_design_goes_on(session: Session) -> None:
         assert session.kept is None
 
     followed(session, act)
+
+
+def test_a_page_that_ends_late_takes_no_result_with_it(session: Session) -> None:
+    """A page that is loaded again follows before the one that it was has ended, whose request may be the newest."""
+
+    async def act() -> None:
+        for leaves in (0, 1):
+            pages = [asyncio.create_task(session.follow()) for _ in range(2)]
+            await current(session)
+            session.design.edit(WIDTH, f"{180 + leaves} mm")
+            session.renew()
+            await asyncio.sleep(0.003)
+            pages[leaves].cancel()
+            await current(session)
+            pages[1 - leaves].cancel()
+            await asyncio.gather(*pages, return_exceptions=True)
+
+    asyncio.run(act())
 
 
 def test_a_report_needs_nothing_else(session: Session) -> None:

@@ -125,6 +125,9 @@ class Session:
             wanted.clear()
             try:
                 await bring(self.number)
+            except asyncio.CancelledError:  # another page of this session may have been overtaken by what ends here
+                wanted.set()
+                raise
             except Exception as error:  # a law or a library failed: the person goes on, and knows
                 what = f"results can't be computed ({type(error).__name__}: {error})"
                 self.stale = [Finding("error", "results", self.design.machine.origin, what, "undo the last edit")]
