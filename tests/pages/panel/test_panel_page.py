@@ -9,7 +9,20 @@ from urllib.parse import urlsplit
 
 import pytest
 from tests.pages.browsers import Served, chromium, served
-from tests.pages.panel.driving import angle, drives, faulted, jogged, press, pressed, ready, state, tab, until, vented
+from tests.pages.panel.driving import (
+    angle,
+    drives,
+    faulted,
+    jogged,
+    onwards,
+    press,
+    pressed,
+    ready,
+    state,
+    tab,
+    until,
+    vented,
+)
 
 pytestmark = pytest.mark.realtime
 FLOOD = 600  # connections at once; a process may have 1024 files open
@@ -161,14 +174,18 @@ def drives_instead(page: Any, other: Any) -> bool:
 
 
 def test_another_page_looks_on_until_it_is_handed_the_rig(panel: Served, browser: Any, page: Any) -> None:
-    other = panel.page(browser, 768, 1024)
     ready(page)
-    until(lambda: state(other) in {"Ready", "Moving", "Holding"})
+    other = panel.page(browser, 768, 1024)
+
+    def vents(seen: Any) -> bool:
+        onwards(seen, state(seen))
+        return bool(seen.get_by_role("button", name="Vent").is_enabled())
+
+    until(lambda: vents(page), 60.0)
     assert not other.get_by_role("button", name="Vent").is_enabled()
     assert not other.get_by_role("button", name="large, forwards").is_enabled()
     until(lambda: drives_instead(other, page))
-    ready(other)
-    until(lambda: other.get_by_role("button", name="Vent").is_enabled())
+    until(lambda: vents(other), 60.0)
     assert not page.get_by_role("button", name="Vent").is_enabled()
     until(lambda: vented(other))
     until(lambda: drives_instead(page, other))
@@ -252,9 +269,15 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
         return "at step 2" in page.inner_text("main")
 
     until(performed, 20.0)
-    tab(page, "Jog")
+
+    def shown(switched: str) -> bool:
+        tab(page, "Moves")
+        performed()  # anew, where the rig was held meanwhile
+        tab(page, "Jog")
+        return bool(page.locator(".lf-outputs .lf-number").inner_text() == switched)
+
     for switched in ("on", "off"):
-        until(lambda on=switched: page.locator(".lf-outputs .lf-number").inner_text() == on, 20.0)  # type: ignore[misc]
+        until(lambda on=switched: shown(on), 40.0)  # type: ignore[misc]
     pressed(page, "Stop")
     until(lambda: state(page) == "Holding")
 
