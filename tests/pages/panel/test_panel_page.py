@@ -271,13 +271,15 @@ def test_sequences_are_run_saved_and_loaded(page: Any) -> None:
     until(performed, 20.0)
 
     def shown(switched: str) -> bool:
-        tab(page, "Moves")
-        performed()  # anew, where the rig was held meanwhile
-        tab(page, "Jog")
+        if state(page) not in {"Ready", "Moving"}:  # held meanwhile: it performs anew
+            tab(page, "Moves")
+            performed()
+            tab(page, "Jog")
         return bool(page.locator(".lf-outputs .lf-number").inner_text() == switched)
 
+    tab(page, "Jog")
     for switched in ("on", "off"):
-        until(lambda on=switched: shown(on), 40.0)  # type: ignore[misc]
+        until(lambda on=switched: shown(on), 60.0)  # type: ignore[misc]
     pressed(page, "Stop")
     until(lambda: state(page) == "Holding")
 
