@@ -1,5 +1,6 @@
 """A real browser without a screen, and commands that serve pages, for tests."""
 
+import os
 import re
 import shutil
 import signal
@@ -14,6 +15,13 @@ from typing import Any
 import pytest
 
 ARGUMENTS = ["--no-sandbox"]  # tests may run as root
+# Where the time until a lease lapses isn't what is tested: a browser that draws by software, beside the rest on two
+# cores, may pause for seconds, and a rig that is rightly held again and again gets nowhere.
+PATIENT = """
+from layflat.pages.panel import operators
+from layflat.rig import lease
+lease.HELD_AFTER, lease.STALE_AFTER, operators.FRESH, operators.BEATS = 8.0, 9.0, 8.0, 640
+"""
 HARMLESS = ("GPU stall", "GL Driver Message")  # what a browser without a device says of its speed
 
 
@@ -21,15 +29,27 @@ HARMLESS = ("GPU stall", "GL Driver Message")  # what a browser without a device
 def chromium() -> Iterator[Any]:
     """A browser; the test is skipped where there is none."""
     sync_api = pytest.importorskip("playwright.sync_api")
-    program = shutil.which("chromium")
-    if program is None:
+    if shutil.which("chromium") is None:
         pytest.skip("needs chromium")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=program, args=ARGUMENTS)
-        try:
-            yield browser
-        finally:
-            browser.close()
+    with sync_api.sync_playwright() as playwright, launched(playwright.chromium) as browser:
+        yield browser
+
+
+@contextmanager
+def launched(kind: Any) -> Iterator[Any]:
+    """One more browser of this kind."""
+    browser = kind.launch(executable_path=shutil.which("chromium"), args=ARGUMENTS)
+    try:
+        yield browser
+    finally:
+        browser.close()
+
+
+def kill_pages(browser: Any) -> None:
+    """End the processes of a browser's pages, at once."""
+    for process in browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]:
+        if process["type"] == "renderer":
+            os.kill(process["id"], signal.SIGKILL)
 
 
 @dataclass
@@ -56,9 +76,10 @@ class Served:
 
 
 @contextmanager
-def served(folder: Path, *words: str) -> Iterator[Served]:
+def served(folder: Path, *words: str, before: str = "") -> Iterator[Served]:
     """A `layflat` command that serves a page, in a folder, until the end; then it stops as by Ctrl-C."""
-    command = [sys.executable, "-c", "from layflat.cli import main; main()", *words, "--port", "0", "--no-browser"]
+    program = f"{before}\nfrom layflat.cli import main\nmain()"
+    command = [sys.executable, "-c", program, *words, "--port", "0", "--no-browser"]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, cwd=folder, stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stdout is not None

@@ -60,6 +60,7 @@ def vented(page: Any) -> bool:
 
 def onwards(page: Any, found: str) -> None:
     """Press what brings the rig on: where page or device pause on a busy computer it is held, stops, or trips."""
+    pressed(page, "Drive from here")
     pressed(page, {"Holding": "Go on", "Fault": "Reset"}.get(found, "Start"))
 
 

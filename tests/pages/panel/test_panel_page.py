@@ -4,11 +4,12 @@ import socket
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
-from tests.pages.browsers import Served, chromium, served
+from tests.pages.browsers import PATIENT, Served, chromium, kill_pages, launched, served
 from tests.pages.panel.driving import (
     angle,
     drives,
@@ -24,9 +25,11 @@ from tests.pages.panel.driving import (
     vented,
 )
 
+from layflat.rig.recorder.run import read_run
+from layflat.rig.safety.states import State
+
 pytestmark = pytest.mark.realtime
 FLOOD = 600  # connections at once; a process may have 1024 files open
-SHOWN = 0.4  # until a page shows what is so, and a test sees it, at most, s
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +44,7 @@ def panel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     folder = tmp_path_factory.mktemp("panel")
     described = 'extends = "paper-arm-tracking"\nname = "arm-with-tool"\n[interface]\noutputs = ["gripper"]\n'
     (folder / "arm.toml").write_text(described, encoding="utf-8")
-    with served(folder, "panel", "arm.toml") as found:
+    with served(folder, "panel", "arm.toml", before=PATIENT) as found:
         yield found
     assert not found.complaints
 
@@ -129,22 +132,31 @@ def test_a_fault_is_shown_with_what_to_do_and_a_reset_ends_it(
     assert next_step in found
 
 
-def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(
-    panel: Served, browser: Any, page: Any
-) -> None:
-    driver = panel.page(browser)
-    until(lambda: drives_instead(driver, page), 20.0)
-    jogged(driver, "small, forwards", lambda: angle(driver, 1) > 3.0)
-    begun = time.monotonic()
-    driver.context.close()
-    until(lambda: state(page) in {"Holding", "Stopped"}, 1.0)
-    held = time.monotonic() - begun
-    until(lambda: state(page) == "Stopped", 2.0)
-    stopped = time.monotonic() - begun
-    assert held < 0.25 + SHOWN
-    assert stopped < 1.0 + SHOWN
-    time.sleep(3.5)  # until the page that is gone drives no more
-    until(lambda: drives(page))
+def held_and_stopped(folder: Path, browser: Any) -> dict[State, float]:
+    """How long after a page was killed that was jogging the arm was held, and stopped, by the rig's log, s."""
+    with served(folder, "panel", "paper-arm-tracking") as panel:
+        with launched(browser.browser_type) as another:
+            driver = panel.page(another)
+            ready(driver)
+            before = angle(driver, 1)
+            jogged(driver, "small, forwards", lambda: angle(driver, 1) > before + 3.0)
+            killed = time.time()
+            kill_pages(another)
+        page = panel.page(browser)
+        until(lambda: state(page) == "Stopped", 20.0)
+        page.context.close()
+    run = read_run(next(folder.rglob("*-panel.mcap")))
+    wall, mode = run["wall"].to_numpy() - killed, run["mode"].to_numpy()
+    return {reached: wall[(wall > 0.0) & (mode == reached)][0] for reached in (State.HOLDING, State.STOPPED)}
+
+
+def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(tmp_path: Path, browser: Any) -> None:
+    for attempt in "abc":  # a busy computer may take time from loop and server just then
+        (folder := tmp_path / attempt).mkdir()
+        took = held_and_stopped(folder, browser)
+        if took[State.HOLDING] < 0.25 and took[State.STOPPED] < 1.0:
+            return
+    raise AssertionError(took)
 
 
 def pictures(page: Any) -> int:
@@ -177,15 +189,16 @@ def test_another_page_looks_on_until_it_is_handed_the_rig(panel: Served, browser
     ready(page)
     other = panel.page(browser, 768, 1024)
 
-    def vents(seen: Any) -> bool:
+    def vents(seen: Any, onlooker: Any) -> bool:
+        if not drives_instead(seen, onlooker):
+            return False
         onwards(seen, state(seen))
         return bool(seen.get_by_role("button", name="Vent").is_enabled())
 
-    until(lambda: vents(page), 60.0)
+    until(lambda: vents(page, other), 60.0)
     assert not other.get_by_role("button", name="Vent").is_enabled()
     assert not other.get_by_role("button", name="large, forwards").is_enabled()
-    until(lambda: drives_instead(other, page))
-    until(lambda: vents(other), 60.0)
+    until(lambda: vents(other, page), 60.0)
     assert not page.get_by_role("button", name="Vent").is_enabled()
     until(lambda: vented(other))
     until(lambda: drives_instead(page, other))

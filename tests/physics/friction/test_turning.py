@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from layflat.jit import kernel
@@ -62,20 +62,22 @@ def test_one_joint_goes_as_pushed_and_rubbed_evenly(M: float, u: float, push: fl
     assert M * w[0] == pytest.approx(M * u + push + J[0], abs=1e-9)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(SIZES, SEEDS, COUPLINGS)
 def test_a_step_is_as_many_short_ones_where_one_joint_turns(n: int, seed: int, coupling: float) -> None:
     M, u, push, B = problem(n, seed, coupling)
-    v, turns = u, np.zeros(n)
-    for _ in range(MANY):
-        before, (v, _) = v, step(M, v, push / MANY, B / MANY)
-        turns += (np.sign(v) != np.sign(before)) | (v * before < 0.0)
     w, J = step(M, u, push, B)
     assert M @ w == pytest.approx(M @ u + push + J, abs=1e-8)
     assert np.all(np.abs(J) <= B)
-    if turns.sum() == 1.0 and np.all((u != 0.0) | (v == 0.0)):
-        per = np.linalg.norm(np.linalg.inv(M), 2)
-        assert np.abs(w - v).max() <= 10.0 * per * (np.abs(push).max() + B.max()) / MANY
+    # Where one joint passes zero and no other comes to rest, or sets out, all are as they would be.
+    assume(np.sum(u * w < 0.0) == 1 and np.all((u == 0.0) == (w == 0.0)))
+    v, turns = u, 0
+    for _ in range(MANY):
+        before, (v, _) = v, step(M, v, push / MANY, B / MANY)
+        turns += np.sum(np.sign(v) != np.sign(before))
+    assume(turns <= 2)  # it may stand still for a short step
+    per = np.linalg.norm(np.linalg.inv(M), 2)
+    assert np.abs(w - v).max() <= 10.0 * per * (np.abs(push).max() + B.max()) / MANY
 
 
 @given(SIZES, SEEDS, COUPLINGS, st.floats(1.0, 2.0))
@@ -101,8 +103,8 @@ def test_where_none_comes_to_rest_it_is_solved_at_once(n: int, seed: int, coupli
     if n == 2:
         w_1, w_2, J_1, J_2 = brake_two(*triangle, *p, *B_)
         w, J = (w_1, w_2), (J_1, J_2)
-    if all(before * after > 0.0 or before == 0.0 for before, after in zip(of, w, strict=True)):
-        assert keep(None, triangle, p, of, B_, B_) == (w, J)
+    assume(all(before * after > 0.0 or before == 0.0 for before, after in zip(of, w, strict=True)))
+    assert keep(None, triangle, p, of, B_, B_) == (w, J)
 
 
 @given(SIZES, SEEDS, COUPLINGS)

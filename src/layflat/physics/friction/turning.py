@@ -114,10 +114,10 @@ def _turning(solve):
     @composition
     def rub(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
         """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0."""
-        push, c = each(_difference, p, times(M, u)), each(way, u)
         one = 1.0 + 0.0 * total(u)
         momentum, begins, slides, holds, f = p, u, B, S, one
-        whole, impulses, onwards, J = u, B, u, B
+        whole, impulses, push, onwards, J = u, B, p, u, B
+        # A loop, or what solves would be compiled four times.
         for part in range(4):
             w, K = solve(M, momentum, begins, slides, holds)
             if part == WHOLE:
@@ -125,6 +125,7 @@ def _turning(solve):
                 if not anywhere(total(each(_comes_to_rest, u, w))):
                     break
                 # What moves moves on, what rests rests: up to where the first would come to rest.
+                push, c = each(_difference, p, times(M, u)), each(way, u)
                 momentum, slides = each(_pressed, p, c, B), each(_firm, c)
                 holds = slides
             elif part == ONWARDS:
