@@ -13,6 +13,7 @@ import pytest
 from commands import LAYFLAT, layflat, refused
 
 from layflat.machine.members import members
+from layflat.physics.step import STEP
 from layflat.sim.dataset import open_run
 
 LEFT = 1 << 14
@@ -181,6 +182,7 @@ def test_a_disturbance_begins_at_its_time_and_not_before(tmp_path: Path) -> None
     run = open_run(tmp_path / "paper-small-joint.nc")
     assert float(run["supply"][0]) == pytest.approx(5.01325e5)
     assert float(run["supply"][-1]) == pytest.approx(1.01325e5)
+    assert run.attrs["step"] == pytest.approx(STEP), "the default is that of the library"
 
 
 def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:

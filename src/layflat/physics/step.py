@@ -28,6 +28,7 @@ from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import move
 
 STEP = 0.5e-3  # default step, s: docs/speed.md says why
+COARSE = 2.0 * STEP  # where many machines are compared, s: it ranks them as well
 
 
 class Running(NamedTuple):

@@ -31,14 +31,20 @@ class Acting(NamedTuple):
     dither: float  # share of the valve's dither
     load: float  # external torque, N m
     drift: float  # shift of the valve's centre, V
-    noise_angle: float  # standard normal sample
-    noise_pressure: float
+
+
+class Noise(NamedTuple):
+    """Standard normal samples of a joint's sensors."""
+
+    angle: float
+    pressure: float
 
 
 class Loop(NamedTuple):
     """What goes on in the joints between cycles: slots with an item a joint."""
 
     acting: Any
+    noise: Any
     drives: Any
     lines: Any
     waves: Any
@@ -53,21 +59,21 @@ def is_number(given):
 
 
 @law
-def sense(joint, state, noise_angle, noise_pressure):
+def sense(joint, state, noise):
     """What a joint's sensors say: angle (rad) and differential pressure (Pa)."""
     return (
-        read_sensor(joint.angle_sensor, state.motion.angle, noise_angle),
-        read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise_pressure),
+        read_sensor(joint.angle_sensor, state.motion.angle, noise.angle),
+        read_sensor(joint.pressure_sensor, state.hose_a.pressure - state.hose_b.pressure, noise.pressure),
     )
 
 
 @composition
-def sense_all(joints, like, states, acting):
+def sense_all(joints, like, states, noise):
     """What the sensors of all joints say; `like` is a tuple of as many items."""
     zero = 0.0 * states[0].motion.angle
     angles, pressures = slots(like, zero), slots(like, zero)
     for j in range(len(like)):
-        angles[j], pressures[j] = sense(joints[j], states[j], acting[j].noise_angle, acting[j].noise_pressure)
+        angles[j], pressures[j] = sense(joints[j], states[j], noise[j])
     return Sensed(gather(like, angles), gather(like, pressures))
 
 
@@ -100,11 +106,11 @@ def control_cycle(joints, like, settings, memory, states, loop, around, time, cy
     """Begin the control cycle at a time (s): returns what was sensed, memory, and report; drives are set in the loop.
 
     Args: joints (slots), and a tuple `like` of as many items; settings and memory of the control law; states (slots);
-    `Loop`, of which `acting` holds what acts in this cycle; `Surroundings`; lengths of the cycle and of a step of the
-    plant, s.
+    `Loop`, of which `acting` and `noise` hold what is so in this cycle; `Surroundings`; lengths of the cycle and of a
+    step of the plant, s.
     """
     zero = 0.0 * states[0].motion.angle
-    sensed = sense_all(joints, like, states, loop.acting)
+    sensed = sense_all(joints, like, states, loop.noise)
     after, command, report = step(settings, memory, sensed, _demanded(like, loop.acting), cycle)
     asked, commanded = slots(in_lanes(command.voltage, zero)), slots(in_lanes(command.shares, zero))
     for j in range(len(like)):

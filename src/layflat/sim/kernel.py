@@ -15,7 +15,7 @@ from layflat.physics.hysteresis import stored, torques
 from layflat.physics.joint import Drive, Surroundings, is_sound
 from layflat.physics.plant import advance, at_rest
 from layflat.physics.valves import net_opening, start_wave
-from layflat.sim.cycle import Acting, Loop, Wanted, control_cycle, sense_all
+from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, sense_all
 
 
 class Timing(NamedTuple):
@@ -114,9 +114,12 @@ def _acting(signals, k, j):
         signals.dither[k, j],
         signals.load[k, j],
         signals.drift[k, j],
-        signals.noise[k, j, 0],
-        signals.noise[k, j, 1],
     )
+
+
+@composition
+def _noise(signals, k, j):
+    return Noise(signals.noise[k, j, 0], signals.noise[k, j, 1])
 
 
 @composition
@@ -144,22 +147,24 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
     states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
     calm = _acting(signals, 0, 0)
-    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0))
+    noise = slots(like, Noise(0.0, 0.0))
     loop = Loop(
         acting,
+        noise,
         slots(like, Drive(0.0, 0.0, 0.0, 0.0)),
         slots(like, NOTHING_ASKED),
         slots(like, start_wave(joints[0].valve, 0.0, h)),
         slots(like, 0.0),
         slots(like, FULL),
     )
-    sensed = sense_all(joints, like, states, acting)
+    sensed = sense_all(joints, like, states, noise)
     memory = in_lanes(wake(settings, sensed), 0.0)
     row = 0
     for k in range(cycles):
         around = _surroundings(air, signals, k)
         for j in range(n):
-            acting[j] = _acting(signals, k, j)
+            acting[j], noise[j] = _acting(signals, k, j), _noise(signals, k, j)
         sensed, memory, report = control_cycle(
             joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
         )
@@ -171,11 +176,7 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
                 if not is_sound(states[j]):
                     return out, shown, row, j
     for j in range(n):
-        last = acting[j]
-        acting[j] = Acting(
-            last.demand, last.opening, last.voltage, last.lead, last.brake, last.dither, last.load, last.drift,
-            signals.noise[cycles, j, 0], signals.noise[cycles, j, 1],
-        )  # fmt: skip
-    sensed = sense_all(joints, like, states, acting)
+        noise[j] = _noise(signals, cycles, j)
+    sensed = sense_all(joints, like, states, noise)
     _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
     return out, shown, row + 1, -1

@@ -17,7 +17,7 @@ from layflat.physics.failing import through_hole
 from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound
 from layflat.physics.plant import advance, at_rest
 from layflat.physics.valves import driven, start_wave
-from layflat.sim.cycle import sense
+from layflat.sim.cycle import Noise, sense
 
 
 class Setting(NamedTuple):
@@ -141,6 +141,6 @@ def _sampler(setting_like, kept_like):
         joints = slots(read_numbers(setting_like, setting).joints)
         for j in range(len(kept)):
             state = read_numbers(kept_like, kept[j]).state
-            out[0, j], out[1, j] = sense(joints[j], state, noise[j, 0], noise[j, 1])
+            out[0, j], out[1, j] = sense(joints[j], state, Noise(noise[j, 0], noise[j, 1]))
 
     return sample

@@ -2,7 +2,8 @@
 
 Every generation meets conditions of its own, so that none can be learnt by heart. What a generation's best costs is
 then luck in part; the middle of the search is not, so that it is this which is judged, now and then, by a panel of
-conditions that stays the same.
+conditions that stays the same. The search takes the coarse step, so that more is tried; the panel and whatever is
+reported take the default.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -14,14 +15,11 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.extras import module
 from layflat.machine import Machine
-from layflat.sim import STEP
+from layflat.physics.step import COARSE, STEP
 from layflat.tune.conditions import Conditions, candidate_costs
 from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to_shares
 
 WIDTH = 0.15  # spread of the first generation, share of each knob's range
-COARSE = 1e-3
-"""Step of the plant while searching, s: it ranks gains as well as the default, and lets more be tried. The panel, and
-whatever is reported, is simulated with the default."""
 PANEL, PANEL_SEED, EVERY = 128, 1_000_000_000, 5
 """Runs of the panel, its seed, and generations from one judgement by it to the next."""
 

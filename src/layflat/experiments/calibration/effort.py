@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.physics.step import STEP
+from layflat.physics.step import COARSE, STEP
 
-COARSE = 1e-3  # step of the plant while searching, s: it ranks machines as well as the default does
 APART = 1000  # seeds of the looks at a machine
 
 

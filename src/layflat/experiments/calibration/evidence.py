@@ -12,7 +12,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.description.change import changed_all
 from layflat.experiments.bench import Bench
-from layflat.experiments.calibration.effort import COARSE, Effort
+from layflat.experiments.calibration.effort import Effort
 from layflat.experiments.calibration.steps import LOST, Steps
 from layflat.experiments.calibration.unknowns import known_to
 from layflat.experiments.controller import DURATION, Controller, learnt
@@ -20,6 +20,7 @@ from layflat.experiments.dither import HIGH_FREQUENCY, small_gain
 from layflat.experiments.open_loop import SMALL_SWEEP
 from layflat.experiments.two_axis import END, FIRST, HALF, RESTS, SECOND, approaches
 from layflat.machine import Machine, parameters
+from layflat.physics.step import COARSE
 from layflat.physics.valves.spool import SpoolValvePart
 from layflat.sim import Scenario
 from layflat.sim.ensemble.cases import cases

@@ -13,7 +13,7 @@ from layflat.arrays import Array
 from layflat.errors import InputError, MachineError
 from layflat.machine.model import Machine
 from layflat.pages.studio.results import Quantity
-from layflat.physics.step import STEP
+from layflat.physics.step import COARSE, STEP
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
 from layflat.sim.metrics import BAND
@@ -24,8 +24,7 @@ MOST_CYCLES = 4000  # of a run: sensor noise of all runs is in memory at once
 EVERY = 4  # control cycles from one record to the next
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 SINGLE = 6  # runs that are drawn one by one
-FEW, FINE, COARSE = 2, STEP, 1e-3
-"""Joints up to which runs take the default step, and the steps: more joints with the coarse one, as tuning searches."""
+FEW = 2  # joints up to which runs take the default step; those of more take the coarse one, as tuning searches
 
 
 class OvertakenError(Exception):
@@ -188,7 +187,7 @@ def cloud(
             raise OvertakenError
 
     begun = time.perf_counter()
-    plant_step = FINE if len(machine.joints) <= FEW else COARSE
+    plant_step = STEP if len(machine.joints) <= FEW else COARSE
     found = ensemble(
         machine, what, varied(machine, tolerances or Tolerances(), runs), controller=machine,
         step=plant_step, traces=("angle", "pressure_a", "pressure_b"), every=EVERY, progress=go_on,

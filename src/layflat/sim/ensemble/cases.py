@@ -12,9 +12,8 @@ from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
-from layflat.lanes import leaves, mapped, read_numbers
+from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
-from layflat.physics.arms import tip_in_space
 from layflat.physics.noise import sensor_noise
 from layflat.sim.ensemble.results import Moves, Plan, Runs
 from layflat.sim.metrics import move_windows
@@ -128,22 +127,13 @@ class Cases:
                 self._plans.clear()
             self._plans[distinct] = self._planned(distinct)
         plan, ends, goals = self._plans[distinct]
-        local = np.searchsorted(np.array(distinct), self.which[rows])
-        arm = self.case[0]
-        arms = np.stack([np.broadcast_to(leaf, self.count)[rows] for leaf in leaves(arm)], axis=-1)
-        tips = np.array(
-            [
-                [tip_in_space(read_numbers(arm, numbers), tuple(goal)) for goal in goals[scenario]]
-                for scenario, numbers in zip(local, arms, strict=True)
-            ]
-        )
-        return plan, Moves(ends, goals, tips, band, tip_band)
+        return plan, Moves(ends, goals, band, tip_band)
 
     def _planned(self, distinct: Sequence[int]) -> tuple[Plan, Array, Array]:
         each = [self._shapes[s] for s in distinct]
-        plan = Plan(
-            np.array([e.by_joint for e in each]), np.array([np.stack([e.supply, e.payload], axis=-1) for e in each])
-        )
+        by_joint = np.array([e.by_joint for e in each])
+        shared = np.array([np.stack([e.supply, e.payload], axis=-1) for e in each])
+        plan = Plan(by_joint, shared, _changes(by_joint) | _changes(shared))
         ends = np.full((len(each), self.most_moves, 2), -1)
         goals = np.zeros((len(each), self.most_moves, len(self.base.joints)))
         for i, s in enumerate(distinct):
@@ -178,16 +168,12 @@ class Cases:
 
     def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
         if not any(self.scenarios[s].noise for s in own):
-            return np.zeros((len(rows), 1, n, 2))
-        seeds = self.vary.get("seed")
-        return np.array(
-            [
-                sensor_noise(
-                    None if not case.noise else int(seeds[row]) if seeds is not None else case.seed, self.cycles, n
-                )
-                for row, case in ((row, self.scenarios[s]) for row, s in zip(rows, own, strict=True))
-            ]
-        )
+            return np.zeros((1, n, 2, len(rows)), self.number)
+        seeds, noise = self.vary.get("seed"), np.empty((self.cycles, n, 2, len(rows)), self.number)
+        for place, (row, case) in enumerate((row, self.scenarios[s]) for row, s in zip(rows, own, strict=True)):
+            seed = None if not case.noise else int(seeds[row]) if seeds is not None else case.seed
+            noise[..., place] = sensor_noise(seed, self.cycles, n)
+        return noise
 
 
 def cases(
@@ -225,6 +211,15 @@ def cases(
             f"{which.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
         )
     return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number)
+
+
+def _changes(shaped: Array) -> NDArray[np.bool_]:
+    """Whether a cycle has a number that the one before has not, (scenarios, cycles), of (scenarios, cycles, ...)."""
+    flat = shaped.reshape(*shaped.shape[:2], -1)
+    changes = np.ones(flat.shape[:2], bool)
+    before, after = flat[:, :-1], flat[:, 1:]
+    changes[:, 1:] = ~((before == after) | np.isnan(before) & np.isnan(after)).all(axis=-1)
+    return changes
 
 
 def _varied(machine: Machine, own: Mapping[str, Array], *, together: bool) -> Machine:

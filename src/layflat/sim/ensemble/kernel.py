@@ -10,7 +10,7 @@ from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings
 from layflat.physics.plant import advance, at_rest
 from layflat.physics.valves import start_wave
-from layflat.sim.cycle import Acting, Loop, Wanted, control_cycle, is_number, sense_all
+from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, is_number, sense_all
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -24,7 +24,7 @@ from layflat.sim.ensemble.watch import (
 
 
 class Given(NamedTuple):
-    """What a scenario gives of a joint in a control cycle: see `Plan.shapes`, and the noise of both sensors."""
+    """What a scenario gives of a joint in a control cycle: see `Plan.shapes`."""
 
     demand: Wanted
     opening: float
@@ -33,8 +33,6 @@ class Given(NamedTuple):
     dither: float
     load: float
     drift: float
-    noise_angle: float
-    noise_pressure: float
 
 
 class Defaults(NamedTuple):
@@ -50,7 +48,8 @@ class Defaults(NamedTuple):
 
 
 SHAPES = 10  # numbers of a joint in `Plan.shapes`
-NOTHING = Given(Wanted(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NOTHING = Given(Wanted(0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+CALM = Noise(0.0, 0.0)
 
 
 @composition
@@ -59,15 +58,20 @@ def _usual(runs, first, j):
 
 
 @composition
+def _changes(scratch, runs, plan, first, k):
+    # Whether a cycle asks for something new in any lane: mostly it doesn't, and to gather it costs more than the law.
+    found = 0
+    for lane in range(width(scratch)):
+        found += plan.changes[runs.scenario[first + lane], k]
+    return found > 0
+
+
+@composition
 def _acting(scratch, runs, plan, usual, joint, first, j, k):
     # Gathered number by number: views of arrays would cost more than all the rest.
     for lane in range(width(scratch)):
-        run = first + lane
-        scenario, sample = runs.scenario[run], k % runs.noise.shape[1]
         for i in range(SHAPES):
-            scratch[i, lane] = plan.shapes[scenario, k, j, i]
-        for i in range(2):
-            scratch[SHAPES + i, lane] = runs.noise[run, sample, j, i]
+            scratch[i, lane] = plan.shapes[runs.scenario[first + lane], k, j, i]
     given = read_lanes(NOTHING, scratch)
     return Acting(
         given.demand,
@@ -78,9 +82,12 @@ def _acting(scratch, runs, plan, usual, joint, first, j, k):
         given.dither,
         given.load + usual.load,
         given.drift + usual.drift,
-        given.noise_angle,
-        given.noise_pressure,
     )
+
+
+@composition
+def _noise(runs, first, j, k):
+    return read_lanes(CALM, runs.noise[k % len(runs.noise), j, :, first:])
 
 
 @composition
@@ -125,10 +132,12 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(_at_rest(arm, like, runs, first, around))
-    calm = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero, zero, zero)
-    acting, usual = slots(like, calm), slots(like, _usual(runs, first, 0))
+    idle = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero)
+    acting, usual = slots(like, idle), slots(like, _usual(runs, first, 0))
+    noise = slots(like, in_lanes(CALM, zero))
     loop = Loop(
         acting,
+        noise,
         slots(like, Drive(zero, zero, zero, zero)),
         slots(like, in_lanes(NOTHING_ASKED, zero)),
         slots(like, start_wave(joints[0].valve, 0.0, h)),
@@ -136,17 +145,20 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
         slots(like, in_lanes(FULL, zero)),
     )
     course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(like, in_lanes(NO_TRACK, zero))
-    begin_moves(watch, moves, runs.scenario, course, tracks, first)
+    begin_moves(watch, moves, runs.scenario, arm, like, course, tracks, first)
     for j in range(1, n):
         usual[j] = _usual(runs, first, j)
-    memory = in_lanes(wake(settings, sense_all(joints, like, states, acting)), zero)
+    memory = in_lanes(wake(settings, sense_all(joints, like, states, noise)), zero)
     for k in range(cycles + 1):
         note(watch, results, moves, runs.scenario, arm, like, states, course, tracks, first, k, timing.cycle)
         if k == cycles:
             break
-        around = _surroundings(watch.scratch, air, runs, plan, first, k)
+        if _changes(watch.scratch, runs, plan, first, k):
+            around = _surroundings(watch.scratch, air, runs, plan, first, k)
+            for j in range(n):
+                acting[j] = _acting(watch.scratch, runs, plan, usual[j], joints[j], first, j, k)
         for j in range(n):
-            acting[j] = _acting(watch.scratch, runs, plan, usual[j], joints[j], first, j, k)
+            noise[j] = _noise(runs, first, j, k)
         _, memory, _ = control_cycle(
             joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
         )

@@ -12,6 +12,7 @@ class Plan(NamedTuple):
         np.ndarray
     )  # demand, its rates and stiffness, opening, voltage, brake, dither, load, drift: (scenarios, cycles, joints, 10)
     shared: np.ndarray  # gauge supply pressure and payload: (scenarios, cycles, 2)
+    changes: np.ndarray  # whether any of these is other than in the cycle before: (scenarios, cycles)
 
 
 class Runs(NamedTuple):
@@ -23,7 +24,7 @@ class Runs(NamedTuple):
     pressures: np.ndarray  # at the start, Pa, (joints, 2, runs)
     usual: np.ndarray  # the numbers of `Defaults`: (joints, 4, runs)
     usual_shared: np.ndarray  # gauge supply pressure and payload where the scenario gives none: (2, runs)
-    noise: np.ndarray  # standard normal samples, (runs, cycles, joints, 2); one cycle of zeros for none
+    noise: np.ndarray  # standard normal samples, (cycles, joints, 2, runs); one cycle of zeros for none
 
 
 class Moves(NamedTuple):
@@ -31,7 +32,6 @@ class Moves(NamedTuple):
 
     ends: np.ndarray  # first and last record: (scenarios, moves, 2)
     goals: np.ndarray  # what the joints are asked for at the end, rad: (scenarios, moves, joints)
-    tips: np.ndarray  # where that puts the tip, m: (runs, moves, 3)
     band: float  # within this of its goal a joint has settled, rad
     tip_band: float  # the same of the tip, m
 

@@ -63,8 +63,8 @@ class Course(NamedTuple):
     diverged: float
 
 
-NO_MOVE = Move(0.0, 0.0, 0.0, 0.0, 0.0)
 NO_TRACK = Track(0.0, 0.0, EMPTY)
+NO_MOVE = Move(0.0, 0.0, 0.0, 0.0, 0.0)
 NO_COURSE = Course(NO_MOVE, EMPTY, Tip(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0), np.nan)  # before the first record
 
 
@@ -82,22 +82,24 @@ def some_lanes(watch, first):
 
 
 @composition
-def begin_moves(watch, moves, scenarios, course, tracks, first):
+def begin_moves(watch, moves, scenarios, arm, like, course, tracks, first):
     """Set out for the goals of the moves that the watch names; what goes on already just goes on."""
     scratch = watch.scratch
     for lane in range(width(watch.scratch)):
-        run, m = first + lane, watch.move[lane]
-        begin, end = moves.ends[scenarios[run], m, 0], moves.ends[scenarios[run], m, 1]
+        scenario, move = scenarios[first + lane], watch.move[lane]
+        begin, end = moves.ends[scenario, move, 0], moves.ends[scenario, move, 1]
         watch.end[lane] = end
         scratch[0, lane], scratch[1, lane] = begin, end - begin + 1
-        for axis in range(3):
-            scratch[2 + axis, lane] = moves.tips[run, m, axis]
-    c = course[0]
-    course[0] = Course(read_lanes(NO_MOVE, scratch), c.tally, c.tip, c.diverged)
+    begins, records = read_lanes((0.0, 0.0), scratch)
+    goals = slots(like, begins)
     for j in range(moves.goals.shape[2]):
         for lane in range(width(watch.scratch)):
             scratch[0, lane] = moves.goals[scenarios[first + lane], watch.move[lane], j]
-        tracks[j] = Track(read_lanes(0.0, scratch), tracks[j].way, tracks[j].tally)
+        goals[j] = read_lanes(0.0, scratch)
+        tracks[j] = Track(goals[j], tracks[j].way, tracks[j].tally)
+    x, y, z = tip_in_space(arm, gather(like, goals))
+    c = course[0]
+    course[0] = Course(Move(begins, records, x, y, z), c.tally, c.tip, c.diverged)
 
 
 @composition
@@ -111,7 +113,7 @@ def _keep(watch, results, tally, first, j, k):
 
 
 @composition
-def _end_moves(watch, results, moves, scenarios, course, tracks, first, k):
+def _end_moves(watch, results, moves, scenarios, arm, like, course, tracks, first, k):
     n = moves.goals.shape[2]
     over = 0
     for lane in range(width(watch.scratch)):
@@ -124,7 +126,7 @@ def _end_moves(watch, results, moves, scenarios, course, tracks, first, k):
     for lane in range(width(watch.scratch)):
         if watch.end[lane] == k and watch.move[lane] + 1 < moves.ends.shape[1]:
             watch.move[lane] += 1
-    begin_moves(watch, moves, scenarios, course, tracks, first)
+    begin_moves(watch, moves, scenarios, arm, like, course, tracks, first)
 
 
 @law
@@ -162,7 +164,7 @@ def note(watch, results, moves, scenarios, arm, like, states, course, tracks, fi
     away = _distance(x - move.goal_x, y - move.goal_y, z - move.goal_z)
     tally = counted(emptied(tally, begins), i, move.records, away, 1.0, moves.tip_band)
     course[0] = Course(move, tally, _followed(before, x, y, z, k, cycle), diverged)
-    _end_moves(watch, results, moves, scenarios, course, tracks, first, k)
+    _end_moves(watch, results, moves, scenarios, arm, like, course, tracks, first, k)
 
 
 @composition

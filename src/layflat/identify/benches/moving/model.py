@@ -16,7 +16,7 @@ from layflat.identify.benches.moving.log import Record, sensor_offset
 from layflat.identify.model import Model, Unknown
 from layflat.machine import Machine, parameters
 from layflat.physics.joint import FILLED
-from layflat.physics.step import STEP
+from layflat.physics.step import COARSE, STEP
 
 REFERENCE_PRESSURE = 1e5  # of the air that a sonic conductance is given for, Pa (ISO 6358)
 
@@ -29,7 +29,7 @@ class Stage(NamedTuple):
     share: float = 1.0  # of what is fitted, from the start of each log on
 
 
-FEEDBACKS, BEGINNING, COARSE = (4.0, 8.0, 12.0), 0.35, 2.0 * STEP
+FEEDBACKS, BEGINNING = (4.0, 8.0, 12.0), 0.35
 """First the beginning of the logs with strong feedback: which rate finds its way depends on where the search begins."""
 
 STAGES = (Stage(2.0, STEP), Stage(0.5, STEP))
