@@ -169,11 +169,11 @@ class Cases:
     def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
         if not any(self.scenarios[s].noise for s in own):
             return np.zeros((1, n, 2, len(rows)), self.number)
-        seeds, noise = self.vary.get("seed"), np.empty((self.cycles, n, 2, len(rows)), self.number)
+        seeds, noise = self.vary.get("seed"), np.empty((len(rows), self.cycles, n, 2), self.number)
         for place, (row, case) in enumerate((row, self.scenarios[s]) for row, s in zip(rows, own, strict=True)):
             seed = None if not case.noise else int(seeds[row]) if seeds is not None else case.seed
-            noise[..., place] = sensor_noise(seed, self.cycles, n)
-        return noise
+            noise[place] = sensor_noise(seed, self.cycles, n)
+        return np.ascontiguousarray(np.moveaxis(noise, 0, -1))
 
 
 def cases(

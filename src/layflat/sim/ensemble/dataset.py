@@ -37,11 +37,11 @@ def measured(prepared: Cases, results: Results, timing: Timing) -> xarray.Datase
     counts = np.zeros((len(prepared.moves), prepared.most_moves))
     for s, moves in enumerate(prepared.moves):
         counts[s, : len(moves)] = [last - first + 1 for first, last in moves]
-    records = counts[prepared.which][:, :, None]
+    ends = counts - np.vectorize(last_records, otypes=[float])(counts)
+    records, last = (each[prepared.which][:, :, None] for each in (counts, ends))
     tallies = results.tallies
     settled = np.where(tallies[..., SETTLED] < records, cycle * tallies[..., SETTLED], np.inf)
     settled[np.isnan(tallies[..., SETTLED])] = np.nan
-    last = records - np.vectorize(last_records, otypes=[float])(records)
     each, tip = np.s_[:, :, :-1], np.s_[:, :, -1]
     with np.errstate(invalid="ignore"):  # of runs that diverged
         swing = tallies[..., LAST_HIGH] - tallies[..., LAST_LOW]

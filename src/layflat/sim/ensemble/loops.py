@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from layflat.sim.ensemble.cases import Cases
 
 POINTS = 201  # of a way; more change the height by less than a thousandth
+AT_A_TIME = 4096  # machines whose numbers are there at once
 
 
 def hysteresis(prepared: "Cases") -> Array:
@@ -29,11 +30,14 @@ def heights(prepared: "Cases", share: float = 1.0) -> tuple[Array, Array]:
     machine, count = prepared.machine, prepared.count
     found = np.empty((2, count, len(prepared.base.joints)))
     lanes = host_width()
-    rows = np.minimum(np.arange(lanes * -(-count // lanes)), count - 1)
+    size = min(AT_A_TIME, lanes * -(-count // lanes))
+    room, own = np.empty((POINTS, lanes)), np.empty((2, size))
     for j, (joint, described) in enumerate(zip(prepared.case[1], machine.joints.values(), strict=True)):
         swept = (joint.hose_a, joint.hose_b, joint.friction, joint.brake_torque)
         case = (*swept, machine.supply.pressure_gauge, share * described.stops.working_stroke)
-        own = np.empty((2, len(rows)))
-        sweep_many(first_of(case), columns(case, rows), np.empty((POINTS, lanes)), own)
-        found[:, :, j] = own[:, :count]
+        for first in range(0, count, size):
+            rows = np.minimum(np.arange(first, first + size), count - 1)
+            sweep_many(first_of(case), columns(case, rows), room, own)
+            part = found[:, first : first + size, j]
+            part[:] = own[:, : part.shape[1]]
     return found[0], found[1]
