@@ -45,6 +45,7 @@ try:
 
     import layflat.lanes.compiled  # noqa: F401  # it teaches the compiler lanes
     from layflat.jit.garbage import collect_seldom
+    from layflat.jit.inlining import LawCompiler
 except (ImportError, AttributeError) as error:
     raise CompilerError(f"numba {version('numba')} lacks what layflat needs of it ({error})") from error
 
@@ -61,7 +62,7 @@ INLINED: dict[str, Any] = {"forceinline": True, "no_cpython_wrapper": True, "no_
 
 def inlined(function: Callable[..., Any]) -> Any:
     """Compile a law into the kernels that call it."""
-    return numba.njit(**INLINED)(function)
+    return numba.njit(pipeline_class=LawCompiler, **INLINED)(function)
 
 
 def cached(function: Callable[..., Any], folder: Path | None) -> Any:
