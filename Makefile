@@ -48,7 +48,7 @@ mutants: $(READY)  ## do the tests see mistakes in physics and control? build/mu
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[mutants]'
 	$(BIN)/python -m benchmarks.mutants --out build/mutants.json
 
-calibrate: $(READY)  ## find anew, from anywhere, what the machine files mark as calibrated (four minutes)
+calibrate: $(READY)  ## find anew, from anywhere, what the machine files mark as calibrated (a quarter of an hour)
 	$(BIN)/python -m layflat.experiments.calibration --seed 2 --anew --write
 
 clean:  ## remove what was built, but not the virtual environment
