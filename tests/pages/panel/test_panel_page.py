@@ -1,5 +1,6 @@
 """The operator's page in a real browser, beside a virtual rig and its loop, in real time."""
 
+import math
 import socket
 import time
 from collections.abc import Iterator
@@ -140,14 +141,14 @@ def held_and_stopped(folder: Path, browser: Any) -> dict[State, float]:
             ready(driver)
             before = angle(driver, 1)
             jogged(driver, "small, forwards", lambda: angle(driver, 1) > before + 3.0)
-            killed = time.time()
-            kill_pages(another)
+            killed = kill_pages(another)
         page = panel.page(browser)
         until(lambda: state(page) == "Stopped", 20.0)
         page.context.close()
     run = read_run(next(folder.rglob("*-panel.mcap")))
     wall, mode = run["wall"].to_numpy() - killed, run["mode"].to_numpy()
-    return {reached: wall[(wall > 0.0) & (mode == reached)][0] for reached in (State.HOLDING, State.STOPPED)}
+    reached = (State.HOLDING, State.STOPPED)
+    return {one: min(wall[(wall > 0.0) & (mode == one)], default=math.inf) for one in reached}
 
 
 def test_a_tab_that_is_killed_while_jogging_leaves_an_arm_that_holds_and_stops(tmp_path: Path, browser: Any) -> None:
