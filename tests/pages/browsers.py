@@ -23,6 +23,21 @@ from layflat.pages.panel import operators
 from layflat.rig import lease
 lease.HELD_AFTER, lease.STALE_AFTER, operators.FRESH, operators.BEATS = 8.0, 9.0, 8.0, 640
 """
+# A cycle and a reply may take long, too, where the computer itself is one of several on the same processors.
+PATIENT_ARM = """
+extends = "paper-arm-tracking"
+name = "arm-with-tool"
+[interface]
+outputs = ["gripper"]
+watchdog_cycles = 40
+dump_after = "0.4 s"
+[interface.modbus]
+timeout = "60 ms"
+"""
+PATIENT_HOST = """
+[safety]
+setpoint_age = "1 s"
+"""
 HARMLESS = ("GPU stall", "GL Driver Message")  # what a browser without a device says of its speed
 
 

@@ -87,8 +87,10 @@ def test_an_arm_that_its_brakes_do_not_hold_is_let_down_slowly() -> None:
     assert not falls(ARM)
     assert vent_time(ARM) == ARM.safety.vent_time
     ends = np.array([0.5 * joint.stops.mechanical_stroke for joint in LIFTS.joints.values()])
-    # The shoulder is pressed into its stop, which gives way.
-    assert (resting_angles(LIFTS) - ends > 0.0).tolist() == [False, True, False]
+    # The shoulder is pressed into its stop, which gives way; the others' brakes may keep them where they were pushed.
+    base, shoulder, elbow = (resting_angles(LIFTS) - ends).tolist()
+    assert shoulder > max(base, elbow)
+    assert min(base, elbow) > 0.0
 
 
 def test_what_gravity_takes_to_its_stop_is_no_arm_that_swings_on() -> None:

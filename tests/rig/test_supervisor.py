@@ -44,6 +44,21 @@ def test_a_soft_start_brings_the_air_and_then_obeys() -> None:
     assert rig.shows(Fault.NONE)
 
 
+@pytest.mark.parametrize("name", ["paper-arm-fast", "paper-arm-tracking"])
+def test_joints_that_lie_at_their_stops_are_led_inside(name: str) -> None:
+    machine = load(name)
+    stops = [0.5 * joint.stops.mechanical_stroke for joint in machine.joints.values()]
+    rig = Rig(machine, np.array([-stops[0], stops[1] + radians(0.1)]), filled=False).cycles(2)
+    rig.host.start = True
+    rig.until(lambda: rig.supervisor.state is State.READY, 6.0)
+    rig.seconds(1.0)
+    rig.host.demands = [-0.3, 0.3]
+    rig.seconds(5.0)
+    assert rig.shows(State.MOVING)
+    assert [state.motion.angle for state in rig.bench.states] == pytest.approx([-0.3, 0.3], abs=radians(0.5))
+    assert rig.supervisor.ledger.latched is Fault.NONE
+
+
 def test_air_that_does_not_come_is_a_fault() -> None:
     rig = Rig(ARM, filled=False).cycles(2)
     rig.driver.supply = 1.2e5

@@ -128,12 +128,14 @@ def swings_on(machine: Machine, angles: Sequence[float], velocities: Sequence[fl
 def resting_angles(machine: Machine) -> Array:
     """Return how far from mid-stroke joints may rest without air, (joints,), rad.
 
-    That is their mechanical stops, which give way where gravity presses a joint into them.
+    That is their mechanical stops, which give way where gravity presses a joint into them, or its brake keeps it there.
+    Raise MachineError if the machine has no valves.
     """
     stops = [joint.stops for joint in machine.joints.values()]
     ends = np.array([0.5 * stop.mechanical_stroke for stop in stops])
-    gives = GIVES_WAY * pulls(machine) / np.array([stop.stop_stiffness for stop in stops])
-    return ends + np.where(sinks(machine), gives, 0.0)
+    presses = np.where(sinks(machine), GIVES_WAY * pulls(machine), abilities(machine).friction)
+    resting: Array = ends + presses / np.array([stop.stop_stiffness for stop in stops])
+    return resting
 
 
 def _through(matrices: Array, vectors: Array) -> Array:

@@ -10,7 +10,7 @@ import pytest
 
 sync_api = pytest.importorskip("playwright.sync_api")
 TimeoutError = sync_api.TimeoutError
-REST = {"Off", "Stopped"}
+REST, OBEYS = {"Off", "Stopped"}, {"Ready", "Moving"}
 PATIENCE = 1000.0  # with a button that may be taken away meanwhile, ms
 
 
@@ -28,6 +28,11 @@ def state(page: Any) -> str:
 
 def angle(page: Any, joint: int = 0) -> float:
     return float(page.locator(".lf-joints .lf-number").nth(joint).inner_text().split()[0])
+
+
+def inwards(page: Any, name: str, joint: int = 0) -> str:
+    """Return the button that jogs a joint to the middle of its stroke, from wherever an earlier test left it."""
+    return f"{name}, {'backwards' if angle(page, joint) > 0.0 else 'forwards'}"
 
 
 def press(page: Any, name: str) -> None:
@@ -58,10 +63,20 @@ def vented(page: Any) -> bool:
     return state(page) in REST
 
 
+def stopped(page: Any) -> bool:
+    if state(page) != "Holding":
+        pressed(page, "Stop")
+    return state(page) == "Holding"
+
+
 def onwards(page: Any, found: str) -> None:
     """Press what brings the rig on: where page or device pause on a busy computer it is held, stops, or trips."""
     pressed(page, "Drive from here")
     pressed(page, {"Holding": "Go on", "Fault": "Reset"}.get(found, "Start"))
+
+
+def held(page: Any) -> bool:
+    return state(page) not in OBEYS
 
 
 def ready(page: Any) -> None:
@@ -69,7 +84,7 @@ def ready(page: Any) -> None:
 
     def obeys() -> bool:
         onwards(page, state(page))
-        return state(page) in {"Ready", "Moving"}
+        return not held(page)
 
     until(obeys, 60.0)
 
@@ -82,15 +97,17 @@ def faulted(page: Any) -> bool:
     return found == "Fault"
 
 
-def jogged(page: Any, button: str, condition: Callable[[], bool]) -> None:
+def jogged(page: Any, name: str, condition: Callable[[], bool]) -> None:
     """Hold a button until a condition holds, anew where the rig was held meanwhile; it is not released at the end."""
+    button = page.get_by_role("button", name=name)
     for _ in range(10):
         ready(page)
-        box = page.get_by_role("button", name=button).bounding_box()
+        until(lambda: button.is_enabled() or held(page))
+        box = button.bounding_box()
         page.mouse.move(box["x"] + 5, box["y"] + 5)
         page.mouse.down()
-        until(lambda: condition() or state(page) not in {"Ready", "Moving"}, 20.0)
+        until(lambda: condition() or held(page), 20.0)
         if condition():
             return
         page.mouse.up()
-    raise AssertionError(button)
+    raise AssertionError(name)

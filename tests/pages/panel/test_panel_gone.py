@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from served_rig import LAYFLAT, ServedRig
-from tests.pages.browsers import Served, chromium
+from tests.pages.browsers import PATIENT_ARM, Served, chromium
 from tests.pages.panel.driving import pressed, ready, state, until
 
 pytestmark = pytest.mark.realtime
@@ -24,7 +24,7 @@ def browser() -> Iterator[Any]:
 @pytest.fixture
 def server(rig: ServedRig, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
     pytest.importorskip("nicegui")
-    command = [*LAYFLAT, "panel", "paper-arm", "--driver", rig.address, "--port", "0", "--no-browser"]
+    command = [*LAYFLAT, "panel", "arm.toml", "--driver", rig.address, "--port", "0", "--no-browser"]
     made = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
     yield made
     made.kill()
@@ -33,7 +33,8 @@ def server(rig: ServedRig, tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
 
 @pytest.fixture
 def rig(tmp_path: Path) -> Iterator[ServedRig]:
-    made = ServedRig("paper-arm", "--modbus", "0", cwd=tmp_path)
+    (tmp_path / "arm.toml").write_text(PATIENT_ARM, encoding="utf-8")
+    made = ServedRig("arm.toml", "--modbus", "0", cwd=tmp_path)
     yield made
     made.end(signal.SIGKILL)
 
@@ -49,7 +50,7 @@ def test_a_rig_and_a_server_that_go_away_are_told_and_the_rig_is_safe(
     port = rig.address.rpartition(":")[2]
     assert rig.end() == 0
     until(lambda: "Link lost" in page.inner_text("main"), 15.0)
-    other = ServedRig("paper-arm", "--modbus", port, cwd=tmp_path)
+    other = ServedRig("arm.toml", "--modbus", port, cwd=tmp_path)
     try:
         until(lambda: is_reset(page), 15.0)
         ready(page)

@@ -85,6 +85,7 @@ def serve(
                     if ended is not None:
                         ended()
                     await server.shutdown(sockets=[listener])
+                    logging.getLogger("nicegui").setLevel(logging.CRITICAL)  # what is slow to end ends with the rest
 
         with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:  # other loops accept in other ways
             runner.run(run())

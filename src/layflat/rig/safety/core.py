@@ -117,7 +117,8 @@ class Core:
     def freeze(self, angles: Array | None = None) -> None:
         """From now on ask the joints for these angles, rad; where they are not given, for those where they are.
 
-        A law that plans its motion is asked to brake instead: what stops at once flings the other joints on.
+        A law that plans its motion is asked to brake instead: what stops at once flings the other joints on. Joints
+        beyond their working stroke are led back to it.
         """
         wanted = self._stopping() if angles is None else angles
         self.demands[:] = self.memory["demand.reference"][:] = np.where(np.isfinite(wanted), wanted, self.demands)
@@ -125,12 +126,11 @@ class Core:
 
     def _stopping(self) -> Array:
         """Return where joints are held that are to stop, rad."""
-        here = self.memory["estimate.averaged_angle"]
-        if not self._plans:
-            return here
-        braking, working = self.settings["moving.braking"], self.settings["moving.working"]
-        velocity = self.memory["estimate.averaged_velocity"]
-        return np.clip(here + 0.5 * velocity * np.abs(velocity) / braking, -working, working)
+        place, working = self.memory["estimate.averaged_angle"], self.settings["moving.working"]
+        if self._plans:
+            velocity = self.memory["estimate.averaged_velocity"]
+            place = place + 0.5 * velocity * np.abs(velocity) / self.settings["moving.braking"]
+        return np.clip(place, -working, working)
 
     def air_is_there(self, supply_now: float, ready: float) -> bool:
         """Whether supply (absolute, Pa) and ripple are those of a machine that can move."""

@@ -12,7 +12,7 @@ from layflat.motion.limits import abilities
 from layflat.motion.rates import JERK, SURGE
 from layflat.physics.air import GAMMA
 from layflat.physics.joint import FILLED
-from layflat.rig.abilities import demand_limits, payloads, resting_angles, sinks
+from layflat.rig.abilities import demand_limits, payloads, resting_angles
 from layflat.rig.safety import moving
 from layflat.rig.safety.cycle import Rig, Settings
 from layflat.rig.safety.demands import Gate
@@ -183,7 +183,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
         speed_limit(machine, name) - NOISE * angle.lsb / cycle,
         outside.Limits(
             working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
-            float(resting_angles(machine)[j]) + NOISE * angle.lsb if sinks(machine)[j] else 0.0,
+            float(resting_angles(machine)[j]) + NOISE * angle.lsb,
             working,
         ),
         doubt.Limits(

@@ -15,7 +15,7 @@ class Limits(NamedTuple):
     """Angles from mid-stroke, rad."""
 
     stroke: float  # beyond which a joint is outside
-    rests: float = 0.0  # up to which gravity may have taken it before it is led inside; 0: its brake holds it
+    rests: float = 0.0  # up to which it may lie without air; from there it is led inside
     inside: float = 0.0  # from which on it has been led inside
 
 
@@ -23,8 +23,8 @@ class Limits(NamedTuple):
 def find(limits, before, rails, sample):
     """Count samples beyond a limit on either side, on from those before.
 
-    Past the stroke comes the sensor's rail: a joint that gets there is still outside. Without air gravity takes joints
-    to their stops, from where they are led inside.
+    Past the stroke comes the sensor's rail: a joint that gets there is still outside. Without air gravity, a fault or a
+    hand takes joints to their stops, from where they are led inside.
     """
     turned, sound = abs(sample.angle), rail.sound(rails, sample.angle)
     beyond = turned > limits.stroke if sound else before > 0.0
