@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from layflat.experiments import Bench, Reproduction, bench, limits, reproduce
+from layflat.experiments.aside import perform
 from layflat.experiments.claim import Claim
 from layflat.experiments.reproduction import ORDER, STOPPED
 from layflat.machine import changed, load
@@ -124,6 +125,16 @@ def test_an_interruption_keeps_what_was_evaluated() -> None:
     assert [claim.id for claim in found.claims] == list(ORDER)
     assert {claim.reason for claim in found.claims[2:]} == {STOPPED}
     assert found.summary == "2 of 2 claims agree; partial: stopped before 18 were evaluated"
+
+
+def test_what_another_process_evaluates_is_taken_and_the_rest_is_evaluated_here(paper: Reproduction) -> None:
+    others = list(perform("paper-arm"))
+    assert [type(one).__name__ for one in others] == 5 * ["Claim"] + 10 * ["Drawn"]
+    for given, drawn in ((others, 10), (others[:2], 0)):
+        found = by_id(whole := reproduce(bench(), others=given))
+        assert list(found) == list(ORDER)
+        assert len(whole.drawn) == drawn
+        assert all(found[claim.id] == claim for claim in paper.claims if claim.id != "control-cycle")
 
 
 def test_the_same_bench_gives_the_same_values(paper: Reproduction) -> None:

@@ -37,21 +37,24 @@ def reproduce(
     Claims that need what the machine lacks are listed as not evaluated, with the reason. Ctrl-C ends it; what was
     evaluated until then is kept. The report shows the open questions whose studies are done below the folder.
     """
-    from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
-    from layflat.experiments.questions import QUESTIONS, answers, ask  # noqa: PLC0415
-    from layflat.experiments.report import COLUMNS, table  # noqa: PLC0415
-    from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
-    from layflat.files import check_folder  # noqa: PLC0415
-    from layflat.machine.listing import listing  # noqa: PLC0415
-    from layflat.machine.loader import tables  # noqa: PLC0415
+    from layflat.parallel import aside  # noqa: PLC0415
 
-    on = bench(machine)
-    check_folder(out)
-    for number, name in enumerate(QUESTIONS if questions else (), 1):
-        with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
-            ask(name, out / "questions" / name, advance)
-    with steps_bar("claims", len(ORDER)) as advance:
-        found = reproduce(on, advance)
+    with aside("layflat.experiments.aside:perform", machine) as others:  # before the imports, which take as long there
+        from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
+        from layflat.experiments.questions import QUESTIONS, answers, ask  # noqa: PLC0415
+        from layflat.experiments.report import COLUMNS, table  # noqa: PLC0415
+        from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
+        from layflat.files import check_folder  # noqa: PLC0415
+        from layflat.machine.listing import listing  # noqa: PLC0415
+        from layflat.machine.loader import tables  # noqa: PLC0415
+
+        on = bench(machine)
+        check_folder(out)
+        for number, name in enumerate(QUESTIONS if questions else (), 1):
+            with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
+                ask(name, out / "questions" / name, advance)
+        with steps_bar("claims", len(ORDER)) as advance:
+            found = reproduce(on, advance, others)
     write_claims(found, out / "claims.json")
     every = listing(*tables(machine))
     assumed = [line for line in every if line.source in {"assumed", "calibrated", "identified", "given"}]

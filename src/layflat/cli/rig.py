@@ -69,7 +69,7 @@ def stopping() -> Iterator[Callable[[], bool]]:
         nonlocal asked
         asked = True
 
-    from layflat.rig.system import FROM_TERMINAL  # noqa: PLC0415
+    from layflat.parallel import FROM_TERMINAL  # noqa: PLC0415
 
     numbers = (signal.SIGTERM, *FROM_TERMINAL)
     before = [signal.signal(number, note) for number in numbers]

@@ -83,11 +83,11 @@ def write_report(found: Reproduction, assumed: list[Line], path: Path, answers: 
 
 
 def figures(found: Reproduction) -> Iterator[Drawn]:
-    """Draw the figures whose claims were evaluated, one by one."""
+    """Draw the figures whose claims were evaluated, one by one; those that are drawn already are taken as they are."""
     evaluated = {claim.id for claim in found.claims if claim.quantities}
     for name, texts in FIGURES.items():
         if evaluated.issuperset(texts["claims"]):
-            yield Drawn(name, texts["title"], texts["caption"], to_svg(DRAWN[name](found)))
+            yield found.drawn.get(name) or Drawn(name, texts["title"], texts["caption"], to_svg(DRAWN[name](found)))
 
 
 def _rigs(**labels: str) -> Callable[[Reproduction], Figure]:

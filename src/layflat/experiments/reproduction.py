@@ -1,16 +1,18 @@
 """All experiments of the paper on one bench, and all its claims."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from layflat.experiments.axis_one import AxisOne
 from layflat.experiments.bench import Bench
-from layflat.experiments.claim import CLAIMS, Claim, Experiment
+from layflat.experiments.claim import CLAIMS, Claim, Experiment, Rule
 from layflat.experiments.controller import Controller
 from layflat.experiments.dither import Dither
 from layflat.experiments.open_loop import OpenLoop
 from layflat.experiments.statics import Statics
 from layflat.experiments.two_axis import TwoAxis
+from layflat.plot.page import Drawn
 
 ORDER = tuple(CLAIMS)  # the claims in the order of the paper
 
@@ -19,14 +21,30 @@ STOPPED = "stopped before it was evaluated"
 
 @dataclass
 class Reproduction:
-    """The experiments on one bench, and the claims evaluated by them, in the order of the paper."""
+    """The experiments on one bench, their claims in the order of the paper, and figures that are drawn already."""
 
     statics: Statics
     open_loop: OpenLoop
     axis_one: AxisOne
     two_axis: TwoAxis
     dither: Dither
+    controller: Controller
     claims: list[Claim] = field(default_factory=list)
+    drawn: dict[str, Drawn] = field(default_factory=dict)
+
+    @classmethod
+    def on(cls, bench: Bench) -> Self:
+        """Return one of which nothing has been performed yet."""
+        return cls(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench), Controller(bench))
+
+    def rules(self, *, aside: bool) -> list[tuple[Rule, Experiment]]:
+        """Return the rules of the claims, each with its experiment; `aside`: of those that another process may perform.
+
+        Either take about as long, where kernels have to be compiled and where they are there.
+        """
+        here = self.statics, self.two_axis, self.dither, self.controller
+        there = self.axis_one, self.open_loop
+        return [(rule, one) for one in (there if aside else here) for rule in one.rules()]
 
     @property
     def bench(self) -> Bench:
@@ -71,18 +89,32 @@ def disagreeing(bench: Bench, experiments: Sequence[Callable[[Bench], Experiment
     return next((claim.id for claim in claims if claim.agrees is False), "")
 
 
-def reproduce(bench: Bench, progress: Callable[[int, int], None] = lambda *_: None) -> Reproduction:
+def reproduce(
+    bench: Bench, progress: Callable[[int, int], None] = lambda *_: None, others: Iterable[Claim | Drawn] = ()
+) -> Reproduction:
     """Perform every experiment and evaluate the paper's claims; an interruption (Ctrl-C) leaves the rest open.
 
-    `progress` is called with the number of claims that are evaluated, and with how many there are.
+    `progress` is called with the number of claims that are evaluated, and with how many there are. `others`: claims and
+    figures that another process comes to (see aside.py); what it does not give is evaluated here, last.
     """
-    found = Reproduction(Statics(bench), OpenLoop(bench), AxisOne(bench), TwoAxis(bench), Dither(bench))
-    drawn = (found.statics, found.open_loop, found.axis_one, found.two_axis, found.dither)
-    rules = [(rule, experiment) for experiment in (*drawn, Controller(bench)) for rule in experiment.rules()]
+    found, claims = Reproduction.on(bench), dict[str, Claim]()
+
+    def take(claim: Claim) -> None:
+        claims[claim.id] = claim
+        progress(len(claims), len(ORDER))
+
     try:
-        for rule, experiment in rules:
-            found.claims.append(rule.evaluated(experiment))
-            progress(len(found.claims), len(rules))
+        for rule, experiment in found.rules(aside=False):
+            take(rule.evaluated(experiment))
+        for one in others:
+            if isinstance(one, Claim):
+                take(one)
+            else:
+                found.drawn[one.id] = one
+        for rule, experiment in found.rules(aside=True):
+            if rule.claim.id not in claims:
+                take(rule.evaluated(experiment))
     except KeyboardInterrupt:
-        found.claims += [rule.open(STOPPED) for rule, _ in rules[len(found.claims) :]]
+        pass
+    found.claims = [claims.get(key) or replace(claim, reason=STOPPED) for key, claim in CLAIMS.items()]
     return found

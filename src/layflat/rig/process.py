@@ -14,6 +14,7 @@ import numpy as np
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
+from layflat.parallel import processors
 from layflat.rig.clock import LEAD, SECOND, MonotonicClock, PunctualClock, VirtualClock
 from layflat.rig.driver import Capabilities, Command, DeviceState, Driver, Reading
 from layflat.rig.loop import Loop, Recorder
@@ -21,7 +22,7 @@ from layflat.rig.mailbox import Mailbox, RemoteHost, Setpoints
 from layflat.rig.record import Layout
 from layflat.rig.recorder.client import RecorderClient
 from layflat.rig.recorder.ring import RecorderState, Ring
-from layflat.rig.system import go_realtime, processors
+from layflat.rig.system import go_realtime
 
 READINGS = 64  # given one after the other
 ANGLE_NOISE, PRESSURE_NOISE, RIPPLE = 2e-4, 200.0, (0.0, 3e3, 0.0, -3e3)  # of the readings, rad and Pa

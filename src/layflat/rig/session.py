@@ -16,6 +16,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
+from layflat.parallel import start_process
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
 from layflat.rig.lease import Lease
@@ -25,7 +26,6 @@ from layflat.rig.process import run_loop
 from layflat.rig.record import Layout
 from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
-from layflat.rig.system import start_process
 
 REFRESH = 0.025  # setpoints are written again so often, s; they are stale after 100 ms
 STARTS_WITHIN = 60.0  # the process has to run by then; it may have to compile first, s

@@ -2,22 +2,16 @@
 
 import ctypes
 import gc
-import multiprocessing
 import os
-import signal
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
-from multiprocessing.context import SpawnProcess
 from pathlib import Path
-from typing import Any
 
 from layflat.errors import InputError
 
-# Signals that a terminal sends to all of its processes.
-FROM_TERMINAL = [getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)]
 MAILBOX, RING = "layflat-rig-", "layflat-ring-"  # how the names of files of shared memory begin
 YOUNG = 60.0  # for so long after it was made a file may be on its way to those who are going to lock it, s
 
@@ -31,27 +25,6 @@ def require_posix(where: str) -> None:
     if os.name != "posix":
         right = "run it there; logs can be read, repaired and drawn here"
         raise InputError(f"needs Linux or macOS, this is {sys.platform}", where=where, right=right)
-
-
-def processors() -> int:
-    """Return how many processors this process may use."""
-    try:
-        return len(os.sched_getaffinity(0))
-    except AttributeError:  # only Linux tells
-        return os.cpu_count() or 1
-
-
-def start_process(
-    target: Callable[..., object], arguments: tuple[Any, ...], name: str, *, daemon: bool = False
-) -> SpawnProcess:
-    """Start a process that Ctrl-C never reaches, not even before its first line: its host decides what that means."""
-    process = multiprocessing.get_context("spawn").Process(target=target, args=arguments, name=name, daemon=daemon)
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, FROM_TERMINAL)
-    try:
-        process.start()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-    return process
 
 
 def lock(handle: int, *, shared: bool = False) -> None:

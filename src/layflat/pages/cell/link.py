@@ -10,7 +10,7 @@ from layflat.errors import InputError, LayflatError
 from layflat.pages.cell.serving import serve_run
 from layflat.pages.cell.snapshot import About, Requests, Snapshot
 from layflat.pages.server.place import Place
-from layflat.rig.system import start_process
+from layflat.parallel import start_process
 
 ENDS = 5.0  # in which it ends once it is told to, s
 

@@ -11,11 +11,12 @@ from typing import Any
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
+from layflat.parallel import start_process
 from layflat.rig.check.all import check_rig
 from layflat.rig.check.open_loop import CheckResult
 from layflat.rig.clock import MonotonicClock
 from layflat.rig.driver import Driver
-from layflat.rig.system import first_in, start_process
+from layflat.rig.system import first_in
 
 LOOKS = 0.05  # between two looks whether to go on, s
 ENDS = 15.0  # in which a check that is broken off lets out the air, s

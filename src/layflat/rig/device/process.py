@@ -13,10 +13,11 @@ from typing import Any, Self
 
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
+from layflat.parallel import start_process
 from layflat.rig.clock import Clock, MonotonicClock, VirtualClock
 from layflat.rig.device.virtual import VirtualDevice
 from layflat.rig.driver import DriverError
-from layflat.rig.system import first_in, start_process
+from layflat.rig.system import first_in
 
 TICK = 5e-3  # between two looks at the clock in real time, s; a device makes up for what happened between them
 START = 60.0  # until a device has to be there, s: laws may have to be compiled first

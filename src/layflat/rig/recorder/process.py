@@ -9,13 +9,13 @@ from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
 from layflat.files import check_folder, whole_file
+from layflat.parallel import FROM_TERMINAL, start_process
 from layflat.rig.clock import SECOND
 from layflat.rig.recorder.bag import Bag, Heading
 from layflat.rig.recorder.blackbox import BlackBox
 from layflat.rig.recorder.file import GrowingFile, synced
 from layflat.rig.recorder.repair import PART, indexed
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
-from layflat.rig.system import FROM_TERMINAL, start_process
 
 TICK = 0.01  # between two looks into the ring, s
 PATIENCE = 10.0  # for which a disk that is full at the end is waited for, s
