@@ -119,7 +119,8 @@ def _application(root: Callable[[], object], title: str) -> "FastAPI":
     ui = nicegui.ui
     from fastapi import FastAPI  # noqa: PLC0415
 
-    logging.getLogger("nicegui").setLevel(logging.ERROR)  # a page that is not there is nobody's concern
+    for name in ("nicegui", "asyncio"):  # a page that is not there any more is nobody's concern
+        logging.getLogger(name).setLevel(logging.ERROR)
     app = FastAPI(openapi_url=None)
     nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name for readers of screens
     ui.page("/", title=title)(root)
