@@ -340,7 +340,8 @@ def test_a_stopped_reproduction_keeps_what_was_evaluated(tmp_path: Path) -> None
     assert done.stderr.splitlines() == ["layflat: stopped after 6 of 20 claims; partial results are in out"]
     assert "6 of 6 claims agree; partial: stopped before 14 were evaluated" in done.stdout
     claims = json.loads((tmp_path / "out" / "claims.json").read_text(encoding="utf-8"))
-    assert sorted(claim["agrees"] or False for claim in claims) == [False] * 14 + [True] * 6
+    agrees = [claim["agrees"] for claim in claims]
+    assert (len(agrees), agrees.count(True), agrees.count(None)) == (20, 6, 14)
     assert "partial: stopped" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
