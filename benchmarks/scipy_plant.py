@@ -41,9 +41,9 @@ def _hose(joint, hose, y, s, x, around):  # type: ignore[no-untyped-def]
         path_conductance(joint.valve, x),
         path_conductance(joint.valve, -x),
         p,
-        root_temperature(T, 1.0 / T),
+        root_temperature(T),
         around.supply_pressure,
-        root_temperature(around.supply_temperature, 1.0 / around.supply_temperature),
+        root_temperature(around.supply_temperature),
         around.ambient_pressure,
     )
     K = torque_per_pressure(hose.stroke, s)

@@ -11,9 +11,10 @@ from layflat.physics.chamber import (
     pressure,
     pressure_after_swelling,
     temperature,
-    temperature_both_ways,
+    temperature_and_roots,
     wall_heat,
 )
+from layflat.physics.flow import root_temperature
 
 P_A = 1.013e5
 chambers = st.builds(Chamber, st.just(1e-4), st.floats(0.0, 2e-10), st.just(1.0))
@@ -66,9 +67,11 @@ def test_swelling_does_work_at_the_pressure_it_ends_with(chamber: Chamber, p: fl
 
 
 @given(chambers, pressures, volumes, st.floats(200.0, 400.0))
-def test_temperature_both_ways(chamber: Chamber, p: float, V: float, T: float) -> None:
+def test_temperature_and_its_roots(chamber: Chamber, p: float, V: float, T: float) -> None:
     m = air_mass(chamber, p, T, V, P_A)
-    assert temperature_both_ways(chamber, p, m, V, P_A) == pytest.approx((T, 1 / T), rel=1e-12)
+    found, roots = temperature_and_roots(chamber, p, m, V, P_A)
+    assert found == pytest.approx(T, rel=1e-12)
+    assert roots == pytest.approx(root_temperature(T), rel=1e-12)
     assert temperature(chamber, p, m, V, P_A) == pytest.approx(T, rel=1e-12)
 
 

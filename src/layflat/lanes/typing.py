@@ -42,17 +42,6 @@ class _Vector(models.PrimitiveModel):
     def __init__(self, manager: Any, lanes: LanesType) -> None:
         leaf = manager.lookup(lanes.leaf).get_value_type()
         super().__init__(manager, lanes, ir.VectorType(leaf, lanes.count))
-        # Lists align their items to 16 bytes at most, as they are to such an integer; a vector would want more.
-        self._stored = ir.IntType(lanes.count * BITS[lanes.leaf])
-
-    def get_data_type(self) -> Any:
-        return self._stored
-
-    def as_data(self, builder: Any, value: Any) -> Any:
-        return builder.bitcast(value, self._stored)
-
-    def from_data(self, builder: Any, value: Any) -> Any:
-        return builder.bitcast(value, self.get_value_type())
 
 
 def width_in(context: Any, block: Any) -> int:

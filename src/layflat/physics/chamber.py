@@ -17,7 +17,10 @@ from math import sqrt
 from typing import NamedTuple
 
 from layflat.jit import law
-from layflat.physics.air import CV, GAMMA, GAS_CONSTANT
+from layflat.physics.air import CV, GAMMA, GAS_CONSTANT, REFERENCE_TEMPERATURE
+from layflat.physics.flow import RootTemperature
+
+ROOT = sqrt(GAS_CONSTANT * REFERENCE_TEMPERATURE)
 
 
 class Chamber(NamedTuple):
@@ -68,11 +71,13 @@ def temperature(chamber, p, m, V_g, p_a):
 
 
 @law
-def temperature_both_ways(chamber, p, m, V_g, p_a):
-    """Temperature T of a mass m of air at pressure p, and 1/T, by a single division, K and 1/K."""
+def temperature_and_roots(chamber, p, m, V_g, p_a):
+    """Temperature of a mass m of air at pressure p (K), and its roots, by a single division."""
     pV = p * (V_g + chamber.compliance * (p - p_a))
-    per = 1.0 / (pV * m)
-    return pV * pV * per * (1.0 / GAS_CONSTANT), m * m * per * GAS_CONSTANT
+    # T = pV/(m R), so both roots are multiples of 1/sqrt(pV m).
+    per = 1.0 / sqrt(pV * m)
+    root = pV * per * (1.0 / ROOT)
+    return root * root * REFERENCE_TEMPERATURE, RootTemperature(root, m * per * ROOT)
 
 
 @law

@@ -28,6 +28,9 @@ class RootTemperature(NamedTuple):
     per_root: float
 
 
+ENTHALPY = CP * REFERENCE_TEMPERATURE
+"""Of air at the reference temperature, J/kg."""
+
 LAMINAR_RATIO = 0.999
 """Above this pressure ratio the flow is linear in the pressure difference, so that its slope stays finite."""
 
@@ -60,14 +63,21 @@ def laminar_slope(b):
 
 
 @law
+def _driving(p_1, drop, b, s):
+    # `effective_pressure`, from p_1 and the drop of pressure. With D = drop/(1 - b), and p_1 where that is choked, the
+    # ellipse p_1^2 - (p_1 - D)^2 is D (2 p_1 - D), which loses no digits next to r = 1.
+    D = min(drop * (1.0 / (1.0 - b)), p_1)
+    return min(sqrt(D * (2.0 * p_1 - D)), s * drop)
+
+
+@law
 def effective_pressure(p_1, p_2, b, s):
-    """p_1 phi(p_2/p_1) without a division, Pa.
+    """p_1 phi(p_2/p_1) without a division, Pa; nothing where p_2 is higher.
 
     phi is 1 when choked, an ellipse for smaller differences (ISO 6358-1), and a straight line next to r = 1. The
     ellipse is concave: its chord next to r = 1 lies below it there and above it everywhere else.
     """
-    z = max(p_2 - b * p_1, 0.0) * (1.0 / (1.0 - b))
-    return min(sqrt(max(p_1 * p_1 - z * z, 0.0)), s * (p_1 - p_2))
+    return _driving(p_1, max(p_1 - p_2, 0.0), b, s)
 
 
 @law
@@ -81,22 +91,23 @@ def upstream_pressure(effective, p_2, b):
 
 
 @law
-def root_temperature(T, per_T):
-    """What a flow has to know of a temperature T (K), given 1/T too: a division costs more than all the rest."""
+def root_temperature(T):
+    """What a flow has to know of a temperature T (K)."""
     root = sqrt(T * (1.0 / REFERENCE_TEMPERATURE))
-    return RootTemperature(root, root * per_T * REFERENCE_TEMPERATURE)
+    return RootTemperature(root, 1.0 / root)
 
 
 @law
 def flow_between(C, b, s, p_a, roots_a, p_b, roots_b):
-    """Mass flow from a to b (negative: from b to a) and the enthalpy it carries, in kg/s and W."""
+    """Mass flow from a to b (negative: from b to a), kg/s, and this times T_1/T0: its enthalpy over `ENTHALPY`."""
     forward = p_a >= p_b
-    full = C * REFERENCE_DENSITY * effective_pressure(max(p_a, p_b), min(p_a, p_b), b, s)
+    full = C * REFERENCE_DENSITY * _driving(max(p_a, p_b), abs(p_a - p_b), b, s)
     flow = full * select(forward, roots_a.per_root, -roots_b.per_root)
-    return flow, full * select(forward, roots_a.root, -roots_b.root) * (CP * REFERENCE_TEMPERATURE)
+    return flow, full * select(forward, roots_a.root, -roots_b.root)
 
 
 @law
 def orifice(C, b, s, p_a, T_a, p_b, T_b):
-    """As `flow_between`, from the temperatures."""
-    return flow_between(C, b, s, p_a, root_temperature(T_a, 1.0 / T_a), p_b, root_temperature(T_b, 1.0 / T_b))
+    """Mass flow from a to b (negative: from b to a) and the enthalpy it carries, in kg/s and W."""
+    flow, warm = flow_between(C, b, s, p_a, root_temperature(T_a), p_b, root_temperature(T_b))
+    return flow, ENTHALPY * warm

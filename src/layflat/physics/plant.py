@@ -52,9 +52,14 @@ def _step_two(arm, joints, running, drives, waves, around, h):
 
 
 @composition
-def advance_two(arm, joints, states, drives, waves, around, h, n):
+def _both(arm, joints):  # noqa: ARG001  (as of all arms)
+    return join(joints[0], joints[1])
+
+
+@composition
+def advance_two(arm, both, states, drives, waves, around, h, n):
     """Advance states and waves (slots) of both joints by n steps of h; each sequence holds one item a joint."""
-    both, drive, wave = join(joints[0], joints[1]), join(drives[0], drives[1]), join(waves[0], waves[1])
+    drive, wave = join(drives[0], drives[1]), join(waves[0], waves[1])
     running = pack(join(states[0], states[1]))
     for _ in range(n):
         running = _step_two(arm, both, running, drive, wave, around, h)
@@ -76,9 +81,14 @@ def _step_one(arm, joint, running, drive, wave, around, h):
 
 
 @composition
-def advance_one(arm, joints, states, drives, waves, around, h, n):
+def _only(arm, joints):  # noqa: ARG001  (as of all arms)
+    return joints[0]
+
+
+@composition
+def advance_one(arm, joint, states, drives, waves, around, h, n):
     """Advance state and wave (slots of one) of the only joint by n steps of h."""
-    joint, drive, wave, running = joints[0], drives[0], waves[0], pack(states[0])
+    drive, wave, running = drives[0], waves[0], pack(states[0])
     for _ in range(n):
         running = _step_one(arm, joint, running, drive, wave, around, h)
         wave = turn_wave(joint.valve, wave)
@@ -116,10 +126,15 @@ def _step_many(arm, like, joints, running, drives, waves, around, h):
 
 
 @composition
-def advance_many(arm, joints, states, drives, waves, around, h, n):
+def _all(arm, joints):  # noqa: ARG001  (as of all arms)
+    return abreast(gather(joints, joints))
+
+
+@composition
+def advance_many(arm, all_joints, states, drives, waves, around, h, n):
     """Advance states and waves (slots) of all joints by n steps of h, however many there are."""
-    like = gather(joints, joints)
-    all_joints, drive, wave = abreast(like), abreast(gather(like, drives)), abreast(gather(like, waves))
+    like = gather(states, states)
+    drive, wave = abreast(gather(like, drives)), abreast(gather(like, waves))
     running = pack(abreast(gather(like, states)))
     for _ in range(n):
         running = _step_many(arm, like, all_joints, running, drive, wave, around, h)
@@ -129,25 +144,29 @@ def advance_many(arm, joints, states, drives, waves, around, h, n):
         states[j], waves[j] = after[j], waves_after[j]
 
 
+_TOGETHER = {1: _only, 2: _both}
 _ADVANCES = {1: advance_one, 2: advance_two}
 _advance = ARMS.law(lambda laws: _ADVANCES.get(laws.joints, advance_many))
 
+together = ARMS.law(lambda laws: _TOGETHER.get(laws.joints, _all))
+"""All joints of an arm (slots) as `advance` takes them, found once for all its calls: `together(arm, joints)`."""
+
 
 def _inlined(arm, joints, states, drives, waves, around, h, n):
-    """Advance an arm of any kind, in place: states and waves are slots with an item a joint."""
+    """Advance an arm of any kind, in place: states and waves are slots with an item a joint; see `together`."""
     _advance(arm, joints, states, drives, waves, around, h, n)
 
 
 @kernel
 def _advanced(arm, joints, states, drives, waves, around, h, n):
     after, wave = slots(states), slots(waves)
-    _advance(arm, slots(joints), after, slots(drives), wave, around, h, n)
-    return gather(joints, after), gather(joints, wave)
+    _advance(arm, joints, after, slots(drives), wave, around, h, n)
+    return gather(states, after), gather(states, wave)
 
 
 def _from_python(arm, joints, states, drives, waves, around, h, n):
     # Steps are too many to be interpreted: they are compiled even where a loop in Python calls them.
-    states[:], waves[:] = _advanced(arm, tuple(joints), tuple(states), tuple(drives), tuple(waves), around, h, n)
+    states[:], waves[:] = _advanced(arm, joints, tuple(states), tuple(drives), tuple(waves), around, h, n)
 
 
 advance = Law(_inlined, _from_python)

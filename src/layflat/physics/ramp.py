@@ -18,3 +18,10 @@ def mean_above_zero(a, b):
     """
     above = max(a, 0.0) + max(b, 0.0)
     return above * above / (2.0 * (abs(a) + abs(b)) + TINY)
+
+
+@law
+def mean_below_zero(a, b):
+    """Mean of max(-y, 0) while y goes evenly from a to b, exactly."""
+    below = min(a, 0.0) + min(b, 0.0)
+    return below * below / (2.0 * (abs(a) + abs(b)) + TINY)

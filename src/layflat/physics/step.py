@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from layflat.jit import by_kind, composition, law
 from layflat.lanes import halves, join, total
-from layflat.physics.chamber import pressure_after_swelling, temperature_both_ways, wall_heat
+from layflat.physics.chamber import pressure_after_swelling, temperature_and_roots, wall_heat
 from layflat.physics.hose import swept_volume, torque_per_pressure
 from layflat.physics.hysteresis import torques, turned
 from layflat.physics.joint import AirTaken, HoseState, JointState, Ledger, Motion, has_second
@@ -78,10 +78,10 @@ def _exchange_gas(hose, state, travel, turn, valve, C_in, C_out, around, h):
     p_0, stiffness = pressure_after_swelling(hose.chamber, state.energy, volume, swell, state.pressure, p_a)
     p = p_0 + 0.5 * state.pressure_change
     m = state.mass + 0.5 * state.mass_change
-    T, per_T = temperature_both_ways(hose.chamber, p, m, volume, p_a)
+    T, roots = temperature_and_roots(hose.chamber, p, m, volume, p_a)
     wall = wall_heat(hose.chamber, T, around.ambient_temperature)
     flow, heat, taken, line = exchange(
-        hose.line, state.line, valve, C_in, C_out, p, p_0, stiffness, T, per_T, wall, around, h
+        hose.line, state.line, valve, C_in, C_out, p, p_0, stiffness, T, roots, wall, around, h
     )
     heat = heat + wall
     stored = state.energy - p_0 * swell + h * heat

@@ -13,7 +13,7 @@ from layflat.physics.chamber import temperature
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.hysteresis import stored, torques
 from layflat.physics.joint import Drive, Surroundings, is_sound
-from layflat.physics.plant import advance, at_rest
+from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import net_opening, start_wave
 from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, sense_all
 
@@ -144,6 +144,7 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     sub, h = timing.steps // timing.records, timing.cycle / timing.steps
     around = _surroundings(air, signals, 0)
     joints = slots(like)
+    joined = together(arm, joints)
     firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
     states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
     calm = _acting(signals, 0, 0)
@@ -171,7 +172,7 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
         for _ in range(timing.records):
             _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
             row += 1
-            advance(arm, joints, states, loop.drives, loop.waves, around, h, sub)
+            advance(arm, joined, states, loop.drives, loop.waves, around, h, sub)
             for j in range(n):
                 if not is_sound(states[j]):
                     return out, shown, row, j

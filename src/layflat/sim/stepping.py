@@ -15,7 +15,7 @@ from layflat.physics.delay import NOTHING_ASKED, Line
 from layflat.physics.driven import Inputs, Outputs
 from layflat.physics.failing import through_hole
 from layflat.physics.joint import Drive, Joint, JointState, Surroundings, is_sound
-from layflat.physics.plant import advance, at_rest
+from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import driven, start_wave
 from layflat.sim.cycle import Noise, sense
 
@@ -86,6 +86,7 @@ def _mover(setting_like, kept_like):
         n, h, p_a = len(kept), cycle / steps, around.ambient_pressure
         before, acting = read_numbers(kept_like, kept[0]), read_numbers(given_like, given[0])
         joints = slots(all_joints)
+        joined = together(arm, joints)
         states, waves = slots(all_joints, before.state), slots(all_joints, before.wave)
         lines, acts = slots(all_joints, before.line), slots(all_joints, acting)
         drives = slots(all_joints, Drive(before.opening, joints[0].brake_torque, acting.load, around.supply_pressure))
@@ -107,7 +108,7 @@ def _mover(setting_like, kept_like):
                 for j in range(n):
                     waves[j] = start_wave(joints[j].valve, cycle * (at // steps), h)
             until = at + 1 if leaks else min(last, (at // steps + 1) * steps, at + due)
-            advance(arm, joints, states, drives, waves, around, h, until - at)
+            advance(arm, joined, states, drives, waves, around, h, until - at)
             due, at = due - (until - at), until
             for j in range(n):
                 if leaks:

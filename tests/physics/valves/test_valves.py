@@ -9,13 +9,13 @@ from layflat.physics.flow import orifice, root_temperature
 from layflat.physics.valves import chamber_flow, commanded_opening
 from layflat.physics.valves.spool import SpoolValvePart, Stiction, held_at, parameters
 from layflat.physics.valves.spool_motion import SpoolState
-from layflat.physics.valves.spool_ports import mean_conductance, path_conductance
+from layflat.physics.valves.spool_ports import mean_conductances, path_conductance
 
 SUPPLY, AMBIENT, T = 5.01e5, 1.013e5, 293.15
 
 
 def flows(x: float, p: float) -> tuple[float, float, float]:
-    warm = root_temperature(T, 1 / T)
+    warm = root_temperature(T)
     mass, heat, taken = chamber_flow(
         VALVE, path_conductance(VALVE, x), path_conductance(VALVE, -x), p, warm, SUPPLY, warm, AMBIENT
     )
@@ -71,17 +71,18 @@ def test_pressure_never_passes_supply_or_ambient() -> None:
 
 
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
-def test_mean_conductance_is_the_mean_over_an_even_motion(x_0: float, x_1: float) -> None:
+def test_mean_conductances_are_the_means_over_an_even_motion(x_0: float, x_1: float) -> None:
     way = np.linspace(x_0, x_1, 4001)
-    shares = np.maximum(way - VALVE.overlap, 0.0) / (1.0 - VALVE.overlap)
+    shares = np.maximum(np.stack((way, -way)) - VALVE.overlap, 0.0) / (1.0 - VALVE.overlap)
     expected = VALVE.leakage + (VALVE.conductance - VALVE.leakage) * np.trapezoid(shares, dx=1 / 4000)
-    assert mean_conductance(VALVE, x_0, x_1) == pytest.approx(expected, rel=1e-5)
+    assert mean_conductances(VALVE, x_0, x_1) == pytest.approx(expected, rel=1e-5)
 
 
 @pytest.mark.parametrize("x", [-0.5, 0.0, 0.3])
-def test_mean_conductance_at_rest_is_the_conductance(x: float) -> None:
-    assert mean_conductance(VALVE, x, x) == pytest.approx(path_conductance(VALVE, x), rel=1e-12)
+def test_mean_conductances_at_rest_are_the_conductances(x: float) -> None:
+    expected = path_conductance(VALVE, x), path_conductance(VALVE, -x)
+    assert mean_conductances(VALVE, x, x) == pytest.approx(expected, rel=1e-12)
 
 
-def test_mean_conductance_where_the_land_meets_the_port() -> None:
-    assert mean_conductance(VALVE, VALVE.overlap, VALVE.overlap) == VALVE.leakage
+def test_mean_conductances_where_the_land_meets_the_port() -> None:
+    assert mean_conductances(VALVE, VALVE.overlap, VALVE.overlap) == (VALVE.leakage, VALVE.leakage)

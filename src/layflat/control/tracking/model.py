@@ -25,7 +25,7 @@ from layflat.physics.joint import (
     has_second,
     joint_at_rest,
 )
-from layflat.physics.plant import advance
+from layflat.physics.plant import advance, together
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import start_wave, weaken_wave
 
@@ -153,11 +153,11 @@ def _wave(joint, shares, T):
 @composition
 def a_cycle_later(plant, states, drives, shares, payload, T):
     """Return the states of the joints after a cycle in which drives act on them, with these `Shares`, tuples."""
-    around, joints = plant.around, slots(plant.joints)
+    around, joined = plant.around, together(plant.arm, slots(plant.joints))
     carrying = Surroundings(
         around.supply_pressure, around.supply_temperature, around.ambient_pressure, around.ambient_temperature, payload
     )
     after, waves = slots(states), slots(each(_wave, plant.joints, shares, T))
     n = len(plant.steps)
-    advance(plant.arm, joints, after, slots(drives), waves, carrying, T / n, n)
+    advance(plant.arm, joined, after, slots(drives), waves, carrying, T / n, n)
     return gather(states, after)

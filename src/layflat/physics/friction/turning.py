@@ -26,7 +26,7 @@ from layflat.physics.friction.box import brake_one, brake_two
 from layflat.physics.friction.pivoting import brake_many, way
 
 FIRM = 1e30  # N m s: holds against anything
-WHOLE, ONWARDS, BEFORE, AFTER = range(4)  # what is solved for, one after the other
+ONWARDS, BEFORE = range(2)  # what is solved for in a step that is parted, ahead of what comes after the rest
 
 
 @composition
@@ -112,34 +112,34 @@ def _both(J, K, B, S):
 
 def _turning(solve):
     @composition
-    def rub(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
-        """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0."""
+    def parted(M, p, u, B, S):
+        """Velocities and impulses of a step that is parted where the first joint is at rest, and its share before."""
         one = 1.0 + 0.0 * total(u)
-        momentum, begins, slides, holds, f = p, u, B, S, one
-        whole, impulses, push, onwards, J = u, B, p, u, B
-        # A loop, or what solves would be compiled four times.
-        for part in range(4):
-            w, K = solve(M, momentum, begins, slides, holds)
-            if part == WHOLE:
-                whole, impulses = w, K
-                if not anywhere(total(each(_comes_to_rest, u, w))):
-                    break
-                # What moves moves on, what rests rests: up to where the first would come to rest.
-                push, c = each(_difference, p, times(M, u)), each(way, u)
-                momentum, slides = each(_pressed, p, c, B), each(_firm, c)
-                holds = slides
-            elif part == ONWARDS:
-                onwards, f = w, least(each(_until_rest, u, w))
+        # What moves moves on, what rests rests: up to where the first would come to rest.
+        push, c = each(_difference, p, times(M, u)), each(way, u)
+        momentum, begins, slides, f, onwards, J = each(_pressed, p, c, B), u, each(_firm, c), one, u, B
+        holds, v, K = slides, u, B
+        # A loop, or what solves would be compiled three times.
+        for part in range(3):
+            v, K = solve(M, momentum, begins, slides, holds)
+            if part == ONWARDS:
+                onwards, f = v, least(each(_until_rest, u, v))
                 momentum = each(_part, times(M, u), push, f)
                 slides, holds = each(_share, B, f), each(_share, S, f)
             elif part == BEFORE:
-                begins, J = each(_at_rest, u, onwards, w, f), K
-                momentum = each(_part, times(M, w), push, one - f)
+                begins, J = each(_at_rest, u, onwards, v, f), K
+                momentum = each(_part, times(M, v), push, one - f)
                 slides, holds = each(_share, B, one - f), each(_share, S, one - f)
-            else:
-                whole = each(_either, f, w, whole)
-                impulses = each(_either, f, each(_both, J, K, B, S), impulses)
-        return whole, impulses
+        return v, each(_both, J, K, B, S), f
+
+    @composition
+    def rub(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
+        """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0."""
+        w, J = solve(M, p, u, B, S)
+        if anywhere(total(each(_comes_to_rest, u, w))):
+            after, impulses, f = parted(M, p, u, B, S)
+            w, J = each(_either, f, after, w), each(_either, f, impulses, J)
+        return w, J
 
     return rub
 

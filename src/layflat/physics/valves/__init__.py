@@ -7,7 +7,7 @@ hose B, and the reverse. A new kind is one file and one line here; see docs/kind
 from layflat.jit import law
 from layflat.kinds import Table
 from layflat.physics.delay import delayed
-from layflat.physics.flow import flow_between
+from layflat.physics.flow import ENTHALPY, flow_between
 from layflat.physics.valves import spool, switching
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
 
@@ -54,12 +54,12 @@ def driven(valve, line, voltage, cycle):
 
 
 @law
-def chamber_flow(valve, C_in, C_out, p, root_temperature, p_supply, roots_supply, p_exhaust):
+def chamber_flow(valve, C_in, C_out, p, roots, p_supply, roots_supply, p_exhaust):
     """Flows of a chamber joined to supply and exhaust by paths of conductance C_in and C_out.
 
     Returns mass flow in (kg/s), enthalpy flow in (W), and the mass flow taken from the supply (kg/s).
     """
     b, s = valve.critical_ratio, valve.laminar_slope
-    inflow, heat_in = flow_between(C_in, b, s, p_supply, roots_supply, p, root_temperature)
-    outflow, heat_out = flow_between(C_out, b, s, p, root_temperature, p_exhaust, roots_supply)
-    return inflow - outflow, heat_in - heat_out, inflow
+    inflow, warm_in = flow_between(C_in, b, s, p_supply, roots_supply, p, roots)
+    outflow, warm_out = flow_between(C_out, b, s, p, roots, p_exhaust, roots_supply)
+    return inflow - outflow, ENTHALPY * (warm_in - warm_out), inflow

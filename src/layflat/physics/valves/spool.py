@@ -20,7 +20,7 @@ from layflat.physics.friction.stribeck import StaticRatio
 from layflat.physics.valves import spool_mean
 from layflat.physics.valves.kind import Dither, ValveKind, ValvePart
 from layflat.physics.valves.spool_motion import Spool, SpoolState, StictionSpool, advance_spool, centred, spool_opening
-from layflat.physics.valves.spool_ports import mean_conductance
+from layflat.physics.valves.spool_ports import mean_conductances
 
 STUCK = 1e9  # friction that no solenoid overcomes, as a change of opening
 
@@ -112,7 +112,7 @@ def move_spool(valve, state, command, dither, h):
     u = command + valve.dither_amplitude * dither.sine
     swing = valve.dither_amplitude * half_change(dither)
     x, rate = advance_spool(valve.spool, u, swing, state.opening, state.rate, h)
-    fills, vents = mean_conductance(valve, state.opening, x), mean_conductance(valve, -state.opening, -x)
+    fills, vents = mean_conductances(valve, state.opening, x)
     return SpoolState(x, rate), fills, vents
 
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from layflat.jit import law
 from layflat.physics.valves.kind import MeanValve
 from layflat.physics.valves.spool_motion import Spool, SpoolState, advance_spool, centred, spool_opening
-from layflat.physics.valves.spool_ports import mean_conductance
+from layflat.physics.valves.spool_ports import mean_conductances
 
 
 class MeanSpool(NamedTuple):
@@ -59,17 +59,13 @@ def averaged(valve: Any) -> MeanSpool:
 
 
 @law
-def _conductance(valve, x, U):
-    # A model's spool may swing out further than a real one.
-    return min(mean_conductance(valve, x - U, x + U), valve.conductance)
-
-
-@law
 def move_mean(valve, state, command, wave, h):
     """State after a step of h seconds, and the mean conductances of the paths that fill and that vent hose A."""
     x, rate = advance_spool(valve.spool, command, 0.0, state.opening, state.rate, h)
     middle, U = 0.5 * (x + state.opening), wave.dither * valve.dither_range
-    return SpoolState(x, rate), _conductance(valve, middle, U), _conductance(valve, -middle, U)
+    fills, vents = mean_conductances(valve, middle - U, middle + U)
+    # A model's spool may swing out further than a real one.
+    return SpoolState(x, rate), min(fills, valve.conductance), min(vents, valve.conductance)
 
 
 @law

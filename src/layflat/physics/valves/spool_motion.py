@@ -122,8 +122,9 @@ def advance_spool(spool, u, du, x, v, h):
     x, v, left = _slide(spool, u, x, v, h)
     moved, rate = _release(spool, u + du - du * left * (2.0 / h), u + du, x, left, h)
     x, v = select(left > 0.0, moved, x), select(left > 0.0, rate, v)
-    stopped = ((x >= 1.0) & (v > 0.0)) | ((x <= -1.0) & (v < 0.0))
-    return min(max(x, -1.0), 1.0), select(stopped, 0.0, v)
+    v = select(x >= 1.0, min(v, 0.0), v)
+    v = select(x <= -1.0, max(v, 0.0), v)
+    return min(max(x, -1.0), 1.0), v
 
 
 @law

@@ -11,7 +11,7 @@ A path has C_0 + (C - C_0) (x - o) / (1 - o) where x is over o, else C_0.
 """
 
 from layflat.jit import law
-from layflat.physics.ramp import mean_above_zero
+from layflat.physics.ramp import mean_above_zero, mean_below_zero
 
 
 @law
@@ -22,7 +22,12 @@ def path_conductance(valve, x):
 
 
 @law
-def mean_conductance(valve, x_0, x_1):
-    """Mean conductance of the path that a positive x opens, while x moves evenly from x_0 to x_1, m3/(s Pa)."""
-    share = mean_above_zero(x_0 - valve.overlap, x_1 - valve.overlap) * (1.0 / (1.0 - valve.overlap))
-    return valve.leakage + (valve.conductance - valve.leakage) * share
+def mean_conductances(valve, x_0, x_1):
+    """Mean conductances of the paths that a positive and that a negative x opens, m3/(s Pa).
+
+    x moves evenly from x_0 to x_1.
+    """
+    o = valve.overlap
+    per_opening = (valve.conductance - valve.leakage) * (1.0 / (1.0 - o))
+    fills, vents = mean_above_zero(x_0 - o, x_1 - o), mean_below_zero(x_0 + o, x_1 + o)
+    return valve.leakage + per_opening * fills, valve.leakage + per_opening * vents

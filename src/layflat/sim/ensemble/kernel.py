@@ -8,7 +8,7 @@ from layflat.lanes import each, gather, in_lanes, read_lanes, select, slots, wid
 from layflat.physics.adjustable import FULL
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings
-from layflat.physics.plant import advance, at_rest
+from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import start_wave
 from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, is_number, sense_all
 from layflat.sim.ensemble.watch import (
@@ -128,6 +128,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     """
     arm, like, settings, air = read_lanes(case, runs.parameters[:, first:])
     joints = slots(like)
+    joined = together(arm, joints)
     cycles, n = plan.shapes.shape[1], plan.shapes.shape[2]
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
@@ -164,7 +165,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
         )
         for j in range(n):
             trace(watch, results, joints[j], states[j], loop.voltages[j], first, j, k)
-        advance(arm, joints, states, loop.drives, loop.waves, around, h, timing.steps)
+        advance(arm, joined, states, loop.drives, loop.waves, around, h, timing.steps)
         for j in range(n):
             note_divergence(states[j], course, k)
     note_totals(watch, results, states, course, first, n)

@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 from layflat.jit import law
 from layflat.lanes import select
-from layflat.physics.chamber import Chamber, air_mass, energy, pressure_after_swelling, temperature_both_ways, wall_heat
+from layflat.physics.chamber import Chamber, air_mass, energy, pressure_after_swelling, temperature_and_roots, wall_heat
 from layflat.physics.flow import root_temperature
 from layflat.physics.friction.box import brake_one
 from layflat.physics.valves import chamber_flow
@@ -190,7 +190,7 @@ def exchange_gas(joint, state, travel, asked, air, shares, h):
 
     `asked` is the set-point that its valve goes for, Pa.
     """
-    p_a, supply = air.ambient_pressure, root_temperature(air.temperature, 1.0 / air.temperature)
+    p_a, supply = air.ambient_pressure, root_temperature(air.temperature)
     s = state.set_point + shares.set_point * (asked - state.set_point)
     C_in, C_out = regulator_conductances(joint.valve, s, state.pressure)
     volume = joint.chamber.dead_volume + joint.torque_per_pressure * travel
@@ -198,8 +198,7 @@ def exchange_gas(joint, state, travel, asked, air, shares, h):
     half = 0.5 * (volume - state.volume)
     stored = state.energy - state.pressure * half
     p, stiffness = pressure_after_swelling(joint.chamber, stored, volume, half, state.pressure, p_a)
-    T, per_T = temperature_both_ways(joint.chamber, p, state.mass, volume, p_a)
-    inside = root_temperature(T, per_T)
-    flow, heat, _ = chamber_flow(joint.valve, C_in, C_out, p, inside, air.supply_pressure, supply, p_a)
+    T, roots = temperature_and_roots(joint.chamber, p, state.mass, volume, p_a)
+    flow, heat, _ = chamber_flow(joint.valve, C_in, C_out, p, roots, air.supply_pressure, supply, p_a)
     gained = h * (heat + wall_heat(joint.chamber, T, air.temperature))
     return ChamberState(s, stored - p * half + gained, state.mass + h * flow, volume, p + gained * stiffness)

@@ -192,7 +192,7 @@ def _gas_state(gas, chamber, E, m, p_a):  # noqa: ARG001
 
 @law
 def _air_stream(gas, p, T):  # noqa: ARG001
-    return root_temperature(T, 1.0 / T).per_root, CP * T, p / (GAS_CONSTANT * T), CP
+    return root_temperature(T).per_root, CP * T, p / (GAS_CONSTANT * T), CP
 
 
 @law
