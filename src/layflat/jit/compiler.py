@@ -45,7 +45,7 @@ try:
 
     import layflat.lanes.compiled  # noqa: F401  # it teaches the compiler lanes
     from layflat.jit.garbage import collect_seldom
-    from layflat.jit.inlining import LawCompiler
+    from layflat.jit.libraries import KernelCompiler, LawCompiler
 except (ImportError, AttributeError) as error:
     raise CompilerError(f"numba {version('numba')} lacks what layflat needs of it ({error})") from error
 
@@ -70,7 +70,7 @@ def cached(function: Callable[..., Any], folder: Path | None) -> Any:
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
     try:
-        dispatcher: Any = numba.njit(cache=folder is not None, **STRICT)(function)
+        dispatcher: Any = numba.njit(cache=folder is not None, pipeline_class=KernelCompiler, **STRICT)(function)
     finally:
         config.CACHE_DIR = before
     save = dispatcher._cache.save_overload

@@ -81,7 +81,7 @@ def test_a_changed_law_is_not_served_from_the_cache(tmp_path: Path) -> None:
 def test_a_run_without_the_jit_has_the_same_bits(tmp_path: Path) -> None:
     script = tmp_path / "short_run.py"
     script.write_text(SHORT_RUN)
-    plants = str(Path(__file__).parent / "physics")
+    plants = str(Path(__file__).parents[1] / "physics")
     compiled, interpreted = (python(script, plants, NUMBA_DISABLE_JIT=off) for off in ("0", "1"))
     assert len(compiled) == 25 * 2 * 18 * 8
     assert compiled == interpreted

@@ -1,0 +1,98 @@
+import itertools
+import re
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.jit.ordering import AHEAD, LONG, ordered
+
+OPERATIONS = ("fadd", "fsub", "fmul", "fdiv")
+
+
+def module(body: list[str], end: str = "ret void") -> str:
+    lines = [f"  {line}" for line in (*body, end)]
+    return "\n".join(["define void @run(double %x, ptr %place) {", "begin:", *lines, "}", ""])
+
+
+def chain(name: str, count: int) -> list[str]:
+    links = ["%x", *(f"%{name}{i}" for i in range(count))]
+    return [f"{after} = fmul double {before}, 3.0" for before, after in itertools.pairwise(links)]
+
+
+def body_of(text: str) -> list[str]:
+    return [line.strip() for line in text.split("\n") if line.startswith("  ")]
+
+
+def test_chains_that_stand_one_after_the_other_go_side_by_side() -> None:
+    first, second = chain("a", 100), chain("b", 120)
+    body = body_of(ordered(module([*first, *second])))
+    assert sorted(body) == sorted([*first, *second, "ret void"])
+    assert [line for line in body if line in first] == first
+    assert [line for line in body if line in second] == second
+    # The longer one is what the end waits for.
+    assert body[:100:2] == second[:50]
+    assert body[1:100:2] == first[:50]
+
+
+def test_nothing_goes_far_ahead_of_what_waits() -> None:
+    first, second = chain("a", 2 * AHEAD), chain("b", 3 * AHEAD)
+    body = body_of(ordered(module([*first, *second])))
+    for place, line in enumerate(second):
+        before = body[: body.index(line)]
+        missing = [other for other in first if other not in before]
+        assert not missing or len(first) + place < first.index(missing[0]) + AHEAD
+
+
+def test_short_blocks_stay_as_they_are() -> None:
+    text = module([*chain("a", LONG // 3), *chain("b", LONG // 3)])
+    assert ordered(text) == text
+
+
+def test_numbers_for_names_are_as_good() -> None:
+    body = [f"%{i + 1} = fmul double %{i or 'x'}, 3.0" for i in range(LONG)]
+    found = body_of(ordered(module(body)))
+    assert found[:3] == ["%n1 = fmul double %x, 3.0", "%n2 = fmul double %n1, 3.0", "%n3 = fmul double %n2, 3.0"]
+
+
+def test_a_switch_stays_in_one_piece() -> None:
+    end = "switch i64 0, label %begin [\n    i64 1, label %begin\n  ]"
+    found = ordered(module([*chain("a", LONG), *chain("b", LONG)], end))
+    assert found.endswith(f"  {end}\n}}\n")
+
+
+@st.composite
+def blocks(draw: st.DrawFn) -> list[str]:
+    names, body = ["%x"], list[str]()
+    for i in range(LONG + draw(st.integers(0, 60))):
+        kind = draw(st.sampled_from((*OPERATIONS, "load", "store", "call")))
+        one, other = draw(st.sampled_from(names[-40:])), draw(st.sampled_from(names))
+        if kind == "store":
+            body.append(f"store double {one}, ptr %place")
+        elif kind == "load":
+            body.append(f"%v{i} = load double, ptr %place")
+        elif kind == "call":
+            body.append(f"%v{i} = call double @llvm.sqrt.f64(double {one})")
+        else:
+            body.append(f"%v{i} = {kind} double {one}, {other}")
+        names += [f"%v{i}"] if kind != "store" else []
+    return body
+
+
+@given(blocks())
+def test_what_is_used_stands_before_and_memory_keeps_its_order(block: list[str]) -> None:
+    found = body_of(ordered(module(block)))
+    assert sorted(found) == sorted([*block, "ret void"])
+    made = {"%x", "%place"}
+    for line in found:
+        name, _, rest = line.rpartition(" = ")
+        assert set(re.findall(r"%\w+", rest)) <= made
+        made.add(name)
+    # A load may pass another, but no store.
+    for text in (block, found):
+        assert [line for line in text if "store" in line] == [line for line in block if "store" in line]
+    stores = [-1, *(i for i, line in enumerate(block) if "store" in line), len(block)]
+    for before, after in itertools.pairwise(stores):
+        for load in (line for line in block[before + 1 : after] if "load" in line):
+            where = [found.index(line) for line in found if line == load]
+            count = sum("store" in line for line in found[: where[0]])
+            assert count == sum("store" in line for line in block[: max(before, 0) + 1])
