@@ -13,9 +13,10 @@ from numba.core import event
 from numba.core.errors import TypingError
 
 import layflat
-from layflat.jit import by_kind, cache_folder, kernel, law
+from layflat.jit import by_kind, cache_folder, kernel, law, libraries
 from layflat.jit.cache import forget_stale, included_sources, source_digest, sources
 from layflat.jit.compiler import FITTING, cached
+from layflat.jit.ordering import ordered
 from layflat.lanes import interpreted
 from layflat.physics.arms.planar import OneLink
 from layflat.physics.hose import Stroke
@@ -245,3 +246,19 @@ def test_of_a_law_there_is_no_machine_code() -> None:
     for one, compiled in ((doubled, False), (quadrupled, True)):
         (made,) = one.dispatcher.overloads.values()  # type: ignore[attr-defined]
         assert (made.library.get_pointer_to_function(made.fndesc.llvm_func_name) != 0) == compiled
+
+
+@pytest.mark.skipif(interpreted(), reason="nothing is compiled")
+@pytest.mark.parametrize("text", ["", "nonsense"])
+def test_a_kernel_is_put_in_order_where_llvm_reads_it_again(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = []
+
+    def in_order(module: str) -> str:
+        seen.append(module)
+        return text or ordered(module)
+
+    monkeypatch.setattr(libraries, "ordered", in_order)
+    thrice = cached(lambda x: 3.0 * x, None)
+    assert thrice(2.0) == 6.0
+    assert len(seen) == 1
+    assert "fmul double" in seen[0]

@@ -51,7 +51,20 @@ def test_short_blocks_stay_as_they_are() -> None:
 def test_numbers_for_names_are_as_good() -> None:
     body = [f"%{i + 1} = fmul double %{i or 'x'}, 3.0" for i in range(LONG)]
     found = body_of(ordered(module(body)))
-    assert found[:3] == ["%n1 = fmul double %x, 3.0", "%n2 = fmul double %n1, 3.0", "%n3 = fmul double %n2, 3.0"]
+    assert found[:3] == ["%n0 = fmul double %x, 3.0", "%n1 = fmul double %n0, 3.0", "%n2 = fmul double %n1, 3.0"]
+
+
+def test_names_that_are_there_are_not_given_again() -> None:
+    body = [*chain("n", LONG), *(f"%{i} = fadd double %n1, %x" for i in range(3))]
+    found = body_of(ordered(module(body)))
+    assert [line for line in found if "fadd" in line] == [f"%nn{i} = fadd double %n1, %x" for i in range(3)]
+
+
+def test_long_names_become_short() -> None:
+    name = "long" * 100
+    text = ordered(module([f"%{name} = fmul double %x, 3.0", f"%y = fmul double %{name}, 3.0"], f"br label %{name}s"))
+    assert body_of(text) == ["%n0 = fmul double %x, 3.0", "%y = fmul double %n0, 3.0", "br label %n1"]
+    assert ordered(f"{name}:") == "n0:"
 
 
 def test_a_switch_stays_in_one_piece() -> None:

@@ -10,6 +10,7 @@ A kernel's instructions are put in order once all else is done (see ordering.py)
 # mypy: disable-error-code="no-untyped-call,misc"
 # The compiler's own modules are untyped.
 
+from contextlib import suppress
 from typing import Any
 
 from llvmlite import binding
@@ -45,8 +46,10 @@ class _KernelLibrary(JITCodeLibrary):
     def _optimize_final_module(self) -> None:
         super()._optimize_final_module()
         name = self._final_module.name
-        self._final_module = binding.parse_assembly(ordered(str(self._final_module)))
-        self._final_module.name = name
+        # Text that LLVM can't read again is no loss but of speed.
+        with suppress(RuntimeError):
+            self._final_module = binding.parse_assembly(ordered(str(self._final_module)))
+            self._final_module.name = name
 
 
 class LawCompiler(Compiler):

@@ -9,6 +9,7 @@ far ahead of where the block stands, since the processor would not have the regi
 No instruction changes, hence no bit of a result. All is done on LLVM's text, as llvmlite can't move instructions.
 """
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -32,6 +33,8 @@ _NAMES = re.compile(_NAME)
 _INSTRUCTION = re.compile(rf"  ({_NAME}) = (?:tail )?(\w+)")
 _INTRINSIC = re.compile(r"@llvm\.(fabs|sqrt|floor|minnum|maxnum|minimum|maximum|copysign)\.")
 _SIZE = re.compile(r"<(\d+) x (double|float)>")
+_NUMBER_OR_LONG = r'(\d+(?![\w.$-])|[\w.$-]{200,}|"[^"]{200,}")'
+_UNREADABLE, _UNREADABLE_LABEL = re.compile(f"(%){_NUMBER_OR_LONG}"), re.compile(f"^(){_NUMBER_OR_LONG}(?=:)")
 _LABEL = re.compile(r'(?:"[^"]+"|[\w.$-]+):')
 _LEAVES = re.compile(r"  (?:br|switch|ret|unreachable|indirectbr|resume)\b")
 
@@ -49,18 +52,26 @@ class Instruction(NamedTuple):
 
 def ordered(module: str) -> str:
     """Return LLVM's text of a module with the instructions of its long blocks in another order."""
-    lines = _named(module.split("\n"))
+    lines = _named(module)
     for first, last in _blocks(lines):
         if last - first >= LONG:
             lines[first:last] = _scheduled(lines[first:last])
     return "\n".join(lines)
 
 
-def _named(lines: list[str]) -> list[str]:
-    # What has a number for a name has to stand in order.
-    inside = [line.startswith("  ") for line in lines]
-    lines = [re.sub(r"%(\d+)\b", r"%n\1", line) if body else line for line, body in zip(lines, inside, strict=True)]
-    return [re.sub(r"^(\d+):", r"n\1:", line) for line in lines]
+def _named(module: str) -> list[str]:
+    # Lines in which nothing has a number for a name, which would have to stand in order, nor a name that is too long to
+    # be read again.
+    letters = next(name for name in ("n" * count for count in itertools.count(1)) if f"%{name}" not in module)
+    short: dict[str, str] = {}
+
+    def renamed(found: re.Match[str]) -> str:
+        return found[1] + short.setdefault(found[2], f"{letters}{len(short)}")
+
+    return [
+        _UNREADABLE.sub(renamed, line) if line.startswith(("  ", "define")) else _UNREADABLE_LABEL.sub(renamed, line)
+        for line in module.split("\n")
+    ]
 
 
 def _blocks(lines: Sequence[str]) -> Iterator[tuple[int, int]]:

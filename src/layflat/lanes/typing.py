@@ -42,6 +42,17 @@ class _Vector(models.PrimitiveModel):
     def __init__(self, manager: Any, lanes: LanesType) -> None:
         leaf = manager.lookup(lanes.leaf).get_value_type()
         super().__init__(manager, lanes, ir.VectorType(leaf, lanes.count))
+        # A list aligns its items to 16 bytes at most; a vector would want more, but not in a packed structure.
+        self._stored = ir.LiteralStructType([self.get_value_type()], packed=True)
+
+    def get_data_type(self) -> Any:
+        return self._stored
+
+    def as_data(self, builder: Any, value: Any) -> Any:
+        return builder.insert_value(ir.Constant(self._stored, ir.Undefined), value, 0)
+
+    def from_data(self, builder: Any, value: Any) -> Any:
+        return builder.extract_value(value, 0)
 
 
 def width_in(context: Any, block: Any) -> int:

@@ -146,22 +146,29 @@ def advance_many(arm, all_joints, states, drives, waves, around, h, n):
 
 _TOGETHER = {1: _only, 2: _both}
 _ADVANCES = {1: advance_one, 2: advance_two}
+_together = ARMS.law(lambda laws: _TOGETHER.get(laws.joints, _all))
 _advance = ARMS.law(lambda laws: _ADVANCES.get(laws.joints, advance_many))
 
-together = ARMS.law(lambda laws: _TOGETHER.get(laws.joints, _all))
-"""All joints of an arm (slots) as `advance` takes them, found once for all its calls: `together(arm, joints)`."""
+
+def _together_inlined(arm, joints):
+    """All joints of an arm (slots) as `advance` takes them: found once for all its calls."""
+    return _together(arm, joints)
 
 
 def _inlined(arm, joints, states, drives, waves, around, h, n):
-    """Advance an arm of any kind, in place: states and waves are slots with an item a joint; see `together`."""
+    """Advance an arm of any kind, in place: joints `together`; states and waves are slots with an item a joint."""
     _advance(arm, joints, states, drives, waves, around, h, n)
 
 
 @kernel
 def _advanced(arm, joints, states, drives, waves, around, h, n):
     after, wave = slots(states), slots(waves)
-    _advance(arm, joints, after, slots(drives), wave, around, h, n)
+    _advance(arm, _together(arm, slots(joints)), after, slots(drives), wave, around, h, n)
     return gather(states, after), gather(states, wave)
+
+
+def _as_they_are(arm, joints):  # noqa: ARG001  (as what is inlined)
+    return tuple(joints)
 
 
 def _from_python(arm, joints, states, drives, waves, around, h, n):
@@ -169,4 +176,5 @@ def _from_python(arm, joints, states, drives, waves, around, h, n):
     states[:], waves[:] = _advanced(arm, joints, tuple(states), tuple(drives), tuple(waves), around, h, n)
 
 
+together = Law(_together_inlined, _as_they_are)
 advance = Law(_inlined, _from_python)
