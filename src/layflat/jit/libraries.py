@@ -45,10 +45,13 @@ class _LawLibrary(JITCodeLibrary):
 class _KernelLibrary(JITCodeLibrary):
     def _optimize_final_module(self) -> None:
         super()._optimize_final_module()
-        name = self._final_module.name
+        name, text = self._final_module.name, str(self._final_module)
+        in_order = ordered(text)
+        if in_order == text:
+            return
         # Text that LLVM can't read again is no loss but of speed.
         with suppress(RuntimeError):
-            self._final_module = binding.parse_assembly(ordered(str(self._final_module)))
+            self._final_module = binding.parse_assembly(in_order)
             self._final_module.name = name
 
 

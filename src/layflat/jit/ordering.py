@@ -51,11 +51,11 @@ class Instruction(NamedTuple):
 
 
 def ordered(module: str) -> str:
-    """Return LLVM's text of a module with the instructions of its long blocks in another order."""
-    lines = _named(module)
-    for first, last in _blocks(lines):
-        if last - first >= LONG:
-            lines[first:last] = _scheduled(lines[first:last])
+    """Return LLVM's text of a module with the instructions of its long blocks in order; where it has none, as it is."""
+    blocks = [(first, last) for first, last in _blocks(module.split("\n")) if last - first >= LONG]
+    lines = _named(module) if blocks else [module]
+    for first, last in blocks:
+        lines[first:last] = _scheduled(lines[first:last])
     return "\n".join(lines)
 
 
