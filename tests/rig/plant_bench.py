@@ -11,7 +11,7 @@ from layflat.jit import kernel
 from layflat.machine import Machine, parameters
 from layflat.physics.delay import NOTHING_ASKED, delayed
 from layflat.physics.joint import Drive, joint_at_rest
-from layflat.physics.plant import advance
+from layflat.physics.plant import advance, together
 from layflat.physics.sensor import read_sensor
 from layflat.physics.step import STEP
 from layflat.physics.valves import commanded_opening, start_wave
@@ -36,7 +36,7 @@ def through_a_cycle(arm, joints, states, lines, around, voltages, held, brakes, 
         opening, lines[j] = delayed(lines[j], asked, joints[j].valve.delay / cycle)
         drives[j] = Drive(held[j] if stuck else opening, brakes[j], load[j], around.supply_pressure)
         waves[j] = start_wave(joints[j].valve, 0.0 if stuck else cycle * k, 0.0 if stuck else h)
-    advance(arm, joints, states, drives, waves, around, h, steps)
+    advance(arm, together(arm, joints), states, drives, waves, around, h, steps)
     return states, lines
 
 
