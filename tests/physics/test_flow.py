@@ -1,4 +1,5 @@
-from math import sqrt
+from fractions import Fraction
+from math import inf, sqrt
 
 import numpy as np
 import pytest
@@ -33,6 +34,19 @@ def test_choked_flow_depends_on_upstream_alone(p: float, ratio: float, T: float)
 def test_subsonic_flow_is_the_ellipse_of_iso_6358(p: float, ratio: float) -> None:
     ellipse = sqrt(max(1 - ((ratio - B) / (1 - B)) ** 2, 0.0))
     assert effective_pressure(p, ratio * p, B, SLOPE) == pytest.approx(p * ellipse, rel=1e-9)
+
+
+@given(pressures, st.floats(1.0, 3.0))
+def test_nothing_is_driven_against_a_higher_pressure(p: float, ratio: float) -> None:
+    assert effective_pressure(p, ratio * p, B, SLOPE) == 0.0
+
+
+@given(pressures, st.floats(1e-9, 1e-4))
+def test_the_ellipse_loses_no_digits_next_to_equal_pressures(p: float, share: float) -> None:
+    p_2 = p * (1.0 - share)
+    D = (Fraction(p) - Fraction(p_2)) / (1 - Fraction(B))
+    exact = sqrt(Fraction(p) ** 2 - (Fraction(p) - D) ** 2)
+    assert effective_pressure(p, p_2, B, inf) == pytest.approx(exact, rel=1e-14)
 
 
 @given(pressures, st.floats(LAMINAR_RATIO, 1.0))

@@ -32,6 +32,7 @@ _NAME = r'%(?:"[^"]+"|[\w.$-]+)'
 _NAMES = re.compile(_NAME)
 _INSTRUCTION = re.compile(rf"  ({_NAME}) = (?:tail )?(\w+)")
 _INTRINSIC = re.compile(r"@llvm\.(fabs|sqrt|floor|minnum|maxnum|minimum|maximum|copysign)\.")
+_LOAD = re.compile(r" = load (?!atomic|volatile)")
 _SIZE = re.compile(r"<(\d+) x (double|float)>")
 _NUMBER_OR_LONG = r'(\d+(?![\w.$-])|[\w.$-]{200,}|"[^"]{200,}")'
 _UNREADABLE, _UNREADABLE_LABEL = re.compile(f"(%){_NUMBER_OR_LONG}"), re.compile(f"^(){_NUMBER_OR_LONG}(?=:)")
@@ -91,7 +92,7 @@ def _instruction(line: str) -> Instruction:
     size = _SIZE.search(line)
     bits = int(size[1]) * (64 if size[2] == "double" else 32) if size else 64
     latency = LATENCY.get(intrinsic[1] if intrinsic else operation, 1)
-    pure, reads = bool(intrinsic) or operation in PURE, operation == "load"
+    pure, reads = bool(intrinsic) or operation in PURE, _LOAD.search(line) is not None
     return Instruction(line, name, latency, max(bits, 256) / AT_ONCE, reads, not pure and not reads)
 
 

@@ -21,6 +21,7 @@ from layflat.physics.air import CV, GAMMA, GAS_CONSTANT, REFERENCE_TEMPERATURE
 from layflat.physics.flow import RootTemperature
 
 ROOT = sqrt(GAS_CONSTANT * REFERENCE_TEMPERATURE)
+"""Of pressure times volume over mass at the reference temperature, m/s."""
 
 
 class Chamber(NamedTuple):

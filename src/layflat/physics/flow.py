@@ -8,6 +8,7 @@
 | T_1 | temperature upstream | K |
 | r | pressure ratio p_2/p_1 | 1 |
 | phi | flow relative to choked flow | 1 |
+| D | drop of pressure over 1 - b, p_1 at most | Pa |
 | s | slope of phi next to r = 1 | 1 |
 | T0 | reference temperature | K |
 | C_d | discharge coefficient: choked flow over that of a frictionless nozzle as large | 1 |
@@ -64,8 +65,8 @@ def laminar_slope(b):
 
 @law
 def _driving(p_1, drop, b, s):
-    # `effective_pressure`, from p_1 and the drop of pressure. With D = drop/(1 - b), and p_1 where that is choked, the
-    # ellipse p_1^2 - (p_1 - D)^2 is D (2 p_1 - D), which loses no digits next to r = 1.
+    # `effective_pressure`, from p_1 and the drop of pressure. Where it is choked D is p_1. The ellipse is
+    # p_1^2 - (p_1 - D)^2; as a product it loses no digits next to r = 1.
     D = min(drop * (1.0 / (1.0 - b)), p_1)
     return min(sqrt(D * (2.0 * p_1 - D)), s * drop)
 
