@@ -1,10 +1,11 @@
 import itertools
 import re
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.jit.ordering import AHEAD, LONG, ordered
+from layflat.jit.ordering import AHEAD, LONG, LONGEST, ordered
 
 OPERATIONS = ("fadd", "fsub", "fmul", "fdiv")
 
@@ -43,8 +44,9 @@ def test_nothing_goes_far_ahead_of_what_waits() -> None:
         assert not missing or len(first) + place < first.index(missing[0]) + AHEAD
 
 
-def test_short_blocks_stay_as_they_are() -> None:
-    text = module([*chain("a", LONG // 3), *chain("b", LONG // 3)])
+@pytest.mark.parametrize("count", [LONG // 3, LONGEST])
+def test_short_blocks_and_very_long_ones_stay_as_they_are(count: int) -> None:
+    text = module([*chain("a", count), *chain("b", count)])
     assert ordered(text) == text
 
 

@@ -14,8 +14,11 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-LONG = 200
-"""Instructions from which on a block is worth it: a step of the plant has 400, what is done once a cycle up to 150."""
+LONG, LONGEST = 200, 800
+"""Instructions of blocks that are worth it: a step of two joints has 400, what is done once a cycle up to 150.
+
+A step of four joints in space has more, and so much to keep that it took a sixth longer in order than as it stood.
+"""
 
 AHEAD = 150  # instructions, of the first that waits
 AT_ONCE = 1024  # bits that are begun in a cycle: four registers of AVX2
@@ -53,7 +56,7 @@ class Instruction(NamedTuple):
 
 def ordered(module: str) -> str:
     """Return LLVM's text of a module with the instructions of its long blocks in order; where it has none, as it is."""
-    blocks = [(first, last) for first, last in _blocks(module.split("\n")) if last - first >= LONG]
+    blocks = [(first, last) for first, last in _blocks(module.split("\n")) if LONG <= last - first <= LONGEST]
     lines = _named(module) if blocks else [module]
     for first, last in blocks:
         lines[first:last] = _scheduled(lines[first:last])
