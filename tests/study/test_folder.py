@@ -102,7 +102,7 @@ def test_other_laws_or_chunks_are_refused(tmp_path: Path, study: Study) -> None:
     run(study, tmp_path / "out")
     with pytest.raises(ChangedError) as caught:
         run(study, tmp_path / "out", chunk=8)
-    assert caught.value.differences == ["chunk: 512 -> 8"]
+    assert caught.value.differences == ["chunk: 4096 -> 8"]
     path = tmp_path / "out" / "study.json"
     held = json.loads(path.read_text(encoding="utf-8"))
     assert held["machine"]["joint"]["small"]["brake"]["torque"] == "2.2 N*m"

@@ -32,7 +32,7 @@ def test_a_row_is_the_run_that_it_names(tmp_path: Path) -> None:
     assert row["scenario.payload"] == 1.0
     machine = changed(study.machine, "joint.small.brake.torque", row["joint.small.brake.torque"])
     machine = changed(machine, "arm.payload", row["scenario.payload"])
-    alone = ensemble(machine, study.scenarios[0])
+    alone = ensemble(machine, study.scenarios[0], precision=study.precision)
     assert float(alone["air_used"][0]) == row["air_used"]
     assert len(set(found["air_used"])) == 24
 
@@ -112,3 +112,12 @@ def test_progress_counts_up_to_all(tmp_path: Path) -> None:
 def test_there_is_no_table_where_no_study_was(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds no table of a study"):
         table(tmp_path)
+
+
+def test_a_device_that_is_none_is_told_before_any_work(tmp_path: Path) -> None:
+    study = read(written(tmp_path))
+    with pytest.raises(InputError, match='device: \'tpu\' is not a device; use "cpu" or "cuda"'):
+        run(study, tmp_path / "out", device="tpu")
+    with pytest.raises(InputError, match="--device: a cluster works on its processors; leave out --scheduler"):
+        run(study, tmp_path / "out", device="cuda", scheduler="tcp://127.0.0.1:1")
+    assert not (tmp_path / "out").exists()

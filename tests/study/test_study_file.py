@@ -100,6 +100,7 @@ def test_what_varies_takes_the_place_of_a_constant_but_not_of_steps(tmp_path: Pa
         ('low = "0 N m"', 'values = ["1 N m"]\nlow = "0 N m"', "torque.high: stands beside values; give one or the other"),  # noqa: E501
         ("points = 6", "", "torque.points: is missing; say how many points the grid has"),
         ("points = 6", "points = 1", "torque.points: 1 is out of range; give at least 2"),
+        ('sampling = "grid"', 'precision = "half"', "precision: 'half' is not known; give 'double' or 'single'"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_named_in_one_line(tmp_path: Path, old: str, new: str, expected: str) -> None:
@@ -147,6 +148,17 @@ def test_scenarios_need_names_of_their_own(tmp_path: Path) -> None:
 def test_noise_seeds_without_noise(tmp_path: Path) -> None:
     text = SMALL.replace("[scenario]", "noise_seeds = 2\n[scenario]\nnoise = false")
     assert "noise_seeds: has no effect on runs without noise" in refused(tmp_path, text)
+
+
+def test_single_precision_is_for_short_runs(tmp_path: Path) -> None:
+    assert read(written(tmp_path)).precision == "single"
+    asked = SMALL.replace("[scenario]", 'precision = "double"\n\n[scenario]', 1)
+    assert read(written(tmp_path, asked)).precision == "double"
+    assert read(written(tmp_path, asked)).canonical() != read(written(tmp_path)).canonical()
+    long = SMALL.replace('"0.2 s"', '"61 s"')
+    assert read(written(tmp_path, long)).precision == "double"
+    said = refused(tmp_path, long.replace("[scenario]", 'precision = "single"\n\n[scenario]', 1))
+    assert "precision: single is too coarse for runs of 61 s; leave it out, or say double" in said
 
 
 def test_a_sample_of_nothing(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_every_variant_runs_every_sample(tmp_path: Path) -> None:
     assert list(found["sample"]) == list(range(24)) * 3
     row = found.iloc[24 + 13]
     vary = {key: [row[key]] for key in ("joint.small.brake.torque", "scenario.payload")}
-    alone = ensemble(study.variants[1].machine, study.scenarios[0], vary)
+    alone = ensemble(study.variants[1].machine, study.scenarios[0], vary, precision=study.precision)
     assert float(alone["air_used"][0]) == row["air_used"]
     parts = run(study, tmp_path / "parts", chunk=7, threads=1)
     assert table(tmp_path / "parts").equals(found)

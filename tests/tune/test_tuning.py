@@ -167,6 +167,7 @@ def test_a_verdict_counts_what_never_settles_as_worst() -> None:
         ("paper-arm", {"generations": 0}, "--generations: 0 is out of range; give 1 to 9999"),
         ("paper-arm", {"start": "here"}, "--from: unknown start 'here'; give neutral or current"),
         ("paper-arm", {"seed": -1}, "--seed: -1 is out of range; give 0 to 9999"),
+        ("paper-arm", {"device": "tpu"}, 'device: \'tpu\' is not a device; use "cpu" or "cuda"'),
     ],
 )
 def test_mistakes_are_told_before_any_work(given: str, options: dict[str, int], expected: str, tmp_path: Path) -> None:

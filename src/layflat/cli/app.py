@@ -73,6 +73,7 @@ def options(
 
 MachineName = Annotated[str, typer.Argument(metavar="NAME|FILE", help="built-in machine or description file")]
 Out = Annotated[Path, typer.Option("--out", "-o", metavar="DIR", help="folder for the results")]
+Device = Annotated[str, typer.Option(metavar="cpu|cuda", help="that makes the runs; cuda needs the extra `gpu`")]
 Seed = Annotated[int, typer.Option(min=0, max=2**32 - 1, help="of the random numbers; the same seed gives the same")]
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import WIDTH, app, print_table
+from layflat.cli.app import WIDTH, Device, app, print_table
 from layflat.cli.bars import steps_bar
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ def study(
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="of a Dask cluster that does the work")
     ] = None,
+    device: Device = "cpu",
 ) -> None:
     """Run a parameter study; needs the extra `study`.
 
@@ -50,7 +51,7 @@ def study(
     place = out or Path("build/study") / described.name
     try:
         with steps_bar("runs") as advance:
-            path = run(described, place, scheduler=scheduler, progress=advance)
+            path = run(described, place, scheduler=scheduler, device=device, progress=advance)
     except ChangedError as error:
         typer.echo(f"layflat: {error}", err=True)
         for line in error.differences:

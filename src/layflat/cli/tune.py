@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from layflat.cli.app import WIDTH, MachineName, Out, app, print_table
+from layflat.cli.app import WIDTH, Device, MachineName, Out, app, print_table
 from layflat.cli.bars import steps_bar
 from layflat.errors import StoppedError
 
@@ -28,6 +28,7 @@ def tune(
         str, typer.Option(metavar="cloud", help="conditions with every machine that the paper allows, not one alone")
     ] = "",
     seed: Annotated[int, typer.Option(help="of the search; the same seed finds the same")] = 1,
+    device: Device = "cpu",
     out: Out = Path("build/tune"),
 ) -> None:
     """Tune a controller: gains of the paper's, settings of the tracking one; needs the extra `tune`.
@@ -41,7 +42,9 @@ def tune(
     from layflat.tune import begin  # noqa: PLC0415
     from layflat.tune.validation import fresh, validate, warnings  # noqa: PLC0415
 
-    tuning = begin(machine, out, method=method, start=start, seed=seed, generations=generations, over=over)
+    tuning = begin(
+        machine, out, method=method, start=start, seed=seed, generations=generations, over=over, device=device
+    )
     from layflat.tune.page import figures_of, write_page  # noqa: PLC0415  # figures; what is asked was checked before
 
     with steps_bar("generations", tuning.generations) as advance:

@@ -9,7 +9,7 @@ are the ones that are accepted.
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
@@ -67,10 +67,15 @@ def inlined(function: Callable[..., Any]) -> Any:
 
 def cached(function: Callable[..., Any], folder: Path | None) -> Any:
     """Compile a kernel, and keep its machine code in a folder where there is one."""
+    return _kept(partial(numba.njit, pipeline_class=KernelCompiler, **STRICT), function, folder)
+
+
+def _kept(compiler: Callable[..., Any], function: Callable[..., Any], folder: Path | None) -> Any:
+    """A function for a compiler, which keeps its machine code in a folder where there is one."""
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder or "")
     try:
-        dispatcher: Any = numba.njit(cache=folder is not None, pipeline_class=KernelCompiler, **STRICT)(function)
+        dispatcher: Any = compiler(cache=folder is not None)(function)
     finally:
         config.CACHE_DIR = before
     save = dispatcher._cache.save_overload
@@ -89,13 +94,18 @@ def dispatcher_type(dispatcher: Any) -> Any:
     return types.Dispatcher(dispatcher)
 
 
-def device_kernel(function: Callable[..., Any]) -> Any:
-    """Compile a function that the threads of a CUDA device run. It may call laws, and what `on_device` gives."""
-    if not config.ENABLE_CUDASIM:
-        extending: Any = import_module("numba.cuda.extending")
-        extending.typeof_impl.register(Law)(lambda law, _: on_device(law)._numba_type_)
-        extending.typeof_impl.register(ByKind)(lambda choice, _: _Choice(choice.kinds, _device_type))
-    return import_module("numba.cuda").jit(function)
+def device_kernel(function: Callable[..., Any], folder: Path | None = None) -> Any:
+    """Compile a function that the threads of a CUDA device run, and keep its machine code in a folder.
+
+    It may call laws, and what `on_device` gives.
+    """
+    cuda: Any = import_module("numba.cuda")
+    if config.ENABLE_CUDASIM:
+        return cuda.jit(function)
+    extending: Any = import_module("numba.cuda.extending")
+    extending.typeof_impl.register(Law)(lambda law, _: on_device(law)._numba_type_)
+    extending.typeof_impl.register(ByKind)(lambda choice, _: _Choice(choice.kinds, _device_type))
+    return _kept(cuda.jit, function, folder)
 
 
 @cache

@@ -73,9 +73,10 @@ def _intrinsic(builder: Any, name: str, value: Any) -> Any:
     if "nvptx" not in builder.module.triple:
         return _call(builder, f"llvm.{name}.v{value.type.count}{value.type.element.intrinsic_name}", value)
     # CUDA devices have them in a library, for single numbers.
+    suffix = "f" if isinstance(value.type.element, ir.FloatType) else ""
     for i in range(value.type.count):
         place = ir.Constant(INDEX, i)
-        found = _call(builder, f"__nv_{name}", builder.extract_element(value, place))
+        found = _call(builder, f"__nv_{name}{suffix}", builder.extract_element(value, place))
         value = builder.insert_element(value, found, place)
     return value
 
@@ -121,6 +122,13 @@ def _shuffled(builder: Any, first: Any, second: Any, start: int, count: int) -> 
     return builder.shuffle_vector(first, second, picked)
 
 
+def _taken(builder: Any, kind: Any, value: Any, start: int) -> Any:
+    # Those of some lanes that make up lanes of a kind, or a number, from the one numbered `start`.
+    if isinstance(kind, LanesType):
+        return _shuffled(builder, value, value, start, kind.count)
+    return builder.extract_element(value, ir.Constant(INDEX, start))
+
+
 @lower_builtin(lanes.join, types.Any, types.Any)
 def _join(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _join_leaf(context, builder, sig.return_type, sig.args, args)
@@ -152,9 +160,7 @@ def _half_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int) 
         return context.make_tuple(builder, half_type(joined), leaves)
     if not isinstance(joined, LanesType):
         return value
-    if joined.count == 2:
-        return builder.extract_element(value, ir.Constant(INDEX, which))
-    return _shuffled(builder, value, value, which * joined.count // 2, joined.count // 2)
+    return _taken(builder, half_type(joined), value, which * joined.count // 2)
 
 
 @lower_builtin(lanes.abreast, types.UniTuple)
@@ -197,10 +203,7 @@ def _part_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int, 
         return context.make_tuple(builder, part_type(joined, count), leaves)
     if count == 1:
         return value
-    size = size_of_part(joined.count, count)
-    if size == 1:
-        return builder.extract_element(value, ir.Constant(INDEX, which))
-    return _shuffled(builder, value, value, which * size, size)
+    return _taken(builder, part_type(joined, count), value, which * size_of_part(joined.count, count))
 
 
 @lower_builtin(lanes.sums_up_to, types.Any, types.BaseTuple)

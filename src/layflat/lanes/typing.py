@@ -66,8 +66,11 @@ def number_in(kind: Any) -> Any:
 
 
 def lanes_type(count: int, number: Any) -> Any:
-    """Type of so many numbers side by side; one is a plain number."""
-    return LanesType(number, count) if count > 1 else number
+    """Type of so many numbers side by side; one is a plain number.
+
+    Not in single precision: next to any literal, the compiler would make a double of it.
+    """
+    return LanesType(number, count) if count > 1 or number == types.float32 else number
 
 
 def joined_type(first: Any, second: Any) -> Any:

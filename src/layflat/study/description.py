@@ -147,6 +147,7 @@ class StudyFile(Part):
     noise_seeds: Annotated[int, Field(ge=1)] = 1
     metrics: tuple[str, ...] | None = None
     step: u.Time | None = None
+    precision: Literal["double", "single"] | None = None
     band: u.PositiveAngle | None = None
     tip_band: u.Length | None = None
     scenario: Annotated[tuple[ScenarioTable, ...], Field(min_length=1)]

@@ -17,6 +17,7 @@ from layflat.extras import require
 from layflat.jit.cache import source_digest
 from layflat.sim.ensemble import ensemble
 from layflat.sim.ensemble import kernel as ensemble_kernel
+from layflat.sim.ensemble.parallel import check_device
 from layflat.study.folder import Folder
 from layflat.study.sampling import rows, samples
 from layflat.study.study import Study
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     import pyarrow
     import xarray
 
-CHUNK = 512  # runs that are kept together: what is lost at most when a study is stopped
+CHUNKS = {"cpu": 4096, "cuda": 65536}
+"""Runs that a device works on at once and that are kept together: what is lost at most when a study is stopped."""
 
 Progress = Callable[[int, int], None]
 Work = Iterable[tuple[int, dict[str, Array]]]  # numbers of chunks, and their runs
@@ -37,9 +39,10 @@ def run(
     out: str | Path,
     *,
     scheduler: str | None = None,
+    device: str = "cpu",
     progress: Progress | None = None,
     threads: int | None = None,
-    chunk: int = CHUNK,
+    chunk: int | None = None,
 ) -> Path:
     """Run a study, or what is left of it where it was stopped before.
 
@@ -47,9 +50,10 @@ def run(
         study: what to run.
         out: folder for the results; new, empty, or of the same study.
         scheduler: address of a Dask cluster's scheduler that does the work, such as "tcp://10.0.0.1:8786".
+        device: that makes the runs here, "cpu" or "cuda".
         progress: is called with the runs done so far, and with how many there are.
         threads: how many work at a time here; default: one a core.
-        chunk: runs that are kept together.
+        chunk: runs that are kept together; default: as suits the device.
 
     Returns:
         The table's file: rows in order, the same whatever did the work and how often it was stopped.
@@ -57,10 +61,14 @@ def run(
     Raises:
         ChangedError: the folder holds another study.
         OutputError: the folder can't be used, or the disk is too full.
-        InputError: no cluster answers, or a part that is needed is not installed.
+        InputError: no cluster answers, the device can't be used, or a part that is needed is not installed.
         StoppedError: the user stopped it (Ctrl-C); the same call goes on.
     """
     require("study", "pyarrow", where="study")
+    if scheduler is not None and device != "cpu":
+        raise InputError("a cluster works on its processors", where="--device", right="leave out --scheduler")
+    check_device(device)
+    chunk = CHUNKS[device] if chunk is None else chunk
     if chunk < 1:
         raise InputError(f"{chunk} is out of range", where="chunk", right="give 1 or more")
     folder = Folder(Path(out), ceil(study.rows / chunk))
@@ -69,7 +77,7 @@ def run(
     if not study.fits:
         what = f"{study.samples:,} samples are more than can be held in memory"
         raise InputError(what, where=study.file.name, right="give fewer, or divide it into several studies")
-    with folder.opened(_content(study, chunk)):
+    with folder.opened(_content(study, chunk, device)):
         done = folder.done()
         ran = sum(done.values())
 
@@ -83,7 +91,11 @@ def run(
         if len(done) < folder.chunks:
             work = _work(study, chunk, [number for number in range(folder.chunks) if number not in done])
             try:
-                with closing(_tables(study, work, scheduler, threads, tell)) as tables:
+                if scheduler is None:
+                    tables = ((number, measured(study, runs, device, threads, tell)) for number, runs in work)
+                else:
+                    tables = _on_cluster(study, work, scheduler, tell)
+                with closing(tables):
                     for number, table in tables:
                         folder.keep(number, table)
             except KeyboardInterrupt:
@@ -93,29 +105,27 @@ def run(
         return folder.table if folder.table.exists() else folder.join()
 
 
-def finished(study: Study, out: str | Path, *, chunk: int = CHUNK) -> bool:
+def finished(study: Study, out: str | Path, *, chunk: int | None = None) -> bool:
     """Return whether a folder holds the whole table of this very study, made with what is installed here."""
-    folder = Folder(Path(out), ceil(study.rows / chunk))
-    return folder.table.exists() and folder.holds(_content(study, chunk))
+    folder = Folder(Path(out), 1)
+    contents = (_content(study, chunk or usual, device) for device, usual in CHUNKS.items())
+    return folder.table.exists() and any(map(folder.holds, contents))
 
 
-def _content(study: Study, chunk: int) -> dict[str, Any]:
+def _content(study: Study, chunk: int, device: str) -> dict[str, Any]:
     """All that decides about the last bit of a study's files."""
-    return {**study.canonical(), "chunk": chunk, "made_with": made_with(study)}
+    return {**study.canonical(), "chunk": chunk, "device": device, "made_with": made_with(study)}
 
 
-def _tables(
-    study: Study, work: Work, scheduler: str | None, threads: int | None, tell: Callable[[int], None]
+def _on_cluster(
+    study: Study, work: Work, scheduler: str, tell: Callable[[int], None]
 ) -> "Generator[tuple[int, pyarrow.Table]]":
-    if scheduler is not None:
-        from layflat.study.cluster import on_cluster  # noqa: PLC0415
+    """Chunks as they get done on a cluster, in any order."""
+    from layflat.study.cluster import on_cluster  # noqa: PLC0415
 
-        for number, table in on_cluster(study, work, scheduler):
-            yield number, table
-            tell(table.num_rows)
-        return
-    for number, runs in work:
-        yield number, measured(study, runs, threads, tell)
+    for number, table in on_cluster(study, work, scheduler):
+        yield number, table
+        tell(table.num_rows)
 
 
 def _work(study: Study, chunk: int, left: Iterable[int]) -> Work:
@@ -136,7 +146,11 @@ def made_with(study: Study) -> dict[str, str]:
 
 
 def measured(
-    study: Study, runs: dict[str, Array], threads: int | None = None, progress: Callable[[int], None] | None = None
+    study: Study,
+    runs: dict[str, Array],
+    device: str = "cpu",
+    threads: int | None = None,
+    progress: Callable[[int], None] | None = None,
 ) -> "pyarrow.Table":
     """Simulate rows of a study; every column has its unit in its metadata."""
     import pyarrow  # noqa: PLC0415
@@ -145,20 +159,18 @@ def measured(
     for number in np.unique(runs["variant"]):  # rows come variant by variant
         own = np.flatnonzero(runs["variant"] == number)
         rows = {key: values[own] for key, values in runs.items()}
-        parts.append(_of_one_machine(study, int(number), rows, threads, progress))
+        parts.append(_of_one_machine(study, int(number), rows, device=device, threads=threads, progress=progress))
     return pyarrow.concat_tables(parts)
 
 
-def _of_one_machine(
-    study: Study, number: int, runs: dict[str, Array], threads: int | None, progress: Callable[[int], None] | None
-) -> "pyarrow.Table":
+def _of_one_machine(study: Study, number: int, runs: dict[str, Array], **how: Any) -> "pyarrow.Table":
     import pyarrow  # noqa: PLC0415
 
     variant = study.variants[number]
     vary: dict[str, Array] = {key: runs[key] for key in ("scenario", "seed")}
     vary |= applied(study.varied, runs, variant.machine)
     (band, tip_band), given = study.bands, (variant.machine, study.scenarios, vary)
-    data = ensemble(*given, step=study.step, band=band, tip_band=tip_band, threads=threads, progress=progress)
+    data = ensemble(*given, step=study.step, precision=study.precision, band=band, tip_band=tip_band, **how)
     names = np.array(study.scenario_names)[runs["scenario"].astype(int)]
     columns = [
         *([("variant", np.full(len(names), variant.name), "1")] if variant.name else []),

@@ -12,7 +12,7 @@ from layflat.errors import InputError
 from layflat.machine import Machine
 from layflat.sim import STEP, Scenario
 from layflat.sim.ensemble.cases import cases
-from layflat.sim.ensemble.parallel import TIP_BAND
+from layflat.sim.ensemble.parallel import LONGEST_SINGLE, TIP_BAND
 from layflat.sim.metrics import BAND
 from layflat.study.check import check
 from layflat.study.description import ScenarioTable, StudyFile, explained_study, refuse
@@ -76,6 +76,11 @@ class Study:
         return self.file.step or STEP
 
     @property
+    def precision(self) -> str:
+        """In which the runs are computed: single unless the file asks for another or they last too long for it."""
+        return self.file.precision or ("single" if _lasting(self.file) <= LONGEST_SINGLE else "double")
+
+    @property
     def columns(self) -> int:
         """Of the table, at most: every metric of every joint in every move."""
         each = cases(self.machine, list(self.scenarios), {}, 1).most_moves * len(self.machine.joints)
@@ -95,7 +100,8 @@ class Study:
         """All that decides about the table, in SI units: equal for files that say the same in other words."""
         apart = {"vary", "machine", "metrics", "variant"}
         written = self.file.model_dump(mode="json", exclude_none=True, exclude=apart)
-        written |= {"metrics": list(self.metrics), "vary": {one.path: one.canonical() for one in self.varied}}
+        written |= {"metrics": list(self.metrics), "precision": self.precision}
+        written |= {"vary": {one.path: one.canonical() for one in self.varied}}
         # What the files of kinds hold counts, not where they are: see `made_with`.
         machines = {one.name: one.machine.model_dump(mode="json", exclude={"kinds"}) for one in self.variants}
         return {"study": written, **({"variant": machines} if self.file.variant else {"machine": machines[""]})}
@@ -151,6 +157,11 @@ def check_samples(study: Study, where: str) -> None:
         check(one.machine, study.scenarios, applied(study.varied, drawn, one.machine), study.step, where, along)
 
 
+def _lasting(file: StudyFile) -> float:
+    """How long its longest runs are, s."""
+    return max(table.duration for table in file.scenario)
+
+
 def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None:
     paths = [path for one in varied for path in one.paths]
     twice = [path for i, path in enumerate(paths) if path in paths[:i]]
@@ -160,8 +171,10 @@ def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None
     odd = file.sampling in {"sobol", "saltelli"} and count.bit_count() != 1
     balanced = f"Sobol points are balanced in powers of two: give {above // 2} or {above}"
     noisy = all(table.noise for table in file.scenario)
+    coarse = file.precision == "single" and _lasting(file) > LONGEST_SINGLE
     refuse(
         f"{where}: ",
+        (coarse, "precision", f"single is too coarse for runs of {_lasting(file):g} s; leave it out, or say double"),
         (file.noise_seeds > 1 and not noisy, "noise_seeds", "has no effect on runs without noise; leave it out"),
         (bool(twice), "vary", f"{''.join(twice[:1])} varies twice; vary it once"),
         (drawn and not varied, "vary", 'nothing varies; say what, or use sampling = "grid"'),

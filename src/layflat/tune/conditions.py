@@ -114,6 +114,7 @@ class Conditions:
     # machine is the plant.
     plants: tuple[Machine, ...] = ()
     which: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    device: str = "cpu"  # that makes the runs: see `ensemble`
 
     @property
     def runs(self) -> int:
@@ -127,12 +128,12 @@ class Conditions:
     def simulate(self, machine: Machine, vary: Mapping[str, Array], **options: Any) -> xarray.Dataset:
         """Return what becomes of these runs of so many candidates (see `of`)."""
         if not self.plants:
-            return ensemble(machine, self.scenarios, vary, **options)
+            return ensemble(machine, self.scenarios, vary, device=self.device, **options)
         which = np.tile(self.which, len(vary["seed"]) // self.runs)
         found = []
         for number, plant in enumerate(self.plants):
             own = {path: values[which == number] for path, values in vary.items()}
-            found.append(ensemble(plant, self.scenarios, own, controller=machine, **options))
+            found.append(ensemble(plant, self.scenarios, own, controller=machine, device=self.device, **options))
         order = np.argsort(np.argsort(which, kind="stable"), kind="stable")
         return xarray.concat(found, "run").isel(run=order)
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from layflat.files import check_folder
 from layflat.machine import Machine, load
 from layflat.machine.derived import derived_path, write_derived
 from layflat.machine.members import differing
+from layflat.sim.ensemble.parallel import check_device
 from layflat.tune.conditions import Conditions, Spread, check_carried
 from layflat.tune.knobs import Knob, Part, neutral_values, values_of
 from layflat.tune.laws import tunable
@@ -42,6 +43,7 @@ class Tuning:
     parts: list[Part]  # what is looked for, in order
     path: Path  # where the tuned description is put
     spread: Spread | None = None  # how far conditions may be from nominal; none: as usual
+    device: str = "cpu"  # that makes the runs
     history: list[Found] = field(default_factory=list)  # the best after every generation, the start first
     seconds: float = 0.0  # that the search took, compilation not counted
     stopped: bool = False
@@ -54,7 +56,7 @@ class Tuning:
 
     def meet(self, runs: int, seed: int) -> Conditions:
         """Return so many runs that candidates are judged by."""
-        return self.law.conditions(self.machine, runs, self.spread, seed)
+        return replace(self.law.conditions(self.machine, runs, self.spread, seed), device=self.device)
 
     @property
     def generations(self) -> int:
@@ -84,6 +86,7 @@ class Tuning:
         words += f" --from {self.start}" if self.start != STARTS[0] else ""
         words += " --over cloud" if self.spread is not None else ""
         words += f" --generations {self.generations}" if self.asked is not None else ""
+        words += f" --device {self.device}" if self.device != "cpu" else ""
         return words + (f", stopped after {len(self.history) - 1} generations" if self.stopped else "")
 
     def seek(self, progress: Progress = lambda *_: None) -> None:
@@ -128,6 +131,7 @@ def begin(
     seed: int = 1,
     generations: int | None = None,
     over: str = "",
+    device: str = "cpu",
 ) -> Tuning:
     """Check everything before any work is done.
 
@@ -139,10 +143,11 @@ def begin(
         seed: of the search.
         generations: in all; default: as many as the method needs.
         over: "cloud": conditions have the values of every member of the machine's cloud; default: its own.
+        device: that makes the runs, "cpu" or "cuda".
 
     Raises:
         MachineError: the machine is wrong, or has no controller that can be tuned.
-        InputError: an option is wrong, or cma is not installed.
+        InputError: an option is wrong, cma is not installed, or the device can't be used.
         OutputError: the folder can't be written to.
     """
     base = load(given)
@@ -159,8 +164,9 @@ def begin(
         right = "tune for each member by itself"
         raise InputError("the tracking law is told which machine it has", where="--over", right=right)
     require("tune", "cma", where="tune")
+    check_device(device)
     path = derived_path(given, check_folder(out), "tuned")
     spread = Spread(members=differing(given)) if over else None
-    tuning = Tuning(given, base, machine, law, method, start, seed, generations, wanted, path, spread)
+    tuning = Tuning(given, base, machine, law, method, start, seed, generations, wanted, path, spread, device)
     check_carried(machine, panel(tuning.meet))
     return tuning

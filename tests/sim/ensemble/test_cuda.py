@@ -40,6 +40,14 @@ assert sum(done) == 3, done
 many.to_netcdf(sys.argv[3], engine="h5netcdf")
 """
 
+FOUND = """
+from layflat.sim import Scenario
+from layflat.sim.ensemble import cuda, ensemble
+
+ensemble("paper-small-joint", Scenario(duration="0.1 s"), runs=1, device="cuda")
+print(sum(cuda._kernel(()).stats.cache_hits.values()))
+"""
+
 BY_COMPILER = pytest.mark.skipif(find_spec("numba_cuda") is None, reason="needs the compilers of layflat[gpu]")
 
 
@@ -65,13 +73,14 @@ def test_in_the_simulator_a_thread_is_a_lane(name: str, tmp_path: Path) -> None:
 
 @BY_COMPILER
 @pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "earlier-actuator"])
-def test_the_loop_becomes_machine_code_of_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    cubin, ptx = assembled(name, monkeypatch)
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_the_loop_becomes_machine_code_of_a_device(name: str, precision: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    cubin, ptx = assembled(name, precision, monkeypatch)
     assert len(cubin) > 10_000
     assert re.search(r"^\s*call", ptx, re.MULTILINE) is None, "not every law is inlined"
 
 
-def assembled(name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[bytes, str]:
+def assembled(name: str, precision: str, monkeypatch: pytest.MonkeyPatch) -> tuple[bytes, str]:
     """Machine code and assembly of the kernel for a machine. No device is needed, but one has to be named."""
     nvjitlink = pytest.importorskip("cuda.bindings.nvjitlink")
     compiler: Any = import_module("numba.cuda")
@@ -80,12 +89,14 @@ def assembled(name: str, monkeypatch: pytest.MonkeyPatch) -> tuple[bytes, str]:
     from layflat.sim.ensemble import cuda as ours
     from layflat.sim.ensemble.block import block_of, room_for_results
     from layflat.sim.ensemble.cases import cases
+    from layflat.sim.ensemble.parallel import PRECISIONS
     from layflat.sim.run import timing_of
 
     monkeypatch.setattr("numba.cuda.dispatcher.get_current_device", lambda: SimpleNamespace(compute_capability=(8, 0)))
     machine = load(name)
     opening = None if all(joint.gains for joint in machine.joint.values()) else 0.0
-    prepared = cases(machine, [Scenario(duration="0.1 s", opening=opening)], {"seed": np.arange(3.0)}, None)
+    scenario, vary = Scenario(duration="0.1 s", opening=opening), {"seed": np.arange(3.0)}
+    prepared = cases(machine, [scenario], vary, None, number=PRECISIONS[precision])
     block = block_of(prepared, np.arange(3), (1e-3, 1e-3), room_for_results(prepared, np.array([0]), 1))
     timing = timing_of(prepared.cycle, STEP, 1)
     types = tuple(map(numba.typeof, ours.kernel_arguments(prepared, block, timing)))
@@ -120,6 +131,37 @@ def test_on_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.array_equal(there.settling, here.settling)
     for metric in ("overshoot", "steady_error", "tip_error", "air_used"):
         assert np.allclose(there[metric], here[metric], rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.gpu
+@pytest.mark.skipif(not has_device(), reason="needs a CUDA device")
+@pytest.mark.parametrize("name", ["paper-arm", "picking-arm"])
+def test_on_a_device_in_single_precision(name: str) -> None:
+    n = len(load(name).joints)
+    sway = Scenario(opening=[("0 s", (0.3,) * n), ("0.7 s", (-0.3,) * n)], duration="1.5 s", noise=False)
+    many: dict[str, Any] = {"vary": {"arm.payload": np.linspace(0.1, 1.0, 500)}, "traces": ["angle"], "every": 5}
+    here = ensemble(name, sway, **many)
+    there = ensemble(name, sway, device="cuda", precision="single", **many)
+    assert float(np.degrees(np.sqrt(np.mean((there.angle - here.angle) ** 2)))) < 0.01
+
+
+@pytest.mark.gpu
+@pytest.mark.skipif(not has_device(), reason="needs a CUDA device")
+def test_a_second_start_finds_the_machine_code(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", FOUND]
+    env = {**os.environ, "LAYFLAT_CACHE_DIR": str(tmp_path)}
+    found = [subprocess.run(words, env=env, check=True, capture_output=True, text=True).stdout for _ in range(2)]
+    assert found == ["0\n", "1\n"]
+
+
+@pytest.mark.gpu
+@pytest.mark.skipif(not has_device(), reason="needs a CUDA device")
+def test_runs_that_no_device_has_room_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    from layflat.sim.ensemble import cuda
+
+    monkeypatch.setattr(cuda, "SHARE", 2**50)
+    with pytest.raises(InputError, match=r"device: a run takes .* MiB, and only 0 MiB of the CUDA device are left"):
+        ensemble("paper-arm", Scenario(duration="1 s"), runs=1, device="cuda")
 
 
 @pytest.mark.skipif(has_device(), reason="there is a device")

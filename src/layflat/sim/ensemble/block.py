@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.sim.ensemble.cases import Cases
+from layflat.sim.ensemble.cases import Cases, Each
 from layflat.sim.ensemble.results import DIVERGED, Moves, Plan, Results, Runs, Totals
 from layflat.sim.tally import COLUMNS
 
@@ -33,8 +33,10 @@ def room_for_results(prepared: Cases, columns: NDArray[np.int64], every: int) ->
     )
 
 
-def block_of(prepared: Cases, rows: NDArray[np.int64], bands: tuple[float, float], results: Results) -> Block:
-    """The runs numbered `rows`, with results of their own, shaped like those of all runs."""
+def block_of(
+    prepared: Cases, rows: NDArray[np.int64], bands: tuple[float, float], results: Results, each: Each = map
+) -> Block:
+    """The runs numbered `rows` (see `Cases.runs`), with results of their own, shaped like those of all runs."""
     count = len(rows)
     own = results._replace(
         tallies=np.full((count, *results.tallies.shape[1:]), np.nan),
@@ -42,7 +44,7 @@ def block_of(prepared: Cases, rows: NDArray[np.int64], bands: tuple[float, float
         traces=np.zeros((count, *results.traces.shape[1:])),
     )
     own.totals[:, DIVERGED] = np.nan
-    return Block(prepared.runs(rows), *prepared.plan(rows, *bands), own)
+    return Block(prepared.runs(rows, each), *prepared.plan(rows, *bands), own)
 
 
 def keep(results: Results, own: Results, first: int) -> int:

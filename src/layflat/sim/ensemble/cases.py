@@ -1,6 +1,7 @@
 """What differs from run to run of an ensemble, turned into the arrays that the compiled loop wants, block by block."""
 
-from collections.abc import Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -23,6 +24,10 @@ from layflat.sim.scenario import Scenario, Shapes, shapes
 ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
+Each = Callable[[Callable[[int], None], Iterable[int]], Iterable[None]]
+"""Does work for every number: `map`, or that of a pool of threads."""
+
+TURNED = 256  # runs whose noise is laid side by side at a time: that of more would not stay in the processor's caches
 
 STARTS = ("angle", "pressure_a", "pressure_b")  # what every joint of a run may begin with in place of the scenario's
 
@@ -97,8 +102,11 @@ class Cases:
         """Values of some runs, from `vary` or as usual (a number or an array over all runs)."""
         return np.broadcast_to(np.asarray(self.vary.get(key, usual), dtype=float), self.count)[rows]
 
-    def runs(self, rows: NDArray[np.int64]) -> Runs:
-        """What differs between these runs; their scenarios are numbered within `plan`."""
+    def runs(self, rows: NDArray[np.int64], each: Each = map) -> Runs:
+        """What differs between these runs; their scenarios are numbered within `plan`.
+
+        Noise takes longest, so that of some runs may be made beside that of others: by an `each` with threads.
+        """
         names, n = list(self.base.joints), len(self.base.joints)
         own = self.which[rows]
         usual = np.empty((n, len(ON_TOP), len(rows)))
@@ -116,7 +124,7 @@ class Cases:
             self._pressures(rows, own).astype(self.number, copy=False),
             usual.astype(self.number, copy=False),
             np.stack(shared).astype(self.number, copy=False),
-            self._noise(rows, own, n),
+            self._noise(rows, own, n, each),
         )
 
     def plan(self, rows: NDArray[np.int64], band: float, tip_band: float) -> tuple[Plan, Moves]:
@@ -166,14 +174,24 @@ class Cases:
         given = self.vary.get(f"start.{key}")
         return usual if given is None else given[rows]
 
-    def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
+    def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int, each: Each) -> Array:
         if not any(self.scenarios[s].noise for s in own):
             return np.zeros((1, n, 2, len(rows)), self.number)
+        noise = np.empty((self.cycles, n, 2, len(rows)), self.number)
+
+        def make(first: int) -> None:
+            some = slice(first, first + TURNED)
+            noise[..., some] = np.moveaxis(self._noise_by_run(rows[some], own[some], n), 0, -1)
+
+        deque(each(make, range(0, len(rows), TURNED)), maxlen=0)
+        return noise
+
+    def _noise_by_run(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
         seeds, noise = self.vary.get("seed"), np.empty((len(rows), self.cycles, n, 2), self.number)
         for place, (row, case) in enumerate((row, self.scenarios[s]) for row, s in zip(rows, own, strict=True)):
             seed = None if not case.noise else int(seeds[row]) if seeds is not None else case.seed
             noise[place] = sensor_noise(seed, self.cycles, n)
-        return np.ascontiguousarray(np.moveaxis(noise, 0, -1))
+        return noise
 
 
 def cases(

@@ -1,12 +1,15 @@
 """Many runs at once on a CUDA device: a thread a run, with the loop and the laws that the processor has.
 
-Runs go to the device in chunks: while it works on one, the next is prepared here.
+Runs go to the device in chunks: while it works on one, the next is prepared here, by as many threads as are asked for.
 """
 
 import warnings
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import cache
 from math import ceil
+from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
@@ -15,6 +18,8 @@ from numpy.typing import NDArray
 
 from layflat import extras
 from layflat.errors import InputError
+from layflat.jit import cache_folder
+from layflat.jit.cache import included_sources
 from layflat.jit.compiler import config, device_kernel, on_device
 from layflat.lanes import mapped
 from layflat.sim.ensemble.block import Block, block_of, keep
@@ -27,7 +32,8 @@ from layflat.sim.kernel import Timing
 cuda: Any = _cuda
 
 THREADS = 64  # threads of a block on the device: few, since a run takes as many registers as a thread can have
-CHUNK = 512 * 2**20  # bytes that a chunk of runs may bring along and leave behind
+CHUNK = 512 * 2**20  # bytes that a chunk of runs may bring along and leave behind, at most
+SHARE = 4  # of the device's free memory a chunk takes this part at most: another is under way, and threads have stacks
 
 run_one = on_device(run_lanes)
 
@@ -40,29 +46,43 @@ def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: 
 
 
 @cache
-def _kernel() -> Any:
-    return device_kernel(run_each)
+def _kernel(included: tuple[str, ...]) -> Any:
+    # Laws from outside may be added between two calls.
+    del included
+    return device_kernel(run_each, cache_folder(Path(__file__)))
 
 
-def run_on_device(prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results) -> Iterator[int]:
+def run_on_device(
+    workers: int, prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results
+) -> Iterator[int]:
     """Run all runs and fill in their results; yields how many are done each time that some are.
 
     Raises:
-        InputError: no device can be used.
+        InputError: not even one run has room there, or the device fails.
     """
-    check_device()
     under_way: list[tuple[Results, int]] = []
-    for rows in _chunks(prepared, results):
-        block = block_of(prepared, rows, bands, results)
-        under_way.append((_launched(prepared, block, timing), int(rows[0])))
-        if len(under_way) > 1:
-            yield _collected(results, *under_way.pop(0))
-    for launched in under_way:
-        yield _collected(results, *launched)
+    with _failing_in_a_line(), ThreadPoolExecutor(workers) as pool:
+        for rows in _chunks(prepared, results):
+            block = block_of(prepared, rows, bands, results, pool.map)
+            under_way.append((_launched(prepared, block, timing), int(rows[0])))
+            if len(under_way) > 1:
+                yield _collected(results, *under_way.pop(0))
+        for launched in under_way:
+            yield _collected(results, *launched)
 
 
+@contextmanager
+def _failing_in_a_line() -> Iterator[None]:
+    try:
+        yield
+    except cuda.cudadrv.driver.CudaAPIError as error:
+        what = f"the CUDA device failed ({error})"
+        raise InputError(what, where="device", right='see nvidia-smi, or use "cpu"') from error
+
+
+@cache
 def check_device() -> None:
-    """Try the device with a kernel of one line.
+    """Try the device with a kernel of one line; a device that works is tried once.
 
     Raises:
         InputError: the packages it needs are missing, there is no device, or its driver is too old for them.
@@ -97,7 +117,13 @@ def _chunks(prepared: Cases, results: Results) -> Iterator[NDArray[np.int64]]:
     noisy = any(scenario.noise for scenario in prepared.scenarios)
     brought = len(prepared.numbers) + 2 * noisy * prepared.cycles * len(prepared.base.joints)
     left = (results.tallies.size + results.totals.size + results.traces.size) // prepared.count
-    size = THREADS * max(1, CHUNK // (8 * (brought + left) * THREADS))
+    each = np.dtype(prepared.number).itemsize * brought + results.tallies.itemsize * left
+    free = cuda.current_context().get_memory_info().free / SHARE
+    if each > free:
+        what = f"a run takes {each / 2**20:.0f} MiB, and only {free / 2**20:.0f} MiB of the CUDA device are left for it"
+        raise InputError(what, where="device", right='ask for shorter runs or fewer traces, or use "cpu"')
+    fitting = int(min(CHUNK, free) // each)
+    size = THREADS * (fitting // THREADS) or max(1, fitting)
     for first in range(0, prepared.count, size):
         yield np.arange(first, min(first + size, prepared.count))
 
@@ -111,7 +137,7 @@ def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any
 def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
     """Set a block of runs going; returns its results on the device."""
     there = mapped(kernel_arguments(prepared, block, timing), _moved)
-    _start(_kernel(), len(block.runs.scenario), *there)
+    _start(_kernel(included_sources()), len(block.runs.scenario), *there)
     *_, results, _ = there
     return cast(Results, results)
 
@@ -119,7 +145,7 @@ def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
 def _start(kernel: Any, count: int, *args: Any) -> None:
     """Start so many threads, and no wait for them."""
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Grid size")  # few runs use a device badly: no mistake
+        warnings.filterwarnings("ignore", message=".*Grid size")  # few runs use a device badly: no mistake
         kernel[ceil(count / THREADS), THREADS](*args)
 
 

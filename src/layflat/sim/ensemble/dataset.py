@@ -30,8 +30,8 @@ UNITS = {
 TRACE_UNITS = dict(zip(Traced._fields, ("rad", "rad/s", "Pa", "Pa", "1", "V"), strict=True))
 
 
-def measured(prepared: Cases, results: Results, timing: Timing) -> xarray.Dataset:
-    """Name the results. Metrics of a run that diverged are not numbers."""
+def measured(prepared: Cases, results: Results, timing: Timing, workers: int) -> xarray.Dataset:
+    """Name the results; so many threads sweep for hysteresis. Metrics of a run that diverged are not numbers."""
     cycle = timing.cycle
     joints = list(prepared.base.joints)
     counts = np.zeros((len(prepared.moves), prepared.most_moves))
@@ -61,7 +61,7 @@ def measured(prepared: Cases, results: Results, timing: Timing) -> xarray.Datase
         if name != "diverged":
             value[~np.isnan(diverged)] = np.nan
         said[name] = (("run", "move", "joint")[: value.ndim], value, _told(*UNITS[name]))
-    said["hysteresis"] = (("run", "joint"), hysteresis(prepared), _told(*UNITS["hysteresis"]))
+    said["hysteresis"] = (("run", "joint"), hysteresis(prepared, workers), _told(*UNITS["hysteresis"]))
     coords: dict[str, Any] = {"joint": joints, **{key: ("run", array) for key, array in prepared.vary.items()}}
     for column, number in enumerate(results.traced):
         name = Traced._fields[number]

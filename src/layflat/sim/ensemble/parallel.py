@@ -7,7 +7,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -110,16 +109,17 @@ def ensemble(
         controller=chosen.controller, number=number,
     )  # fmt: skip
     if number is np.float32:
-        _check_single(prepared, chosen.device)
+        _check_single(prepared)
     bands = u.quantity(chosen.band, u.ANGLE, "band"), u.quantity(chosen.tip_band, u.LENGTH, "tip_band")
     if chosen.every < 1:
         raise InputError(f"{chosen.every} is out of range", where="every", right="give 1 or more")
     timing = _timing(prepared, chosen.step)
     results = room_for_results(prepared, _columns(chosen.traces), chosen.every)
-    for done in _runner(chosen.device, chosen.threads)(prepared, timing, bands, results):
+    workers = chosen.threads or os.cpu_count() or 1
+    for done in _runner(chosen.device)(workers, prepared, timing, bands, results):
         if chosen.progress is not None:
             chosen.progress(done)
-    return measured(prepared, results, timing)
+    return measured(prepared, results, timing, workers)
 
 
 def traced(
@@ -162,11 +162,9 @@ def _number(precision: str) -> type[np.floating[Any]]:
     return PRECISIONS[precision]
 
 
-def _check_single(prepared: Cases, device: str) -> None:
+def _check_single(prepared: Cases) -> None:
     """Make sure that single precision is enough for these runs."""
     lasting = prepared.cycles * prepared.cycle
-    if device != "cpu":
-        raise InputError("single precision is only had on the processor", where="precision", right='use "double"')
     if lasting > LONGEST_SINGLE:
         what = f"single precision is too coarse for runs of {lasting:g} s"
         raise InputError(what, where="precision", right=f'use "double", or runs of {LONGEST_SINGLE:g} s at most')
@@ -176,15 +174,31 @@ def _timing(prepared: Cases, step: Value) -> Timing:
     return timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1)
 
 
-def _runner(device: str, threads: int | None) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:
+def check_device(device: str) -> None:
+    """Make sure that runs can be made there, before any work is done.
+
+    Raises:
+        InputError: it is unknown, or can't be used.
+    """
+    if device == "cuda":
+        from layflat.sim.ensemble.cuda import check_device as tried  # noqa: PLC0415  # a compiler of its own
+
+        tried()
+    elif device != "cpu":
+        raise InputError(f"{device!r} is not a device", where="device", right='use "cpu" or "cuda"')
+
+
+Runner = Callable[[int, Cases, Timing, tuple[float, float], Results], Iterator[int]]
+
+
+def _runner(device: str) -> Runner:
     """What runs the cases and fills in the results; yields how many runs are done each time that some are."""
+    check_device(device)
     if device == "cuda":
         from layflat.sim.ensemble.cuda import run_on_device  # noqa: PLC0415  # a compiler of its own
 
         return run_on_device
-    if device != "cpu":
-        raise InputError(f"{device!r} is not a device", where="device", right='use "cpu" or "cuda"')
-    return partial(_run_on_threads, threads or os.cpu_count() or 1)
+    return _run_on_threads
 
 
 def _run_on_threads(
