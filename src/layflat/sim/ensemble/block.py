@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from layflat.sim.ensemble.cases import Cases, Each
+from layflat.sim.ensemble.cases import Cases
+from layflat.sim.ensemble.noise import Make, noise_of
 from layflat.sim.ensemble.results import DIVERGED, Moves, Plan, Results, Runs, Totals
 from layflat.sim.tally import COLUMNS
 
@@ -34,7 +35,7 @@ def room_for_results(prepared: Cases, columns: NDArray[np.int64], every: int) ->
 
 
 def block_of(
-    prepared: Cases, rows: NDArray[np.int64], bands: tuple[float, float], results: Results, each: Each = map
+    prepared: Cases, rows: NDArray[np.int64], bands: tuple[float, float], results: Results, make: Make = noise_of
 ) -> Block:
     """The runs numbered `rows` (see `Cases.runs`), with results of their own, shaped like those of all runs."""
     count = len(rows)
@@ -44,7 +45,7 @@ def block_of(
         traces=np.zeros((count, *results.traces.shape[1:])),
     )
     own.totals[:, DIVERGED] = np.nan
-    return Block(prepared.runs(rows, each), *prepared.plan(rows, *bands), own)
+    return Block(prepared.runs(rows, make), *prepared.plan(rows, *bands), own)
 
 
 def keep(results: Results, own: Results, first: int) -> int:

@@ -1,7 +1,6 @@
 """What differs from run to run of an ensemble, turned into the arrays that the compiled loop wants, block by block."""
 
-from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,8 +14,9 @@ from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
-from layflat.physics.noise import sensor_noise
+from layflat.sim.ensemble.noise import Make, noise_of
 from layflat.sim.ensemble.results import Moves, Plan, Runs
+from layflat.sim.ensemble.seeds import CALM, Seeds
 from layflat.sim.metrics import move_windows
 from layflat.sim.run import driver_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
@@ -24,10 +24,7 @@ from layflat.sim.scenario import Scenario, Shapes, shapes
 ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
-Each = Callable[[Callable[[int], None], Iterable[int]], Iterable[None]]
-"""Does work for every number: `map`, or that of a pool of threads."""
-
-TURNED = 256  # runs whose noise is laid side by side at a time: that of more would not stay in the processor's caches
+MOST_SEED = 2**53  # up to here floating-point numbers are all whole numbers
 
 STARTS = ("angle", "pressure_a", "pressure_b")  # what every joint of a run may begin with in place of the scenario's
 
@@ -102,11 +99,8 @@ class Cases:
         """Values of some runs, from `vary` or as usual (a number or an array over all runs)."""
         return np.broadcast_to(np.asarray(self.vary.get(key, usual), dtype=float), self.count)[rows]
 
-    def runs(self, rows: NDArray[np.int64], each: Each = map) -> Runs:
-        """What differs between these runs; their scenarios are numbered within `plan`.
-
-        Noise takes longest, so that of some runs may be made beside that of others: by an `each` with threads.
-        """
+    def runs(self, rows: NDArray[np.int64], make: Make = noise_of) -> Runs:
+        """What differs between these runs, with noise that is made so; their scenarios are numbered within `plan`."""
         names, n = list(self.base.joints), len(self.base.joints)
         own = self.which[rows]
         usual = np.empty((n, len(ON_TOP), len(rows)))
@@ -124,7 +118,7 @@ class Cases:
             self._pressures(rows, own).astype(self.number, copy=False),
             usual.astype(self.number, copy=False),
             np.stack(shared).astype(self.number, copy=False),
-            self._noise(rows, own, n, each),
+            make(self.seeds(rows), (self.cycles, n), self.number),
         )
 
     def plan(self, rows: NDArray[np.int64], band: float, tip_band: float) -> tuple[Plan, Moves]:
@@ -174,24 +168,11 @@ class Cases:
         given = self.vary.get(f"start.{key}")
         return usual if given is None else given[rows]
 
-    def _noise(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int, each: Each) -> Array:
-        if not any(self.scenarios[s].noise for s in own):
-            return np.zeros((1, n, 2, len(rows)), self.number)
-        noise = np.empty((self.cycles, n, 2, len(rows)), self.number)
-
-        def make(first: int) -> None:
-            some = slice(first, first + TURNED)
-            noise[..., some] = np.moveaxis(self._noise_by_run(rows[some], own[some], n), 0, -1)
-
-        deque(each(make, range(0, len(rows), TURNED)), maxlen=0)
-        return noise
-
-    def _noise_by_run(self, rows: NDArray[np.int64], own: NDArray[np.int64], n: int) -> Array:
-        seeds, noise = self.vary.get("seed"), np.empty((len(rows), self.cycles, n, 2), self.number)
-        for place, (row, case) in enumerate((row, self.scenarios[s]) for row, s in zip(rows, own, strict=True)):
-            seed = None if not case.noise else int(seeds[row]) if seeds is not None else case.seed
-            noise[place] = sensor_noise(seed, self.cycles, n)
-        return noise
+    def seeds(self, rows: NDArray[np.int64]) -> Seeds:
+        """Of the noise of some runs."""
+        usual = np.array([scenario.seed if scenario.noise else CALM for scenario in self.scenarios])[self.which[rows]]
+        given = self.vary.get("seed")
+        return usual if given is None else np.where(usual == CALM, CALM, given[rows].astype(np.int64))
 
 
 def cases(
@@ -265,6 +246,8 @@ def _checked(key: str, values: ArrayLike) -> Array:
         raise InputError(f"has shape {array.shape}", where=f"vary: {key}", right="give one number a run")
     if not np.isfinite(array).all():
         raise InputError("holds a value that is not finite", where=f"vary: {key}", right="give numbers only")
+    if key == "seed" and not ((array >= 0) & (array <= MOST_SEED) & (array == np.floor(array))).all():
+        raise InputError("holds what is no seed", where="vary: seed", right=f"give whole numbers, 0 to {MOST_SEED}")
     return array
 
 

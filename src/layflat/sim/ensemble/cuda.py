@@ -1,11 +1,10 @@
 """Many runs at once on a CUDA device: a thread a run, with the loop and the laws that the processor has.
 
-Runs go to the device in chunks: while it works on one, the next is prepared here, by as many threads as are asked for.
+Runs go to the device in chunks: while it works on one, the next is prepared here. Their noise is made there.
 """
 
 import warnings
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from math import ceil
@@ -21,11 +20,13 @@ from layflat.errors import InputError
 from layflat.jit import cache_folder
 from layflat.jit.cache import included_sources
 from layflat.jit.compiler import config, device_kernel, on_device
-from layflat.lanes import mapped
+from layflat.lanes import interpreted, mapped
 from layflat.sim.ensemble.block import Block, block_of, keep
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.kernel import run_lanes
+from layflat.sim.ensemble.noise import begin, fill_cycle, noise_of, ziggurat
 from layflat.sim.ensemble.results import Results
+from layflat.sim.ensemble.seeds import CALM, Seeds, streams
 from layflat.sim.ensemble.watch import new_watch, some_lanes
 from layflat.sim.kernel import Timing
 
@@ -35,7 +36,7 @@ THREADS = 64  # threads of a block on the device: few, since a run takes as many
 CHUNK = 512 * 2**20  # bytes that a chunk of runs may bring along and leave behind, at most
 SHARE = 4  # of the device's free memory a chunk takes this part at most: another is under way, and threads have stacks
 
-run_one = on_device(run_lanes)
+run_one, begin_one, fill_one = on_device(run_lanes), on_device(begin), on_device(fill_cycle)
 
 
 def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: Any, watch: Any) -> None:
@@ -45,15 +46,28 @@ def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: 
         run_one(case, i, runs, plan, moves, timing, results, some_lanes(watch, i))
 
 
+def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
+    """Fill in the noise of every run, in the thread of its number."""
+    i = cuda.grid(1)
+    if i < noise.shape[3]:
+        begin_one(streams, i)
+        for k in range(noise.shape[0]):
+            fill_one(streams, ziggurat, noise, k, i)
+
+
 @cache
-def _kernel(included: tuple[str, ...]) -> Any:
+def _kernel(function: Callable[..., None], included: tuple[str, ...]) -> Any:
     # Laws from outside may be added between two calls.
     del included
-    return device_kernel(run_each, cache_folder(Path(__file__)))
+    return device_kernel(function, cache_folder(Path(__file__)))
 
 
 def run_on_device(
-    workers: int, prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results
+    workers: int,  # noqa: ARG001  (the processor's own runner has some)
+    prepared: Cases,
+    timing: Timing,
+    bands: tuple[float, float],
+    results: Results,
 ) -> Iterator[int]:
     """Run all runs and fill in their results; yields how many are done each time that some are.
 
@@ -61,9 +75,9 @@ def run_on_device(
         InputError: not even one run has room there, or the device fails.
     """
     under_way: list[tuple[Results, int]] = []
-    with _failing_in_a_line(), ThreadPoolExecutor(workers) as pool:
+    with _failing_in_a_line():
         for rows in _chunks(prepared, results):
-            block = block_of(prepared, rows, bands, results, pool.map)
+            block = block_of(prepared, rows, bands, results, _noise_there)
             under_way.append((_launched(prepared, block, timing), int(rows[0])))
             if len(under_way) > 1:
                 yield _collected(results, *under_way.pop(0))
@@ -134,10 +148,19 @@ def kernel_arguments(prepared: Cases, block: Block, timing: Timing) -> tuple[Any
     return prepared.template, block.runs, block.plan, block.moves, timing, block.results, watch
 
 
+def _noise_there(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Any:
+    """As `noise_of`, made on the device, where it stays."""
+    if interpreted() or (seeds == CALM).all():
+        return noise_of(seeds, shape, number)
+    noise = cuda.device_array((*shape, 2, len(seeds)), number)
+    _start(_kernel(fill_each, included_sources()), len(seeds), *mapped((streams(seeds), ziggurat()), _moved), noise)
+    return noise
+
+
 def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
     """Set a block of runs going; returns its results on the device."""
     there = mapped(kernel_arguments(prepared, block, timing), _moved)
-    _start(_kernel(included_sources()), len(block.runs.scenario), *there)
+    _start(_kernel(run_each, included_sources()), len(block.runs.scenario), *there)
     *_, results, _ = there
     return cast(Results, results)
 
