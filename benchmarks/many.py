@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import mujoco_arm
+from benchmarks import mujoco_arm, warp_arm
 from benchmarks.timing import STEP
 from layflat.description.change import value_at
 from layflat.errors import InputError
@@ -74,6 +74,18 @@ def angle_error(machine: Machine, runs: int) -> float:
     return float(np.degrees(np.sqrt(np.mean((single - double) ** 2))))
 
 
+def on_device(machine: Machine) -> dict[str, float]:
+    """Figures of the CUDA device, beside MuJoCo Warp's where that is installed."""
+    found = {}
+    for key, precision in (("", "double"), ("single_", "single")):
+        seconds(machine, 64, 1, device="cuda", precision=precision)
+        taken = seconds(machine, 100_000, 1, device="cuda", precision=precision)
+        found[f"ensemble_100000_runs_on_gpu_{key}ns_per_step"] = 1e9 * taken / (1e5 * STEPS)
+    with suppress(ImportError):
+        found["mujoco_warp_ns_per_step"] = 1e9 * warp_arm.seconds_per_step(machine, 262_144, 200)
+    return found
+
+
 def measure(machine: Machine) -> dict[str, float]:
     """All figures by name."""
     cores = os.cpu_count() or 1
@@ -103,10 +115,7 @@ def measure(machine: Machine) -> dict[str, float]:
             1e9 * cores * seconds(machine, runs, cores) / (runs * STEPS)
         )
     with suppress(InputError):  # no CUDA device
-        seconds(machine, 64, 1, device="cuda")
-        found["ensemble_100000_runs_on_gpu_ns_per_step"] = (
-            1e9 * seconds(machine, 100_000, 1, device="cuda") / (1e5 * STEPS)
-        )
+        found |= on_device(machine)
     peak = subprocess.run(
         [sys.executable, "-m", "benchmarks.many", "100000"], capture_output=True, check=True, text=True
     )

@@ -80,6 +80,8 @@ MEANING = {
     "ensemble_10000_runs_ns_per_step_per_core": "10 000 runs",
     "ensemble_100000_runs_ns_per_step_per_core": "100 000 runs",
     "ensemble_100000_runs_on_gpu_ns_per_step": "100 000 runs on the CUDA device, where there is one",
+    "ensemble_100000_runs_on_gpu_single_ns_per_step": "the same in single precision",
+    "mujoco_warp_ns_per_step": "MuJoCo Warp on that device, where installed, the arm alone, per step",
     "ensemble_100000_runs_peak_mib": "peak memory of 100 000 runs, MiB; aim 1024",
     **accuracy.MEANING,
     **chains.MEANING,

@@ -45,7 +45,7 @@ from layflat.sim import Scenario
 from layflat.sim.ensemble import cuda, ensemble
 
 ensemble("paper-small-joint", Scenario(duration="0.1 s"), runs=1, device="cuda")
-print(sum(cuda._kernel(()).stats.cache_hits.values()))
+print(sum(cuda._kernel(cuda.run_each, ()).stats.cache_hits.values()))
 """
 
 BY_COMPILER = pytest.mark.skipif(find_spec("numba_cuda") is None, reason="needs the compilers of layflat[gpu]")
@@ -138,7 +138,7 @@ def test_on_a_device(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("name", ["paper-arm", "picking-arm"])
 def test_on_a_device_in_single_precision(name: str) -> None:
     n = len(load(name).joints)
-    sway = Scenario(opening=[("0 s", (0.3,) * n), ("0.7 s", (-0.3,) * n)], duration="1.5 s", noise=False)
+    sway = Scenario(opening=[("0 s", (0.05,) * n), ("0.7 s", (-0.05,) * n)], duration="1.5 s", noise=False)
     many: dict[str, Any] = {"vary": {"arm.payload": np.linspace(0.1, 1.0, 500)}, "traces": ["angle"], "every": 5}
     here = ensemble(name, sway, **many)
     there = ensemble(name, sway, device="cuda", precision="single", **many)
