@@ -122,7 +122,7 @@ def test_a_study_varies_the_numbers_of_a_kind(machine: Machine, name: str, examp
     found = table(tmp_path / "whole")
     usual = value_at(study.machine, OWN_NUMBERS[name])
     vary = {OWN_NUMBERS[name]: usual * found[OWN_NUMBERS[name]], "scenario.payload": found["scenario.payload"]}
-    alone = ensemble(study.machine, study.scenarios[0], vary)
+    alone = ensemble(study.machine, study.scenarios[0], vary, precision=study.precision)
     assert np.array_equal(found["air_used"], alone["air_used"])
     assert found["air_used"].nunique() == 4
     run(read(file), tmp_path / "parts", chunk=3, threads=1)

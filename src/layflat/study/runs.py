@@ -170,7 +170,8 @@ def _of_one_machine(study: Study, number: int, runs: dict[str, Array], **how: An
     vary: dict[str, Array] = {key: runs[key] for key in ("scenario", "seed")}
     vary |= applied(study.varied, runs, variant.machine)
     (band, tip_band), given = study.bands, (variant.machine, study.scenarios, vary)
-    data = ensemble(*given, step=study.step, precision=study.precision, band=band, tip_band=tip_band, **how)
+    how |= {"metrics": study.metrics, "precision": study.precision}
+    data = ensemble(*given, step=study.step, band=band, tip_band=tip_band, **how)
     names = np.array(study.scenario_names)[runs["scenario"].astype(int)]
     columns = [
         *([("variant", np.full(len(names), variant.name), "1")] if variant.name else []),

@@ -193,10 +193,10 @@ def _scenario(table: ScenarioTable, file: StudyFile) -> Scenario:
 
 
 def _metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
-    from layflat.sim.ensemble.dataset import UNITS  # noqa: PLC0415  # xarray takes long to import
+    from layflat.sim.ensemble.dataset import METRICS  # noqa: PLC0415  # xarray takes long to import
 
-    known = [name for name in UNITS if name != "diverged"]
-    unknown = [name for name in names or () if name not in known]
+    unknown = [name for name in names or () if name not in METRICS]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is not a metric", where=f"{where}: metrics", right=f"use {', '.join(known)}")
-    return tuple(name for name in known if names is None or name in names)
+        what = f"{unknown[0]!r} is not a metric"
+        raise InputError(what, where=f"{where}: metrics", right=f"use {', '.join(METRICS)}")
+    return tuple(name for name in METRICS if names is None or name in names)

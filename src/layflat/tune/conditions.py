@@ -44,6 +44,7 @@ FAR, TURN = (1 / 6, -1 / 2, 0.36, -0.54), (1 / 3, -1 / 6, -0.4, 1 / 2)
 REST = 0.3  # time at the first posture, s
 PULL = 0.15  # shares of a range that count as its ends: there the worst is met
 NOMINAL = 8  # one run in so many is nominal
+METRICS = ("settling", "overshoot", "steady_error", "ripple", "tip_settling", "tip_error")  # that any cost asks for
 
 
 NEVER, REMAINS, MOST = 0.3, 0.1, 2.0
@@ -127,13 +128,14 @@ class Conditions:
 
     def simulate(self, machine: Machine, vary: Mapping[str, Array], **options: Any) -> xarray.Dataset:
         """Return what becomes of these runs of so many candidates (see `of`)."""
+        options |= {"device": self.device, "metrics": METRICS}
         if not self.plants:
-            return ensemble(machine, self.scenarios, vary, device=self.device, **options)
+            return ensemble(machine, self.scenarios, vary, **options)
         which = np.tile(self.which, len(vary["seed"]) // self.runs)
         found = []
         for number, plant in enumerate(self.plants):
             own = {path: values[which == number] for path, values in vary.items()}
-            found.append(ensemble(plant, self.scenarios, own, controller=machine, device=self.device, **options))
+            found.append(ensemble(plant, self.scenarios, own, controller=machine, **options))
         order = np.argsort(np.argsort(which, kind="stable"), kind="stable")
         return xarray.concat(found, "run").isel(run=order)
 

@@ -15,11 +15,12 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.extras import module
 from layflat.machine import Machine
-from layflat.physics.step import COARSE, STEP
+from layflat.physics.step import COARSE
 from layflat.tune.conditions import Conditions, candidate_costs
 from layflat.tune.knobs import GENERATIONS, Knob, Part, from_shares, rounded, to_shares
 
 WIDTH = 0.15  # spread of the first generation, share of each knob's range
+ROUGH = {"step": COARSE, "precision": "single"}  # how candidates are simulated: it ranks them as well
 PANEL, PANEL_SEED, EVERY = 128, 1_000_000_000, 5
 """Runs of the panel, its seed, and generations from one judgement by it to the next."""
 
@@ -56,13 +57,13 @@ class Strategy:
         return np.asarray(self.inner.boundary_handler.repair(self.inner.mean))
 
 
-def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Conditions, step: float = STEP) -> Array:
-    """Cost of every candidate (candidates, knobs), s, as it would be written."""
+def judge(machine: Machine, knobs: Sequence[Knob], candidates: Array, by: Conditions, **options: Any) -> Array:
+    """Cost of every candidate (candidates, knobs), s, as it would be written; options are those of `ensemble`."""
     vary = by.of(len(candidates))
     for knob, values in zip(knobs, rounded(candidates).T, strict=True):
         for path in knob.paths:
             vary[path] = np.repeat(values * knob.si, by.runs)
-    return candidate_costs(by.simulate(machine, vary, step=step), by, len(candidates))
+    return candidate_costs(by.simulate(machine, vary, **options), by, len(candidates))
 
 
 Meet = Callable[[int, int], Conditions]
@@ -115,7 +116,7 @@ def search(
         for left, runs in zip(reversed(range(len(todo))), todo, strict=True):
             met = meet(runs, seed * GENERATIONS + done)
             asked = strategy.ask()
-            strategy.tell(judge(machine, knobs, whole(asked), met, COARSE))
+            strategy.tell(judge(machine, knobs, whole(asked), met, **ROUGH))
             done += 1
             if done % EVERY == 0 or left == 0:
                 middle = rounded(whole(strategy.mean[None]))

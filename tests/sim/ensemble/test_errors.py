@@ -53,3 +53,13 @@ def test_progress_counts_all_runs() -> None:
     done: list[int] = []
     ensemble("paper-arm", CASE, {"seed": np.arange(37)}, progress=done.append)
     assert sum(done) == 37
+
+
+def test_only_the_metrics_that_are_asked_for_are_kept() -> None:
+    scenario = Scenario(demand=0.1, duration="0.05 s")
+    whole = ensemble("paper-arm", scenario, runs=1)
+    some = ensemble("paper-arm", scenario, runs=1, metrics=("air_used", "hysteresis"))
+    assert set(some) == {"air_used", "hysteresis", "diverged"}
+    assert all(some[name].identical(whole[name]) for name in some)
+    with pytest.raises(InputError, match="metrics: 'speed' is not a metric; use settling, overshoot, "):
+        ensemble("paper-arm", scenario, runs=1, metrics=("speed",))

@@ -110,5 +110,6 @@ def _each(runs: int) -> dict[str, ArrayLike]:
 
 
 def _times(machine: Machine, scenarios: Sequence[Scenario], vary: Mapping[str, ArrayLike], driver: Machine) -> Array:
-    found: Array = ensemble(machine, scenarios, vary, controller=driver)["tip_settling"].to_numpy()
+    runs = ensemble(machine, scenarios, vary, controller=driver, metrics=("tip_settling",))
+    found: Array = runs["tip_settling"].to_numpy()
     return np.where(np.isnan(found), np.inf, found)

@@ -1,5 +1,6 @@
 """The metrics of many runs as an `xarray.Dataset`: dims `run`, `move` and `joint`."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -27,10 +28,14 @@ UNITS = {
 }
 """Unit and meaning of every metric."""
 
+METRICS = tuple(name for name in UNITS if name != "diverged")
+
 TRACE_UNITS = dict(zip(Traced._fields, ("rad", "rad/s", "Pa", "Pa", "1", "V"), strict=True))
 
 
-def measured(prepared: Cases, results: Results, timing: Timing, workers: int) -> xarray.Dataset:
+def measured(
+    prepared: Cases, results: Results, timing: Timing, workers: int, metrics: Sequence[str] = METRICS
+) -> xarray.Dataset:
     """Name the results; so many threads sweep for hysteresis. Metrics of a run that diverged are not numbers."""
     cycle = timing.cycle
     joints = list(prepared.base.joints)
@@ -56,12 +61,13 @@ def measured(prepared: Cases, results: Results, timing: Timing, workers: int) ->
         "peak_acceleration": results.totals[:, ACCELERATION],
     }
     diverged = results.totals[:, DIVERGED]
-    said: dict[str, Any] = {}
-    for name, value in {**values, "diverged": diverged * cycle}.items():
-        if name != "diverged":
+    said: dict[str, Any] = {"diverged": ("run", diverged * cycle, _told(*UNITS["diverged"]))}
+    for name, value in values.items():
+        if name in metrics:
             value[~np.isnan(diverged)] = np.nan
-        said[name] = (("run", "move", "joint")[: value.ndim], value, _told(*UNITS[name]))
-    said["hysteresis"] = (("run", "joint"), hysteresis(prepared, workers), _told(*UNITS["hysteresis"]))
+            said[name] = (("run", "move", "joint")[: value.ndim], value, _told(*UNITS[name]))
+    if "hysteresis" in metrics:
+        said["hysteresis"] = (("run", "joint"), hysteresis(prepared, workers), _told(*UNITS["hysteresis"]))
     coords: dict[str, Any] = {"joint": joints, **{key: ("run", array) for key, array in prepared.vary.items()}}
     for column, number in enumerate(results.traced):
         name = Traced._fields[number]

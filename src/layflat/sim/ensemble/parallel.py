@@ -57,6 +57,7 @@ class Options:
             begin with "controller." then change this one. Default: each run's own machine.
         precision: "double", or "single": of all numbers of a run, which takes half the time; see docs/speed.md.
         device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
+        metrics: names of those to keep, see dataset.py; default: all. Whether a run diverged is told in any case.
         threads: how many of the processor work at a time; default: one a core. Results do not depend on it.
         progress: is called with the number of runs each time that some are done.
     """
@@ -70,6 +71,7 @@ class Options:
     controller: Machine | None = None
     precision: str = "double"
     device: str = "cpu"
+    metrics: Sequence[str] | None = None
     threads: int | None = None
     progress: Callable[[int], None] | None = None
 
@@ -100,9 +102,10 @@ def ensemble(
     Raises:
         InputError: a machine, scenario, path or option is wrong, or no such device can be used.
     """
-    from layflat.sim.ensemble.dataset import measured  # noqa: PLC0415  # xarray takes long to import
+    from layflat.sim.ensemble.dataset import METRICS, measured  # noqa: PLC0415  # xarray takes long to import
 
     chosen = checked_options(Options, options, "ensemble")
+    metrics = METRICS if chosen.metrics is None else _known(chosen.metrics, METRICS, "metric", "metrics")
     number = _number(chosen.precision)
     prepared = cases(
         load(machine), _scenarios(scenario or Scenario()), vary or {}, chosen.runs,
@@ -119,7 +122,7 @@ def ensemble(
     for done in _runner(chosen.device)(workers, prepared, timing, bands, results):
         if chosen.progress is not None:
             chosen.progress(done)
-    return measured(prepared, results, timing, workers)
+    return measured(prepared, results, timing, workers, metrics)
 
 
 def traced(
@@ -220,10 +223,16 @@ def _blocks(count: int, workers: int, lanes: int) -> Iterator[NDArray[np.int64]]
 
 
 def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
-    unknown = sorted(set(traces) - set(Traced._fields))
+    signals = _known(traces, Traced._fields, "signal", "traces")
+    return np.array([Traced._fields.index(name) for name in signals], dtype=np.int64)
+
+
+def _known(names: Sequence[str], there: Sequence[str], what: str, where: str) -> Sequence[str]:
+    """Names of what there is."""
+    unknown = sorted(set(names) - set(there))
     if unknown:
-        raise InputError(f"{unknown[0]!r} is not a signal", where="traces", right=f"use {', '.join(Traced._fields)}")
-    return np.array([Traced._fields.index(name) for name in traces], dtype=np.int64)
+        raise InputError(f"{unknown[0]!r} is not a {what}", where=where, right=f"use {', '.join(there)}")
+    return names
 
 
 def _run_block(
