@@ -26,7 +26,7 @@ def study(tmp_path: Path) -> Study:
 def client() -> Iterator[Any]:
     """A client of its own beside two worker processes of one thread each."""
     workers = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, silence_logs="CRITICAL"
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs="CRITICAL"
     )
     with workers, distributed.Client(workers, set_as_default=False) as one:
         yield one

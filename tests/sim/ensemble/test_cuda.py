@@ -45,7 +45,7 @@ from layflat.sim import Scenario
 from layflat.sim.ensemble import cuda, ensemble
 
 ensemble("paper-small-joint", Scenario(duration="0.1 s"), runs=1, device="cuda")
-print(sum(cuda._kernel(cuda.run_each, ()).stats.cache_hits.values()))
+print(sum(cuda._kernel(cuda.run_each, cuda.run_lanes, ()).stats.cache_hits.values()))
 """
 
 BY_COMPILER = pytest.mark.skipif(find_spec("numba_cuda") is None, reason="needs the compilers of layflat[gpu]")

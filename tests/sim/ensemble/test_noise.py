@@ -9,8 +9,7 @@ from layflat.errors import InputError
 from layflat.physics.noise import sensor_noise
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble
-from layflat.sim.ensemble.noise import noise_of
-from layflat.sim.ensemble.seeds import CALM, streams
+from layflat.sim.ensemble.seeds import CALM, noise_of, streams
 
 SEEDS = st.integers(0, 2**53)
 TAIL = 3.6541528853610088  # of the ziggurat

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.sim.ensemble.cases import Cases
-from layflat.sim.ensemble.noise import Make, noise_of
 from layflat.sim.ensemble.results import DIVERGED, Moves, Plan, Results, Runs, Totals
+from layflat.sim.ensemble.seeds import Make, noise_of
 from layflat.sim.tally import COLUMNS
 
 

@@ -14,9 +14,8 @@ from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import InputError
 from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
-from layflat.sim.ensemble.noise import Make, noise_of
 from layflat.sim.ensemble.results import Moves, Plan, Runs
-from layflat.sim.ensemble.seeds import CALM, Seeds
+from layflat.sim.ensemble.seeds import CALM, Make, Seeds, noise_of
 from layflat.sim.metrics import move_windows
 from layflat.sim.run import driver_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes

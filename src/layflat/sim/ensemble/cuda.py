@@ -24,9 +24,9 @@ from layflat.lanes import interpreted, mapped
 from layflat.sim.ensemble.block import Block, block_of, keep
 from layflat.sim.ensemble.cases import Cases
 from layflat.sim.ensemble.kernel import run_lanes
-from layflat.sim.ensemble.noise import begin, fill_cycle, noise_of, ziggurat
+from layflat.sim.ensemble.noise import begin, fill_cycle
 from layflat.sim.ensemble.results import Results
-from layflat.sim.ensemble.seeds import CALM, Seeds, streams
+from layflat.sim.ensemble.seeds import CALM, Seeds, noise_of, streams, ziggurat
 from layflat.sim.ensemble.watch import new_watch, some_lanes
 from layflat.sim.kernel import Timing
 
@@ -56,10 +56,10 @@ def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:
 
 
 @cache
-def _kernel(function: Callable[..., None], included: tuple[str, ...]) -> Any:
-    # Laws from outside may be added between two calls.
+def _kernel(function: Callable[..., None], law: Any, included: tuple[str, ...]) -> Any:
+    # What does a law in every thread; laws from outside may be added between two calls.
     del included
-    return device_kernel(function, cache_folder(Path(__file__)))
+    return device_kernel(function, cache_folder(Path(law.py_func.__code__.co_filename)))
 
 
 def run_on_device(
@@ -153,14 +153,19 @@ def _noise_there(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[
     if interpreted() or (seeds == CALM).all():
         return noise_of(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)
-    _start(_kernel(fill_each, included_sources()), len(seeds), *mapped((streams(seeds), ziggurat()), _moved), noise)
+    _start(
+        _kernel(fill_each, fill_cycle, included_sources()),
+        len(seeds),
+        *mapped((streams(seeds), ziggurat()), _moved),
+        noise,
+    )
     return noise
 
 
 def _launched(prepared: Cases, block: Block, timing: Timing) -> Results:
     """Set a block of runs going; returns its results on the device."""
     there = mapped(kernel_arguments(prepared, block, timing), _moved)
-    _start(_kernel(run_each, included_sources()), len(block.runs.scenario), *there)
+    _start(_kernel(run_each, run_lanes, included_sources()), len(block.runs.scenario), *there)
     *_, results, _ = there
     return cast(Results, results)
 

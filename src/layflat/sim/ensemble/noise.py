@@ -8,21 +8,13 @@ A number of 128 bits is two of 64, its high and its low half. The generator's `s
 `step` that is added to it each time.
 """
 
-from collections.abc import Callable
-from functools import cache
 from math import exp, log1p
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from layflat.arrays import Array
 from layflat.jit import composition, kernel
-from layflat.lanes import interpreted, select
-from layflat.physics.noise import sensor_noise
-from layflat.sim.ensemble.seeds import CALM, Seeds, streams
-
-Make = Callable[[Seeds, tuple[int, int], type[np.floating[Any]]], Any]
-"""What makes noise: `noise_of`, or the same on a device."""
+from layflat.lanes import select
 
 
 class Ziggurat(NamedTuple):
@@ -40,34 +32,6 @@ HALF, LOW_HALF = U(32), U(0xFFFFFFFF)
 FACTOR_HIGH, FACTOR_LOW = U(0x2360ED051FC65DA4), U(0x4385DF649FCCF645)
 ZERO, ONE, EIGHT, NINE, ELEVEN, TURN, ALL, LAYER, MANTISSA = map(U, (0, 1, 8, 9, 11, 58, 63, 0xFF, 0xFFFFFFFFFFFFF))
 UNIT = 2.0**-53
-
-
-def noise_of(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[Any]]) -> Array:
-    """Noise of runs in so many (cycles, joints): (cycles, joints, 2, runs); one cycle of zeros where all are calm."""
-    cycles, joints = shape
-    if (seeds == CALM).all():
-        return np.zeros((1, joints, 2, len(seeds)), number)
-    noise = np.empty((cycles, joints, 2, len(seeds)), number)
-    if interpreted():
-        for run, seed in enumerate(seeds):
-            noise[..., run] = sensor_noise(None if seed == CALM else int(seed), cycles, joints)
-    else:
-        fill(streams(seeds), ziggurat(), noise)
-    return noise
-
-
-@cache
-def ziggurat() -> Ziggurat:
-    """The compiler's own tables."""
-    from numba.np.random import _constants as tables  # noqa: PLC0415  # it takes long to load
-
-    return Ziggurat(
-        tables.ki_double,
-        tables.wi_double,
-        tables.fi_double,
-        float(tables.ziggurat_nor_r),
-        float(tables.ziggurat_nor_inv_r),
-    )
 
 
 @composition
