@@ -42,7 +42,7 @@ def reproduce(
     with aside("layflat.experiments.aside:perform", machine) as others:  # before the imports, which take as long there
         from layflat.experiments import bench, reproduce, write_claims, write_report  # noqa: PLC0415
         from layflat.experiments.questions import QUESTIONS, answers, ask  # noqa: PLC0415
-        from layflat.experiments.report import COLUMNS, table  # noqa: PLC0415
+        from layflat.experiments.report import COLUMNS, figures, table  # noqa: PLC0415
         from layflat.experiments.reproduction import ORDER  # noqa: PLC0415
         from layflat.files import check_folder  # noqa: PLC0415
         from layflat.machine.listing import listing  # noqa: PLC0415
@@ -54,7 +54,7 @@ def reproduce(
             with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
                 ask(name, out / "questions" / name, advance)
         with steps_bar("claims", len(ORDER)) as advance:
-            found = reproduce(on, advance, others)
+            found = reproduce(on, advance, others, figures)
     write_claims(found, out / "claims.json")
     every = listing(*tables(machine))
     assumed = [line for line in every if line.source in {"assumed", "calibrated", "identified", "given"}]

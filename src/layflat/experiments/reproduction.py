@@ -90,12 +90,16 @@ def disagreeing(bench: Bench, experiments: Sequence[Callable[[Bench], Experiment
 
 
 def reproduce(
-    bench: Bench, progress: Callable[[int, int], None] = lambda *_: None, others: Iterable[Claim | Drawn] = ()
+    bench: Bench,
+    progress: Callable[[int, int], None] = lambda *_: None,
+    others: Iterable[Claim | Drawn] = (),
+    draw: Callable[[Reproduction], Iterable[Drawn]] = lambda _: (),
 ) -> Reproduction:
     """Perform every experiment and evaluate the paper's claims; an interruption (Ctrl-C) leaves the rest open.
 
     `progress` is called with the number of claims that are evaluated, and with how many there are. `others`: claims and
-    figures that another process comes to (see aside.py); what it does not give is evaluated here, last.
+    figures that another process comes to (see aside.py); what it does not give is evaluated here, last. `draw`: draws
+    the figures of what was evaluated so far, while that process works.
     """
     found, claims = Reproduction.on(bench), dict[str, Claim]()
 
@@ -106,6 +110,8 @@ def reproduce(
     try:
         for rule, experiment in found.rules(aside=False):
             take(rule.evaluated(experiment))
+        found.claims = list(claims.values())
+        found.drawn = {one.id: one for one in draw(found)}
         for one in others:
             if isinstance(one, Claim):
                 take(one)

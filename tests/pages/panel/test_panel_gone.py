@@ -46,7 +46,7 @@ def test_a_rig_and_a_server_that_go_away_are_told_and_the_rig_is_safe(
     found = re.search(r"(https?://\S+);", server.stdout.readline())
     assert found
     page = Served(server, found.group(1)).page(browser)
-    until(lambda: state(page) == "Off", 30.0)
+    until(lambda: is_reset(page), 90.0)  # its kernels may have to be compiled first
     port = rig.address.rpartition(":")[2]
     assert rig.end() == 0
     until(lambda: "Link lost" in page.inner_text("main"), 15.0)
