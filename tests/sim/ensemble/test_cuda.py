@@ -179,6 +179,17 @@ def test_the_simulator_alone_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> N
         ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="cuda")
 
 
+def test_a_device_that_fails_on_the_way_is_one_line() -> None:
+    from layflat.sim.ensemble import cuda
+
+    error = cuda.cuda.cudadrv.driver.CudaAPIError(2, "out of memory")
+    with (
+        pytest.raises(InputError, match=r"^device: the CUDA device failed \(\[2\] out of memory\); see nvidia-smi"),
+        cuda._failing_in_a_line(),
+    ):
+        raise error
+
+
 def test_another_device_says_which_there_are() -> None:
     with pytest.raises(InputError, match='\'tpu\' is not a device; use "cpu" or "cuda"'):
         ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="tpu")

@@ -1,7 +1,14 @@
 """Runs in single precision: what they cost in accuracy, and that all else is as in double precision."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
+import xarray
 from scipy.stats import ks_2samp
 
 from layflat.errors import InputError
@@ -55,3 +62,35 @@ def test_another_precision_says_which_there_are() -> None:
 def test_long_runs_need_double_precision() -> None:
     with pytest.raises(InputError, match="precision: single precision is too coarse for runs of 3600 s"):
         ensemble(ARM, Scenario(duration="1 h"), runs=1, precision="single")
+
+
+ONE_BY_ONE = """
+import sys
+
+import layflat.lanes
+
+layflat.lanes.host_width = lambda size=8: 1
+
+from layflat.sim import Scenario
+from layflat.sim.ensemble import ensemble
+
+case = Scenario(demand=[("0 s", -0.1), ("0.03 s", 0.1)], duration="0.1 s")
+traces = ["angle", "pressure_a"]
+many = ensemble("paper-small-joint", case, {"arm.payload": [0.5, 1.5]}, precision="single", traces=traces)
+many.to_netcdf(sys.argv[1], engine="h5netcdf")
+"""
+
+
+@pytest.mark.compiled
+def test_a_single_lane_keeps_single_precision(tmp_path: Path) -> None:
+    places = {"LAYFLAT_CACHE_DIR": str(tmp_path)}
+    words = [sys.executable, "-c", ONE_BY_ONE, str(tmp_path / "one.nc")]
+    subprocess.run(words, env={**os.environ, **places}, check=True)
+    case = Scenario(demand=[("0 s", -0.1), ("0.03 s", 0.1)], duration="0.1 s")
+    many: dict[str, Any] = {"vary": {"arm.payload": [0.5, 1.5]}, "traces": ["angle", "pressure_a"]}
+    here = ensemble("paper-small-joint", case, precision="single", **many)
+    double = ensemble("paper-small-joint", case, **many)
+    with xarray.open_dataset(tmp_path / "one.nc", engine="h5netcdf") as alone:
+        for trace in ("angle", "pressure_a"):
+            assert np.array_equal(alone[trace], here[trace])
+            assert not np.array_equal(here[trace], double[trace])

@@ -62,13 +62,7 @@ def _kernel(function: Callable[..., None], law: Any, included: tuple[str, ...]) 
     return device_kernel(function, cache_folder(Path(law.py_func.__code__.co_filename)))
 
 
-def run_on_device(
-    workers: int,  # noqa: ARG001  (the processor's own runner has some)
-    prepared: Cases,
-    timing: Timing,
-    bands: tuple[float, float],
-    results: Results,
-) -> Iterator[int]:
+def run_on_device(prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results) -> Iterator[int]:
     """Run all runs and fill in their results; yields how many are done each time that some are.
 
     Raises:
@@ -153,12 +147,8 @@ def _noise_there(seeds: Seeds, shape: tuple[int, int], number: type[np.floating[
     if interpreted() or (seeds == CALM).all():
         return noise_of(seeds, shape, number)
     noise = cuda.device_array((*shape, 2, len(seeds)), number)
-    _start(
-        _kernel(fill_each, fill_cycle, included_sources()),
-        len(seeds),
-        *mapped((streams(seeds), ziggurat()), _moved),
-        noise,
-    )
+    begun = mapped((streams(seeds), ziggurat()), _moved)
+    _start(_kernel(fill_each, fill_cycle, included_sources()), len(seeds), *begun, noise)
     return noise
 
 

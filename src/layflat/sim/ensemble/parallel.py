@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -119,7 +120,7 @@ def ensemble(
     timing = _timing(prepared, chosen.step)
     results = room_for_results(prepared, _columns(chosen.traces), chosen.every)
     workers = chosen.threads or os.cpu_count() or 1
-    for done in _runner(chosen.device)(workers, prepared, timing, bands, results):
+    for done in _runner(chosen.device, workers)(prepared, timing, bands, results):
         if chosen.progress is not None:
             chosen.progress(done)
     return measured(prepared, results, timing, workers, metrics)
@@ -191,17 +192,14 @@ def check_device(device: str) -> None:
         raise InputError(f"{device!r} is not a device", where="device", right='use "cpu" or "cuda"')
 
 
-Runner = Callable[[int, Cases, Timing, tuple[float, float], Results], Iterator[int]]
-
-
-def _runner(device: str) -> Runner:
+def _runner(device: str, workers: int) -> Callable[[Cases, Timing, tuple[float, float], Results], Iterator[int]]:
     """What runs the cases and fills in the results; yields how many runs are done each time that some are."""
     check_device(device)
     if device == "cuda":
         from layflat.sim.ensemble.cuda import run_on_device  # noqa: PLC0415  # a compiler of its own
 
         return run_on_device
-    return _run_on_threads
+    return partial(_run_on_threads, workers)
 
 
 def _run_on_threads(
