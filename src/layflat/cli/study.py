@@ -41,7 +41,8 @@ def study(
 ) -> None:
     """Run a parameter study; needs the extra `study`.
 
-    Writes a table of metrics, a row a run, and a figure. A stopped study continues where it was.
+    Writes a table of metrics, a row a run, and a figure. A stopped study continues where it was. Runs of up to a minute
+    are computed in single precision, unless the file says precision = "double".
     """
     from layflat.study import names, read, run, table  # noqa: PLC0415
     from layflat.study.folder import ChangedError  # noqa: PLC0415
@@ -77,7 +78,8 @@ def _print_summary(described: "Study", out: Path) -> None:
         for name, (unit, values) in found.quantiles.items()
     ]
     columns = ["metric", "unit", *(f"{100 * share:g} %" for share in SHARES)]
-    title = f"{described.name}: {described.samples} samples, {found.runs} runs; this share of them lies below"
+    made = f"{found.runs} runs in {described.precision} precision"
+    title = f"{described.name}: {described.samples} samples, {made}; this share of them lies below"
     print_table(columns, rows, title)
     if found.settled is not None:
         typer.echo(f"{100 * found.settled:.1f} % settled in every move")
