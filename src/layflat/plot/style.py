@@ -71,15 +71,16 @@ def figure(
         yield made, list(axes.ravel())
 
 
-def mark(axes: Axes, at: float, text: str, *, upright: bool = False) -> None:
-    """Draw a quiet line across the axes at a value, and write beside it what it stands for."""
+def mark(axes: Axes, at: float, text: str, *, upright: bool = False, ha: str = "left") -> None:
+    """Draw a quiet line across the axes at a value, and write at its left or right end what it stands for."""
     if upright:
         axes.axvline(at, **QUIET)
         place: dict[str, Any] = {"xy": (at, 0.02), "xycoords": axes.get_xaxis_transform(), "xytext": (4, 0)}
     else:
         axes.axhline(at, **QUIET)
-        place = {"xy": (0.0, at), "xycoords": axes.get_yaxis_transform(), "xytext": (4, 2)}
-    axes.annotate(text, **place, textcoords="offset points", va="bottom", fontsize=8, color="#555555")
+        end, inside = (1.0, -4) if ha == "right" else (0.0, 4)
+        place = {"xy": (end, at), "xycoords": axes.get_yaxis_transform(), "xytext": (inside, 2)}
+    axes.annotate(text, **place, textcoords="offset points", va="bottom", ha=ha, fontsize=8, color="#555555")
 
 
 def to_svg(made: Figure) -> str:
