@@ -6,11 +6,14 @@ import sys
 import tomllib
 from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
+from numba import njit
 from numba.core import event
 from numba.core.errors import TypingError
+from numba.core.runtime import _nrt_python as counted  # type: ignore[attr-defined]
 
 import layflat
 from layflat.jit import by_kind, cache_folder, kernel, law, libraries
@@ -246,6 +249,71 @@ def test_of_a_law_there_is_no_machine_code() -> None:
     for one, compiled in ((doubled, False), (quadrupled, True)):
         (made,) = one.dispatcher.overloads.values()  # type: ignore[attr-defined]
         assert (made.library.get_pointer_to_function(made.fndesc.llvm_func_name) != 0) == compiled
+
+
+class Pair(NamedTuple):
+    first: float
+    second: int
+    third: bool = True
+
+
+@pytest.mark.skipif(interpreted(), reason="nothing is compiled")
+def test_laws_and_what_is_compiled_elsewhere_call_each_other_with_named_tuples() -> None:
+    """A law is handed them whole, all else number by number."""
+
+    @njit
+    def elsewhere(one: Pair, other: Pair) -> Any:
+        return one.first - other.second
+
+    @law
+    def within(one: Pair, other: Pair) -> Any:
+        return Pair(elsewhere(one, other) + sum(one) + len(one), other.second, one.first > other.first)
+
+    @law
+    def around(one: Pair) -> Any:
+        return within(within(one, Pair(4.0, 8)), one)
+
+    @kernel
+    def run(one: Pair) -> Any:
+        return around(one)
+
+    @njit
+    def run_elsewhere(one: Pair) -> Any:
+        return around(one)
+
+    given = Pair(1.5, 2)
+    assert run(given) == run_elsewhere(given) == around(given)
+
+
+@pytest.mark.skipif(interpreted(), reason="nothing is compiled")
+def test_what_laws_allocate_and_hand_on_is_given_back() -> None:
+    @law
+    def made(count: int) -> Any:
+        return np.full(count, 2.0), count
+
+    @law
+    def summed(count: int) -> Any:
+        return made(count)[0].sum()
+
+    @law
+    def handed_on(one: Any) -> Any:
+        return one
+
+    @kernel
+    def used(kept: Any, times: int) -> float:
+        total = 0.0
+        for _ in range(times):
+            total += summed(5) + handed_on(made(5))[0].sum() + handed_on((kept, 1))[0].sum()
+        return total
+
+    kept = np.ones(10)
+    assert used(kept, 1) == 30.0
+    counted.memsys_enable_stats()
+    before = counted.memsys_get_stats_alloc(), counted.memsys_get_stats_free()
+    assert used(kept, 1000) == 30_000.0
+    allocated, freed = counted.memsys_get_stats_alloc() - before[0], counted.memsys_get_stats_free() - before[1]
+    assert allocated == freed >= 2000
+    assert sys.getrefcount(kept) == 2
 
 
 @pytest.mark.skipif(interpreted(), reason="nothing is compiled")
