@@ -180,9 +180,10 @@ def shapes(scenario: Scenario, machine: Machine, cycle: float) -> Shapes:
 
 def _demand(scenario: Scenario, machine: Machine, times: Times) -> Array:
     """Angles asked for, (times, joints), rad: as given, or those that bring the tip to where it is asked for."""
-    names, axes = list(machine.joints), axes_of(machine)
+    names = list(machine.joints)
     if scenario.tip is None:
         return spread(scenario.demand, times, names, u.ANGLE, "demand")
+    axes = axes_of(machine)
     if not (isinstance(scenario.demand, float) and scenario.demand == 0.0):
         raise InputError("stands beside a demand", where="tip", right="give one or the other")
     places = spread(_whole(scenario.tip, axes), times, axes, u.LENGTH, "tip")
