@@ -1,5 +1,6 @@
 import gc
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -259,7 +260,7 @@ class Pair(NamedTuple):
 
 @pytest.mark.skipif(interpreted(), reason="nothing is compiled")
 def test_laws_and_what_is_compiled_elsewhere_call_each_other_with_named_tuples() -> None:
-    """A law is handed them whole, all else number by number."""
+    """A law is handed them whole, all else number by number: what is handed the wrong ones can't be inlined."""
 
     @njit
     def elsewhere(one: Pair, other: Pair) -> Any:
@@ -283,6 +284,9 @@ def test_laws_and_what_is_compiled_elsewhere_call_each_other_with_named_tuples()
 
     given = Pair(1.5, 2)
     assert run(given) == run_elsewhere(given) == around(given)
+    for one in (run.dispatcher, run_elsewhere):  # type: ignore[attr-defined]
+        (machine_code,) = one.inspect_llvm().values()
+        assert not re.search(r"call i32 @\S*locals_3e\d+(?:elsewhere|within|around)", machine_code)
 
 
 @pytest.mark.skipif(interpreted(), reason="nothing is compiled")
