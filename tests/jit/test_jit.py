@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
 import tomllib
 from contextlib import nullcontext
 from pathlib import Path
@@ -44,15 +45,16 @@ sys.path.insert(0, sys.argv[1])
 import numpy as np
 from layflat.control.paper.gains import Settings
 from plants import GAINS, AROUND, SIGNALS, JOINTS, TWO_LINKS, CYCLE, signals
-from layflat.sim.kernel import Timing, run_cycles
+from layflat.lanes import Like, leaves
+from layflat.sim.kernel import Case, Timing, run_cycles
 
 noise = np.random.default_rng(0).normal(size=(7, 2, 2))
 acting = signals(6, 2, demand=[0.3, -0.2], brake=[6.7, 2.2], load=[1.0, 0.5], payload=1.5, noise=noise)
 start, filled = np.zeros(2), np.full((2, 2), 3e5)
-settings = Settings((GAINS,) * 2)
+case = Case(TWO_LINKS, JOINTS, Settings((GAINS,) * 2), AROUND)
 acting = acting._replace(opening=np.full((6, 2), np.nan))
 timing = Timing(CYCLE, 20, 4)
-records = run_cycles(TWO_LINKS, JOINTS, settings, AROUND, start, filled, acting, timing, SIGNALS)[0]
+records = run_cycles(Like.of(case), np.fromiter(leaves(case), float), start, filled, acting, timing, SIGNALS)[0]
 sys.stdout.buffer.write(records.tobytes())
 """
 
@@ -202,13 +204,13 @@ def test_only_machine_code_is_removed_and_only_after_a_month(tmp_path: Path) -> 
 
 @pytest.mark.skipif(interpreted(), reason="nothing is compiled")
 @pytest.mark.parametrize("fails", [False, True])
-def test_garbage_is_collected_as_usual_after_a_compilation(fails: bool) -> None:
+def test_garbage_is_collected_and_threads_take_turns_as_usual_after_a_compilation(fails: bool) -> None:
     """Also after one that failed, and where a kernel compiles a law."""
     seen = []
 
     class Seen(event.Listener):
         def on_start(self, _: Any) -> None:
-            seen.append(gc.get_threshold())
+            seen.append((gc.get_threshold()[0], -sys.getswitchinterval()))
 
         def on_end(self, _: Any) -> None:
             """Only the beginning counts."""
@@ -220,12 +222,65 @@ def test_garbage_is_collected_as_usual_after_a_compilation(fails: bool) -> None:
     def twice(x: float) -> Any:
         return doubled(doubled(x)) + ("" if fails else 0.0)
 
-    usual = gc.get_threshold()
+    usual = gc.get_threshold()[0], -sys.getswitchinterval()
     with event.install_listener("numba:compile", Seen()), pytest.raises(TypingError) if fails else nullcontext():
         assert cached(twice, None)(3.0) == 12.0
-    assert gc.get_threshold() == usual
+    assert (gc.get_threshold()[0], -sys.getswitchinterval()) == usual
     assert len(seen) > 1
-    assert all(each[0] > usual[0] for each in seen[1:])
+    assert all(rare > usual[0] and often > usual[1] for rare, often in seen[1:])
+
+
+@pytest.mark.skipif(interpreted(), reason="nothing is compiled")
+def test_laws_are_of_use_after_a_kernel_that_failed() -> None:
+    """LLVM may be at work on them when it does."""
+
+    @law
+    def doubled(x: float) -> Any:
+        return 2.0 * x
+
+    @law
+    def quadrupled(x: float) -> Any:
+        return doubled(doubled(x))
+
+    def failing(x: float) -> Any:
+        return quadrupled(x) + ""
+
+    with pytest.raises(TypingError):
+        cached(failing, None)(1.0)
+    assert len(quadrupled.dispatcher.overloads) == 1  # type: ignore[attr-defined]
+    assert cached(lambda x: quadrupled(quadrupled(x)), None)(1.0) == 16.0
+
+
+@pytest.mark.skipif(interpreted(), reason="nothing is compiled")
+def test_llvm_works_on_laws_in_another_thread_and_its_failures_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    threads = []
+    parsed = libraries._parsed
+
+    def watched(name: str, text: str) -> Any:
+        threads.append(threading.get_ident())
+        if "broken" in name:
+            raise RuntimeError("LLVM can't")
+        return parsed(name, text)
+
+    monkeypatch.setattr(libraries, "_parsed", watched)
+
+    @law
+    def halved(x: float) -> Any:
+        return 0.5 * x
+
+    @law
+    def broken(x: float) -> Any:
+        return halved(x)
+
+    @law
+    def around(x: float) -> Any:
+        return halved(broken(x))
+
+    assert cached(lambda x: 1.0 + halved(x), None)(3.0) == 2.5
+    assert len(threads) == 1
+    assert threads[0] != threading.get_ident()
+    with pytest.raises(RuntimeError, match="LLVM can't"):
+        cached(lambda x: 1.0 + around(x), None)(3.0)
 
 
 def test_the_versions_that_fit_are_those_that_are_installed() -> None:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from layflat.jit import composition, kernel, law
 from layflat.lanes import (
     Lanes,
+    Like,
     abreast,
     anywhere,
     apart,
@@ -232,3 +233,28 @@ def test_the_interpreter_reads_and_writes_numbers_alike() -> None:
     assert type(nested.pair) is Pair
     write_numbers(out, nested)
     assert out.tolist() == [1.0, 2.0, 3.0]
+
+
+@kernel
+def read_like(like: Any, numbers: Any, block: Any) -> Any:
+    own = read_numbers(like, numbers)
+    return own, read_lanes(like, block)
+
+
+def test_what_a_tuple_looks_like_is_enough_to_read_numbers_and_lanes() -> None:
+    block = np.arange(3.0 * host_width()).reshape(3, -1)
+    for like in (Nested(Pair(8, 9.0), 7.0), Nested(Pair(1.0, 2), True), (1.0, Pair(2.0, 3.0))):
+        own, lanes = read_like(Like.of(like), block[:, 1].copy(), block)
+        assert own == read_numbers(like, block[:, 1])
+        assert lanes == read_lanes(like, block)
+        assert type(own) is type(lanes) is type(like)
+        assert type(own[0]) is type(like[0] if isinstance(like[0], tuple) else 1.0)
+
+
+@pytest.mark.compiled
+def test_a_kernel_is_compiled_once_for_tuples_that_look_alike() -> None:
+    compiled = len(read_like.dispatcher.overloads)  # type: ignore[attr-defined]
+    block = np.zeros((2, host_width()))
+    for like in (Pair(1.0, 2.0), Pair(3, True), Pair(np.ones(3), 1.0)):  # type: ignore[arg-type]
+        read_like(Like.of(like), block[:, 0].copy(), block)
+    assert len(read_like.dispatcher.overloads) == compiled + 1  # type: ignore[attr-defined]

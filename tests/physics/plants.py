@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.control.paper.gains import Gains, Phase, Report, Settings
+from layflat.lanes import Like, leaves
 from layflat.physics.arms.planar import OneLink, TwoLink
 from layflat.physics.chamber import Chamber
 from layflat.physics.flow import laminar_slope
@@ -19,7 +20,7 @@ from layflat.physics.stop import Stops
 from layflat.physics.valves.spool import SpoolValve
 from layflat.physics.valves.spool_motion import Spool
 from layflat.physics.valves.switching import Switch, SwitchingPair
-from layflat.sim.kernel import Sample, Signals, Timing, run_cycles
+from layflat.sim.kernel import Case, Sample, Signals, Timing, run_cycles
 
 Floats = NDArray[np.float64]
 
@@ -110,8 +111,9 @@ def run(
     n = len(joints)
     start = np.array(np.broadcast_to(angles, n), float)
     filled = np.array(np.broadcast_to(pressure, (n, 2)), float)
-    settings = Settings((GAINS,) * n)
-    records, _, rows, diverged = run_cycles(arm, joints, settings, AROUND, start, filled, acting, timing, SIGNALS)
+    case = Case(arm, joints, Settings((GAINS,) * n), AROUND)
+    numbers = np.fromiter(leaves(case), float)
+    records, _, rows, diverged = run_cycles(Like.of(case), numbers, start, filled, acting, timing, SIGNALS)
     assert diverged == -1
     return Run(records[:rows])
 

@@ -20,10 +20,10 @@ from layflat.experiments.limits import (
     is_sustained,
     oscillation,
     stepped,
+    watched,
 )
 from layflat.machine import Machine
 from layflat.sim.metrics import move, settling_time
-from layflat.sim.run import rollout_as_far
 
 GOOD_TIME, SCAN = 1.5, 4.0  # allowed where one or two times are looked at, s: what the paper gives for the arm; more
 CLOSE = radians(1.5)  # a joint that oscillates a little has come to its end within this
@@ -58,7 +58,7 @@ class AxisOne(Experiment):
         """A step, up to where it diverged if it did; usually at the inertia per torque of the paper's comparison."""
         inertia = INERTIA_PER_TORQUE * maximum_torque(machine, "small")
         carries = payload_for_inertia(machine, "small", inertia) if payload is None else payload
-        return rollout_as_far(machine, scenario=stepped(brake, 1, carries))
+        return watched(machine, stepped(brake, 1, carries))
 
     @cached_property
     def unbraked(self) -> xarray.Dataset:

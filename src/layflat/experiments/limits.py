@@ -1,18 +1,21 @@
 """How much inertia a joint carries: times to settle over inertia per torque, and where oscillation is sustained."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from math import inf, radians
 
 import numpy as np
+import xarray
 
 from layflat.arrays import Array
+from layflat.description import units as u
 from layflat.experiments.bench import INERTIA_PER_TORQUE, maximum_torque, payload_for_inertia
 from layflat.machine import Machine
 from layflat.sim import Scenario
 from layflat.sim.ensemble.parallel import traced
 from layflat.sim.metrics import BAND, settling_time
+from layflat.sim.scenario import shapes
 
 STEP = radians(40)
 AT = 0.5  # the step comes at this time, s, after the joint has come to rest
@@ -46,6 +49,22 @@ def is_sustained(time: Array, angle: Array) -> bool:
 def limit_within(times: Mapping[float, float], allowed: float) -> float:
     """Return the largest inertia per torque up to which all settle within the time allowed (s); 0 where none does."""
     return max((ratio for ratio, _ in takewhile(lambda found: found[1] <= allowed, times.items())), default=0.0)
+
+
+def watched(machine: Machine, scenario: Scenario) -> xarray.Dataset:
+    """Return what a rollout tells of demands and angles, up to where it diverged, without a rollout's kernel.
+
+    `carried` has that of an ensemble compiled in any case, and its runs are rollouts to the last bit.
+    """
+    # A run ends with a record, a trace with the cycle before.
+    longer = replace(scenario, duration=u.quantity(scenario.duration, u.TIME, "duration") + machine.cycle)
+    angle = traced(machine, longer, {}, ("angle",))[0, :, :, 0]
+    sound = ~np.isnan(angle).any(axis=1)
+    demand = shapes(longer, machine, machine.cycle).demand
+    return xarray.Dataset(
+        {"demand": (("time", "joint"), demand[sound]), "angle": (("time", "joint"), angle[sound])},
+        {"time": machine.cycle * np.arange(len(angle))[sound], "joint": list(machine.joints)},
+    )
 
 
 @dataclass(frozen=True)

@@ -55,12 +55,22 @@ class _References(NRTContext):
         return super().get_meminfos(builder, kind, value) if _refers[kind] else ()
 
 
+_sizes: dict[str, int] = {}
+
+
 class _LawContext(CPUContext):
     """How a law is compiled and called; all that it calls itself is called as that was compiled."""
 
     @property
     def nrt(self) -> Any:
         return _References(self, self.enable_nrt)
+
+    def get_abi_sizeof(self, kind: Any) -> Any:
+        # To ask LLVM is to wait until it has done what it is at.
+        name = str(kind)
+        if name not in _sizes:
+            _sizes[name] = super().get_abi_sizeof(kind)
+        return _sizes[name]
 
     def get_arg_packer(self, kinds: Any) -> Any:
         return ArgPacker(_Models(self.data_model_manager), kinds)

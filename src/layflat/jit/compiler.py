@@ -44,14 +44,11 @@ try:
     from numba.extending import register_model
 
     import layflat.lanes.compiled  # noqa: F401  # it teaches the compiler lanes
-    from layflat.jit.garbage import collect_seldom
     from layflat.jit.libraries import KernelCompiler, LawCompiler
 except (ImportError, AttributeError) as error:
     raise CompilerError(f"numba {version('numba')} lacks what layflat needs of it ({error})") from error
 
 config: Any = numba.config
-
-collect_seldom()
 
 STRICT: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 """No fast-math: a run is bit for bit the same wherever its laws are inlined."""

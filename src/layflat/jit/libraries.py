@@ -11,14 +11,29 @@ A kernel's instructions are put in order once all else is done (see ordering.py)
 # The compiler's own modules are untyped.
 
 from contextlib import suppress
-from typing import Any
+from functools import cache
+from typing import Any, cast
 
-from llvmlite import binding
-from numba.core.codegen import JITCodeLibrary
+from llvmlite import binding, ir
+from numba.core.cgutils import normalize_ir_text
+from numba.core.codegen import CPUCodeLibrary, JITCodeLibrary
 from numba.core.compiler import Compiler
 
 from layflat.jit.calls import law_context
+from layflat.jit.meanwhile import Work
 from layflat.jit.ordering import ordered
+
+
+@cache
+def _triple() -> str:
+    triple: str = binding.get_process_triple()
+    return triple
+
+
+def _parsed(name: str, text: str) -> Any:
+    module = binding.parse_assembly(text)
+    module.name = name
+    return module
 
 
 class _Nowhere:
@@ -29,18 +44,59 @@ class _Nowhere:
 
 
 class _LawLibrary(JITCodeLibrary):
+    """LLVM does all of its work later (see meanwhile.py): who asks for what came of it waits."""
+
+    def __init__(self, codegen: Any, name: str) -> None:
+        # As all libraries, but for the empty module that a processor's begin with: a law has one of its own.
+        super(CPUCodeLibrary, self).__init__(codegen, name)
+        self._linking_libraries: list[Any] = []
+        self._shared_module = None
+        self._work, self._module = Work(), cast("Any", None)
+
     @property
     def codegen(self) -> _Nowhere:
         return _Nowhere()
 
-    def _optimize_final_module(self) -> None:
+    @property
+    def _final_module(self) -> Any:
+        self._work.wait()
+        return self._module
+
+    @_final_module.setter
+    def _final_module(self, module: Any) -> None:
+        self._module = module
+
+    def create_ir_module(self, name: str) -> Any:
+        module: Any = ir.Module(normalize_ir_text(name))
+        module.triple, module.data_layout = _triple(), self._codegen._data_layout
+        return module
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        self._work.add(self._add, ir_module.name, normalize_ir_text(str(ir_module)))
+
+    def finalize(self) -> None:
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
+        self._finalized = True
+        self._work.add(self._finish)
+
+    def _add(self, name: str, text: str) -> None:
+        module = _parsed(name, text)
+        module.verify()
+        self._optimize_functions(module)
+        if self._module is None:
+            self._module = module
+        else:
+            self._module.link_in(module)
+
+    def _finish(self) -> None:
+        for library in dict.fromkeys(self._linking_libraries):
+            self._module.link_in(library._get_module_for_linking(), preserve=True)
         # As much as keeps what is inlined small.
         passes, builder = self._codegen._module_pass_manager(opt=1, loop_vectorize=False, slp_vectorize=False)
-        passes.run(self._final_module, builder)
-
-    def _finalize_final_module(self) -> None:
+        passes.run(self._module, builder)
+        self._module.verify()
         self._finalize_dynamic_globals()
-        self._finalized = True
 
 
 class _KernelLibrary(JITCodeLibrary):
@@ -52,8 +108,7 @@ class _KernelLibrary(JITCodeLibrary):
             return
         # Text that LLVM can't read again is no loss but of speed.
         with suppress(RuntimeError):
-            self._final_module = binding.parse_assembly(in_order)
-            self._final_module.name = name
+            self._final_module = _parsed(name, in_order)
 
 
 class LawCompiler(Compiler):

@@ -24,9 +24,9 @@ needed.
 import operator
 import os
 from collections.abc import Callable, Iterator
-from functools import cache, wraps
+from functools import cache, cached_property, wraps
 from itertools import count
-from typing import Any
+from typing import Any, ClassVar
 
 
 def _switched_on(name: str) -> bool:
@@ -160,8 +160,39 @@ def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
     rows[i, j] = values
 
 
+class Like:
+    """What a nested tuple of floats looks like, without the floats, for kernels that read these from arrays.
+
+    From Python a kernel would take the tuple number by number, for which machine code as long as the kernel itself may
+    be needed. Tuples that look alike have one and the same, so that the compiler looks once.
+    """
+
+    _known: ClassVar[dict[Any, "Like"]] = {}
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+
+    @classmethod
+    def of(cls, value: Any) -> "Like":
+        """What a tuple looks like."""
+        looks = _looks(value)
+        if looks not in cls._known:
+            cls._known[looks] = cls(mapped(value, lambda _: 0.0))
+        return cls._known[looks]
+
+    @cached_property
+    def _numba_type_(self) -> Any:
+        from layflat.lanes.typing import like_type  # noqa: PLC0415  # it loads numba
+
+        return like_type(self.value)
+
+
+def _looks(value: Any) -> Any:
+    return (type(value), *map(_looks, value)) if isinstance(value, tuple) else None
+
+
 def read_numbers(like: Any, numbers: Any) -> Any:
-    """A tuple like `like` (nested, of floats), its leaves in order from numbers[0], numbers[1] and so on."""
+    """A tuple like `like` (nested, of floats), its leaves in order from numbers[0], numbers[1]; or that of a `Like`."""
     places = count()
 
     def read(part: Any) -> Any:
@@ -169,7 +200,7 @@ def read_numbers(like: Any, numbers: Any) -> Any:
             return _rebuild(part, [read(item) for item in part])
         return float(numbers[next(places)])
 
-    return read(like)
+    return read(like.value if isinstance(like, Like) else like)
 
 
 def write_numbers(numbers: Any, values: Any) -> None:
@@ -193,7 +224,7 @@ def width(block: Any) -> int:
 
 
 def read_lanes(like: Any, block: Any) -> Any:
-    """A tuple like `like` (nested, of floats), its leaves in order from block[0, :], block[1, :] and so on.
+    """A tuple like `like`, as `read_numbers` gives, its leaves in order from block[0, :], block[1, :] and so on.
 
     Only the first `width(block)` columns of the block are read. Lanes have the precision of its numbers; all that is
     done with them, and with others, is done in that precision.
@@ -206,7 +237,7 @@ def read_lanes(like: Any, block: Any) -> Any:
         row = block[next(rows)]
         return Lanes(float(row[lane]) for lane in range(lanes)) if lanes > 1 else float(row[0])
 
-    return read(like)
+    return read(like.value if isinstance(like, Like) else like)
 
 
 def in_lanes(value: Any, like: Any) -> Any:

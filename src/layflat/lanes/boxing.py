@@ -1,4 +1,4 @@
-"""Lanes for the compiler: how they come out to Python."""
+"""Lanes for the compiler: how they come out to Python, and how what a tuple looks like comes in."""
 
 # mypy: disable-error-code="no-untyped-call,import-untyped,untyped-decorator"
 # The compiler's own modules are untyped.
@@ -6,10 +6,10 @@
 from typing import Any
 
 from llvmlite import ir
-from numba.core.extending import box
+from numba.core.extending import NativeValue, box, unbox
 
 from layflat.lanes import Lanes
-from layflat.lanes.typing import LanesType
+from layflat.lanes.typing import LanesType, LikeType
 
 
 @box(LanesType)
@@ -22,3 +22,8 @@ def _lanes(kind: Any, value: Any, c: Any) -> Any:
     for used in (*numbers, together, made_by):
         c.pyapi.decref(used)
     return lanes
+
+
+@unbox(LikeType)
+def _like(kind: Any, value: Any, c: Any) -> Any:  # noqa: ARG001  (the compiler's own interface)
+    return NativeValue(c.context.get_dummy_value())

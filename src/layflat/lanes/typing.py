@@ -6,6 +6,7 @@
 import math
 import operator
 from collections.abc import Callable, Iterable
+from hashlib import sha256
 from typing import Any
 
 from llvmlite import ir
@@ -15,6 +16,7 @@ from numba.core.datamodel import models
 from numba.core.extending import register_model
 from numba.core.typing import Context, signature
 from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.core.typing.typeof import typeof
 
 from layflat import lanes
 
@@ -53,6 +55,32 @@ class _Vector(models.PrimitiveModel):
 
     def from_data(self, builder: Any, value: Any) -> Any:
         return builder.extract_value(value, 0)
+
+
+class LikeType(types.Opaque):
+    """A `Like`: of which only the type of the tuple counts."""
+
+    def __init__(self, value: types.Type) -> None:
+        self.value = value
+        # The whole name would be part of those of functions.
+        super().__init__(name=f"Like({sha256(str(value).encode()).hexdigest()[:16]})")
+
+    @property
+    def key(self) -> Any:
+        """What tells it from others."""
+        return self.value
+
+
+register_model(LikeType)(models.OpaqueModel)
+
+
+def like_type(value: Any) -> LikeType:
+    """Type of a `Like` of a value."""
+    return LikeType(typeof(value))
+
+
+def _value(like: Any) -> Any:
+    return like.value if isinstance(like, LikeType) else like
 
 
 def width_in(context: Any, block: Any) -> int:
@@ -182,7 +210,7 @@ _typed([lanes.abreast], lambda items: signature(abreast_type(items.dtype, items.
 _typed([lanes.apart], lambda joined, like: signature(_parts(joined, like.count), joined, like))
 _typed([lanes.sums_up_to, lanes.sums_from], lambda joined, like: signature(joined, joined, like))
 _typed([lanes.write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
-_typed([lanes.read_numbers], lambda like, numbers: signature(like, like, numbers))
+_typed([lanes.read_numbers], lambda like, numbers: signature(_value(like), like, numbers))
 _typed([lanes.write_numbers], lambda numbers, values: signature(types.none, numbers, values))
 _typed([lanes.in_lanes], lambda value, like: signature(spread_type(value, like), value, like))
 _typed([lanes.write_lanes], lambda block, values: signature(types.none, block, values))
@@ -202,4 +230,4 @@ class _ReadLanes(AbstractTemplate):
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
         like, block = args
-        return signature(spread_type(like, lanes_type(width_in(self.context, block), block.dtype)), like, block)
+        return signature(spread_type(_value(like), lanes_type(width_in(self.context, block), block.dtype)), like, block)

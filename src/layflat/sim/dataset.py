@@ -23,7 +23,7 @@ from layflat.sim.scenario import Scenario
 
 def dataset(machine: Machine, scenario: Scenario, prepared: Prepared, rows: Array, shown: Array) -> xarray.Dataset:
     """Name the columns of a run, those of the control law's report among them, and lay demand and tip beside them."""
-    acting, timing, law = prepared.signals, prepared.timing, CONTROL_LAWS.of(prepared.settings)
+    acting, timing, law = prepared.signals, prepared.timing, CONTROL_LAWS.of(prepared.case.settings)
     time = np.arange(len(rows)) * (timing.cycle / timing.records)
     both = ("time", "joint")
     said: dict[str, Any] = {

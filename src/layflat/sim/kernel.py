@@ -1,21 +1,30 @@
 """The compiled time loop of a run: sense, control, advance, record, one control cycle after the other."""
 
 from math import nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from layflat.control import wake
 from layflat.jit import composition, kernel, law
-from layflat.lanes import gather, in_lanes, slots, total, write_row
+from layflat.lanes import gather, in_lanes, read_numbers, slots, total, write_row
 from layflat.physics.adjustable import FULL
 from layflat.physics.chamber import temperature
 from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.hysteresis import stored, torques
-from layflat.physics.joint import Drive, Surroundings, is_sound
+from layflat.physics.joint import Drive, Joint, Surroundings, is_sound
 from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import net_opening, start_wave
 from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, sense_all
+
+
+class Case(NamedTuple):
+    """What is simulated: parameter tuples of `physics` and `control`."""
+
+    arm: Any
+    joints: tuple[Joint, ...]
+    settings: Any  # of the control law
+    air: Surroundings
 
 
 class Timing(NamedTuple):
@@ -129,15 +138,16 @@ def _surroundings(air, signals, k):
     )
 
 
-@kernel
-def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, reported):
+@composition
+def all_cycles(case, angles, pressures, signals, timing, reported):
     """Run all cycles of a scenario from rest.
 
-    Args: parameter tuples of `physics` and `control`: of the arm, of the joints, of the control law, of the air; start
-    angles (joints,) in rad; start pressures (joints, 2) in Pa, nan for those that hold the arm; `Signals`; `Timing`;
-    how many signals the law reports of a joint. Returns the records (instants, joints, columns of `Sample`), those of
-    the law's report (instants, joints, reported), how many instants are valid, and the joint that diverged (-1: none).
+    Args: `Case`; start angles (joints,) in rad; start pressures (joints, 2) in Pa, nan for those that hold the arm;
+    `Signals`; `Timing`; how many signals the law reports of a joint. Returns the records (instants, joints, columns of
+    `Sample`), those of the law's report (instants, joints, reported), how many instants are valid, and the joint that
+    diverged (-1: none).
     """
+    arm, like, settings, air = case
     cycles, n = signals.demand.shape
     rows = cycles * timing.records + 1
     out, shown = np.empty((rows, n, COLUMNS)), np.empty((rows, n, reported))
@@ -181,3 +191,9 @@ def run_cycles(arm, like, settings, air, angles, pressures, signals, timing, rep
     sensed = sense_all(joints, like, states, noise)
     _record(out, shown, row, joints, states, around, sensed, loop.voltages, report)
     return out, shown, row + 1, -1
+
+
+@kernel
+def run_cycles(like, numbers, angles, pressures, signals, timing, reported):
+    """As `all_cycles`, of what a case looks like (`Like`) and its numbers in order."""
+    return all_cycles(read_numbers(like, numbers), angles, pressures, signals, timing, reported)

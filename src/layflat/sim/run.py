@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -9,13 +10,13 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
-from layflat.control.running import running
 from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
+from layflat.jit.outside import blame_outside
+from layflat.lanes import Like, leaves
 from layflat.machine import Machine, load, parameters
-from layflat.physics.joint import Joint, Surroundings
 from layflat.physics.step import STEP
-from layflat.sim.kernel import Signals, Timing, run_cycles
+from layflat.sim.kernel import Case, Signals, Timing, all_cycles, run_cycles
 from layflat.sim.scenario import Scenario, Signal, Value, checked_options, signals, spread
 
 if TYPE_CHECKING:
@@ -73,16 +74,17 @@ def rollout_as_far(machine: str | Path | Machine, demand: Any = 0.0, **options: 
 
 @dataclass(frozen=True)
 class Prepared:
-    """A run ready for the compiled loop: its arguments, in order."""
+    """A run ready for the time loop: its arguments, in order."""
 
-    arm: Any
-    joints: tuple[Joint, ...]
-    settings: Any
-    around: Surroundings
+    case: Case
     angles: Array
     pressures: Array
     signals: Signals
     timing: Timing
+
+    @cached_property
+    def _numbers(self) -> tuple[Like, Array]:
+        return Like.of(self.case), np.fromiter(leaves(self.case), float)
 
     def run(self) -> tuple[Array, Array, int]:
         """Records up to where it diverged, and in which joint that was (-1: none).
@@ -90,11 +92,13 @@ class Prepared:
         Returns:
             (instants, joints, columns of `Sample`), (instants, joints, signals of the control law), and the joint.
         """
-        law = CONTROL_LAWS.of(self.settings)
-        rows, shown, valid, diverged = running(law, run_cycles)(
-            *(self.arm, self.joints, self.settings, self.around, self.angles, self.pressures),
-            *(self.signals, self.timing, len(law.signals)),
-        )
+        law = CONTROL_LAWS.of(self.case.settings)
+        rest = self.angles, self.pressures, self.signals, self.timing, len(law.signals)
+        if law.compiled:
+            rows, shown, valid, diverged = run_cycles(*self._numbers, *rest)
+        else:
+            with blame_outside():
+                rows, shown, valid, diverged = all_cycles(self.case, *rest)
         return rows[:valid], shown[:valid], int(diverged)
 
 
@@ -123,13 +127,14 @@ def prepare(
     driver = driver_of(machine, controller)
     cycle = driver.cycle
     timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records)
-    joints = parameters.joints(machine)
     acting = signals(scenario, machine, cycle)
     return Prepared(
-        parameters.arm(machine),
-        joints,
-        parameters.control(driver, closed_loop=scenario.closed_loop),
-        parameters.surroundings(machine),
+        Case(
+            parameters.arm(machine),
+            parameters.joints(machine),
+            parameters.control(driver, closed_loop=scenario.closed_loop),
+            parameters.surroundings(machine),
+        ),
         start_angles(scenario, machine, acting.demand),
         start_pressures(scenario, list(machine.joints)),
         acting,

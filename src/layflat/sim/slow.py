@@ -70,8 +70,8 @@ def sweep_joint(hose_a, hose_b, friction, q, p_a, p_b, brake):
 def sweep_many(like, numbers, forward, found):
     """Loop height and greatest torque (N m) of many joints swept to and fro, a joint in each lane.
 
-    Args: any one case (hose A, hose B, friction, brake torque, gauge pressure, stroke); the numbers of all, a column a
-    joint; room for the torques of a way, (points, lanes). Writes into `found` (2, joints).
+    Args: the `Like` of a case (hose A, hose B, friction, brake torque, gauge pressure, stroke); the numbers of all, a
+    column a joint; room for the torques of a way, (points, lanes). Writes into `found` (2, joints).
     """
     points = len(forward)
     for first in range(0, len(found[0]), width(numbers)):

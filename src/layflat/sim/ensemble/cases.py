@@ -16,6 +16,7 @@ from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
 from layflat.sim.ensemble.results import Moves, Plan, Runs
 from layflat.sim.ensemble.seeds import CALM, Make, Seeds, noise_of
+from layflat.sim.kernel import Case
 from layflat.sim.metrics import move_windows
 from layflat.sim.run import driver_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
@@ -57,12 +58,12 @@ class Cases:
         return self.scenarios[0].cycles(self.cycle)
 
     @cached_property
-    def case(self) -> tuple[Any, ...]:
-        """Arm, joints, settings of the control law, surroundings; numbers that differ from run to run are arrays."""
+    def case(self) -> Case:
+        """The machine's parameters; numbers that differ from run to run are arrays."""
         closed_loop = all(scenario.closed_loop for scenario in self.scenarios)
         settings = parameters.control(self.controller, closed_loop=closed_loop)
         CONTROL_LAWS.of(settings).check_compiled("in ensembles and studies")
-        return (
+        return Case(
             parameters.arm(self.machine),
             parameters.joints(self.machine),
             settings,

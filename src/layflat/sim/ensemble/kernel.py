@@ -123,8 +123,7 @@ def _at_rest(arm, like, runs, first, around):
 def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     """Run runs side by side, as many as there are lanes, from number `first` on, through their scenarios from rest.
 
-    `case` is any one machine (arm, joints, settings of the control law, surroundings): it gives the order of the runs'
-    parameters. `watch` is over these runs, and new.
+    `case` is any `Case`, or a `Like`: it gives the order of the runs' parameters. `watch` is over these runs, and new.
     """
     arm, like, settings, air = read_lanes(case, runs.parameters[:, first:])
     joints = slots(like)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.lanes import host_width
-from layflat.sim.ensemble.cases import columns, first_of
+from layflat.lanes import Like, host_width
+from layflat.sim.ensemble.cases import columns
 from layflat.sim.slow import sweep_many
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def heights(prepared: "Cases", share: float = 1.0, workers: int = 1) -> tuple[Ar
     lanes = host_width()
     size = lanes * ceil(min(AT_A_TIME, count / workers) / lanes)
     cases = []
-    for joint, described in zip(prepared.case[1], machine.joints.values(), strict=True):
+    for joint, described in zip(prepared.case.joints, machine.joints.values(), strict=True):
         swept = (joint.hose_a, joint.hose_b, joint.friction, joint.brake_torque)
         cases.append((*swept, machine.supply.pressure_gauge, share * described.stops.working_stroke))
 
@@ -44,7 +44,7 @@ def heights(prepared: "Cases", share: float = 1.0, workers: int = 1) -> tuple[Ar
         j, first = some
         rows = np.minimum(np.arange(first, first + size), count - 1)
         room, own = np.empty((POINTS, lanes)), np.empty((2, size))
-        sweep_many(first_of(cases[j]), columns(cases[j], rows), room, own)
+        sweep_many(Like.of(cases[j]), columns(cases[j], rows), room, own)
         part = found[:, first : first + size, j]
         part[:] = own[:, : part.shape[1]]
 

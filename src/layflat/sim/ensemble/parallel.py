@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.lanes import host_width
+from layflat.lanes import Like, host_width
 from layflat.machine import Machine, load
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
@@ -237,5 +237,5 @@ def _run_block(
     prepared: Cases, rows: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
 ) -> int:
     block = block_of(prepared, rows, bands, results)
-    run_block(prepared.template, block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
+    run_block(Like.of(prepared.case), block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
     return keep(results, block.results, int(rows[0]))
