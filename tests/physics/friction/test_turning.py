@@ -149,6 +149,15 @@ def test_arms_side_by_side_are_as_each_alone(n: int) -> None:
     assert keep(None, *joined) == join(join(alone[0], alone[1]), join(alone[2], alone[3]))
 
 
+@given(st.integers(2, 4), SEEDS, COUPLINGS)
+def test_it_does_not_matter_which_arm_comes_to_rest_beside_it(n: int, seed: int, coupling: float) -> None:
+    """Also for one with a joint at rest that begins to slip, which may look as if another came to rest."""
+    resting = given_to(np.eye(n), np.full(n, 0.5), np.ones(n), np.ones(n), np.ones(n))
+    M, u, push, B = problem(n, seed, coupling)
+    one = given_to(M, M @ u + push, u, B, B)
+    assert keep(None, *join(one, resting)) == join(keep(None, *one), keep(None, *resting))  # type: ignore[misc]
+
+
 @kernel
 def compiled(M: Any, p: Any, u: Any, B: Any, S: Any) -> Any:
     return slide(0.0, M, p, u, B, S)

@@ -100,8 +100,8 @@ def _at_rest(u, onwards, w, f):
 
 
 @law
-def _either(f, parted, whole):
-    return select(f < 1.0, parted, whole)
+def _either(rests, f, parted, whole):
+    return select((rests > 0.0) & (f < 1.0), parted, whole)
 
 
 @law
@@ -136,9 +136,11 @@ def _turning(solve):
     def rub(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
         """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0."""
         w, J = solve(M, p, u, B, S)
-        if anywhere(total(each(_comes_to_rest, u, w))):
+        rests = total(each(_comes_to_rest, u, w))
+        if anywhere(rests):
             after, impulses, f = parted(M, p, u, B, S)
-            w, J = each(_either, f, after, w), each(_either, f, impulses, J)
+            # Only of what comes to rest itself, whatever lies beside it.
+            w, J = each(_either, rests, f, after, w), each(_either, rests, f, impulses, J)
         return w, J
 
     return rub

@@ -185,12 +185,11 @@ def _bent(twist, screw, v):
 
 @law
 def _needed(body, twist, rate):
-    # Moment and force that a body needs for its accelerations.
-    w, u, a, b = twist.w, twist.u, rate.w, rate.u
-    L = plus(applied(body.J, w), cross(body.h, u))
-    P = plus(scaled(body.m, u), cross(w, body.h))
-    n = plus(plus(applied(body.J, a), cross(body.h, b)), plus(cross(w, L), cross(u, P)))
-    return _Wrench(n, plus(plus(scaled(body.m, b), cross(a, body.h)), cross(w, P)))
+    # Moment and force that a body needs for its accelerations, of which c is that of its point at the origin.
+    w, a = twist.w, rate.w
+    c = plus(rate.u, cross(w, twist.u))
+    n = plus(plus(applied(body.J, a), cross(body.h, c)), cross(w, applied(body.J, w)))
+    return _Wrench(n, plus(scaled(body.m, c), plus(cross(a, body.h), cross(w, cross(w, body.h)))))
 
 
 @law
@@ -199,8 +198,9 @@ def _minus(x):
 
 
 @law
-def _weight(body, gravity):
-    return _Wrench(cross(body.h, gravity), scaled(body.m, gravity))
+def _pull(pushed, gravity):
+    # Of the weight of a body about a joint: what it does is in proportion to the momentum.
+    return dot(pushed.f, gravity)
 
 
 @composition
@@ -232,8 +232,9 @@ def dynamics(arm, payload, q, v):
     twist = sums_up_to(_turning(screw, speed), q)
     rate = sums_up_to(_bent(twist, screw, speed), q)
     carried, needed = sums_from(own, q), sums_from(_needed(own, twist, rate), q)
-    moving, pulled = _minus(_on(screw, needed)), _on(screw, _weight(carried, _for_all(arm.gravity, q)))
-    pushes = slots(apart(_pushed(carried, screw), q))
+    pushed = _pushed(carried, screw)
+    moving, pulled = _minus(_on(screw, needed)), _pull(pushed, _for_all(arm.gravity, q))
+    pushes = slots(apart(pushed, q))
     M = slots(arm.armatures)
     for j in range(n):
         column = slots(apart(_on(screw, _for_all(pushes[j], q)), q))

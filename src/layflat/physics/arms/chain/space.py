@@ -112,10 +112,19 @@ def applied(J, a):
 
 @law
 def _seen(J, axes):
-    # R J R^T, where the columns of R are the axes.
-    rows = transposed(axes)
-    u, v, w = applied(J, rows.x), applied(J, rows.y), applied(J, rows.z)
-    return Symmetric(dot(rows.x, u), dot(rows.y, v), dot(rows.z, w), dot(rows.x, v), dot(rows.x, w), dot(rows.y, w))
+    # R J R^T, where the columns x, y, z of R are the axes. As x x^T + y y^T + z z^T = 1, it is what z has for all
+    # directions, and x u^T + u x^T + y v^T + v y^T besides: three quarters of the products.
+    x, y, z = axes.x, axes.y, axes.z
+    u = plus(plus(scaled(0.5 * (J.xx - J.zz), x), scaled(J.xy, y)), scaled(J.xz, z))
+    v = plus(scaled(0.5 * (J.yy - J.zz), y), scaled(J.yz, z))
+    return Symmetric(
+        J.zz + 2.0 * (x.x * u.x + y.x * v.x),
+        J.zz + 2.0 * (x.y * u.y + y.y * v.y),
+        J.zz + 2.0 * (x.z * u.z + y.z * v.z),
+        (x.x * u.y + x.y * u.x) + (y.x * v.y + y.y * v.x),
+        (x.x * u.z + x.z * u.x) + (y.x * v.z + y.z * v.x),
+        (x.y * u.z + x.z * u.y) + (y.y * v.z + y.z * v.y),
+    )
 
 
 @law
