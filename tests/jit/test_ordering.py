@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from layflat.jit.ordering import AHEAD, LONG, LONGEST, ordered
+from layflat.jit.ordering import AHEAD, LONG, LONGEST, WIDE, ordered
 
 OPERATIONS = ("fadd", "fsub", "fmul", "fdiv")
 
@@ -44,10 +44,18 @@ def test_nothing_goes_far_ahead_of_what_waits() -> None:
         assert not missing or len(first) + place < first.index(missing[0]) + AHEAD
 
 
-@pytest.mark.parametrize("count", [LONG // 3, LONGEST])
-def test_short_blocks_and_very_long_ones_stay_as_they_are(count: int) -> None:
-    text = module([*chain("a", count), *chain("b", count)])
+@pytest.mark.parametrize(("count", "kind"), [(LONG // 3, "double"), (LONGEST, f"<{WIDE // 64 + 1} x double>")])
+def test_short_blocks_and_very_long_ones_of_wide_numbers_stay_as_they_are(count: int, kind: str) -> None:
+    text = module([*chain("a", count), f"%wide = fneg {kind} zeroinitializer", *chain("b", count)])
     assert ordered(text) == text
+
+
+@pytest.mark.parametrize(("count", "lanes"), [(LONGEST, WIDE // 64), (LONGEST // 3, WIDE // 8)])
+def test_very_long_blocks_are_put_in_order_where_no_number_is_wide_and_others_in_any_case(
+    count: int, lanes: int
+) -> None:
+    text = module([*chain("a", count), f"%wide = fneg <{lanes} x double> zeroinitializer", *chain("b", count)])
+    assert ordered(text) != text
 
 
 def test_numbers_for_names_are_as_good() -> None:

@@ -14,10 +14,11 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-LONG, LONGEST = 200, 800
+LONG, LONGEST, WIDE = 200, 800, 512
 """Instructions of blocks that are worth it: a step of two joints has 400, what is done once a cycle up to 150.
 
-A step of four joints in space has more, and so much to keep that it took a sixth longer in order than as it stood.
+A step of four joints in space has more. For one arm that is as well, but for many side by side, in vectors of more than
+`WIDE` bits, it has so much to keep that it took a sixth longer in order than as it stood.
 """
 
 AHEAD = 150  # instructions, of the first that waits
@@ -56,7 +57,8 @@ class Instruction(NamedTuple):
 
 def ordered(module: str) -> str:
     """Return LLVM's text of a module with the instructions of its long blocks in order; where it has none, as it is."""
-    blocks = [(first, last) for first, last in _blocks(module.split("\n")) if LONG <= last - first <= LONGEST]
+    lines = module.split("\n")
+    blocks = [(first, last) for first, last in _blocks(lines) if _is_worth_it(lines[first:last])]
     lines = _named(module) if blocks else [module]
     for first, last in blocks:
         lines[first:last] = _scheduled(lines[first:last])
@@ -88,15 +90,22 @@ def _blocks(lines: Sequence[str]) -> Iterator[tuple[int, int]]:
             yield first, i
 
 
+def _is_worth_it(lines: Sequence[str]) -> bool:
+    return len(lines) >= LONG and (len(lines) <= LONGEST or max(map(_bits, lines)) <= WIDE)
+
+
+def _bits(line: str) -> int:
+    size = _SIZE.search(line)
+    return int(size[1]) * (64 if size[2] == "double" else 32) if size else 64
+
+
 def _instruction(line: str) -> Instruction:
     found = _INSTRUCTION.match(line)
     name, operation = found.groups() if found else ("", "")
     intrinsic = _INTRINSIC.search(line) if operation == "call" else None
-    size = _SIZE.search(line)
-    bits = int(size[1]) * (64 if size[2] == "double" else 32) if size else 64
     latency = LATENCY.get(intrinsic[1] if intrinsic else operation, 1)
     pure, reads = bool(intrinsic) or operation in PURE, _LOAD.search(line) is not None
-    return Instruction(line, name, latency, max(bits, 256) / AT_ONCE, reads, not pure and not reads)
+    return Instruction(line, name, latency, max(_bits(line), 256) / AT_ONCE, reads, not pure and not reads)
 
 
 def _needs(instructions: Sequence[Instruction]) -> list[set[int]]:

@@ -155,7 +155,7 @@ def test_it_does_not_matter_which_arm_comes_to_rest_beside_it(n: int, seed: int,
     resting = given_to(np.eye(n), np.full(n, 0.5), np.ones(n), np.ones(n), np.ones(n))
     M, u, push, B = problem(n, seed, coupling)
     one = given_to(M, M @ u + push, u, B, B)
-    assert keep(None, *join(one, resting)) == join(keep(None, *one), keep(None, *resting))  # type: ignore[misc]
+    assert keep(None, *join(one, resting)) == join(keep(None, *one), keep(None, *resting))
 
 
 @kernel

@@ -68,7 +68,7 @@ def _velocities(M, p, B, c):
         row -= n - i
         for j in range(i + 1, n):
             x[i] = x[i] - A[row + j - i] * x[j]
-        x[i] = _if_sliding(ways[i], x[i] / A[row])
+        x[i] = _if_sliding(ways[i], x[i] * (1.0 / A[row]))  # the reciprocal is there before the sum is
     return gather(p, x)
 
 
