@@ -180,7 +180,7 @@ def all_sorts(block: Any, out: Any) -> Any:
     first, second = halves(join(x, y))
     near = select((first < 0.1) & (second > 0.0), select(x > y, 1.0, 3.0), 1 / 3)
     write_lanes(out, Pair(near * sqrt(abs(first)) + min(second, 2.0), floor(x) / -y))
-    return width(block), epsilon(x)
+    return width(x), epsilon(x)
 
 
 @pytest.mark.parametrize("number", [np.float64, np.float32])
@@ -249,6 +249,28 @@ def test_what_a_tuple_looks_like_is_enough_to_read_numbers_and_lanes() -> None:
         assert lanes == read_lanes(like, block)
         assert type(own) is type(lanes) is type(like)
         assert type(own[0]) is type(like[0] if isinstance(like[0], tuple) else 1.0)
+
+
+@kernel
+def read_narrow(like: Any, block: Any, out: Any) -> Any:
+    own = read_lanes(like, block)
+    beside = read_lanes((0.0, 0.0), block[1:], own.x)
+    write_lanes(out, beside)
+    return width(like, block), width(own.y), width(beside[1]), width(1.0)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("number", [np.float64, np.float32])
+@pytest.mark.parametrize("most", [16, 32, 64])
+def test_lanes_take_as_many_bytes_as_are_said_and_others_as_many_beside_them(most: int, number: Any) -> None:
+    size = np.dtype(number).itemsize
+    lanes = host_width(size, most)
+    assert lanes == min(host_width(size), most // size)
+    block = np.random.default_rng(1).uniform(0.05, 3.0, (3, host_width(size))).astype(number)
+    out = np.zeros((2, host_width(size)), number)
+    assert read_narrow(Like.of(Pair(0.0, 0.0), most), block, out) == (lanes, lanes, lanes, 1)
+    assert np.array_equal(out[:, :lanes], block[1:, :lanes])
+    assert not out[:, lanes:].any()
 
 
 @pytest.mark.compiled

@@ -48,7 +48,7 @@ def through_slots(block: Any, out: Any) -> int:
     places[1] = row
     for j in range(3):
         write_lanes(out[2 * j : 2 * j + 2], places[j])
-    return width(block)
+    return width(row.x)
 
 
 def test_they_hold_lanes() -> None:

@@ -45,12 +45,12 @@ class _Meanwhile(event.Listener):
     def on_end(self, _: Any) -> None:
         self.depth -= 1
         if self.depth == 0 and self.pool is not None:
-            # To the end, even when the kernel failed: its laws are kept, and others will call them.
-            self.pool.shutdown()
-            self.pool = None
             collected, turn = self.usual
             gc.set_threshold(*collected)
             sys.setswitchinterval(turn)
+            pool, self.pool = self.pool, None
+            # To the end, even when the kernel failed: its laws are kept, and others will call them.
+            pool.shutdown()
 
 
 _meanwhile = _Meanwhile()

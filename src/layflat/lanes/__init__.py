@@ -28,6 +28,8 @@ from functools import cache, cached_property, wraps
 from itertools import count
 from typing import Any, ClassVar
 
+WIDEST = 64  # bytes of the widest vector registers there are
+
 
 def _switched_on(name: str) -> bool:
     return os.environ.get(name, "").strip() not in ("", "0")
@@ -40,14 +42,17 @@ def interpreted() -> bool:
 
 
 @cache
-def host_width(size: int = 8) -> int:
-    """Lanes of so many bytes that a vector register of this machine holds; in the simulator of a CUDA device, one."""
+def host_width(size: int = 8, most: int = WIDEST) -> int:
+    """Lanes of `size` bytes that a vector register of this machine holds, or `most` bytes of it.
+
+    In the simulator of a CUDA device it is one.
+    """
     if interpreted() and _switched_on("NUMBA_ENABLE_CUDASIM"):
         return 1
     from llvmlite import binding  # noqa: PLC0415  # part of the compiler, which takes long to load
 
     features: Any = binding.get_host_cpu_features()  # type: ignore[no-untyped-call]
-    return (64 if features.get("avx512f") else 32) // size
+    return min(WIDEST if features.get("avx512f") else 32, most) // size
 
 
 class Lanes(tuple[Any, ...]):
@@ -169,22 +174,22 @@ class Like:
 
     _known: ClassVar[dict[Any, "Like"]] = {}
 
-    def __init__(self, value: Any) -> None:
-        self.value = value
+    def __init__(self, value: Any, most: int) -> None:
+        self.value, self.most = value, most
 
     @classmethod
-    def of(cls, value: Any) -> "Like":
-        """What a tuple looks like."""
-        looks = _looks(value)
-        if looks not in cls._known:
-            cls._known[looks] = cls(mapped(value, lambda _: 0.0))
-        return cls._known[looks]
+    def of(cls, value: Any, most: int = WIDEST) -> "Like":
+        """What a tuple looks like, and how many bytes lanes that are read for it take at most."""
+        key = _looks(value), most
+        if key not in cls._known:
+            cls._known[key] = cls(mapped(value, lambda _: 0.0), most)
+        return cls._known[key]
 
     @cached_property
     def _numba_type_(self) -> Any:
         from layflat.lanes.typing import like_type  # noqa: PLC0415  # it loads numba
 
-        return like_type(self.value)
+        return like_type(self.value, self.most)
 
 
 def _looks(value: Any) -> Any:
@@ -218,18 +223,20 @@ def leaves(value: Any) -> Iterator[Any]:
         yield value
 
 
-def width(block: Any) -> int:
-    """Lanes that `read_lanes` gives of a block, by the precision of its numbers; known when a kernel is compiled."""
-    return host_width(block.itemsize)
+def width(number: Any, block: Any = None) -> int:
+    """How many lanes a number has, or what is read of a block for a tuple; known when a kernel is compiled."""
+    if block is not None:
+        return host_width(block.itemsize, number.most if isinstance(number, Like) else WIDEST)
+    return len(number) if isinstance(number, Lanes) else 1
 
 
-def read_lanes(like: Any, block: Any) -> Any:
+def read_lanes(like: Any, block: Any, beside: Any = None) -> Any:
     """A tuple like `like`, as `read_numbers` gives, its leaves in order from block[0, :], block[1, :] and so on.
 
-    Only the first `width(block)` columns of the block are read. Lanes have the precision of its numbers; all that is
-    done with them, and with others, is done in that precision.
+    Lanes are as many as a number has that is given to be `beside`, else as many as a register holds, or a `Like` says.
+    They have the precision of the block's numbers; all that is done with them, and with others, is done in that.
     """
-    rows, lanes = count(), width(block)
+    rows, lanes = count(), width(like, block) if beside is None else width(beside)
 
     def read(part: Any) -> Any:
         if isinstance(part, tuple):

@@ -262,9 +262,10 @@ def _row(context: Any, builder: Any, block: Any, array: Any, row: int, lanes: An
     return builder.bitcast(pointer, context.get_value_type(lanes).as_pointer())
 
 
-@lower_builtin(lanes.width, types.Array)
+@lower_builtin(lanes.width, types.Any)
+@lower_builtin(lanes.width, types.Any, types.Array)
 def _width(context: Any, builder: Any, sig: Any, args: Any) -> Any:  # noqa: ARG001
-    return context.get_constant(sig.return_type, width_in(context, sig.args[0]))
+    return context.get_constant(sig.return_type, width_in(context, *sig.args))
 
 
 def _aligned(kind: Any) -> int:
@@ -308,6 +309,7 @@ def _items(context: Any, builder: Any, kind: Any, value: Any) -> Callable[[int, 
 
 
 @lower_builtin(lanes.read_lanes, types.Any, types.Array)
+@lower_builtin(lanes.read_lanes, types.Any, types.Array, types.Any)
 def _read_lanes(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _read(context, builder, sig.return_type, _rows(context, builder, sig.args[1], args[1]))
 

@@ -58,34 +58,38 @@ class _Vector(models.PrimitiveModel):
 
 
 class LikeType(types.Opaque):
-    """A `Like`: of which only the type of the tuple counts."""
+    """A `Like`: of which only the type of the tuple counts, and how wide lanes may be."""
 
-    def __init__(self, value: types.Type) -> None:
-        self.value = value
+    def __init__(self, value: types.Type, most: int) -> None:
+        self.value, self.most = value, most
         # The whole name would be part of those of functions.
-        super().__init__(name=f"Like({sha256(str(value).encode()).hexdigest()[:16]})")
+        super().__init__(name=f"Like({sha256(str(value).encode()).hexdigest()[:16]}, {most})")
 
     @property
     def key(self) -> Any:
         """What tells it from others."""
-        return self.value
+        return self.value, self.most
 
 
 register_model(LikeType)(models.OpaqueModel)
 
 
-def like_type(value: Any) -> LikeType:
+def like_type(value: Any, most: int) -> LikeType:
     """Type of a `Like` of a value."""
-    return LikeType(typeof(value))
+    return LikeType(typeof(value), most)
 
 
 def _value(like: Any) -> Any:
     return like.value if isinstance(like, LikeType) else like
 
 
-def width_in(context: Any, block: Any) -> int:
-    """Lanes that `read_lanes` gives in code of a compiler's context: other targets than this machine have one."""
-    return lanes.host_width(BITS[block.dtype] // 8) if isinstance(context, (Context, CPUContext)) else 1
+def width_in(context: Any, number: Any, block: Any = None) -> int:
+    """As `width`, in code of a compiler's context: other targets than this machine read one lane of a block."""
+    if block is None:
+        return getattr(number, "count", 1)
+    if not isinstance(context, (Context, CPUContext)):
+        return 1
+    return lanes.host_width(BITS[block.dtype] // 8, getattr(number, "most", lanes.WIDEST))
 
 
 def number_in(kind: Any) -> Any:
@@ -229,5 +233,6 @@ class _ReadLanes(AbstractTemplate):
     key = lanes.read_lanes
 
     def generic(self, args: Any, kws: Any) -> Any:  # noqa: ARG002
-        like, block = args
-        return signature(spread_type(_value(like), lanes_type(width_in(self.context, block), block.dtype)), like, block)
+        like, block, *beside = args
+        count = width_in(self.context, *(beside or (like, block)))
+        return signature(spread_type(_value(like), lanes_type(count, block.dtype)), *args)

@@ -74,7 +74,7 @@ def sweep_many(like, numbers, forward, found):
     column a joint; room for the torques of a way, (points, lanes). Writes into `found` (2, joints).
     """
     points = len(forward)
-    for first in range(0, len(found[0]), width(numbers)):
+    for first in range(0, len(found[0]), width(like, numbers)):
         hose_a, hose_b, friction, brake, p, stroke = read_lanes(like, numbers[:, first:])
         zero = 0.0 * p
         slow, q = in_lanes(unturned(hose_a, hose_b), zero), -0.5 * stroke
@@ -88,6 +88,6 @@ def sweep_many(like, numbers, forward, found):
                 write_lanes(forward[k : k + 1], slow.torque)
                 most = max(most, abs(slow.lossless))
             if lap == 3:
-                there = read_lanes(0.0, forward[points - 1 - k : points - k])
+                there = read_lanes(0.0, forward[points - 1 - k : points - k], zero)
                 height = max(height, abs(there - slow.torque))
         write_lanes(found[:, first:], (height, most))

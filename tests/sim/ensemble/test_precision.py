@@ -69,7 +69,7 @@ import sys
 
 import layflat.lanes
 
-layflat.lanes.host_width = lambda size=8: 1
+layflat.lanes.host_width = lambda size=8, most=64: 1
 
 from layflat.sim import Scenario
 from layflat.sim.ensemble import ensemble

@@ -43,7 +43,7 @@ def run_each(case: Any, runs: Any, plan: Any, moves: Any, timing: Any, results: 
     """Put every run, in the thread of its number, through its scenario."""
     i = cuda.grid(1)
     if i < runs.scenario.shape[0]:
-        run_one(case, i, runs, plan, moves, timing, results, some_lanes(watch, i))
+        run_one(case, i, runs, plan, moves, timing, results, some_lanes(watch, i, 1))
 
 
 def fill_each(streams: Any, ziggurat: Any, noise: Any) -> None:

@@ -53,15 +53,15 @@ CALM = Noise(0.0, 0.0)
 
 
 @composition
-def _usual(runs, first, j):
-    return read_lanes(Defaults(0.0, 0.0, 0.0, 0.0), runs.usual[j, :, first:])
+def _usual(runs, first, j, zero):
+    return read_lanes(Defaults(0.0, 0.0, 0.0, 0.0), runs.usual[j, :, first:], zero)
 
 
 @composition
-def _changes(scratch, runs, plan, first, k):
+def _changes(runs, plan, first, k, zero):
     # Whether a cycle asks for something new in any lane: mostly it doesn't, and to gather it costs more than the law.
     found = 0
-    for lane in range(width(scratch)):
+    for lane in range(width(zero)):
         found += plan.changes[runs.scenario[first + lane], k]
     return found > 0
 
@@ -69,10 +69,10 @@ def _changes(scratch, runs, plan, first, k):
 @composition
 def _acting(scratch, runs, plan, usual, joint, first, j, k):
     # Gathered number by number: views of arrays would cost more than all the rest.
-    for lane in range(width(scratch)):
+    for lane in range(width(usual.lead)):
         for i in range(SHAPES):
             scratch[i, lane] = plan.shapes[runs.scenario[first + lane], k, j, i]
-    given = read_lanes(NOTHING, scratch)
+    given = read_lanes(NOTHING, scratch, usual.lead)
     return Acting(
         given.demand,
         given.opening,
@@ -86,21 +86,21 @@ def _acting(scratch, runs, plan, usual, joint, first, j, k):
 
 
 @composition
-def _noise(runs, first, j, k):
-    return read_lanes(CALM, runs.noise[k % len(runs.noise), j, :, first:])
+def _noise(runs, first, j, k, zero):
+    return read_lanes(CALM, runs.noise[k % len(runs.noise), j, :, first:], zero)
 
 
 @composition
 def _surroundings(scratch, air, runs, plan, first, k):
-    for lane in range(width(scratch)):
+    p_a = air.ambient_pressure
+    for lane in range(width(p_a)):
         for i in range(2):
             scratch[i, lane] = plan.shared[runs.scenario[first + lane], k, i]
-    given_gauge, given_payload = read_lanes((0.0, 0.0), scratch)
-    usual_gauge, usual_payload = read_lanes((0.0, 0.0), runs.usual_shared[:, first:])
+    given_gauge, given_payload = read_lanes((0.0, 0.0), scratch, p_a)
+    usual_gauge, usual_payload = read_lanes((0.0, 0.0), runs.usual_shared[:, first:], p_a)
     gauge = select(is_number(given_gauge), given_gauge, usual_gauge)
     payload = select(is_number(given_payload), given_payload, usual_payload)
-    supply = gauge + air.ambient_pressure
-    return Surroundings(supply, air.supply_temperature, air.ambient_pressure, air.ambient_temperature, payload)
+    return Surroundings(gauge + p_a, air.supply_temperature, p_a, air.ambient_temperature, payload)
 
 
 @law
@@ -113,8 +113,8 @@ def _at_rest(arm, like, runs, first, around):
     zero = 0.0 * around.ambient_pressure
     angles, firsts, seconds = slots(like, zero), slots(like, zero), slots(like, zero)
     for j in range(len(like)):
-        angles[j] = read_lanes(0.0, runs.angles[j : j + 1, first:])
-        firsts[j], seconds[j] = read_lanes((0.0, 0.0), runs.pressures[j, :, first:])
+        angles[j] = read_lanes(0.0, runs.angles[j : j + 1, first:], zero)
+        firsts[j], seconds[j] = read_lanes((0.0, 0.0), runs.pressures[j, :, first:], zero)
     states = at_rest(arm, like, gather(like, angles), gather(like, firsts), gather(like, seconds), around)
     return in_lanes(each(_with_air_alone, states), zero)
 
@@ -133,7 +133,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(_at_rest(arm, like, runs, first, around))
     idle = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero)
-    acting, usual = slots(like, idle), slots(like, _usual(runs, first, 0))
+    acting, usual = slots(like, idle), slots(like, _usual(runs, first, 0, zero))
     noise = slots(like, in_lanes(CALM, zero))
     loop = Loop(
         acting,
@@ -147,18 +147,18 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     course, tracks = slots((in_lanes(NO_COURSE, zero),)), slots(like, in_lanes(NO_TRACK, zero))
     begin_moves(watch, moves, runs.scenario, arm, like, course, tracks, first)
     for j in range(1, n):
-        usual[j] = _usual(runs, first, j)
+        usual[j] = _usual(runs, first, j, zero)
     memory = in_lanes(wake(settings, sense_all(joints, like, states, noise)), zero)
     for k in range(cycles + 1):
         note(watch, results, moves, runs.scenario, arm, like, states, course, tracks, first, k, timing.cycle)
         if k == cycles:
             break
-        if _changes(watch.scratch, runs, plan, first, k):
+        if _changes(runs, plan, first, k, zero):
             around = _surroundings(watch.scratch, air, runs, plan, first, k)
             for j in range(n):
                 acting[j] = _acting(watch.scratch, runs, plan, usual[j], joints[j], first, j, k)
         for j in range(n):
-            noise[j] = _noise(runs, first, j, k)
+            noise[j] = _noise(runs, first, j, k, zero)
         _, memory, _ = control_cycle(
             joints, like, settings, memory, states, loop, around, timing.cycle * k, timing.cycle, h
         )
@@ -173,5 +173,6 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
 @kernel
 def run_block(case, runs, plan, moves, timing, results, watch):
     """Run all runs of a block, as many at a time as there are lanes; the watch is as wide as the block."""
-    for first in range(0, len(runs.scenario), width(runs.parameters)):
-        run_lanes(case, first, runs, plan, moves, timing, results, some_lanes(watch, first))
+    lanes = width(case, runs.parameters)
+    for first in range(0, len(runs.scenario), lanes):
+        run_lanes(case, first, runs, plan, moves, timing, results, some_lanes(watch, first, lanes))

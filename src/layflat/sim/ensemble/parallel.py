@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.lanes import Like, host_width
+from layflat.lanes import WIDEST, Like, host_width
 from layflat.machine import Machine, load
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
@@ -36,6 +36,10 @@ if TYPE_CHECKING:
 
 BLOCK, SHARES = 32, 4
 """Groups of runs side by side that a thread takes at a time: at most, and so that each thread takes this many times."""
+
+FEW, NARROW = 2, 32
+"""Arms of more joints go in lanes of so many bytes at most: numbers of a whole register each would not fit beside each
+other into the processor's fastest memory."""
 
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
 LONGEST_SINGLE = 60.0  # runs in single precision, s: time itself is kept in it where the dither is begun anew
@@ -237,5 +241,6 @@ def _run_block(
     prepared: Cases, rows: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
 ) -> int:
     block = block_of(prepared, rows, bands, results)
-    run_block(Like.of(prepared.case), block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
+    like = Like.of(prepared.case, NARROW if len(prepared.case.joints) > FEW else WIDEST)
+    run_block(like, block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
     return keep(results, block.results, int(rows[0]))

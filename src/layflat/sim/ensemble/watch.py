@@ -75,27 +75,27 @@ def new_watch(runs: Runs) -> Watch:
 
 
 @composition
-def some_lanes(watch, first):
-    """The part of a watch that is over the lanes that go side by side from number `first` on."""
-    last = first + width(watch.scratch)
+def some_lanes(watch, first, lanes):
+    """The part of a watch that is over so many lanes, which go side by side from number `first` on."""
+    last = first + lanes
     return Watch(watch.move[first:last], watch.end[first:last], watch.scratch[:, first:last])
 
 
 @composition
 def begin_moves(watch, moves, scenarios, arm, like, course, tracks, first):
     """Set out for the goals of the moves that the watch names; what goes on already just goes on."""
-    scratch = watch.scratch
-    for lane in range(width(watch.scratch)):
+    scratch, any_number = watch.scratch, course[0].diverged
+    for lane in range(width(any_number)):
         scenario, move = scenarios[first + lane], watch.move[lane]
         begin, end = moves.ends[scenario, move, 0], moves.ends[scenario, move, 1]
         watch.end[lane] = end
         scratch[0, lane], scratch[1, lane] = begin, end - begin + 1
-    begins, records = read_lanes((0.0, 0.0), scratch)
+    begins, records = read_lanes((0.0, 0.0), scratch, any_number)
     goals = slots(like, begins)
     for j in range(moves.goals.shape[2]):
-        for lane in range(width(watch.scratch)):
+        for lane in range(width(any_number)):
             scratch[0, lane] = moves.goals[scenarios[first + lane], watch.move[lane], j]
-        goals[j] = read_lanes(0.0, scratch)
+        goals[j] = read_lanes(0.0, scratch, any_number)
         tracks[j] = Track(goals[j], tracks[j].way, tracks[j].tally)
     x, y, z = tip_in_space(arm, gather(like, goals))
     c = course[0]
@@ -106,7 +106,7 @@ def begin_moves(watch, moves, scenarios, arm, like, course, tracks, first):
 def _keep(watch, results, tally, first, j, k):
     # The tally of joint j (or of the tip) in the lanes whose move ends with record k.
     write_lanes(watch.scratch, tally)
-    for lane in range(width(watch.scratch)):
+    for lane in range(width(tally.overshoot)):
         if watch.end[lane] == k:
             for column in range(COLUMNS):
                 results.tallies[first + lane, watch.move[lane], j, column] = watch.scratch[column, lane]
@@ -116,14 +116,14 @@ def _keep(watch, results, tally, first, j, k):
 def _end_moves(watch, results, moves, scenarios, arm, like, course, tracks, first, k):
     n = moves.goals.shape[2]
     over = 0
-    for lane in range(width(watch.scratch)):
+    for lane in range(width(course[0].diverged)):
         over += watch.end[lane] == k
     if over == 0:
         return
     for j in range(n):
         _keep(watch, results, tracks[j].tally, first, j, k)
     _keep(watch, results, course[0].tally, first, n, k)
-    for lane in range(width(watch.scratch)):
+    for lane in range(width(course[0].diverged)):
         if watch.end[lane] == k and watch.move[lane] + 1 < moves.ends.shape[1]:
             watch.move[lane] += 1
     begin_moves(watch, moves, scenarios, arm, like, course, tracks, first)
@@ -175,7 +175,7 @@ def trace(watch, results, joint, state, voltage, first, j, k):
     motion, opening = state.motion, net_opening(joint.valve, state.valve)
     seen = Traced(motion.angle, motion.velocity, state.hose_a.pressure, state.hose_b.pressure, opening, voltage)
     write_lanes(watch.scratch, seen)
-    for lane in range(width(watch.scratch)):
+    for lane in range(width(motion.angle)):
         for column in range(len(results.traced)):
             results.traces[first + lane, k // results.every, j, column] = watch.scratch[results.traced[column], lane]
 
@@ -195,6 +195,6 @@ def note_totals(watch, results, states, course, first, n):
     for j in range(1, n):
         air = air + states[j].ledger.air_taken
     write_lanes(watch.scratch, Totals(air, course[0].tip.acceleration, course[0].diverged))
-    for lane in range(width(watch.scratch)):
+    for lane in range(width(air)):
         for column in range(3):
             results.totals[first + lane, column] = watch.scratch[column, lane]
