@@ -79,12 +79,12 @@ def step_seconds(machine: Machine) -> float:
     return median_seconds(prepare(machine, moves(machine), step=STEP).run) / STEPS
 
 
-def ensemble_seconds(machine: Machine, runs: int) -> float:
+def ensemble_seconds(machine: Machine, runs: int, precision: str = "double") -> float:
     """Time of a step of a run among others, all different, on one core, s."""
     factors = np.random.default_rng(1).uniform(0.9, 1.1, (len(SPREAD), runs))
     vary: dict[str, Any] = {path: value_at(machine, path) * own for path, own in zip(SPREAD, factors, strict=True)}
     begin = time.perf_counter()
-    ensemble(machine, moves(machine), {"seed": np.arange(runs), **vary}, threads=1, step=STEP)
+    ensemble(machine, moves(machine), {"seed": np.arange(runs), **vary}, threads=1, step=STEP, precision=precision)
     return (time.perf_counter() - begin) / (runs * STEPS)
 
 
@@ -99,17 +99,27 @@ def cold_seconds(name: str) -> float:
 def measure() -> dict[str, float]:
     """All figures by name."""
     arm = four()
-    ensemble_seconds(arm, 64)
-    # Turn and turn about, so that a busy moment of the machine meets both.
-    pairs = [(ensemble_seconds(arm, 256), mujoco_arm.batched_seconds(arm, 8, 4000) / (8 * 4000)) for _ in range(5)]
-    ours, theirs = (float(np.median(each)) for each in zip(*pairs, strict=True))
+    for precision in ("double", "single"):
+        ensemble_seconds(arm, 64, precision)
+    # Turn and turn about, so that a busy moment of the machine meets all.
+    rounds = [
+        (
+            ensemble_seconds(arm, 256),
+            ensemble_seconds(arm, 256, "single"),
+            mujoco_arm.batched_seconds(arm, 8, 4000) / (8 * 4000),
+        )
+        for _ in range(5)
+    ]
+    ours, single, theirs = (float(np.median(each)) for each in zip(*rounds, strict=True))
     return {
         "chain4_rollout_ns_per_step": 1e9 * step_seconds(arm),
         "chain4_tracking_rollout_ns_per_step": 1e9 * step_seconds(load("picking-arm")),
         "chain7_rollout_ns_per_step": 1e9 * step_seconds(seven()),
         "chain4_ensemble_ns_per_step_per_core": 1e9 * ours,
+        "chain4_ensemble_single_ns_per_step_per_core": 1e9 * single,
         "chain4_mujoco_rollout_ns_per_step_per_core": 1e9 * theirs,
         "chain4_ensemble_mujoco_ratio": theirs / ours,
+        "chain4_ensemble_single_mujoco_ratio": theirs / single,
         "chain4_cold_compile_s": cold_seconds("paper"),
         "chain4_tracking_cold_compile_s": cold_seconds("tracking"),
     }
@@ -120,8 +130,10 @@ MEANING = {
     "chain4_tracking_rollout_ns_per_step": "the same with the tracking law",
     "chain7_rollout_ns_per_step": "seven joints in space with the paper's law; aim 600",
     "chain4_ensemble_ns_per_step_per_core": "four joints, each run with its own parameters",
+    "chain4_ensemble_single_ns_per_step_per_core": "the same in single precision",
     "chain4_mujoco_rollout_ns_per_step_per_core": "mujoco.rollout, the bodies of the same arm alone, per step",
-    "chain4_ensemble_mujoco_ratio": "mujoco.rollout's step over ours; aim 40",
+    "chain4_ensemble_mujoco_ratio": "mujoco.rollout's step over ours, both in double precision; aim 40",
+    "chain4_ensemble_single_mujoco_ratio": "mujoco.rollout's step over ours in single precision; aim 40",
     "chain4_cold_compile_s": "the first rollout of four joints with nothing compiled; aim 20",
     "chain4_tracking_cold_compile_s": "the same with the tracking law; aim 20",
 }
