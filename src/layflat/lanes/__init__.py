@@ -168,8 +168,8 @@ def write_row(rows: Any, i: int, j: int, values: tuple[float, ...]) -> None:
 class Like:
     """What a nested tuple of floats looks like, without the floats, for kernels that read these from arrays.
 
-    From Python a kernel would take the tuple number by number, for which machine code as long as the kernel itself may
-    be needed. Tuples that look alike have one and the same, so that the compiler looks once.
+    From Python a kernel would take the tuple number by number, in machine code that may be a third as long as its own.
+    Tuples that look alike have one and the same, so that the compiler looks once.
     """
 
     _known: ClassVar[dict[Any, "Like"]] = {}
