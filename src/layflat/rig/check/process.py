@@ -76,5 +76,6 @@ def _check(machine: Machine, driver: Callable[[], Driver], air: bool, pipe: Conn
         )
     except LayflatError as error:
         said = "failed", str(error)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)  # it ends by itself, and Python's own end must not be broken off
     with suppress(OSError):
         pipe.send(said)
