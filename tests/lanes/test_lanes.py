@@ -13,15 +13,18 @@ from layflat.lanes import (
     abreast,
     anywhere,
     apart,
+    each,
     epsilon,
     halves,
     host_width,
     in_lanes,
     join,
     lane_by_lane,
+    packed,
     read_lanes,
     read_numbers,
     select,
+    unpacked,
     width,
     write_lanes,
     write_numbers,
@@ -49,18 +52,18 @@ def everything(pair: Any, c: Any) -> Any:
 
 
 @composition
-def packed(a: Any, b: Any) -> Any:
+def lined_up(a: Any, b: Any) -> Any:
     return join(join(Pair(a[0], b[0]), Pair(a[1], b[1])), join(Pair(a[2], b[2]), Pair(a[3], b[3])))
 
 
 @kernel
 def by_lanes(a: Any, b: Any, c: float) -> Any:
-    return everything(packed(a, b), c)
+    return everything(lined_up(a, b), c)
 
 
 @kernel
 def one_by_one(a: Any, b: Any, c: float) -> Any:
-    low, high = halves(packed(a, b))
+    low, high = halves(lined_up(a, b))
     first, second = halves(low)
     third, fourth = halves(high)
     return everything(first, c), everything(second, c), everything(third, c), everything(fourth, c)
@@ -116,16 +119,46 @@ def test_lanes_stand_abreast_too() -> None:
     assert apart(abreast((low, high)), (low, high)) == (low, high)
 
 
+@law
+def weighted(pair: Any, by: float) -> Any:
+    return Pair(by * pair.x, pair.y - by)
+
+
+@kernel
+def all_weighted(items: Any, by: float) -> Any:
+    return unpacked(each(weighted, packed(items), by), items)
+
+
+@kernel
+def both_weighted(a: Any, b: Any, by: float) -> Any:
+    pairs = lined_up(a, b), lined_up(b, a)
+    return unpacked(each(weighted, packed(pairs), by), pairs)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5])
+def test_single_numbers_are_packed_into_one(count: int) -> None:
+    items = tuple(Pair(0.3 * i - 1.0, 2.0 - 0.7 * i) for i in range(count))
+    assert len(packed(items)) == 1
+    assert all_weighted(items, 3.0) == tuple(weighted(item, 3.0) for item in items)
+
+
+@given(fours, fours, numbers)
+def test_lanes_are_packed_as_they_are(a: tuple[float, ...], b: tuple[float, ...], by: float) -> None:
+    pairs = lined_up(a, b), lined_up(b, a)
+    assert packed(pairs) == pairs
+    assert both_weighted(a, b, by) == tuple(weighted(pair, by) for pair in pairs)
+
+
 @kernel
 def any_left(a: Any, b: Any) -> Any:
-    pair = packed(a, b)
+    pair = lined_up(a, b)
     return anywhere(pair.x), anywhere(pair.x - pair.y), anywhere(a[0])
 
 
 @given(st.tuples(*[st.sampled_from([0.0, -0.0, 1.5])] * 4))
 def test_what_is_in_any_lane_is_anywhere(a: tuple[float, ...]) -> None:
     assert any_left(a, a) == (any(a), False, a[0] != 0.0)
-    assert (anywhere(packed(a, a).x), anywhere(a[0])) == (any(a), a[0] != 0.0)
+    assert (anywhere(lined_up(a, a).x), anywhere(a[0])) == (any(a), a[0] != 0.0)
 
 
 def test_lanes_of_unequal_number_do_not_mix() -> None:

@@ -137,6 +137,19 @@ def apart(lanes: Any, like: tuple[Any, ...]) -> tuple[Any, ...]:
     return tuple(piece if size > 1 else piece[0] for piece in pieces)
 
 
+def packed(items: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A tuple with as few items as registers take: single numbers all `abreast`, lanes as they are.
+
+    So a law that is called with `each` of what is packed is called no more often than need be.
+    """
+    return (abreast(items),) if next(_counts(items), 1) == 1 else items
+
+
+def unpacked(few: tuple[Any, ...], like: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What was `packed`: a tuple with as many items as `like`."""
+    return apart(few[0], like) if len(few) < len(like) else few
+
+
 def sums_up_to(lanes: Any, like: tuple[Any, ...]) -> Any:
     """Of what `abreast` put side by side, each item with all before it added, leaf by leaf.
 

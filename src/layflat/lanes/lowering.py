@@ -206,6 +206,25 @@ def _part_leaf(context: Any, builder: Any, joined: Any, value: Any, which: int, 
     return _taken(builder, part_type(joined, count), value, which * size_of_part(joined.count, count))
 
 
+@lower_builtin(lanes.packed, types.UniTuple)
+def _packed(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    items, few = sig.args[0], sig.return_type
+    if few == items:
+        return args[0]
+    together = _abreast_leaf(context, builder, few.dtype, cgutils.unpack_tuple(builder, args[0]))
+    return context.make_tuple(builder, few, [together])
+
+
+@lower_builtin(lanes.unpacked, types.UniTuple, types.BaseTuple)
+def _unpacked(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    few, like = sig.args
+    if few == sig.return_type:
+        return args[0]
+    (together,) = cgutils.unpack_tuple(builder, args[0])
+    parts = [_part_leaf(context, builder, few.dtype, together, i, like.count) for i in range(like.count)]
+    return context.make_tuple(builder, sig.return_type, parts)
+
+
 @lower_builtin(lanes.sums_up_to, types.Any, types.BaseTuple)
 def _sums_up_to(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _summed_leaf(context, builder, sig.args[0], args[0], len(sig.args[1]), 1)

@@ -124,6 +124,19 @@ def abreast_type(item: Any, count: int) -> Any:
     return lanes_type(count * item.count if isinstance(item, LanesType) else room(count), number_in(item))
 
 
+def packed_type(items: Any) -> Any:
+    """Type of some items of one type when packed."""
+    return types.UniTuple(abreast_type(items.dtype, items.count), 1) if _first_width(items) == 1 else items
+
+
+def _first_width(kind: Any) -> int:
+    return _first_width(kind.types[0]) if isinstance(kind, types.BaseTuple) else getattr(kind, "count", 1)
+
+
+def _unpacked(few: Any, like: Any) -> Any:
+    return signature(_parts(few.dtype, like.count) if few.count < like.count else few, few, like)
+
+
 def part_type(joined: Any, count: int) -> Any:
     """Type of each of so many parts of lanes."""
     if isinstance(joined, types.BaseTuple):
@@ -212,6 +225,8 @@ _typed([lanes.join], lambda first, second: signature(joined_type(first, second),
 _typed([lanes.halves], lambda joined: signature(types.UniTuple(half_type(joined), 2), joined))
 _typed([lanes.abreast], lambda items: signature(abreast_type(items.dtype, items.count), items))
 _typed([lanes.apart], lambda joined, like: signature(_parts(joined, like.count), joined, like))
+_typed([lanes.packed], lambda items: signature(packed_type(items), items))
+_typed([lanes.unpacked], _unpacked)
 _typed([lanes.sums_up_to, lanes.sums_from], lambda joined, like: signature(joined, joined, like))
 _typed([lanes.write_row], lambda rows, _i, _j, values: signature(types.none, rows, types.intp, types.intp, values))
 _typed([lanes.read_numbers], lambda like, numbers: signature(_value(like), like, numbers))

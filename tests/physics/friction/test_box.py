@@ -19,7 +19,7 @@ def mass_matrices(draw: st.DrawFn) -> np.ndarray:
 
 
 def both(M: np.ndarray, p: tuple[float, float], B: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    v_1, v_2, J_1, J_2 = brake_two(M[0, 0], M[0, 1], M[1, 1], *p, *B)
+    v_1, v_2, J_1, J_2 = brake_two(M[0, 0], M[0, 1], M[1, 1], *p, -B[0], -B[1], *B)
     return np.array([v_1, v_2]), np.array([J_1, J_2])
 
 
@@ -64,14 +64,14 @@ def test_held_joints_stand_exactly_still(M: np.ndarray, p_1: float, p_2: float) 
 
 @pytest.mark.parametrize("p", [0.5 + 1e-12, 0.6, 5.0])
 def test_the_smallest_motion_meets_the_full_force(p: float) -> None:
-    v, J = brake_one(0.3, p, 0.5)
+    v, J = brake_one(0.3, p, -0.5, 0.5)
     assert v > 0.0
     assert J == -0.5
 
 
 @given(st.floats(0.05, 2.0), momenta, limits)
 def test_one_brake(M: float, p: float, B: float) -> None:
-    v, J = brake_one(M, p, B)
+    v, J = brake_one(M, p, -B, B)
     if abs(p) <= B:
         assert (v, J) == (0.0, -p)
     else:
@@ -82,5 +82,5 @@ def test_one_brake(M: float, p: float, B: float) -> None:
 @given(st.floats(0.05, 2.0), momenta, limits)
 def test_two_uncoupled_brakes_are_two_single_ones(M: float, p: float, B: float) -> None:
     v, J = both(np.diag([M, 1.0]), (p, 0.0), (B, 0.1))
-    assert (v[0], J[0]) == pytest.approx(brake_one(M, p, B), abs=1e-12)
+    assert (v[0], J[0]) == pytest.approx(brake_one(M, p, -B, B), abs=1e-12)
     assert (v[1], J[1]) == (0.0, 0.0)

@@ -4,16 +4,16 @@
 |---|---|---|
 | M | mass matrix | kg m2 |
 | p | momentum (M v)_i that the step would end with, were there no friction | kg m2 rad/s |
-| B | greatest impulse of friction in this step: torque x step | N m s |
+| low, high | least and greatest impulse of friction in this step | N m s |
 | J | impulse of friction | N m s |
 | w | velocity after the step | rad/s |
 | c | how a joint is taken to go: 1 or -1 where it slides that way, 0 where it is held | 1 |
 
-The problem of box.py for more than two joints: M w = p + J, where a joint is held (w = 0, |J| <= B) or slides
-(J = -B sign w). With c given it is linear; what then is against c changes it: a joint that would slide the other way is
-held, one that is held by more than B slides. From how the joints went before the step one round mostly does. All that
-is against c changes at once, and where that goes on for `BLOCKS` rounds, only the first of it, which comes to an end
-since M is positive definite (judice1994).
+The problem of box.py for more than two joints: M w = p + J, where a joint is held (w = 0, low <= J <= high) or slides
+(forward with J = low, back with J = high). With c given it is linear; what then is against c changes it: a joint that
+would slide the other way is held, one that is held by more than there is slides. From how the joints went before the
+step one round mostly does. All that is against c changes at once, and where that goes on for `BLOCKS` rounds, only the
+first of it, which comes to an end since M is positive definite (judice1994).
 """
 
 from layflat.jit import composition, law
@@ -21,7 +21,7 @@ from layflat.lanes import anywhere, each, epsilon, gather, select, slots, total
 from layflat.physics.algebra import times
 
 BLOCKS, ROUNDS = 6, 60  # rounds in which all may change, and rounds at most
-ROUNDING = 1e-12 * 2.0**52  # of an impulse, in the last places of its precision
+ROUNDING = 0.5e-12 * 2.0**52  # of what is between the impulses, in the last places of their precision
 
 
 @law
@@ -41,17 +41,22 @@ def _if_sliding(c, x):
     return select(c == 0.0, 0.0, x)
 
 
+@law
+def _slid(c, p, low, high):
+    return p + select(c > 0.0, low, high)
+
+
 @composition
-def _velocities(M, p, B, c):
+def _velocities(M, p, low, high, c):
     """Velocities of joints that slide as `c` says, and zero of those that are held."""
     n = len(p)
-    A, x, ways, limits = slots(M), slots(p), slots(c), slots(B)
+    A, x, ways = slots(M), slots(each(_slid, c, p, low, high)), slots(c)
     at = 0
     for i in range(n):
         for j in range(i, n):
             A[at] = _open(A[at], ways[i], ways[j], 1.0 if i == j else 0.0)
             at += 1
-        x[i] = _if_sliding(ways[i], x[i] - ways[i] * limits[i])
+        x[i] = _if_sliding(ways[i], x[i])
     # A = L D L^T in place, row by row; `row` and `below` are where rows of the triangle begin.
     row = 0
     for i in range(n):
@@ -78,16 +83,16 @@ def _missing(needed, p):
 
 
 @law
-def _turned(c, w, J, B):
+def _turned(c, w, J, low, high):
     # How a joint goes instead: as before, unless that is against what follows from it.
-    most = B + ROUNDING * epsilon(J) * B
-    slips = select(most < J, -1.0, select(-most > J, 1.0, 0.0))
-    return select(c == 0.0, slips, select(c * w < 0.0, 0.0, c))
+    between = ROUNDING * epsilon(J) * (high - low)
+    slips = select(high + between < J, -1.0, select(low - between > J, 1.0, 0.0))
+    return select(c == 0.0, slips, select((c * w < 0.0) & (low < high), 0.0, c))
 
 
 @law
-def _limited(J, B):
-    return min(max(J, -B), B)
+def _limited(J, low, high):
+    return min(max(J, low), high)
 
 
 @law
@@ -112,20 +117,21 @@ def _first_change(c, better):
 
 
 @composition
-def brake_many(M, p, u, B):
+def brake_many(M, p, u, low, high):
     """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0.
 
-    Args: upper triangle of the mass matrix; tuples of momenta, velocities before the step, and greatest impulses.
+    Args: upper triangle of the mass matrix; tuples of momenta, of velocities before the step, and of least and greatest
+    impulses.
     """
     c = each(way, u)
-    w = _velocities(M, p, B, c)
+    w = _velocities(M, p, low, high, c)
     J = each(_missing, times(M, w), p)
-    better = each(_turned, c, w, J, B)
+    better = each(_turned, c, w, J, low, high)
     turn = 0
     while anywhere(total(each(_change, c, better))) and turn < ROUNDS:
         c = _first_change(c, better) if turn >= BLOCKS else better
-        w = _velocities(M, p, B, c)
+        w = _velocities(M, p, low, high, c)
         J = each(_missing, times(M, w), p)
-        better = each(_turned, c, w, J, B)
+        better = each(_turned, c, w, J, low, high)
         turn += 1
-    return w, each(_limited, J, B)
+    return w, each(_limited, J, low, high)

@@ -8,42 +8,45 @@
 | B | greatest impulse of friction in this step: torque x step | N m s |
 | S | the same of a joint that stands still at some instant of the step | N m s |
 | J | impulse of friction | N m s |
-| c | way that a joint goes before the step: 1, -1, or 0 at rest | 1 |
 | f | share of the step after which the first joint is at rest | 1 |
 
 Friction turns with the velocity. Were it against the way at the end from the beginning of the step on, each turn would
-leave an error of the order of B h; so a step is parted where the first joint comes to rest, and each part is solved as
-box.py and pivoting.py do. Friction takes energy in both parts. Velocities change evenly in a part, hence f.
+leave an error of the order of B h. So what moves is taken to move on, against all of its friction, and what rests to
+rest or to slip, as box.py and pivoting.py find. Where a joint would pass zero, the step is parted: up to the first rest
+all is as it was taken to be, in proportion to time; from there the rest of the step is solved. Friction takes energy in
+both parts.
 
 Where friction depends on velocity, B is that of the velocity in the middle of the step, and a joint whose velocity
-would pass zero is solved for once more with what holds it there, S.
+would pass zero in that rest is solved for once more with what holds it there, S.
 """
 
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, select, total
 from layflat.physics.algebra import least, times
 from layflat.physics.friction.box import brake_one, brake_two
-from layflat.physics.friction.pivoting import brake_many, way
-
-FIRM = 1e30  # N m s: holds against anything
-ONWARDS, BEFORE = range(2)  # what is solved for in a step that is parted, ahead of what comes after the rest
+from layflat.physics.friction.pivoting import brake_many
 
 
 @composition
-def _braked(M, p, u, B):
+def _braked(M, p, u, low, high):
     # In closed form where there is one.
     if len(p) == 1:
-        w, J = brake_one(M[0], p[0], B[0])
+        w, J = brake_one(M[0], p[0], low[0], high[0])
         return (w,), (J,)
     if len(p) == 2:
-        w_1, w_2, J_1, J_2 = brake_two(M[0], M[1], M[2], p[0], p[1], B[0], B[1])
+        w_1, w_2, J_1, J_2 = brake_two(M[0], M[1], M[2], p[0], p[1], low[0], low[1], high[0], high[1])
         return (w_1, w_2), (J_1, J_2)
-    return brake_many(M, p, u, B)
+    return brake_many(M, p, u, low, high)
+
+
+@law
+def _minus(B):
+    return -B
 
 
 @composition
 def _keep(M, p, u, B, S):  # noqa: ARG001  (as `_slide`)
-    return _braked(M, p, u, B)
+    return _braked(M, p, u, each(_minus, B), B)
 
 
 @law
@@ -54,23 +57,21 @@ def _passing(u, v, B, S):
 
 @composition
 def _slide(M, p, u, B, S):
-    v, _ = _braked(M, p, u, B)
-    return _braked(M, p, u, each(_passing, u, v, B, S))
+    v, _ = _keep(M, p, u, B, B)
+    limits = each(_passing, u, v, B, S)
+    return _keep(M, p, u, limits, limits)
+
+
+@law
+def _onwards(u, B, S):
+    # Least and greatest impulse, as long as what moves moves on.
+    most = select(u == 0.0, S, B)
+    return select(u < 0.0, most, -most), select(u > 0.0, -most, most)
 
 
 @law
 def _comes_to_rest(u, w):
     return select((u < 0.0) & (w >= 0.0) | (u > 0.0) & (w <= 0.0), 1.0, 0.0)
-
-
-@law
-def _pressed(p, c, B):
-    return p - c * B
-
-
-@law
-def _firm(c):
-    return select(c == 0.0, FIRM, 0.0)
 
 
 @law
@@ -80,67 +81,49 @@ def _until_rest(u, onwards):
 
 
 @law
-def _part(before, push, f):
-    return before + f * push
+def _at_rest(u, onwards, f):
+    # Velocity when the first joint is at rest; 0 where none comes to rest, so that there is nothing left to solve.
+    return select(_until_rest(u, onwards) <= f, 0.0, u + f * (onwards - u))
 
 
 @law
-def _share(B, f):
-    return f * B
+def _later(before, p, begun, f):
+    return before + (1.0 - f) * (p - begun)
 
 
 @law
-def _difference(a, b):
-    return a - b
+def _left(B, f):
+    return (1.0 - f) * B
 
 
 @law
-def _at_rest(u, onwards, w, f):
-    return select((_until_rest(u, onwards) <= f) & (f < 1.0), 0.0, w)
+def _either(f, parted, whole):
+    return select(f < 1.0, parted, whole)
 
 
 @law
-def _either(rests, f, parted, whole):
-    return select((rests > 0.0) & (f < 1.0), parted, whole)
-
-
-@law
-def _both(J, K, B, S):
+def _both(f, J, K, B, S):
     most = max(B, S)
-    return min(max(J + K, -most), most)
+    return min(max(f * J + K, -most), most)
 
 
 def _turning(solve):
     @composition
-    def parted(M, p, u, B, S):
-        """Velocities and impulses of a step that is parted where the first joint is at rest, and its share before."""
-        one = 1.0 + 0.0 * total(u)
-        # What moves moves on, what rests rests: up to where the first would come to rest.
-        push, c = each(_difference, p, times(M, u)), each(way, u)
-        momentum, begins, slides, f, onwards, J = each(_pressed, p, c, B), u, each(_firm, c), one, u, B
-        holds, v, K = slides, u, B
-        # A loop, or what solves would be compiled three times.
-        for part in range(3):
-            v, K = solve(M, momentum, begins, slides, holds)
-            if part == ONWARDS:
-                onwards, f = v, least(each(_until_rest, u, v))
-                momentum = each(_part, times(M, u), push, f)
-                slides, holds = each(_share, B, f), each(_share, S, f)
-            elif part == BEFORE:
-                begins, J = each(_at_rest, u, onwards, v, f), K
-                momentum = each(_part, times(M, v), push, one - f)
-                slides, holds = each(_share, B, one - f), each(_share, S, one - f)
-        return v, each(_both, J, K, B, S), f
+    def parted(M, p, u, B, S, onwards, J):
+        """Velocities and impulses of a step that is parted where the first joint is at rest."""
+        f = least(each(_until_rest, u, onwards))
+        v = each(_at_rest, u, onwards, f)
+        momentum = each(_later, times(M, v), p, times(M, u), f)
+        w, K = solve(M, momentum, v, each(_left, B, f), each(_left, S, f))
+        return each(_either, f, w, onwards), each(_both, f, J, K, B, S)
 
     @composition
     def rub(friction, M, p, u, B, S):  # noqa: ARG001  (by which the law is picked)
         """Return velocities after friction, and its impulses, tuples; a held joint's velocity is exactly 0."""
-        w, J = solve(M, p, u, B, S)
-        rests = total(each(_comes_to_rest, u, w))
-        if anywhere(rests):
-            after, impulses, f = parted(M, p, u, B, S)
-            # Only of what comes to rest itself, whatever lies beside it.
-            w, J = each(_either, rests, f, after, w), each(_either, rests, f, impulses, J)
+        low, high = each(_onwards, u, B, S)
+        w, J = _braked(M, p, u, low, high)
+        if anywhere(total(each(_comes_to_rest, u, w))):
+            w, J = parted(M, p, u, B, S, w, J)
         return w, J
 
     return rub

@@ -178,7 +178,7 @@ def move(joint, state, p_a, p_b, shares, h):
     load = joint.load_torque + joint.stiffness * state.angle
     momentum = joint.inertia * state.velocity + h * (joint.torque_per_pressure * (p_a - p_b) - load)
     F = friction_level(joint.friction, Q, state.velocity)
-    v, _ = brake_one(joint.inertia + h * joint.damping, momentum, h * F)
+    v, _ = brake_one(joint.inertia + h * joint.damping, momentum, -h * F, h * F)
     q = state.angle + h * v
     held = min(max(q, joint.lower_stop), joint.upper_stop)
     return JointState(held, select(held == q, v, 0.0), Q)

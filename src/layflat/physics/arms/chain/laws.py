@@ -15,10 +15,10 @@ base's origin; a force is a moment about that origin and a force. Bodies that mo
 Source: composite bodies and recursive Newton-Euler in spatial coordinates (featherstone2008, chapters 5 and 6).
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from layflat.jit import composition, law
-from layflat.lanes import abreast, apart, each, gather, slots, sums_from, sums_up_to
+from layflat.lanes import abreast, apart, each, gather, in_lanes, packed, slots, sums_from, sums_up_to, unpacked
 from layflat.physics.arms.chain.space import (
     Axes,
     Mass,
@@ -80,22 +80,12 @@ class _Wrench(NamedTuple):
     f: Vector
 
 
-class _Beside(NamedTuple):
-    # A frame with the components of each vector side by side.
-    x: Any
-    y: Any
-    z: Any
-    origin: Any
-
-
-@composition
-def _beside(vector):
-    return abreast((vector.x, vector.y, vector.z))
-
-
-@composition
-def _thrice(number):
-    return abreast((number, number, number))
+class _Row(NamedTuple):
+    # One component of the vectors of a frame.
+    x: float
+    y: float
+    z: float
+    origin: float
 
 
 @law
@@ -103,20 +93,23 @@ def _offset(link, sin, cos):
     return sin * link.cos_turn + cos * link.sin_turn, cos * link.cos_turn - sin * link.sin_turn
 
 
-@composition
-def _steps(link, sin, cos):
-    # All numbers by which the next frame comes from one, for its three components.
-    at = link.place
-    tilt = _thrice(link.sin_tilt), _thrice(link.cos_tilt)
-    return (*tilt, _thrice(sin), _thrice(cos), _thrice(at.x), _thrice(at.y), _thrice(at.z))
+@law
+def _rows(base, zero):
+    # The base's frame, component by component.
+    x, y, z = base.x, base.y, base.z
+    return (
+        _Row(x.x + zero, y.x + zero, z.x + zero, zero),
+        _Row(x.y + zero, y.y + zero, z.y + zero, zero),
+        _Row(x.z + zero, y.z + zero, z.z + zero, zero),
+    )
 
 
 @law
-def _beyond(frame, sin_tilt, cos_tilt, sin, cos, along_x, along_y, along_z):
-    x, y, z = frame.x, frame.y, frame.z
-    level = cos_tilt * y + sin_tilt * z
-    origin = (along_x * x + along_y * y) + (along_z * z + frame.origin)
-    return _Beside(cos * x + sin * level, cos * level - sin * x, cos_tilt * z - sin_tilt * y, origin)
+def _beyond(row, link, sin, cos):
+    x, y, z, at = row.x, row.y, row.z, link.place
+    level = link.cos_tilt * y + link.sin_tilt * z
+    origin = (at.x * x + at.y * y) + (at.z * z + row.origin)
+    return _Row(cos * x + sin * level, cos * level - sin * x, link.cos_tilt * z - link.sin_tilt * y, origin)
 
 
 @law
@@ -127,8 +120,8 @@ def _frame(x, y, z):
 
 
 @composition
-def _parted(frame):
-    x, y, z = apart(frame, THREE)
+def _framed(rows):
+    x, y, z = unpacked(rows, THREE)
     return _frame(x, y, z)
 
 
@@ -138,18 +131,33 @@ def frames(arm, q):
     sines, cosines = sincos(within_half_a_turn(abreast(q)))
     sines, cosines = _offset(abreast(arm.links), sines, cosines)
     sin, cos, links = slots(apart(sines, q)), slots(apart(cosines, q)), slots(arm.links)
-    zero = _thrice(0.0 * sin[0])
-    base = _Beside(_beside(arm.base.x) + zero, _beside(arm.base.y) + zero, _beside(arm.base.z) + zero, zero)
-    found = slots(q, base)
+    found = slots(q, packed(_rows(arm.base, in_lanes(0.0, sin[0]))))
     for i in range(len(q)):
-        s_t, c_t, s, c, x, y, z = _steps(links[i], sin[i], cos[i])
-        found[i] = _beyond(found[max(i - 1, 0)], s_t, c_t, s, c, x, y, z)
-    return each(_parted, gather(q, found))
+        found[i] = each(_beyond, found[max(i - 1, 0)], links[i], sin[i], cos[i])
+    placed = slots(q, _framed(found[0]))
+    for i in range(1, len(q)):
+        placed[i] = _framed(found[i])
+    return gather(q, placed)
 
 
 @law
 def _screw(frame):
     return _Screw(frame.axes.z, cross(frame.origin, frame.axes.z))
+
+
+@law
+def _loaded(link, payload, tool):
+    turns = link.sin_tilt, link.cos_tilt, link.sin_turn, link.cos_turn
+    return Link(*turns, link.place, with_point(link.body, payload, tool))
+
+
+@composition
+def _carrying(arm, payload):
+    # In the last link's own frame the payload is the same at all angles: it is found once for many steps.
+    links = slots(arm.links)
+    last = len(arm.links) - 1
+    links[last] = _loaded(links[last], payload, arm.tool)
+    return abreast(gather(arm.links, links))
 
 
 @law
@@ -185,11 +193,23 @@ def _bent(twist, screw, v):
 
 @law
 def _needed(body, twist, rate):
-    # Moment and force that a body needs for its accelerations, of which c is that of its point at the origin.
-    w, a = twist.w, rate.w
+    # Moment and force that a body needs for its accelerations, of which c is that of its point at the origin. With W,
+    # by which places become accelerations around it, f = m c + W h, and n is h x c and what J makes of W.
+    w, a, h, J = twist.w, rate.w, body.h, body.J
     c = plus(rate.u, cross(w, twist.u))
-    n = plus(plus(applied(body.J, a), cross(body.h, c)), cross(w, applied(body.J, w)))
-    return _Wrench(n, plus(scaled(body.m, c), plus(cross(a, body.h), cross(w, cross(w, body.h)))))
+    xx, yy, zz, xy, xz, yz = w.x * w.x, w.y * w.y, w.z * w.z, w.x * w.y, w.x * w.z, w.y * w.z
+    W_xy, W_yx, W_xz, W_zx, W_yz, W_zy = xy - a.z, xy + a.z, xz + a.y, xz - a.y, yz - a.x, yz + a.x
+    f = Vector(
+        W_xy * h.y + W_xz * h.z - (yy + zz) * h.x,
+        W_yx * h.x + W_yz * h.z - (xx + zz) * h.y,
+        W_zx * h.x + W_zy * h.y - (xx + yy) * h.z,
+    )
+    n = Vector(
+        J.xx * a.x + (J.zz - J.yy) * yz + (J.xz * W_yx - J.xy * W_zx) + J.yz * (yy - zz),
+        J.yy * a.y + (J.xx - J.zz) * xz + (J.xy * W_zy - J.yz * W_xy) + J.xz * (zz - xx),
+        J.zz * a.z + (J.yy - J.xx) * xy + (J.yz * W_xz - J.xz * W_yz) + J.xy * (xx - yy),
+    )
+    return _Wrench(plus(n, cross(h, c)), plus(scaled(body.m, c), f))
 
 
 @law
@@ -201,14 +221,6 @@ def _minus(x):
 def _pull(pushed, gravity):
     # Of the weight of a body about a joint: what it does is in proportion to the momentum.
     return dot(pushed.f, gravity)
-
-
-@composition
-def _loads(payload, q):
-    # What the links carry: the last one the payload.
-    masses = slots(q, 0.0 * payload)
-    masses[len(q) - 1] = payload
-    return abreast(gather(q, masses))
 
 
 @composition
@@ -226,8 +238,7 @@ def dynamics(arm, payload, q, v):
     """Return mass matrix, torques of velocities and of gravity (see `ArmLaws`)."""
     # All links side by side: what each of them has is found at once.
     placed, n = abreast(frames(arm, q)), len(q)
-    link = _body(abreast(arm.links), placed)
-    own = with_point(link, _loads(payload, q), _held(_for_all(arm.tool, q), placed))
+    own = _body(_carrying(arm, payload), placed)
     screw, speed = _screw(placed), abreast(v)
     twist = sums_up_to(_turning(screw, speed), q)
     rate = sums_up_to(_bent(twist, screw, speed), q)
