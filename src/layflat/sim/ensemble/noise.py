@@ -86,8 +86,9 @@ def _normal(high, low, step_high, step_low, ziggurat):
         high, low = _stepped(high, low, step_high, step_low)
         bits = _shown(high, low)
         layer, size = bits & LAYER, bits >> NINE & MANTISSA
-        number = np.int64(size) * ziggurat.widths[layer]
-        number = select(bits >> EIGHT & ONE == ONE, -number, number)
+        # A sign that is chosen may become a branch, taken at random, which costs more than all the rest.
+        sign = 1 - 2 * np.int64(bits >> EIGHT & ONE)
+        number = sign * (np.int64(size) * ziggurat.widths[layer])
         if size < ziggurat.inside[layer]:
             return number, high, low
         if layer == ZERO:
