@@ -9,6 +9,7 @@ base's origin; a force is a moment about that origin and a force. Bodies that mo
 | s | velocity of the origin with unit velocity of a joint: p x z, where p is a point of its axis | m |
 | w, u | velocity of rotation, and of the origin | rad/s, m/s |
 | a, b | accelerations: of rotation, and of the origin | rad/s2, m/s2 |
+| W | matrix by which places become accelerations around the origin: W r = a x r + w x (w x r) | 1/s2 |
 | n, f | moment about the origin, and force | N m, N |
 | L, P | angular momentum about the origin, and momentum | N m s, N s |
 
@@ -134,10 +135,7 @@ def frames(arm, q):
     found = slots(q, packed(_rows(arm.base, in_lanes(0.0, sin[0]))))
     for i in range(len(q)):
         found[i] = each(_beyond, found[max(i - 1, 0)], links[i], sin[i], cos[i])
-    placed = slots(q, _framed(found[0]))
-    for i in range(1, len(q)):
-        placed[i] = _framed(found[i])
-    return gather(q, placed)
+    return each(_framed, gather(q, found))
 
 
 @law
@@ -193,8 +191,8 @@ def _bent(twist, screw, v):
 
 @law
 def _needed(body, twist, rate):
-    # Moment and force that a body needs for its accelerations, of which c is that of its point at the origin. With W,
-    # by which places become accelerations around it, f = m c + W h, and n is h x c and what J makes of W.
+    # Moment and force that a body needs for its accelerations, of which c is that of its point at the origin:
+    # f = m c + W h, and n is h x c and what J makes of W.
     w, a, h, J = twist.w, rate.w, body.h, body.J
     c = plus(rate.u, cross(w, twist.u))
     xx, yy, zz, xy, xz, yz = w.x * w.x, w.y * w.y, w.z * w.z, w.x * w.y, w.x * w.z, w.y * w.z
