@@ -112,7 +112,7 @@ class Cases:
             self.at(rows, "scenario.payload", self.machine.arm.payload),
         ]
         return Runs(
-            columns(self.case, rows).astype(self.number, copy=False),
+            columns(self.numbers, rows).astype(self.number, copy=False),
             np.searchsorted(np.unique(own), own),
             self._angles(rows, own).astype(self.number, copy=False),
             self._pressures(rows, own).astype(self.number, copy=False),
@@ -251,13 +251,14 @@ def _checked(key: str, values: ArrayLike) -> Array:
     return array
 
 
-def columns(case: tuple[Any, ...], rows: NDArray[np.int64]) -> Array:
-    """Every number of a nested tuple in order, a column a run: (numbers, runs)."""
-    each = list(leaves(case))
-    numbers = np.empty((len(each), len(rows)))
-    for place, number in zip(numbers, each, strict=True):
-        place[:] = number[rows] if isinstance(number, np.ndarray) else number
-    return numbers
+def columns(numbers: Sequence[Any], rows: NDArray[np.int64]) -> Array:
+    """Numbers of a case in order, a column a run: (numbers, runs); those that differ are arrays over all runs."""
+    same = [0.0 if isinstance(number, np.ndarray) else number for number in numbers]
+    found = np.repeat(np.array(same, float)[:, None], len(rows), axis=1)
+    for place, number in zip(found, numbers, strict=True):
+        if isinstance(number, np.ndarray):
+            place[:] = number[rows]
+    return found
 
 
 def first_of(case: tuple[Any, ...]) -> tuple[Any, ...]:

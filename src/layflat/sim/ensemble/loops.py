@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.lanes import Like, host_width
+from layflat.lanes import Like, host_width, leaves
 from layflat.sim.ensemble.cases import columns
 from layflat.sim.slow import sweep_many
 
@@ -44,7 +44,7 @@ def heights(prepared: "Cases", share: float = 1.0, workers: int = 1) -> tuple[Ar
         j, first = some
         rows = np.minimum(np.arange(first, first + size), count - 1)
         room, own = np.empty((POINTS, lanes)), np.empty((2, size))
-        sweep_many(Like.of(cases[j]), columns(cases[j], rows), room, own)
+        sweep_many(Like.of(cases[j]), columns(list(leaves(cases[j])), rows), room, own)
         part = found[:, first : first + size, j]
         part[:] = own[:, : part.shape[1]]
 

@@ -209,8 +209,12 @@ def _runner(device: str, workers: int) -> Callable[[Cases, Timing, tuple[float, 
 def _run_on_threads(
     workers: int, prepared: Cases, timing: Timing, bands: tuple[float, float], results: Results
 ) -> Iterator[int]:
+    like = Like.of(prepared.case, NARROW if len(prepared.case.joints) > FEW else WIDEST)
+
     def work(rows: NDArray[np.int64]) -> int:
-        return _run_block(prepared, rows, timing, bands, results)
+        block = block_of(prepared, rows, bands, results)
+        run_block(like, block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
+        return keep(results, block.results, int(rows[0]))
 
     with ThreadPoolExecutor(workers) as pool:
         yield from pool.map(work, _blocks(prepared.count, workers, host_width(np.dtype(prepared.number).itemsize)))
@@ -235,12 +239,3 @@ def _known(names: Sequence[str], there: Sequence[str], what: str, where: str) ->
     if unknown:
         raise InputError(f"{unknown[0]!r} is not a {what}", where=where, right=f"use {', '.join(there)}")
     return names
-
-
-def _run_block(
-    prepared: Cases, rows: NDArray[np.int64], timing: Timing, bands: tuple[float, float], results: Results
-) -> int:
-    block = block_of(prepared, rows, bands, results)
-    like = Like.of(prepared.case, NARROW if len(prepared.case.joints) > FEW else WIDEST)
-    run_block(like, block.runs, block.plan, block.moves, timing, block.results, new_watch(block.runs))
-    return keep(results, block.results, int(rows[0]))
