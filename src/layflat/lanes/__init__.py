@@ -6,13 +6,13 @@ gives. A law needs nothing for this but `select` where it would write `a if cond
 it would write `and` and `or`.
 
 `join` puts two numbers side by side, or two lanes, or two named tuples of them leaf by leaf; `halves` takes them
-apart. `abreast` and `apart` do the same with all items of a tuple, however many, and `sums_up_to` and
-`sums_from` add these up. `write_row` is the way out of named
-tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named tuples and back, which costs far
-less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead from arrays into lanes and back:
-an item of a named tuple is a row there, a lane is a column; lanes of a block in single
-precision are twice as many. `slots` are lists without a heap, `gather` makes a tuple
-of what they hold, `total` adds the items of one, and `each` calls a law for every item of tuples.
+apart. `abreast` and `apart` do the same with all items of a tuple, however many, `packed` and `unpacked` only where the
+items would fill a register together, and `sums_up_to` and `sums_from` add up what is abreast. `write_row` is the way
+out of named tuples into arrays; `read_numbers` and `write_numbers` lead from arrays into named tuples and back, which
+costs far less than to hand over such tuples from Python. `read_lanes` and `write_lanes` lead from arrays into lanes and
+back: an item of a named tuple is a row there, a lane is a column; lanes of a block in single precision are twice as
+many. `slots` are lists without a heap, `gather` makes a tuple of what they hold, `total` adds the items of one, and
+`each` calls a law for every item of tuples.
 
 All of it compiles for CUDA devices too. A thread there has one lane, so that what `read_lanes` gives are plain numbers;
 what is joined lies side by side all the same. numba-cuda takes over whatever is registered from outside numba.

@@ -54,14 +54,15 @@ def largest(values):
 
 
 @law
-def _minus(x):
+def minus(x):
+    """Return -x, of lanes too where a law is called with them."""
     return -x
 
 
 @composition
 def least(values):
     """Return the least of a tuple's values."""
-    return -greatest(each(_minus, values))
+    return -greatest(each(minus, values))
 
 
 @composition

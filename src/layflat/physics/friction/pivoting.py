@@ -25,7 +25,7 @@ ROUNDING = 0.5e-12 * 2.0**52  # of what is between the impulses, in the last pla
 
 
 @law
-def way(u):
+def _way(u):
     """Return the way of a velocity: 1, -1, or 0."""
     return select(u > 0.0, 1.0, select(u < 0.0, -1.0, 0.0))
 
@@ -123,7 +123,7 @@ def brake_many(M, p, u, low, high):
     Args: upper triangle of the mass matrix; tuples of momenta, of velocities before the step, and of least and greatest
     impulses.
     """
-    c = each(way, u)
+    c = each(_way, u)
     w = _velocities(M, p, low, high, c)
     J = each(_missing, times(M, w), p)
     better = each(_turned, c, w, J, low, high)

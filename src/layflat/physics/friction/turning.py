@@ -22,7 +22,7 @@ would pass zero in that rest is solved for once more with what holds it there, S
 
 from layflat.jit import composition, law
 from layflat.lanes import anywhere, each, select, total
-from layflat.physics.algebra import least, times
+from layflat.physics.algebra import least, minus, times
 from layflat.physics.friction.box import brake_one, brake_two
 from layflat.physics.friction.pivoting import brake_many
 
@@ -39,14 +39,9 @@ def _braked(M, p, u, low, high):
     return brake_many(M, p, u, low, high)
 
 
-@law
-def _minus(B):
-    return -B
-
-
 @composition
 def _keep(M, p, u, B, S):  # noqa: ARG001  (as `_slide`)
-    return _braked(M, p, u, each(_minus, B), B)
+    return _braked(M, p, u, each(minus, B), B)
 
 
 @law

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from layflat.jit import composition, law
 from layflat.lanes import abreast, apart, each, gather, in_lanes, packed, slots, sums_from, sums_up_to, unpacked
+from layflat.physics.algebra import minus
 from layflat.physics.arms.chain.space import (
     Axes,
     Mass,
@@ -211,11 +212,6 @@ def _needed(body, twist, rate):
 
 
 @law
-def _minus(x):
-    return -x
-
-
-@law
 def _pull(pushed, gravity):
     # Of the weight of a body about a joint: what it does is in proportion to the momentum.
     return dot(pushed.f, gravity)
@@ -242,7 +238,7 @@ def dynamics(arm, payload, q, v):
     rate = sums_up_to(_bent(twist, screw, speed), q)
     carried, needed = sums_from(own, q), sums_from(_needed(own, twist, rate), q)
     pushed = _pushed(carried, screw)
-    moving, pulled = _minus(_on(screw, needed)), _pull(pushed, _for_all(arm.gravity, q))
+    moving, pulled = minus(_on(screw, needed)), _pull(pushed, _for_all(arm.gravity, q))
     pushes = slots(apart(pushed, q))
     M = slots(arm.armatures)
     for j in range(n):
