@@ -5,6 +5,7 @@ from math import inf, nan
 import numpy as np
 import pytest
 
+from layflat.machine import load
 from layflat.rig.safety.detectors import (
     angle_frozen,
     doubt,
@@ -18,6 +19,7 @@ from layflat.rig.safety.detectors import (
 )  # fmt: skip
 from layflat.rig.safety.detectors.sample import AIR, MOTION, SENSORS, Sample
 from layflat.rig.safety.faults import Fault
+from layflat.rig.safety.limits import NEVER_SAME, joint_limits
 
 CYCLE = 0.005
 SPEED = 14.0
@@ -38,7 +40,7 @@ SWING = (2000.0, 0.0, -2000.0, 0.0)
 def follow(
     samples: int, angle: list[float], *, pressure: list[float] | None = None, demand: float | None = None,
     opening: float = 0.5, residual: float = 0.0, level: float = AIR, averaged: float = 0.0, others: float = 0.0,
-    velocity: float = 0.0, inertia: float = 1e9,
+    velocity: float = 0.0, inertia: float = 1e9, limits: joint.Limits = LIMITS,
 ) -> tuple[joint.Memory, list[Fault]]:  # fmt: skip
     """Memory after a signal, and the worst fault in each cycle."""
     memory, found = joint.FRESH, []
@@ -62,7 +64,7 @@ def follow(
             level,
             1.0,
         )
-        memory, fault = joint.find(LIMITS, memory, sample)
+        memory, fault = joint.find(limits, memory, sample)
         found.append(Fault(fault))
     return memory, found
 
@@ -206,6 +208,24 @@ def test_a_driven_joint_that_stays_where_it_is_but_for_noise_is_blocked() -> Non
     assert not any(follow(200, noise, demand=0.05)[1])
     assert not any(follow(200, noise, demand=0.15, opening=0.01)[1]), "friction may hold one whose valve is centred"
     assert any(follow(200, noise, demand=0.25, opening=0.01)[1])
+
+
+def test_a_sensor_whose_noise_never_rests_is_frozen_where_it_repeats_itself_though_its_joint_may_rest() -> None:
+    limits = LIMITS._replace(angle_frozen=LIMITS.angle_frozen._replace(noisy=1.0))
+    found = follow(40, [0.5], limits=limits)[1]
+    assert np.flatnonzero(found)[0] * CYCLE == pytest.approx(0.09, abs=0.01)
+    assert found[-1] == Fault.ANGLE_FROZEN
+    assert not any(follow(400, [0.5, *[0.5001] * 17], limits=limits)[1])
+    assert not any(follow(40, [0.5], limits=limits, level=MOTION)[1]), "it is asked for nothing without air"
+
+
+def test_a_sensor_is_noisy_where_18_samples_are_never_the_same() -> None:
+    draw, sound = np.random.default_rng(1), load("picking-arm")
+    assert joint_limits(sound, "wrist").angle_frozen.noisy == 1.0
+    assert joint_limits(load("paper-arm"), "small").angle_frozen.noisy == 0.0
+    samples = np.round(NEVER_SAME * draw.standard_normal(1_000_000))
+    lengths = np.diff(np.flatnonzero(np.diff(samples, prepend=np.nan) != 0.0))
+    assert lengths.max() < 12, "a million samples take an hour and a half"
 
 
 def test_a_step_is_no_following_error_and_a_joint_left_behind_is() -> None:

@@ -24,6 +24,7 @@ from layflat.machine.loader import build
 OMITS = ("arm", "joint", "controller")
 SENSOR_ROOM = 10.0  # of the angle sensor's range beyond the mechanical stroke, deg
 CYCLE = "5 ms"
+BITS = 16  # of the angle sensor
 NO_LENGTH = 1e-6  # m
 SPREAD = 0.3  # of the payload, over the greatest: standard deviation of what may be there
 Rows = Iterator[tuple[str, Any, str]]  # dotted path, value as it is written, and note
@@ -112,6 +113,7 @@ def _rows(task: ArmTask, parts: Sequence[Part]) -> Rows:
     mechanical = max(degrees(part.task.stroke) for part in parts) + OVERSHOOT_ROOM
     yield "supply.pressure_gauge", f"{task.supply / 1e5:.6g} bar", ASKED
     yield "angle_sensor.range", f"{mechanical + SENSOR_ROOM:.6g} deg", "mechanical stroke and 10 deg"
+    yield "angle_sensor.bits", BITS, "so fine that a sound sensor never repeats itself, and one that freezes is found"
     yield "pressure_sensor.range", f"{ceil(2.5e-5 * task.supply)} bar", "2.5 times supply pressure"
     yield "controller.kind", "tracking", "docs/control.md"
     yield "controller.cycle", CYCLE, "as the paper's arm"

@@ -13,12 +13,13 @@ from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.check.signs import try_signs
 from layflat.rig.clock import Clock
 from layflat.rig.driver import Driver
+from layflat.rig.safety.limits import NEVER_SAME
 
 SECONDS = 2.0  # for which a rig is looked at, s
 FEW = 0.01  # share of replies that may be lost, and of cycles that may be late by more than a cycle
 NO_PRESSURE = 0.1e5  # what an empty line or joint may show, Pa
 LIVELY = 0.2  # noise in counts from which on a sound sensor changes within `SECONDS`
-NOISY = 5.0  # times the noise of the description, from which on something is wrong
+NOISY, CALM = 5.0, 0.5  # times the noise of the description, beyond which and below which something is wrong
 
 DOES = ("obeys", "has centred the valves", "has let out the air")  # what the device does by itself, by its state
 
@@ -105,4 +106,6 @@ def _sensor(what: str, shown: str, law: Sensor, samples: Array, wrong: str) -> C
         wrong = "it repeats itself: its converter is frozen, or the wire is off"
     elif not wrong and noise > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
         wrong = "much noise: look at its screen and ground"
+    elif not wrong and noise < CALM * law.noise and law.noise > NEVER_SAME * law.lsb:
+        wrong = "less noise than described, so that it would be taken for frozen at rest: describe its own"
     return CheckResult(what, f"{shown}, noise {noise / law.lsb:.1f} counts", wrong)

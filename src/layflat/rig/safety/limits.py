@@ -31,6 +31,8 @@ from layflat.rig.safety.faults import Fault
 
 LIVELY = 0.3  # noise of a sensor, in counts, from which on it never reports the same count for 20 samples
 RAIL = 2.0  # counts from the end of a converter's range, at which a sensor is taken to be open or shorted
+NEVER_SAME = 2.0  # the same, from which on it does not in 18 samples: less than once in a million hours
+GRAIN = 3.5  # standard deviations of noise that are taken for a count, where a count is less
 NOISE = 2.0  # counts by which a sample may be wrong: a joint at a limit is found in spite of them
 # Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none.
 SPARE, RIPPLE_AFTER = 2.0, 4.0
@@ -173,21 +175,21 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
     part, safety, gauge, cycle = machine.joint[name], machine.safety, machine.supply.pressure_gauge, machine.cycle
     angle, pressure = sensor_law(angle_part), sensor_law(pressure_part)
     working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
-    friction = 2.0 * parameters.held_pressure(part, gauge)
+    friction, grain = 2.0 * parameters.held_pressure(part, gauge), max(angle.lsb, GRAIN * angle.noise)
     dither, sure = valve.dithered if machine.controller is not None else None, SURE * cycle
     # Whether the ripple that is estimated, at a quarter of the loop's rate, is that of the dither.
     seen = dither is not None and abs(dither.frequency * cycle - 0.25) < 0.01
     return joint.Limits(
         rail.Limits(angle.low + RAIL * angle.lsb, angle.high - RAIL * angle.lsb),
         min(safety.overpressure * gauge, pressure.high - RAIL * pressure.lsb),
-        speed_limit(machine, name) - NOISE * angle.lsb / cycle,
+        speed_limit(machine, name) - NOISE * grain / cycle,
         outside.Limits(
-            working + safety.overrun * (mechanical - working) - NOISE * angle.lsb,
-            float(resting_angles(machine)[j]) + NOISE * angle.lsb,
+            working + safety.overrun * (mechanical - working) - NOISE * grain,
+            float(resting_angles(machine)[j]) + NOISE * grain,
             working,
         ),
         doubt.Limits(
-            angle.lsb,
+            grain,
             1.0 if seen or pressure.noise > LIVELY * pressure.lsb else 0.0,
             safety.air_residual if part.acting == "double" else inf,
             DOUBTFUL * cycle,
@@ -196,11 +198,12 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             STILL if plans(machine) and part.acting == "double" else inf,
         ),
         angle_frozen.Limits(
-            angle.lsb,
+            grain,
             friction,
             cycle,
             sure,
             Fault.ANGLE_FROZEN.seconds - SPARE * cycle,
+            1.0 if angle.noise > NEVER_SAME * angle.lsb else 0.0,
             LANDS if plans(machine) else 0.0,
             AVERAGED * cycle if plans(machine) else 0.0,
             rests_from(machine, name) * cycle if plans(machine) else 0.0,

@@ -24,11 +24,12 @@ TRAVELS = 0.01  # way that a joint would have gone by what friction can't hold, 
 class Limits(NamedTuple):
     """What an angle that stays is judged by."""
 
-    lsb: float  # one count of the angle's converter, rad
+    grain: float  # one count of the angle's converter, or noise if that is more, rad
     friction_band: float  # change of the differential pressure that friction of brake, hose and strap can hide, Pa
     cycle: float  # time between two samples that are in time, s
     sure: float  # time of the same sample after which a sensor that does not fit the valve is frozen, s
-    patience: float  # the same of one that bears too much, s
+    patience: float  # the same of one that bears too much, or whose noise never leaves it at one sample, s
+    noisy: float = 0.0  # 1 if noise never does
     lands: float = 0.0  # error up to which the control law may bring the joint to rest at once, rad
     fades: float = 0.0  # time at rest until the averaged pressure has none of what braked the joint, s
     rests: float = 0.0  # way in a cycle from which the joint may be at rest in the next, rad
@@ -96,20 +97,20 @@ def find(limits, memory, doubts, before, now, sample):
     drives = driven and (abs(sample.opening) > OPEN or abs(sample.demand - sample.angle) > PARKED)
     counts = sample.elapsed if drives else 0.0
     asleep = lasted(memory.asleep, same and driven, counts)
-    near = abs(sample.angle - memory.anchor) <= MOVING * limits.lsb
+    near = abs(sample.angle - memory.anchor) <= MOVING * limits.grain
     anchor = memory.anchor if near else sample.angle
     held = lasted(memory.held, anchor == memory.anchor and driven, counts)
     after = Memory(whole, net, rate, travel, asleep, anchor, held)
     stays = now.same_angle > limits.sure
     # By both: a sample after a late one is further from it, and what came late was sampled some time before.
     landed = abs(sample.demand - sample.angle) < limits.lands
-    brisk = min(now.step, now.speed * limits.cycle) > max(BRISK * limits.lsb, limits.rests) and not landed
+    brisk = min(now.step, now.speed * limits.cycle) > max(BRISK * limits.grain, limits.rests) and not landed
     frozen = (
         (doubts.wrong and not doubts.any and blocked(limits, after, now))
         or (stays and (brisk or (doubts.angle and doubts.suspect)))
         or (stays and (doubts.moves or abs(travel) > TRAVELS))
         or asleep >= ASLEEP
         or held >= HELD
-        or (now.same_angle >= limits.patience and borne > BEYOND * limits.friction_band)
+        or (now.same_angle >= limits.patience and (limits.noisy > 0.0 or borne > BEYOND * limits.friction_band))
     )
     return after, FAULT if frozen else 0

@@ -14,7 +14,7 @@ MOVING = 2.5  # counts from one sample to the next that are motion, not noise
 class Limits(NamedTuple):
     """What doubts arise from."""
 
-    lsb: float  # one count of the angle's converter, rad
+    grain: float  # one count of the angle's converter, or noise if that is more, rad
     lively: float  # 1 if a sound pressure sensor changes all the time, else 0
     residual: float  # of air, as an opening of the valve; infinite where air can't be watched: a joint of one hose
     doubtful: float  # of the same sample, after which a sensor may be frozen, s
@@ -56,7 +56,7 @@ def doubt(limits, memory, before, now, sample):
     airy = sample.level >= AIR
     repeated = airy and limits.lively > 0.0 and sample.pressure == before.pressure_1
     same_pressure = lasted(memory.same_pressure, repeated, sample.elapsed)
-    angle = now.same_angle > limits.doubtful and now.step > MOVING * limits.lsb
+    angle = now.same_angle > limits.doubtful and now.step > MOVING * limits.grain
     either = same_pressure > limits.doubtful or angle
     speed = averaged(memory.speed, sample.velocity, sample.elapsed)
     opening = averaged(memory.opening, sample.opening, sample.elapsed)
