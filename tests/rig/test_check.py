@@ -9,8 +9,8 @@ import pytest
 
 from layflat.cli.virtual_rig import VirtualRig
 from layflat.errors import InputError
-from layflat.machine import load
-from layflat.rig.check.all import check_rig
+from layflat.machine import changed, load
+from layflat.rig.check.all import check_rig, noise_of
 from layflat.rig.check.open_loop import CheckResult
 from layflat.rig.clock import VirtualClock
 from layflat.rig.device.failures import failure
@@ -172,3 +172,23 @@ def test_a_rig_of_another_size_is_refused() -> None:
     driver._configure = lambda: Capabilities(1, 0.0, 10.0, 5.0, True, 1e-3)  # type: ignore[method-assign]
     with pytest.raises(InputError, match="it has 1 joints, the machine 2"):
         check_rig(ARM, driver, driver.clock)
+
+
+@pytest.mark.parametrize(
+    ("noise", "told"),
+    [("0.009 deg", ""), ("0.002 deg", "less noise than described, so that it would be taken for frozen at rest")],
+)
+def test_an_angle_that_is_told_by_its_noise_to_live_has_to_have_it(noise: str, told: str) -> None:
+    described, clock = load("picking-arm"), VirtualClock()
+    driver = SimulatedDriver(VirtualRig(changed(described, "angle_sensor.noise", noise))(clock))
+    found = {one.what: one.action for one in check_rig(described, driver, clock)}
+    assert [found[f"angle of {name}"].partition(":")[0] for name in described.joints] == [told] * 4
+
+
+@pytest.mark.parametrize("count", [1e-9, 0.5, 3.0])
+def test_noise_is_told_from_a_motion_and_a_jolt(count: float) -> None:
+    draw, time = np.random.default_rng(5), 0.005 * np.arange(400)
+    samples = -4.0 * np.minimum(time, 1.1) ** 2 + np.where(time > 1.1, 0.05 * np.sin(300.0 * time), 0.0) * (time < 1.2)
+    samples = count * np.round((samples + 1.0 * draw.standard_normal(400)) / count)
+    assert noise_of(samples) == pytest.approx(np.hypot(1.0, count / np.sqrt(12.0)), rel=0.15)
+    assert noise_of(samples[:2]) == noise_of(np.full(400, 0.3)) == 0.0

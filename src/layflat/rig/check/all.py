@@ -17,6 +17,7 @@ from layflat.rig.safety.limits import NEVER_SAME
 
 SECONDS = 2.0  # for which a rig is looked at, s
 FEW = 0.01  # share of replies that may be lost, and of cycles that may be late by more than a cycle
+PART = 20  # samples of which the noise is taken
 NO_PRESSURE = 0.1e5  # what an empty line or joint may show, Pa
 LIVELY = 0.2  # noise in counts from which on a sound sensor changes within `SECONDS`
 NOISY, CALM = 5.0, 0.5  # times the noise of the description, beyond which and below which something is wrong
@@ -99,9 +100,19 @@ def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckRes
     return _sensor(f"pressure of {name}", f"{middle / 1e5:+.3f} bar", sensor(bench.pressure_part), samples, wrong)
 
 
+def noise_of(samples: Array) -> float:
+    """Standard deviation of what is noise in samples, although a joint may sink meanwhile, and meet its stop.
+
+    Motion is taken out by second differences, and a jolt by the median of some parts; 0 of less than three samples.
+    """
+    bends = np.diff(samples, 2) / np.sqrt(6.0)
+    parts = np.array_split(bends, max(len(bends) // PART, 1))
+    return float(np.median([np.std(part) for part in parts])) if len(bends) else 0.0
+
+
 def _sensor(what: str, shown: str, law: Sensor, samples: Array, wrong: str) -> CheckResult:
-    """Tell of a sensor what is wrong with its values, or else with its noise: that of differences, without drift."""
-    noise = float(np.std(np.diff(samples)) / np.sqrt(2.0)) if len(samples) > 2 else 0.0
+    """Tell of a sensor what is wrong with its values, or else with its noise."""
+    noise = noise_of(samples)
     if not wrong and law.noise > LIVELY * law.lsb and np.ptp(samples) == 0.0:
         wrong = "it repeats itself: its converter is frozen, or the wire is off"
     elif not wrong and noise > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
