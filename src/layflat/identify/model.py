@@ -80,8 +80,7 @@ class Model(ABC):
         """Models of the same unknowns and outputs through which the search goes, from the easiest on.
 
         Several such continuations, of the same last model, are tried one after the other until one explains the logs.
-        The last model gives values and intervals; what the values predict is simulated by this model itself. Where the
-        last one runs astray from the best values of those before it, the one before does both.
+        The last model gives values and intervals; what the values predict is simulated by this model itself.
         """
         return ((self,),)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, Decay, Led, Level, Product, TwoTones
+from models import TIME, Decay, Level, Product, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -82,17 +82,6 @@ def test_more_starts_find_a_minimum_that_the_guess_misses() -> None:
     assert fit(TwoTones(given=False), starts=0).values[0] != pytest.approx(9.0, rel=0.05)
     assert fit(TwoTones(given=False), starts=64).values[0] == pytest.approx(9.0, rel=1e-2)
     assert fit(TwoTones(given=True), starts=0).values[0] == pytest.approx(9.0, rel=1e-2)
-
-
-@pytest.mark.parametrize(("rate", "lead"), [(4.0, 8.0), (-1.0, 0.0)])
-def test_what_runs_away_when_left_to_itself_is_fitted_and_judged_as_it_is_led(rate: float, lead: float) -> None:
-    found = fit(Led(rate, 2.0, seed=2), starts=0)
-    assert found.model.lead == lead  # type: ignore[attr-defined]
-    assert found.trusted
-    for path, value in (("rate", rate), ("push", 2.0)):
-        estimate = found.of(path)
-        assert estimate.identified
-        assert estimate.low <= value <= estimate.high
 
 
 def test_the_same_seed_gives_the_same_fit() -> None:

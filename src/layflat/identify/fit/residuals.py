@@ -64,15 +64,6 @@ class Residuals:
         self.scales = [output.scale for output in model.outputs]
         self.axes, self.strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
-    @property
-    def variation(self) -> float:
-        """Mean square of what was measured, less the mean of each output, in the same scale as the residuals."""
-        squares = []
-        for output, scale in zip(self.model.outputs, self.scales, strict=True):
-            own = output.measured[output.fitted & np.isfinite(output.measured)]
-            squares.append(((own - own.mean()) / scale) ** 2 if len(own) else own)
-        return float(np.mean(np.concatenate(squares)))
-
     def data(self, shares: Array) -> Array:
         """Residuals of candidates without the rows of the prior, (candidates, fitted samples)."""
         used, lengths = self.model.used, [len(output.measured) for output in self.model.outputs]

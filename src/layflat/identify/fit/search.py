@@ -19,10 +19,6 @@ SHORT, LONG = 6, 60  # steps of a start's refinement, and of the last one
 ROUNDS = 2  # refinements of the last model; the outputs are weighed after each
 
 EXPLAINED = 3.0  # a continuation is good enough where the mean square of the residuals, in their scale, is below this
-# A model runs astray where the mean square of its residuals is this share of that of what was measured, and so many
-# times that of the model before it: errors that only last four times as long grow by 16.
-ASTRAY, GROWN = 0.01, 100.0
-
 OUTLYING = 2.0  # residuals beyond this, in units of their scale, count less at first in every model of a continuation
 
 BASIN_HOPS = 4  # how often to try to leave a small local minimum
@@ -59,26 +55,23 @@ def fit(model: Model, *, starts: int = STARTS, seed: int = 0, progress: Progress
 
 class _Search:
     def __init__(self, model: Model, progress: Progress | None) -> None:
-        self.free = self.judge = model
+        self.free = model
         self.progress, self.done, self.simulations = progress, 0.0, 0
         self.tolerance = ROUGH
         self.take(model)
 
     def run(self, starts: int, seed: int) -> tuple[Array, bool]:
         """Search by continuation, then by basin hopping: shares, and whether the search converged."""
-        tried, continuations = list[tuple[bool, float, Array, Model]](), self.free.continuations()
+        tried, continuations = list[tuple[float, Array]](), self.free.continuations()
         for number, models in enumerate(continuations):
             # Most ways lead from the description to the logs: others are looked for where this one does not.
             drawn = starts if number or len(models) == 1 else 0
-            misfit, shares, model = self.follow(models, drawn, seed + number)
-            tried.append((model is not models[-1], misfit, shares, model))
-            if misfit < EXPLAINED:
+            tried.append(self.follow(models, drawn, seed + number))
+            if tried[-1][0] < EXPLAINED:
                 break
         self.tolerance = TOLERANCE
-        astray, _, start, ending = min(tried, key=lambda one: one[:2])
-        if astray:
-            self.judge = ending
-        shares, converged = self.converge(ending, start, robust=len(continuations[0]) > 1)
+        start = min(tried, key=lambda one: one[0])[1]
+        shares, converged = self.converge(continuations[0][-1], start, robust=len(continuations[0]) > 1)
         return self.basin_hop(shares, converged, seed)
 
     def take(self, model: Model) -> None:
@@ -91,22 +84,14 @@ class _Search:
         if self.progress is not None:
             self.progress(self.done, text)
 
-    def follow(self, models: Sequence[Model], starts: int, seed: int) -> tuple[float, Array, Model]:
-        """Through all models of a continuation but the last: mean square of the residuals, shares, and where to end.
-
-        That is with the last model, or where that runs astray with the one before.
-        """
+    def follow(self, models: Sequence[Model], starts: int, seed: int) -> tuple[float, Array]:
+        """Through all models of a continuation but the last: mean square of the residuals there, and shares."""
         self.take(models[0])
         shares = self.begin(starts, seed)
         for model in models[:-1]:
             shares, _ = self.converge(model, shares, robust=True, rounds=1)
         last = Residuals(models[-1])
-        misfit = float(np.mean(last.data(shares[None]) ** 2))
-        if len(models) > 1 and misfit > ASTRAY * last.variation:
-            before = float(np.mean(Residuals(models[-2]).data(shares[None]) ** 2))
-            if misfit > GROWN * before:
-                return before, shares, models[-2]
-        return misfit, shares, models[-1]
+        return float(np.mean(last.data(shares[None]) ** 2)), shares
 
     def converge(self, model: Model, shares: Array, *, robust: bool, rounds: int = ROUNDS) -> tuple[Array, bool]:
         """The best values for a model, from those of the one before; and whether the search converged."""
@@ -198,7 +183,7 @@ class _Search:
         self.best, self.least = shares, np.inf
 
     def result(self, shares: Array, converged: bool, seed: int, *, partial: bool = False) -> Fit:
-        """Estimates with their intervals, and what they predict by the model that runs freely, if that can be."""
+        """Estimates with their intervals, and what they predict by the model that runs freely."""
         scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
         shares = np.clip(scaled.shares(model.possible(scaled.values(shares)[None])[0]), 0.0, 1.0)
         for _ in range(passes):
@@ -220,5 +205,5 @@ class _Search:
                     unknown, float(values[i]), float(lows[i]), float(highs[i]), bool(low_end or high_end), together
                 )
             )
-        simulated = self.judge.simulate(values[None])[0]
-        return Fit(self.judge, tuple(estimates), simulated, converged, self.simulations, partial)
+        simulated = self.free.simulate(values[None])[0]
+        return Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)

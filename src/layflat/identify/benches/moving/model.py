@@ -84,10 +84,6 @@ class ArmModel(Model):
     def _at(self, stage: Stage) -> Self:
         easier = copy(self)
         easier.stage = stage
-        easier.remarks = (
-            "Left to itself the arm soon runs away from its log, even with the best values: errors are those of a run "
-            f"whose angles are drawn to the measured ones at {stage.feedback:g}/s.",
-        )
         ends = {record.name: stage.share * record.fitted.sum() for record in self.records}
         early = {o.log: np.arange(len(o.time)) < ends[o.log] for o in self.outputs}
         easier.outputs = tuple(replace(o, fitted=o.fitted & early[o.log]) for o in self.outputs)
