@@ -13,7 +13,6 @@ from layflat.rig.check.open_loop import CheckResult, OpenLoopRig
 from layflat.rig.check.signs import try_signs
 from layflat.rig.clock import Clock
 from layflat.rig.driver import Driver
-from layflat.rig.safety.limits import NEVER_SAME
 
 SECONDS = 2.0  # for which a rig is looked at, s
 FEW = 0.01  # share of replies that may be lost, and of cycles that may be late by more than a cycle
@@ -83,12 +82,15 @@ def _look(bench: OpenLoopRig) -> list[CheckResult]:
 
 def _angle(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
     rail, middle, wrong = bench.limits[j].rail, float(np.median(samples)), ""
+    own, lives = sensor(bench.angle_part), bench.limits[j].angle_frozen.noisy > 0.0
     end = float(resting_angles(bench.machine)[j])
     if not rail.low < middle < rail.high:
         wrong = "at its rail: it is open or shorted, look at its wires"
     elif abs(middle) > end:
         wrong = f"outside the mechanical stroke, {np.degrees(end):.0f} deg either way: set its zero"
-    return _sensor(f"angle of {name}", f"{np.degrees(middle):.2f} deg", sensor(bench.angle_part), samples, wrong)
+    elif lives and 0.0 < noise_of(samples) < CALM * own.noise:
+        wrong = "less noise than described, so that it would be taken for frozen at rest: describe its own"
+    return _sensor(f"angle of {name}", f"{np.degrees(middle):.2f} deg", own, samples, wrong)
 
 
 def _pressure(bench: OpenLoopRig, j: int, name: str, samples: Array) -> CheckResult:
@@ -117,6 +119,4 @@ def _sensor(what: str, shown: str, law: Sensor, samples: Array, wrong: str) -> C
         wrong = "it repeats itself: its converter is frozen, or the wire is off"
     elif not wrong and noise > NOISY * (law.noise**2 + law.lsb**2 / 12.0) ** 0.5 + law.lsb:
         wrong = "much noise: look at its screen and ground"
-    elif not wrong and noise < CALM * law.noise and law.noise > NEVER_SAME * law.lsb:
-        wrong = "less noise than described, so that it would be taken for frozen at rest: describe its own"
     return CheckResult(what, f"{shown}, noise {noise / law.lsb:.1f} counts", wrong)

@@ -3,7 +3,7 @@
 Raises MachineError where it has none.
 """
 
-from math import hypot, inf, sqrt
+from math import erf, hypot, inf, sqrt
 
 from layflat.machine import Machine, parameters
 from layflat.machine.parameters import drive_parts
@@ -12,6 +12,7 @@ from layflat.motion.limits import abilities
 from layflat.motion.rates import JERK, SURGE
 from layflat.physics.air import GAMMA
 from layflat.physics.joint import FILLED
+from layflat.physics.sensor import Sensor
 from layflat.rig.abilities import demand_limits, payloads, resting_angles
 from layflat.rig.safety import moving
 from layflat.rig.safety.cycle import Rig, Settings
@@ -31,8 +32,8 @@ from layflat.rig.safety.faults import Fault
 
 LIVELY = 0.3  # noise of a sensor, in counts, from which on it never reports the same count for 20 samples
 RAIL = 2.0  # counts from the end of a converter's range, at which a sensor is taken to be open or shorted
-NEVER_SAME = 2.0  # the same, from which on it does not in 18 samples: less than once in a million hours
 GRAIN = 3.5  # standard deviations of noise that are taken for a count, where a count is less
+SELDOM = 1e-12  # chance from which on samples are never all the same: at 200 a second, once in a million hours
 NOISE = 2.0  # counts by which a sample may be wrong: a joint at a limit is found in spite of them
 # Cycles less than the table of faults gives to find one, and that the ripple takes to show that there is none.
 SPARE, RIPPLE_AFTER = 2.0, 4.0
@@ -162,6 +163,12 @@ def held_back_for(machine: Machine, name: str) -> float:
     return max(min(2.0 * takes, following.LONG), SURE * machine.cycle)
 
 
+def never_rests(sensor: Sensor, samples: float) -> bool:
+    """Whether the noise of a sound sensor never leaves it at one count for so many samples."""
+    # Most likely it stays at a count whose middle it measures.
+    return sensor.noise > 0.0 and erf(0.5 * sensor.lsb / (sqrt(2.0) * sensor.noise)) ** samples < SELDOM
+
+
 def rests_from(machine: Machine, name: str) -> float:
     """Speed from which a joint may be at rest within a control cycle, with the least payload, rad/s."""
     resting = demand_limits(machine).resting[list(machine.joints).index(name)]
@@ -177,6 +184,7 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
     working, mechanical = part.stops.working_stroke / 2, part.stops.mechanical_stroke / 2
     friction, grain = 2.0 * parameters.held_pressure(part, gauge), max(angle.lsb, GRAIN * angle.noise)
     dither, sure = valve.dithered if machine.controller is not None else None, SURE * cycle
+    patience = Fault.ANGLE_FROZEN.seconds - SPARE * cycle
     # Whether the ripple that is estimated, at a quarter of the loop's rate, is that of the dither.
     seen = dither is not None and abs(dither.frequency * cycle - 0.25) < 0.01
     return joint.Limits(
@@ -202,8 +210,8 @@ def joint_limits(machine: Machine, name: str) -> joint.Limits:
             friction,
             cycle,
             sure,
-            Fault.ANGLE_FROZEN.seconds - SPARE * cycle,
-            1.0 if angle.noise > NEVER_SAME * angle.lsb else 0.0,
+            patience,
+            1.0 if never_rests(angle, patience / cycle) else 0.0,
             LANDS if plans(machine) else 0.0,
             AVERAGED * cycle if plans(machine) else 0.0,
             rests_from(machine, name) * cycle if plans(machine) else 0.0,
