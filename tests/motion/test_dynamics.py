@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 from layflat.description.change import changed
 from layflat.machine import Machine, load
 from layflat.machine.parameters import arm, mass_and_pull
-from layflat.motion.dynamics import path_torques, rigid_torques
+from layflat.motion.dynamics import least_inertias, path_torques, rigid_torques
 from layflat.motion.path import JointLine
 from layflat.motion.trajectory import States
 
@@ -65,3 +65,16 @@ def test_a_path_asks_for_what_its_motion_does() -> None:
     states = States(q, speed * first, pull * first + speed**2 * second)
     whole = pull * asked.mass + speed**2 * asked.centrifugal + asked.gravity
     assert_allclose(whole, rigid_torques(PICKING, states, 0.4), atol=1e-12)
+
+
+def test_a_torque_on_one_joint_meets_its_least_inertia_while_the_others_are_free() -> None:
+    draw = np.random.default_rng(2)
+    postures = draw.uniform(-1.0, 1.0, (4, 4))
+    found = least_inertias(PICKING, postures, PAYLOAD)
+    met = np.empty((4, 4))
+    for posture, row in zip(postures, met, strict=True):
+        mass = mass_and_pull(arm(PICKING), PAYLOAD, posture.tolist())[0]
+        for j, torque in enumerate(np.eye(4)):
+            row[j] = 1.0 / np.linalg.solve(mass, torque)[j]
+    assert_allclose(found, met.min(axis=0), rtol=1e-9)
+    assert np.all(found < np.diag(mass))

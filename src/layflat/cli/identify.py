@@ -90,7 +90,7 @@ def _print(session: "Identification", found: "Fit") -> str | None:
         if rows:
             print_table(columns, rows, title)
             typer.echo()
-    for remark in found.model.remarks:
+    for remark in found.remarks:
         typer.echo(remark)
     typer.echo(f"{told.prediction(found)} {told.count_identified(values)}")
     return told.untrusted(found, values)

@@ -91,7 +91,7 @@ class Identification:
             "trusted": found.trusted,
             "partial": found.partial,
             "simulations": found.simulations,
-            "remarks": list(found.model.remarks),
+            "remarks": list(found.remarks),
             "values": {
                 one.unknown.path: {"unit": one.unknown.unit} | {key: getattr(one, key) for key in KEPT}
                 for one in found.estimates

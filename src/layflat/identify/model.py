@@ -84,6 +84,13 @@ class Model(ABC):
         """
         return ((self,),)
 
+    def led(self) -> "Model | None":
+        """What predicts in its place where this one runs away from its logs, even with right values, and says so.
+
+        Default: None, as most do not.
+        """
+        return None
+
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; items of lists by their number."""
         columns = self.columns(values)

@@ -28,7 +28,7 @@ def write_page(session: Identification, found: Fit, path: Path) -> Path:
         found=found,
         given=Path(session.given).stem,
         untrusted=untrusted(found, values),
-        summary=" ".join([prediction(found), count_identified(values), *found.model.remarks]),
+        summary=" ".join([prediction(found), count_identified(values), *found.remarks]),
         sections=sections(found, values),
         issues=issue_section(session.issues),
         left=max(len({output.log for output in found.model.outputs}) - MOST, 0),

@@ -70,6 +70,19 @@ def room_at_rest(machine: Machine, able: Ability, postures: Array, payload: floa
     return left.min(axis=0), np.abs(mass).max(axis=0)
 
 
+def least_inertias(machine: Machine, postures: Array, payload: float) -> Array:
+    """Return the inertia that a torque on one joint meets while all others are free, (joints,), kg m2.
+
+    Args:
+        machine: with the arm.
+        postures: rad, (postures, joints); the least of them counts.
+        payload: kg.
+    """
+    mass, _, _ = _rigid_body(machine, postures, np.zeros(postures.shape), payload)
+    each = 1.0 / np.diagonal(np.linalg.inv(mass), axis1=1, axis2=2)
+    return np.asarray(each.min(axis=0), dtype=np.float64)
+
+
 def _rigid_body(machine: Machine, angles: Array, velocities: Array, payload: float) -> tuple[Array, Array, Array]:
     """Return mass matrices (instants, joints, joints), torques against velocities and to stay, (instants, joints)."""
     arm, (count, n) = parameters.arm(machine), angles.shape

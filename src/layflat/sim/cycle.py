@@ -20,13 +20,25 @@ class Wanted(NamedTuple):
     stiffness: float  # N m/rad; 0: as it comes
 
 
+class Lead(NamedTuple):
+    """What draws a joint to what a log has of it."""
+
+    voltage: float  # towards the demand, where the joint follows given voltages, V/rad
+    pressure: float  # by which these fall with the differential pressure, V/Pa
+    spring: float  # torque towards the demand, N m/rad
+    damper: float  # torque towards the velocity of the demand, N m s/rad
+
+
+NOT_LED = Lead(0.0, 0.0, 0.0, 0.0)
+
+
 class Acting(NamedTuple):
     """What acts on a joint in a control cycle."""
 
     demand: Wanted
     opening: float  # in place of the controller, -1..1; not a number where it drives
     voltage: float  # in place of the controller, V; not a number where it drives
-    lead: float  # what draws a joint that follows given voltages towards the demand, V/rad
+    lead: Lead
     brake: float  # torque at which the brake slips, N m
     dither: float  # share of the valve's dither
     load: float  # external torque, N m
@@ -90,15 +102,18 @@ def _demanded(like, acting):
 
 
 @composition
-def _drive(joint, angle, line, acting, asked, shares, around, cycle):
+def _drive(joint, state, line, acting, asked, shares, around, cycle):
     """Drive of a joint for a control cycle, the voltage behind it, and the line of commands after it."""
     valve = joint.valve
     voltage = select(is_number(acting.opening), valve.centre_voltage + valve.volts_to_full * acting.opening, asked)
-    led = acting.voltage + acting.lead * (acting.demand.angle - angle)
+    lead, wanted, motion = acting.lead, acting.demand, state.motion
+    behind, difference = wanted.angle - motion.angle, state.hose_a.pressure - state.hose_b.pressure
+    led = acting.voltage + lead.voltage * behind - lead.pressure * difference
     voltage = select(is_number(acting.voltage), led, voltage)
     opening, line = driven(valve, line, voltage - acting.drift, cycle)
     supply = regulated(shares.supply, around.supply_pressure, around.ambient_pressure)
-    return Drive(opening, shares.brake * acting.brake, acting.load, supply), voltage, line
+    load = acting.load + lead.spring * behind + lead.damper * (wanted.velocity - motion.velocity)
+    return Drive(opening, shares.brake * acting.brake, load, supply), voltage, line
 
 
 @composition
@@ -114,10 +129,10 @@ def control_cycle(joints, like, settings, memory, states, loop, around, time, cy
     after, command, report = step(settings, memory, sensed, _demanded(like, loop.acting), cycle)
     asked, commanded = slots(in_lanes(command.voltage, zero)), slots(in_lanes(command.shares, zero))
     for j in range(len(like)):
-        joint, angle = joints[j], states[j].motion.angle
+        joint, state = joints[j], states[j]
         shares, loop.shares[j] = adjusted(joint.adjustables, loop.shares[j], commanded[j], cycle)
         loop.drives[j], loop.voltages[j], loop.lines[j] = _drive(
-            joint, angle, loop.lines[j], loop.acting[j], asked[j], shares, around, cycle
+            joint, state, loop.lines[j], loop.acting[j], asked[j], shares, around, cycle
         )
         loop.waves[j] = weaken_wave(
             joint.valve, start_wave(joint.valve, time, h), shares.dither * loop.acting[j].dither

@@ -15,7 +15,7 @@ from layflat.physics.hysteresis import stored, torques
 from layflat.physics.joint import Drive, Joint, Surroundings, is_sound
 from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import net_opening, start_wave
-from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, sense_all
+from layflat.sim.cycle import NOT_LED, Acting, Loop, Noise, Wanted, control_cycle, sense_all
 
 
 class Case(NamedTuple):
@@ -118,7 +118,7 @@ def _acting(signals, k, j):
         Wanted(signals.demand[k, j], signals.rates[k, j, 0], signals.rates[k, j, 1], signals.stiffness[k, j]),
         signals.opening[k, j],
         nan,
-        0.0,
+        NOT_LED,
         signals.brake[k, j],
         signals.dither[k, j],
         signals.load[k, j],
@@ -158,7 +158,7 @@ def all_cycles(case, angles, pressures, signals, timing, reported):
     firsts, seconds = gather(like, pressures[:, 0]), gather(like, pressures[:, 1])
     states = slots(at_rest(arm, like, gather(like, angles), firsts, seconds, around))
     calm = _acting(signals, 0, 0)
-    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, 0.0, 0.0, 0.0, 0.0, 0.0))
+    acting = slots(like, Acting(calm.demand, calm.opening, calm.voltage, NOT_LED, 0.0, 0.0, 0.0, 0.0))
     noise = slots(like, Noise(0.0, 0.0))
     loop = Loop(
         acting,

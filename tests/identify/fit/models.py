@@ -1,5 +1,7 @@
 """Models for the tests of fitting, small enough to know the answer."""
 
+from copy import copy
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,3 +77,40 @@ class TwoTones(Model):
 
     def starts(self) -> Array:
         return np.linspace(1.5, 19.0, 60)[:, None] if self.given else super().starts()
+
+
+class Led(Model):
+    """dx/dt = rate x + push u, with something unknown that shakes it, and less and less of what draws x to its log."""
+
+    unknowns = (Unknown("rate", "1/s", 1.0, -2.0, 8.0, log=False), Unknown("push", "1/s", 1.0, 0.2, 5.0))
+
+    def __init__(self, rate: float, push: float, seed: int = 0) -> None:
+        draw, x, step = np.random.default_rng(seed), 0.0, TIME[1]
+        measured, self.pushes = np.empty(len(TIME)), np.empty(len(TIME))
+        for k, time in enumerate(TIME):
+            measured[k] = x
+            self.pushes[k] = (2.0 * np.sign(np.sin(5.0 * time)) - (rate + 3.0) * x) / push
+            x += step * (rate * x + push * self.pushes[k]) + 0.005 * draw.standard_normal()
+        self.outputs = (Output("x", "1", "log", TIME, measured, TIME <= 3.0, 0.01),)
+        self.lead = 0.0
+
+    def at(self, lead: float) -> "Led":
+        found = copy(self)
+        found.lead = lead
+        return found
+
+    def continuations(self) -> list[list["Led"]]:
+        return [[self.at(lead) for lead in (20.0, 8.0)]]
+
+    def led(self) -> "Led":
+        found = self.at(8.0)
+        found.remarks = ("It is led.",)
+        return found
+
+    def simulate(self, values: Array) -> Array:
+        rate, push = values.T
+        found, (measured,) = np.zeros((len(values), len(TIME))), [output.measured for output in self.outputs]
+        for k, x in enumerate(found.T[:-1]):
+            drawn = self.lead * (measured[k] - x)
+            found[:, k + 1] = x + TIME[1] * (rate * x + push * self.pushes[k] + drawn)
+        return found

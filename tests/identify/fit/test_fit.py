@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, Decay, Level, Product, TwoTones
+from models import TIME, Decay, Led, Level, Product, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -82,6 +82,27 @@ def test_more_starts_find_a_minimum_that_the_guess_misses() -> None:
     assert fit(TwoTones(given=False), starts=0).values[0] != pytest.approx(9.0, rel=0.05)
     assert fit(TwoTones(given=False), starts=64).values[0] == pytest.approx(9.0, rel=1e-2)
     assert fit(TwoTones(given=True), starts=0).values[0] == pytest.approx(9.0, rel=1e-2)
+
+
+@pytest.mark.parametrize(("rate", "led"), [(4.0, True), (-1.0, False)])
+def test_what_runs_away_even_with_the_best_values_is_judged_as_it_is_led(rate: float, led: bool) -> None:
+    found = fit(Led(rate, 2.0, seed=2), starts=0)
+    assert found.trusted
+    assert (found.led is not None) == led
+    assert found.remarks == (("It is led.",) if led else ())
+    for path, value in (("rate", rate), ("push", 2.0)):
+        estimate = found.of(path)
+        assert estimate.identified
+        assert estimate.low <= value <= estimate.high
+
+
+def test_what_is_led_and_still_misses_by_a_tenth_is_not_to_be_trusted() -> None:
+    right = Led(4.0, 2.0, seed=2)
+    found = fit(right, starts=0)
+    off = replace(found, simulated=found.simulated + 0.1 * np.ptp(right.measured))
+    assert found.led is not None
+    assert off.mispredicted is not None
+    assert replace(off, led=None).mispredicted is None
 
 
 def test_the_same_seed_gives_the_same_fit() -> None:

@@ -1,5 +1,6 @@
 """Runs that follow a log: its voltages, from the state that it begins with."""
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -89,3 +90,23 @@ def test_each_run_may_have_openings_of_its_own() -> None:
     alone = [traced(ARM, one, {"seed": [0.0]}, ("angle", "pressure_a"))[0] for one in each]
     assert np.array_equal(together, alone)
     assert np.ptp(together[:, -1, :, 1], axis=0).min() > 5e3
+
+
+def test_what_leads_a_run_to_its_demand_is_voltages_and_torques_that_can_be_given_as_well() -> None:
+    times = ARM.cycle * np.arange(200)
+    wanted = 0.3 * np.sin(np.multiply.outer(times, [6.0, 9.0]))
+    speeds = np.gradient(wanted, ARM.cycle, axis=0)
+    voltage = 5.0 + 0.6 * np.sin(np.multiply.outer(times, [8.0, 11.0]))
+    led = Scenario(demand=wanted, demand_velocity=speeds, voltage=voltage, start=0.0, duration="1 s", noise=False)
+    leads = {"lead": [3.0], "pressure_lead": [1e-6], "spring": [4.0], "damper": [0.5]}
+    signals = ("angle", "velocity", "pressure_a", "pressure_b")
+    run = traced(ARM, led, {f"scenario.{name}": lead for name, lead in leads.items()}, signals)[0]
+    angle, velocity, first, second = np.moveaxis(run, -1, 0)
+    given = replace(
+        led,
+        voltage=voltage + 3.0 * (wanted - angle) - 1e-6 * (first - second),
+        load=4.0 * (wanted - angle) + 0.5 * (speeds - velocity),
+    )
+    assert np.array_equal(traced(ARM, given, {"seed": [0.0]}, signals)[0], run)
+    unled = traced(ARM, led, {"seed": [0.0]}, signals)[0]
+    assert np.abs(run - unled)[:, :, 0].max() > 0.1

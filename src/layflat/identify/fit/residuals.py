@@ -18,6 +18,8 @@ It is worth less than one good sample, and keeps what the log does not identify 
 bring a prior of its own.
 """
 
+EPSILON = float(np.finfo(np.float64).eps)  # times their number: what is smaller in differences is rounding
+
 DIVERGED = 1e4  # what stands for a residual where a candidate diverged, in units of the scale
 
 
@@ -98,10 +100,11 @@ class Residuals:
             np.clip(shares + way * STEP * self.axes[blocked], 0.0, 1.0) for way in (1.0, -1.0)
         )
         found = self.data(np.vstack([up, down]))
-        jacobian = np.linalg.lstsq(up - down, found[: len(up)] - found[len(up) :])[0].T
-        known = np.diag(1.0 / self.widths)
-        _, self.strengths, self.axes = np.linalg.svd(np.vstack([jacobian, known]), full_matrices=False)
-        return np.asarray(jacobian)
+        ways = np.linalg.pinv(up - down, len(up) * EPSILON)
+        jacobian = np.asarray((ways @ (found[: len(up)] - found[len(up) :])).T)
+        triangle = np.linalg.qr(np.vstack([jacobian, np.diag(1.0 / self.widths)]), mode="r")
+        _, self.strengths, self.axes = np.linalg.svd(triangle)
+        return jacobian
 
     def jacobian(self, shares: Array) -> Array:
         """How the residuals change, (rows, unknowns)."""

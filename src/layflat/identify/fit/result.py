@@ -11,6 +11,7 @@ from layflat.identify.model import Flags, Model, Output, Unknown
 SURE = 0.2  # a parameter is identified if its interval reaches less than this beyond it: of it, or of half its range
 ALIKE = 0.95  # correlation from which on two parameters are identified only together
 MISPREDICTED = 0.25  # a prediction that misses by more (rms over range) is none: the search ended in a wrong minimum
+LED_ASTRAY = 0.05  # the same of a run that is drawn to its log
 LAGS = 25  # lags at which errors are compared with themselves, and with the input
 BAND = 1.959964  # what stays within so many over the root of the number of samples is chance, in 95 of 100 lags
 
@@ -63,6 +64,12 @@ class Fit:
     converged: bool  # whether the search converged
     simulations: int  # runs that it took
     partial: bool = False  # whether the user stopped it
+    led: Model | None = None  # what simulated the outputs in place of the model, drawn to the logs
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is to be said of the model, in sentences."""
+        return (*self.model.remarks, *(() if self.led is None else self.led.remarks))
 
     @cached_property
     def values(self) -> Array:
@@ -83,9 +90,10 @@ class Fit:
 
     @property
     def mispredicted(self) -> Quality | None:
-        """The worst prediction, if it misses by more than `MISPREDICTED`."""
+        """The worst prediction, if it misses by too much."""
         worst = max(self.predictions, key=lambda one: one.share, default=None)
-        return worst if worst is not None and worst.share > MISPREDICTED else None
+        most = MISPREDICTED if self.led is None else LED_ASTRAY
+        return worst if worst is not None and worst.share > most else None
 
     def of(self, path: str) -> Estimate:
         """The estimate of an unknown."""

@@ -1,6 +1,7 @@
 """Search for the values that predict best: several starts, each refined a little, the best of them to the end."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -183,7 +184,7 @@ class _Search:
         self.best, self.least = shares, np.inf
 
     def result(self, shares: Array, converged: bool, seed: int, *, partial: bool = False) -> Fit:
-        """Estimates with their intervals, and what they predict by the model that runs freely."""
+        """Estimates with their intervals, and what they predict by the model that runs freely, if that can be."""
         scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
         shares = np.clip(scaled.shares(model.possible(scaled.values(shares)[None])[0]), 0.0, 1.0)
         for _ in range(passes):
@@ -206,4 +207,6 @@ class _Search:
                 )
             )
         simulated = self.free.simulate(values[None])[0]
-        return Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)
+        found = Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)
+        led = self.free.led() if found.mispredicted is not None else None
+        return found if led is None else replace(found, led=led, simulated=led.simulate(values[None])[0])

@@ -10,7 +10,7 @@ from layflat.physics.delay import NOTHING_ASKED
 from layflat.physics.joint import AirTaken, Drive, JointState, Surroundings
 from layflat.physics.plant import advance, at_rest, together
 from layflat.physics.valves import start_wave
-from layflat.sim.cycle import Acting, Loop, Noise, Wanted, control_cycle, is_number, sense_all
+from layflat.sim.cycle import NOT_LED, Acting, Lead, Loop, Noise, Wanted, control_cycle, is_number, sense_all
 from layflat.sim.ensemble.watch import (
     NO_COURSE,
     NO_TRACK,
@@ -36,15 +36,12 @@ class Given(NamedTuple):
 
 
 class Defaults(NamedTuple):
-    """What a run adds to its scenario: a factor of the brake, what comes on top of load and drift, and a lead.
-
-    The lead (V/rad) draws a joint that follows given voltages towards the demand.
-    """
+    """What a run adds to its scenario: a factor of the brake, what comes on top of load and drift, and a lead."""
 
     brake: float
     load: float
     drift: float
-    lead: float
+    lead: Lead
 
 
 SHAPES = 10  # numbers of a joint in `Plan.shapes`
@@ -54,7 +51,7 @@ CALM = Noise(0.0, 0.0)
 
 @composition
 def _usual(runs, first, j, zero):
-    return read_lanes(Defaults(0.0, 0.0, 0.0, 0.0), runs.usual[j, :, first:], zero)
+    return read_lanes(Defaults(0.0, 0.0, 0.0, NOT_LED), runs.usual[j, :, first:], zero)
 
 
 @composition
@@ -69,10 +66,10 @@ def _changes(runs, plan, first, k, zero):
 @composition
 def _acting(scratch, runs, plan, usual, joint, first, j, k):
     # Gathered number by number: views of arrays would cost more than all the rest.
-    for lane in range(width(usual.lead)):
+    for lane in range(width(usual.load)):
         for i in range(SHAPES):
             scratch[i, lane] = plan.shapes[runs.scenario[first + lane], k, j, i]
-    given = read_lanes(NOTHING, scratch, usual.lead)
+    given = read_lanes(NOTHING, scratch, usual.load)
     return Acting(
         given.demand,
         given.opening,
@@ -132,7 +129,7 @@ def run_lanes(case, first, runs, plan, moves, timing, results, watch):
     h, zero = timing.cycle / timing.steps, 0.0 * air.ambient_pressure
     around = _surroundings(watch.scratch, air, runs, plan, first, 0)
     states = slots(_at_rest(arm, like, runs, first, around))
-    idle = Acting(Wanted(zero, zero, zero, zero), zero, zero, zero, zero, zero, zero, zero)
+    idle = Acting(Wanted(zero, zero, zero, zero), zero, zero, in_lanes(NOT_LED, zero), zero, zero, zero, zero)
     acting, usual = slots(like, idle), slots(like, _usual(runs, first, 0, zero))
     noise = slots(like, in_lanes(CALM, zero))
     loop = Loop(

@@ -94,9 +94,11 @@ def ensemble(
         scenario: what happens; of several, `vary["scenario"]` tells which happens in which run. All last equally long.
         vary: one number a run (SI) by what it changes: a path of the machine, such as "joint.small.brake.torque";
             "scenario.payload" (kg) and "scenario.supply" (gauge, Pa) where the scenario leaves them as usual;
-            "scenario.brake" (factor), "scenario.load" (N m) and "scenario.drift" (V), which come on top, and
-            "scenario.lead" (V/rad), which draws a run that follows voltages towards the demand, for all joints or for
-            one ("scenario.drift.small"); what runs begin with, "start.angle.small" (rad),
+            "scenario.brake" (factor), "scenario.load" (N m) and "scenario.drift" (V), which come on top;
+            "scenario.lead" (V/rad) and "scenario.pressure_lead" (V/Pa), by which given voltages grow with what is
+            missing to the demand, and fall with the differential pressure; "scenario.spring" (N m/rad) and
+            "scenario.damper" (N m s/rad), torques towards the demand and its velocity; all of these for all joints or
+            for one ("scenario.drift.small"); what runs begin with, "start.angle.small" (rad),
             "start.pressure_a.small" and "start.pressure_b.small" (absolute, Pa); "scenario" (number of the scenario);
             "seed" (of the noise).
         **options: fields of `Options`, for instance `runs=100`, `traces=("angle",)`, `device="cuda"`.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 import pytest
 import xarray
@@ -9,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from layflat.arrays import Array
-from layflat.description.change import changed_all, value_at
+from layflat.description.change import changed, changed_all, value_at
 from layflat.identify import fit
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.links import SCALES, links, possible
 from layflat.identify.benches.moving.model import ArmModel
+from layflat.identify.model import Model
 from layflat.machine import Machine, load
 from layflat.physics.arms.chain.description import impossible
 from layflat.sim import rollout
@@ -112,16 +115,56 @@ def test_link_payload_and_friction_are_found_from_motion_against_gravity() -> No
     assert max(quality.share for quality in found.predictions) < 0.01
 
 
-@pytest.mark.compiled
-def test_what_an_arm_in_space_did_follows_from_its_voltages_and_dither() -> None:
+@pytest.fixture(scope="module")
+def picked() -> xarray.Dataset:
+    """A log of the picking arm."""
     levels = np.array([[0.0] * 4, [0.3, 0.2, -0.3, 0.4], [-0.2, -0.3, 0.2, -0.3], [0.0] * 4])
-    log = log_of(ARM, ARM, levels)
-    assert log["dither"].min() < 0.5
+    return log_of(ARM, ARM, levels)
 
-    def missed(one: xarray.Dataset) -> float:
-        model = ArmModel(ARM, {"log": one}, blocks=["payload"])
-        error = model.simulate(model.guess[None])[0] - model.measured
-        scales = np.repeat([output.scale for output in model.outputs], len(one["time"]))
-        return float(np.sqrt(np.mean((error / scales) ** 2)))
 
-    assert missed(log) < 0.2 * missed(log.drop_vars("dither"))
+def missed(model: Model) -> dict[str, float]:
+    """Rms errors of the guess over the sensors' noise, by signal."""
+    error, found = model.simulate(model.guess[None])[0] - model.measured, dict[str, list[Array]]()
+    for place, output in zip(model.slices, model.outputs, strict=True):
+        found.setdefault(output.name.split()[0], []).append(error[place][output.fitted] / output.scale)
+    return {name: float(np.sqrt(np.mean(np.square(errors)))) for name, errors in found.items()}
+
+
+@pytest.mark.compiled
+def test_what_an_arm_in_space_did_follows_from_its_voltages_and_dither(picked: xarray.Dataset) -> None:
+    assert picked["dither"].min() < 0.5
+    with_dither, without = (
+        ArmModel(ARM, {"log": log}, blocks=["payload"]) for log in (picked, picked.drop_vars("dither"))
+    )
+    assert missed(with_dither)["angle"] < 0.2 * missed(without)["angle"]
+
+
+@pytest.mark.compiled
+def test_an_arm_whose_links_are_far_off_is_held_to_its_log(picked: xarray.Dataset) -> None:
+    """Gravity takes it away otherwise; right values leave little however it is held."""
+    masses = {f"arm.link.{name}.mass": 5.0 * link.mass for name, link in ARM.arm.link.items()}
+    heavy = ArmModel(changed_all(ARM, masses), {"log": picked}, blocks=["inertia"])
+    _, held, _ = heavy.continuations()[0]
+    assert missed(held)["angle"] < 0.2 * missed(heavy)["angle"]
+    right = ArmModel(ARM, {"log": picked}, blocks=["inertia"])
+    for model in right.continuations()[0][1:]:
+        assert missed(model)["angle"] < 0.2 * missed(held)["angle"]
+
+
+@pytest.mark.compiled
+def test_the_offset_of_a_pressure_sensor_draws_no_air(picked: xarray.Dataset) -> None:
+    offset = 3e3
+    shifted = picked.assign(measured_pressure=picked["measured_pressure"] + offset)
+    known = ArmModel(changed(ARM, "pressure_sensor.offset", offset), {"log": shifted}, blocks=["payload", "sensors"])
+    model = ArmModel(ARM, {"log": picked}, blocks=["payload"])
+    led, usual = known.led(), model.led()
+    assert led is not None
+    assert usual is not None
+    assert missed(led)["angle"] == pytest.approx(missed(usual)["angle"], rel=0.05)
+
+
+def test_without_pressures_valves_alone_draw_an_arm_to_its_log(picked: xarray.Dataset) -> None:
+    model = ArmModel(ARM, {"log": picked.drop_vars("measured_pressure")}, blocks=["payload"])
+    stages = [cast(ArmModel, one).stage for one in model.continuations()[0]]
+    assert all(stage.angle > 0.0 and stage.torque == stage.air == 0.0 for stage in stages)
+    assert model.led() is None

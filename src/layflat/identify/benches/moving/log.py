@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from layflat.arrays import Array, Dataset
+from layflat.identify.benches.moving.leading import Leads, Stage
 from layflat.identify.model import FITTED, Flags, Output, Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
@@ -50,15 +51,22 @@ class Record:
         self.nuisances = [] if whole is None else self._nuisances()
         self.outputs = self._outputs()
 
-    def scenario_of(self, samples: int) -> Scenario:
-        """What acts on the machine, from the beginning on."""
+    def scenario_of(self, samples: int, pressure_lead: Array) -> Scenario:
+        """What acts on the machine, from the beginning on.
+
+        Differential pressures are drawn to the measured ones, with a lead (V/Pa) of every joint.
+        """
         brake, dither, load, supply, payload, voltage = (
             values if (values := self._signal(name)) is None else values[:samples]
             for name in ("brake", "dither", "load", "supply", "payload", "voltage")
         )
+        assert voltage is not None
+        if self.difference is not None:
+            voltage = voltage + pressure_lead * self.difference[:samples]
         return Scenario(
             duration=samples * self.machine.cycle,
-            demand=self._fed_back[:samples],
+            demand=self.angle[:samples],
+            demand_velocity=self._velocity[:samples],
             voltage=voltage,
             start=dict(zip(self.joints, self.angles, strict=True)),
             pressures={name: (a, b) for name, a, b in zip(self.joints, *self.pressures, strict=True)},
@@ -80,14 +88,32 @@ class Record:
         return np.asarray(values.to_numpy(), dtype=np.float64)
 
     @cached_property
-    def _fed_back(self) -> Array:
-        """Measured angles without gaps and with less noise, for a joint with feedback."""
+    def angle(self) -> Array:
+        """Measured angles without gaps and with less noise, to which a joint is drawn, (samples, joints)."""
+        return self._smooth(self.measured["angle"])
+
+    @cached_property
+    def _velocity(self) -> Array:
+        return self._smooth(self.measured["angle"], 1)
+
+    @cached_property
+    def difference(self) -> Array | None:
+        """Differential pressures likewise, a sensor's offset included; None where they were not measured."""
+        if "measured_pressure" in self.measured:
+            return self._smooth(self.measured["measured_pressure"])
+        both = "pressure_a" in self.measured and "pressure_b" in self.measured
+        return self._smooth(self.measured["pressure_a"] - self.measured["pressure_b"]) if both else None
+
+    def _smooth(self, values: Array, derivative: int = 0) -> Array:
         from scipy.signal import savgol_filter  # noqa: PLC0415  # scipy.signal takes long to import
 
-        angles = self.log["angle"].interpolate_na("time", fill_value="extrapolate").sel(joint=self.joints)
-        values = np.asarray(angles.transpose("time", "joint").to_numpy(), dtype=np.float64)
+        known = np.isfinite(values)
+        columns = [np.interp(self.time, self.time[k], v[k]) for v, k in zip(values.T, known.T, strict=True)]
         window = min(SMOOTHED, 2 * ((len(values) - 1) // 2) + 1)
-        return np.asarray(savgol_filter(values, window, 3, axis=0)) if window > 3 else values
+        if window <= 3:
+            return np.stack(columns, axis=1) * (derivative == 0)
+        smooth = savgol_filter(np.array(columns), window, 3, derivative, self.machine.cycle, axis=1)
+        return np.ascontiguousarray(smooth.T)
 
     def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
         """Of hoses A and B; where only their difference was measured, about the mean of equal leakage."""
@@ -124,7 +150,7 @@ class Record:
         return found
 
     def simulate(
-        self, shared: Mapping[str, Array], given: Mapping[str, Array], offset: Array, step: float, share: float | None
+        self, shared: Mapping[str, Array], given: Mapping[str, Array], offset: Array, stage: Stage, leads: Leads
     ) -> Array:
         """Outputs of every candidate, (candidates, samples): all, or only a share of what is fitted.
 
@@ -133,15 +159,27 @@ class Record:
         """
         count = len(shared["scenario.load"])
         found = np.full((count, len(self.measured), len(self.joints), len(self.time)), np.nan)
-        samples = len(self.time) if share is None else int(np.ceil(share * self.fitted.sum()))
+        samples = len(self.time) if stage.share is None else int(np.ceil(stage.share * self.fitted.sum()))
         if samples == 0:
             return found.reshape(count, -1)
         own = f"start.{self.name}."
-        begun = {f"start.{path.removeprefix(own)}": c for path, c in given.items() if path.startswith(own)}
-        run = traced(self.machine, self.scenario_of(samples), {**shared, **begun}, TRACES, step=step)
+        varied = {**shared, **self._led(shared, np.broadcast_to(offset, count), stage, leads)}
+        varied |= {f"start.{path.removeprefix(own)}": c for path, c in given.items() if path.startswith(own)}
+        scenario = self.scenario_of(samples, stage.air * leads.pressure)
+        run = traced(self.machine, scenario, varied, TRACES, step=stage.step)
         signals = dict(zip(TRACES, np.moveaxis(run, (3, 2), (0, 2)), strict=True))
         difference = signals["pressure_a"] - signals["pressure_b"]
         signals["measured_pressure"] = difference + np.broadcast_to(offset, count)[:, None, None]
         for i, name in enumerate(self.measured):
             found[:, i, :, :samples] = signals[name]
         return found.reshape(count, -1)
+
+    def _led(self, shared: Mapping[str, Array], offset: Array, stage: Stage, leads: Leads) -> dict[str, Array]:
+        """What draws candidates to the log."""
+        varied = leads.vary(self.joints, stage, len(offset))
+        if stage.air > 0.0 and "measured_pressure" in self.measured:
+            # The sensor's offset is in what differential pressures are drawn to.
+            for name, lead in zip(self.joints, leads.pressure, strict=True):
+                path = f"scenario.drift.{name}"
+                varied[path] = shared.get(path, 0.0) + stage.air * lead * offset
+        return varied

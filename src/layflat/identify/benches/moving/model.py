@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
@@ -11,34 +11,33 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.leading import Leads, Stage
 from layflat.identify.benches.moving.links import possible
 from layflat.identify.benches.moving.log import Record, sensor_offset
 from layflat.identify.model import Model, Unknown
-from layflat.machine import Machine, parameters
-from layflat.physics.joint import FILLED
-from layflat.physics.step import COARSE, STEP
-
-REFERENCE_PRESSURE = 1e5  # of the air that a sonic conductance is given for, Pa (ISO 6358)
-
-
-class Stage(NamedTuple):
-    """A stage of the continuation."""
-
-    feedback: float  # rate at which the simulated angle is drawn to the measured one, 1/s (output injection)
-    step: float  # of the simulation, s
-    share: float = 1.0  # of what is fitted, from the start of each log on
-
+from layflat.machine import Machine
+from layflat.physics.step import COARSE
 
 FEEDBACKS, BEGINNING = (4.0, 8.0, 12.0), 0.35
 """First the beginning of the logs with strong feedback: which rate finds its way depends on where the search begins."""
 
-STAGES = (Stage(2.0, STEP), Stage(0.5, STEP))
+STAGES = (Stage(angle=2.0), Stage(angle=0.5))
 """Then as exactly as a run is simulated, with weak feedback in the end.
 
 Feedback brings the angle's noise along, which widens errors more than a free run's roughness does: the less the better.
 """
 
-FREE = Stage(0.0, STEP)  # without feedback: how a fitted machine is validated
+LED = Stage(air=1.0, torque=25.0)
+HELD = (Stage(air=20.0, torque=40.0, step=COARSE, share=BEGINNING), Stage(air=8.0, torque=40.0), LED)
+"""The same of an arm in space, which gravity takes along once it is off its way: torques hold it to the log."""
+
+LED_SAYS = (
+    "Left to itself this arm runs away from its log: errors are those of a run that is drawn to the log, its angles by "
+    f"springs ({LED.torque:g} rad/s, critically damped), its pressures by its valves ({LED.air:g}/s)."
+)
+
+FREE = Stage(share=None)  # without feedback: how a fitted machine is validated
+POSTURES = 200  # of a log at most, by which it is seen what inertia joints feel
 
 
 class ArmModel(Model):
@@ -55,16 +54,12 @@ class ArmModel(Model):
             raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
         require_samples({**logs, **(validation or {})}, ("angle", "voltage"), list(machine.joints))
         self.machine, self.stage = machine, FREE
-        flow = machine.valve.conductance * REFERENCE_PRESSURE / FILLED  # of a valve of size 1
-        # Voltage per error of the angle that makes each joint follow at 1/s, V/rad.
-        self.feedback_gains = {
-            name: machine.valve.volts_to_full * parameters.torque_constant(joint) / (flow * joint.valve_size)
-            for name, joint in machine.joints.items()
-        }
         found = unknowns(machine, blocks)
         known = {unknown.path for unknown in found}
         self.records = [Record(machine, name, log, bool(validation), known) for name, log in logs.items()]
         self.records += [Record(machine, name, log, None, known) for name, log in (validation or {}).items()]
+        angles = [record.angle for record in self.records]
+        self.leads = Leads.of(machine, np.concatenate([q[:: len(q) // POSTURES + 1] for q in angles]))
         # A valve's null differs from joint to joint: what those after the first have on top.
         reach, later = 0.1 * machine.valve.volts_to_full, list(machine.joints)[1:]
         nulls = [Unknown(f"log.drift.{name}", "V", 0.0, -reach, reach, log=False, nuisance=True) for name in later]
@@ -79,12 +74,27 @@ class ArmModel(Model):
         one of the angle, and one more of stick and slip with it. With feedback at 0.5/s it forgets in two seconds,
         which is hundreds of samples: errors stay small, and the right values still leave none.
         """
-        return [[self._at(stage) for stage in (Stage(rate, COARSE, BEGINNING), *STAGES)] for rate in FEEDBACKS]
+        if self._can_be_held:
+            return [[self._at(stage) for stage in HELD]]
+        begun = [Stage(angle=rate, step=COARSE, share=BEGINNING) for rate in FEEDBACKS]
+        return [[self._at(stage) for stage in (first, *STAGES)] for first in begun]
+
+    @property
+    def _can_be_held(self) -> bool:
+        return self.machine.arm.own_links and all(record.difference is not None for record in self.records)
+
+    def led(self) -> Model | None:
+        """The same drawn to its log, of an arm in space."""
+        if not self._can_be_held:
+            return None
+        found = self._at(LED._replace(share=None))
+        found.remarks = (LED_SAYS,)
+        return found
 
     def _at(self, stage: Stage) -> Self:
         easier = copy(self)
         easier.stage = stage
-        ends = {record.name: stage.share * record.fitted.sum() for record in self.records}
+        ends = {record.name: (stage.share or 1.0) * record.fitted.sum() for record in self.records}
         early = {o.log: np.arange(len(o.time)) < ends[o.log] for o in self.outputs}
         easier.outputs = tuple(replace(o, fitted=o.fitted & early[o.log]) for o in self.outputs)
         vars(easier).pop("used", None)
@@ -103,14 +113,12 @@ class ArmModel(Model):
 
     def simulate(self, values: Array) -> Array:
         """All logs from their starts, whatever the candidates' values say."""
-        given, rate = possible(self.machine, self.columns(values)), self.stage.feedback
+        given = possible(self.machine, self.columns(values))
         shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
         offset = np.asarray(shared.pop("pressure_sensor.offset", sensor_offset(self.machine)))
-        shared |= {f"scenario.lead.{name}": np.full(len(values), rate * v) for name, v in self.feedback_gains.items()}
         shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
         shared["scenario.load"] = np.zeros(len(values))
-        share = None if self.stage is FREE else self.stage.share
-        found = [record.simulate(shared, given, offset, self.stage.step, share) for record in self.records]
+        found = [record.simulate(shared, given, offset, self.stage, self.leads) for record in self.records]
         return np.concatenate(found, axis=1)
 
 
