@@ -155,6 +155,16 @@ def test_gaps_in_what_was_measured_do_no_harm() -> None:
     assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
 
 
+def test_a_joint_without_a_pressure_sensor_is_fitted_with_the_others() -> None:
+    run = rollout(ARM, lambda t: [*demand(t), 0.0], duration=1.5, start=0.0)
+    log = run[["voltage", "measured_pressure"]].assign(angle=run["measured_angle"])
+    pressures = log["measured_pressure"].to_numpy().copy()
+    pressures[:, 1] = np.nan
+    model = ArmModel(ARM, {"log": without_true_angle(log, "measured_pressure", pressures)}, blocks=["friction"])
+    assert np.isfinite(model.continuations()[0][1].simulate(model.guess[None])[0][model.used]).all()
+    assert model.used.sum() == 3 * np.sum(model.outputs[0].fitted)
+
+
 def test_every_block_has_a_range_around_the_description_in_every_machine() -> None:
     for name in ("paper-arm-fast", "paper-small-joint-fast", "paper-arm-switching"):
         machine = load(name)

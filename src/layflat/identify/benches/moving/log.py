@@ -31,6 +31,13 @@ def _noise(sensor: AngleSensor | PressureSensor) -> float:
     return float(np.hypot(sensor.noise, sensor.range / 2**sensor.bits / np.sqrt(12.0)))
 
 
+def _beginning(values: Array) -> Array:
+    """Mean of what is known of the first samples, (joints,); not a number where nothing is."""
+    known = np.isfinite(values[:FIRST])
+    counts = known.sum(axis=0)
+    return np.where(counts, np.where(known, values[:FIRST], 0.0).sum(axis=0) / np.maximum(counts, 1), np.nan)
+
+
 class Record:
     """One log of a machine: an angle and a voltage of every joint at least.
 
@@ -43,7 +50,7 @@ class Record:
         self.joints, self.time = list(machine.joints), log["time"].to_numpy()
         names = (*TRACES, "measured_pressure")
         self.measured = {name: values for name in names if (values := self._signal(name)) is not None}
-        first = {name: np.nanmean(values[:FIRST], axis=0) for name, values in self.measured.items()}
+        first = {name: _beginning(values) for name, values in self.measured.items()}
         limits = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
         self.angles = [float(np.clip(q, -b, b)) for q, b in zip(first["angle"], limits, strict=True)]
         self.pressures = self._first_pressures(first)
@@ -98,11 +105,11 @@ class Record:
 
     @cached_property
     def difference(self) -> Array | None:
-        """Differential pressures likewise, a sensor's offset included; None where they were not measured."""
-        if "measured_pressure" in self.measured:
-            return self._smooth(self.measured["measured_pressure"])
-        both = "pressure_a" in self.measured and "pressure_b" in self.measured
-        return self._smooth(self.measured["pressure_a"] - self.measured["pressure_b"]) if both else None
+        """Differential pressures likewise, a sensor's offset included; None where a joint's were not measured."""
+        values = self.measured.get("measured_pressure")
+        if values is None and "pressure_a" in self.measured and "pressure_b" in self.measured:
+            values = self.measured["pressure_a"] - self.measured["pressure_b"]
+        return self._smooth(values) if values is not None and np.isfinite(values).any(axis=0).all() else None
 
     def _smooth(self, values: Array, derivative: int = 0) -> Array:
         from scipy.signal import savgol_filter  # noqa: PLC0415  # scipy.signal takes long to import
@@ -116,13 +123,14 @@ class Record:
         return np.ascontiguousarray(smooth.T)
 
     def _first_pressures(self, first: Mapping[str, Array]) -> tuple[list[float], list[float]]:
-        """Of hoses A and B; where only their difference was measured, about the mean of equal leakage."""
-        if "pressure_a" in first and "pressure_b" in first:
-            return list(first["pressure_a"]), list(first["pressure_b"])
+        """Of hoses A and B; where only their difference was measured, or nothing, about the mean of equal leakage."""
         supply, offset = self._signal("supply"), sensor_offset(self.machine)
         usual = FILLED * (self.machine.supply.pressure if supply is None else float(supply[0]))
-        both = np.broadcast_to(0.5 * (first.get("measured_pressure", offset) - offset), len(self.joints))
-        return list(usual + both), list(usual - both)
+        unknown = np.full(len(self.joints), np.nan)
+        both = np.nan_to_num(0.5 * (first.get("measured_pressure", unknown) - offset))
+        a, b = first.get("pressure_a", unknown), first.get("pressure_b", unknown)
+        each = np.isfinite(a) & np.isfinite(b)
+        return list(np.where(each, a, usual + both)), list(np.where(each, b, usual - both))
 
     def _nuisances(self) -> list[Unknown]:
         """What a log begins with, to be fitted along with the rest; for validation the first measured samples hold."""
