@@ -21,8 +21,7 @@ from layflat.sim.metrics import move_windows
 from layflat.sim.run import driver_of, start_angles, start_pressures
 from layflat.sim.scenario import Scenario, Shapes, shapes
 
-LEADS = ("lead", "pressure_lead", "spring", "damper")
-ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, **dict.fromkeys(LEADS, 0.0)}
+ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0, "pressure_lead": 0.0, "spring": 0.0, "damper": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
 MOST_SEED = 2**53  # up to here floating-point numbers are all whole numbers

@@ -2,12 +2,8 @@
 
 A valve draws its joint by the error of the angle, and its air by the error of the differential pressure; a torque draws
 it as a spring and a damper would, so that its error of angle dies away, critically damped, however gravity pulls.
-
-| symbol | meaning | unit |
-|---|---|---|
-| Q, V, p | air through an open valve, volume of a hose in the middle of the stroke, pressure there | m3/s, m3, Pa |
-| U | voltage that opens a valve fully, from its centre | V |
-| I | inertia that a torque on one joint meets while all others are free, the least of the log's postures | kg m2 |
+A joint's inertia is here what a torque on it alone meets while all others are free, the least of the log's postures: a
+spring for more would be too stiff for the control cycle.
 """
 
 from collections.abc import Sequence
@@ -40,7 +36,7 @@ class Leads(NamedTuple):
 
     voltage: Array  # that makes a joint follow its angle at 1/s, V/rad
     pressure: Array  # the same of its differential pressure, V/Pa
-    inertia: Array  # I of the table of symbols
+    inertia: Array  # of the springs and dampers, kg m2
 
     @classmethod
     def of(cls, machine: Machine, postures: Array) -> Self:
