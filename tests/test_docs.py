@@ -156,6 +156,14 @@ def test_files_and_names_of_the_code_are_there(page: Path) -> None:
         pkgutil.resolve_name(name)
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_every_row_stands_in_its_table(page: Path) -> None:
+    """A row that a blank line parts from its table is shown as text."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    begun = re.findall(r"(?:\A|\n\n)(\|[^\n]*)\n?([^\n]*)", text)
+    assert [row for row, below in begun if not re.fullmatch(r"\|(?:\s*:?-+:?\s*\|)+", below)] == []
+
+
 def test_the_index_names_every_page() -> None:
     index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     missing = [page.name for page in PAGES if page.parts[-2] in {"docs", "tutorials"} and page.name not in index]
