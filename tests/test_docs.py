@@ -168,3 +168,18 @@ def test_the_index_names_every_page() -> None:
     index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     missing = [page.name for page in PAGES if page.parts[-2] in {"docs", "tutorials"} and page.name not in index]
     assert missing == ["index.md"]
+
+
+def test_every_source_that_is_named_is_listed() -> None:
+    listed = set(re.findall(r"^@\w+{(\w+),", (ROOT / "docs" / "references.bib").read_text(), re.MULTILINE))
+    named = {key for text in _texts() for found in SOURCES.findall(text) for key in found.split(", ")}
+    assert named
+    assert named <= listed
+
+
+SOURCES = re.compile(r"\(((?:[a-z]+\d{4}[a-z]?)(?:, [a-z]+\d{4}[a-z]?)*)\)")
+
+
+def _texts() -> Iterator[str]:
+    for path in (*PAGES, *sorted((ROOT / "src").rglob("*.py"))):
+        yield path.read_text()

@@ -1,39 +1,20 @@
 """What is fitted: measured signals, the unknowns, and a simulation of the one from the other."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.description import Part
-from layflat.description.change import value_at
+from layflat.identify.shares import Shares
+from layflat.identify.unknown import Unknown
 
 Flags = NDArray[np.bool_]
 
 FITTED = 2.0 / 3.0  # share of a log that is fitted where no other log is there for validation
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """A parameter to be identified."""
-
-    path: str  # where it stands in the description, "valve.conductance"; a nuisance begins with "start." or "log."
-    unit: str  # SI, for tables
-    guess: float  # where the search begins
-    low: float  # least value
-    high: float  # greatest value
-    log: bool = True  # whether it is searched on a logarithmic scale; then `low` is above zero
-    excitation: str = ""  # what a log has to contain to identify it, in one clause
-    nuisance: bool = False  # fitted only because the rest depends on it, as the state that a log begins in
-    floor: bool = False  # whether the lower bound is physical, such as zero delay, where a value may well lie
-    ceiling: bool = False  # the same of the upper bound
-    prior: tuple[float, float] | None = None  # mean and standard deviation before any log (SI), not of logarithmic ones
 
 
 @dataclass(frozen=True)
@@ -101,6 +82,14 @@ class Model(ABC):
         return dict(zip((unknown.path for unknown in self.unknowns), values.T, strict=True))
 
     @cached_property
+    def shares(self) -> Shares:
+        """In what the search goes; default: in shares of the unknowns themselves.
+
+        A model that knows values in which its outputs are straighter returns shares of those.
+        """
+        return Shares(self.unknowns)
+
+    @cached_property
     def guess(self) -> Array:
         """Guessed values, (unknowns,)."""
         return np.array([unknown.guess for unknown in self.unknowns])
@@ -120,44 +109,3 @@ class Model(ABC):
         """Where each output stands among all samples."""
         ends = np.cumsum([len(output.measured) for output in self.outputs]).tolist()
         return tuple(slice(end - len(output.measured), end) for end, output in zip(ends, self.outputs, strict=True))
-
-
-Range = Callable[[Any, float], tuple[float, float, bool]]
-"""Bounds (SI) from the description and its present value, and whether the search is logarithmic."""
-
-
-class ParameterSpec(NamedTuple):
-    """A parameter that can be fitted: where it stands, its unit, its range, and what a log must contain for it."""
-
-    path: str
-    unit: str
-    span: Range
-    excitation: str
-    floor: bool = False
-
-    def unknown(self, described: Part) -> Unknown:
-        """Return the unknown that begins with the value of a description; a lower bound of zero is physical."""
-        guess = float(value_at(described, self.path))
-        low, high, log = self.span(described, guess)
-        floor = self.floor or low == 0.0
-        return Unknown(self.path, self.unit, guess, low, high, log, self.excitation, floor=floor)
-
-
-def factor_range(factor: float, usual: float = 1.0, most: float = inf, *, log: bool = True) -> Range:
-    """A factor both ways; where the description says zero, from there to `usual`."""
-    return lambda _, guess: (guess / factor, min(guess * factor, most), log) if guess > 0.0 else (0.0, usual, False)
-
-
-def fixed_range(low: float, high: float, *, log: bool = False) -> Range:
-    """These bounds, or the description's own value where that lies beyond."""
-    return lambda _, guess: (min(low, guess), max(high, guess), log)
-
-
-def from_zero(most: Callable[[Any, float], float]) -> Range:
-    """From zero on."""
-    return lambda described, guess: (0.0, max(most(described, guess), guess), False)
-
-
-def around(span: Callable[[Any], float]) -> Range:
-    """As far both ways."""
-    return lambda described, guess: (guess - span(described), guess + span(described), False)

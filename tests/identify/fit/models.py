@@ -1,11 +1,14 @@
 """Models for the tests of fitting, small enough to know the answer."""
 
+from collections.abc import Sequence
 from copy import copy
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from layflat.identify import Model, Output, Unknown
+from layflat.identify.shares import Shares
 
 Array = NDArray[np.float64]
 
@@ -30,6 +33,30 @@ class Decay(Model):
     def simulate(self, values: Array) -> Array:
         height, rate, level = values.T[:, :, None]
         return np.asarray(height * np.exp(-rate * self.time) + level)
+
+
+class ByLifetime(Decay):
+    """The same, searched by 1 / rate and by height + level, that is the beginning."""
+
+    @cached_property
+    def shares(self) -> Shares:
+        return _Lifetimes(self.unknowns)
+
+
+class _Lifetimes(Shares):
+    def __init__(self, unknowns: Sequence[Unknown]) -> None:
+        super().__init__(unknowns)
+        self.own = Shares(unknowns)
+        height, _, level = unknowns
+        self.low[0], self.high[0], self.log[:2] = height.low + level.low, height.high + level.high, False
+
+    def of(self, values: Array) -> Array:
+        height, rate, level = values.T
+        return super().of(np.stack([height + level, 1.0 / rate, level]).T)
+
+    def values(self, shares: Array) -> Array:
+        beginning, lifetime, level = super().values(shares).T
+        return np.stack([beginning - level, 1.0 / lifetime, level]).T
 
 
 class Product(Model):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, Decay, Led, Level, Product, TwoTones
+from models import TIME, ByLifetime, Decay, Led, Level, Product, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
@@ -17,6 +17,15 @@ def test_a_clean_log_gives_the_truth() -> None:
     assert found.values == pytest.approx(TRUTH, rel=1e-4)
     assert found.trusted
     assert all(estimate.identified for estimate in found.estimates)
+
+
+def test_what_is_searched_in_other_values_comes_back_with_the_same_intervals() -> None:
+    plain, other = (fit(kind(TRUTH, 0.05, 1), starts=0) for kind in (Decay, ByLifetime))
+    for one, same in zip(plain.estimates, other.estimates, strict=True):
+        width = one.high - one.low
+        for name in ("value", "low", "high"):
+            assert getattr(same, name) == pytest.approx(getattr(one, name), abs=0.05 * width)
+    assert other.trusted
 
 
 def test_intervals_hold_as_often_as_they_say() -> None:

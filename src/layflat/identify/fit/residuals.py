@@ -1,12 +1,9 @@
 """Residuals of a model, and how they change with every unknown, from one simulation of all candidates."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.errors import InputError
-from layflat.identify.model import Model, Unknown
+from layflat.identify.model import Model
 
 STEP, WIDEST = 1e-3, 0.2  # half the width of a difference, least and greatest, in shares of the way between the bounds
 NOTICED = 2.0  # a difference is as wide as it takes to change the residuals by so much in all, within these limits
@@ -23,40 +20,12 @@ EPSILON = float(np.finfo(np.float64).eps)  # times their number: what is smaller
 DIVERGED = 1e4  # what stands for a residual where a candidate diverged, in units of the scale
 
 
-class Scaled:
-    """Values in SI as shares, 0 at the lower bound and 1 at the upper; raise InputError if a guess lies outside."""
-
-    def __init__(self, unknowns: Sequence[Unknown]) -> None:
-        for one in unknowns:
-            if not (one.low < one.high and (one.low > 0.0 or not one.log)):
-                raise InputError(f"{one.low:g} to {one.high:g} is not a range", where=one.path, right="give low < high")
-            if not one.low <= one.guess <= one.high:
-                where = f"{one.path}: {one.guess:g} {one.unit}"
-                raise InputError("lies outside what is searched", where=where, right=f"{one.low:g} to {one.high:g}")
-        self.log = np.array([one.log for one in unknowns], dtype=bool)
-        self.low = np.array([one.low for one in unknowns])
-        self.high = np.array([one.high for one in unknowns])
-
-    def shares(self, values: Array) -> Array:
-        """Shares of values, (..., unknowns)."""
-        with np.errstate(invalid="ignore", divide="ignore"):  # of those that are not logarithmic
-            by_log = np.log(values / self.low) / np.log(self.high / self.low)
-        return np.asarray(np.where(self.log, by_log, (values - self.low) / (self.high - self.low)))
-
-    def values(self, shares: Array) -> Array:
-        """Values of shares, (..., unknowns)."""
-        with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            by_log = self.low * (self.high / self.low) ** shares
-        found = np.where(self.log, by_log, self.low + shares * (self.high - self.low))
-        return np.asarray(found, dtype=np.float64)
-
-
 class Residuals:
     """Scaled residuals over what is fitted, with a row for the prior of each unknown."""
 
     def __init__(self, model: Model) -> None:
-        self.model, self.scaled = model, Scaled(model.unknowns)
-        self.begun = self.scaled.shares(model.guess)
+        self.model, self.scaled = model, model.shares
+        self.begun = self.scaled.of(model.guess)
         known = [one.prior or (one.guess, PRIOR_WIDTH * (one.high - one.low)) for one in model.unknowns]
         own = np.array([one.prior is not None for one in model.unknowns], dtype=bool)
         means, widths = np.array(known, dtype=np.float64).reshape(-1, 2).T

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.model import Flags, Model, Output, Unknown
+from layflat.identify.model import Flags, Model, Output
+from layflat.identify.unknown import Unknown
 
 SURE = 0.2  # a parameter is identified if its interval reaches less than this beyond it: of it, or of half its range
 ALIKE = 0.95  # correlation from which on two parameters are identified only together

@@ -110,7 +110,7 @@ class _Search:
 
     def begin(self, starts: int, seed: int) -> Array:
         """The best of several starts after a few steps."""
-        guess, given = self.residuals.begun, self.residuals.scaled.shares(self.model.starts())
+        guess, given = self.residuals.begun, self.residuals.scaled.of(self.model.starts())
         tried = np.vstack([guess, np.clip(given, 0.0, 1.0), self._drawn(starts, seed)])
         self.simulations += len(tried)
         self.tell(0.02, f"{len(tried)} starts")
@@ -186,27 +186,29 @@ class _Search:
     def result(self, shares: Array, converged: bool, seed: int, *, partial: bool = False) -> Fit:
         """Estimates with their intervals, and what they predict by the model that runs freely, if that can be."""
         scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
-        shares = np.clip(scaled.shares(model.possible(scaled.values(shares)[None])[0]), 0.0, 1.0)
+        found = np.clip(scaled.of(model.possible(scaled.values(shares)[None])[0]), 0.0, 1.0)
         for _ in range(passes):
-            J = self.residuals.data_jacobian(shares)
-        r = self.residuals.data(shares[None])[0]
-        self.simulations += 2 * passes * len(shares) + 2
+            J = self.residuals.data_jacobian(found)
+        r = self.residuals.data(found[None])[0]
+        self.simulations += 2 * passes * len(found) + 2
+        values, (shares, J) = scaled.values(found), scaled.by_own(found, J)
         spread = covariance(J, r, self.residuals.widths)
         low, high = interval(shares, spread, bootstrap(J, r, self.residuals.widths, blocks_of(model, r), seed))
-        values, lows, highs = scaled.values(shares), scaled.values(low), scaled.values(high)
+        lows, highs = scaled.own.values(low), scaled.own.values(high)
         sizes = np.sqrt(np.diag(spread))
         alike = np.abs(spread / np.outer(sizes, sizes)) - 2.0 * np.eye(len(shares))
         estimates = []
         for i, unknown in enumerate(model.unknowns):
             partner = int(np.argmax(alike[i]))
             together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
-            low_end, high_end = shares[i] < EDGE and not unknown.floor, shares[i] > 1.0 - EDGE and not unknown.ceiling
+            low_end = min(shares[i], found[i]) < EDGE and not unknown.floor
+            high_end = max(shares[i], found[i]) > 1.0 - EDGE and not unknown.ceiling
             estimates.append(
                 Estimate(
                     unknown, float(values[i]), float(lows[i]), float(highs[i]), bool(low_end or high_end), together
                 )
             )
         simulated = self.free.simulate(values[None])[0]
-        found = Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)
-        led = self.free.led() if found.mispredicted is not None else None
-        return found if led is None else replace(found, led=led, simulated=led.simulate(values[None])[0])
+        fit = Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)
+        led = self.free.led() if fit.mispredicted is not None else None
+        return fit if led is None else replace(fit, led=led, simulated=led.simulate(values[None])[0])

@@ -12,7 +12,7 @@ from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.model import ArmModel
-from layflat.identify.fit.residuals import Scaled
+from layflat.identify.shares import Shares
 from layflat.machine import Machine, changed, load
 from layflat.machine.parameters import arm
 from layflat.physics.arms.planar import OneLink
@@ -88,7 +88,7 @@ GROW = (
 def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
     """Only known masses tell how large a joint is: differences along a bent valley would take its sides for that."""
     model = ArmModel(SMALL, {"log": log_of(SMALL, 2.0)}, blocks=["valve", "hose", "friction", "inertia"])
-    paths, scaled = [unknown.path for unknown in model.unknowns], Scaled(model.unknowns)
+    paths, scaled = [unknown.path for unknown in model.unknowns], Shares(model.unknowns)
     inertia = paths.index("joint.small.link.inertia")
     masses = arm(SMALL)
     assert isinstance(masses, OneLink)
@@ -97,7 +97,7 @@ def test_the_way_to_a_larger_joint_that_moves_the_same_is_straight() -> None:
     values = np.tile(model.guess, (3, 1))
     values[1, [paths.index(path) for path in GROW]] *= factor
     values[1, inertia] += (factor - 1.0) * known
-    values[2] = scaled.values(scaled.shares(values[:2]).mean(axis=0))
+    values[2] = scaled.values(scaled.of(values[:2]).mean(axis=0))
     small, large, between = model.simulate(values) / np.repeat(
         [o.scale for o in model.outputs], len(model.measured) // 2
     )

@@ -9,7 +9,8 @@ from layflat.arrays import Array
 from layflat.description import Part
 from layflat.description.change import changed_all, value_at
 from layflat.identify.benches.contract import with_columns
-from layflat.identify.model import Model, Unknown
+from layflat.identify.model import Model
+from layflat.identify.unknown import Unknown
 
 Described = TypeVar("Described", bound=Part)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from layflat.description.change import annotation_at, quantity_of
 from layflat.identify.benches.hysteresis.model import LEAST, MOST, element_unknowns, within
-from layflat.identify.model import Unknown
+from layflat.identify.unknown import Unknown
 from layflat.machine import Machine
 from layflat.physics.hysteresis import LossesPart
 

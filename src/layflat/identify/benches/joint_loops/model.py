@@ -17,7 +17,8 @@ from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, within
 from layflat.identify.benches.joint_loops.kinds import STARTS, loss_unknowns, replaced_losses
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
-from layflat.identify.model import Output, Unknown
+from layflat.identify.model import Output
+from layflat.identify.unknown import Unknown
 from layflat.machine import Joint, Machine, parameters
 from layflat.machine.losses import with_losses
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from layflat.errors import InputError
 from layflat.identify.benches.contract import check_known
 from layflat.identify.benches.moving.links import MASSES, links
-from layflat.identify.model import ParameterSpec, Unknown, around, factor_range, fixed_range, from_zero
+from layflat.identify.unknown import ParameterSpec, Unknown, around, factor_range, fixed_range, from_zero
 from layflat.machine import Machine
 from layflat.physics.delay import LONGEST
 from layflat.physics.friction.stribeck import StribeckPart

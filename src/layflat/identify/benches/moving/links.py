@@ -11,7 +11,8 @@ import numpy as np
 
 from layflat.arrays import Array
 from layflat.description.change import replaced, value_at
-from layflat.identify.model import Flags, ParameterSpec, Range, around, factor_range
+from layflat.identify.model import Flags
+from layflat.identify.unknown import ParameterSpec, Range, around, factor_range
 from layflat.machine import Machine, parameters
 from layflat.physics.arms import dynamics
 from layflat.physics.arms.chain.description import LinkPart, six_moments
@@ -22,6 +23,7 @@ SCALES = "the weight of the link by itself"
 
 MASSES = factor_range(3.0, 0.1, log=False)  # what adds to something known does not change by factors
 THICK, THIN = 1e-3, 1e-7  # least spread of mass along a direction over the greatest: usual, and of a thin body
+SMALL = 1e-2  # share of the described spread that a body has at least along one direction
 TURNS = 30  # in which a possible inertia is looked for that keeps what is sought
 LOOKS = 3  # motions by which it is seen whether a value acts on any joint
 ASIDE = 0.1  # of a link's size, by which its centre is then moved
@@ -34,7 +36,7 @@ def links(machine: Machine) -> list[ParameterSpec]:
         return []
     ends = [machine.arm.link[name].place for name in machine.arm.joints[1:]] + [machine.arm.tool]
     crooked = _crooked(machine)
-    usual = _torques(crooked)
+    usual = some_torques(crooked)
     return [
         spec._replace(path=f"arm.link.{name}.{spec.path}")
         for name, end in zip(machine.arm.joints, ends, strict=True)
@@ -75,10 +77,10 @@ def _crooked(machine: Machine) -> Machine:
 def _acts(machine: Machine, path: str, usual: Array) -> bool:
     """Whether a value changes the usual torques of any motion."""
     changed = replaced(machine, path.split("."), 1.5 * value_at(machine, path) + 1e-3)
-    return bool(np.max(np.abs(_torques(changed) - usual)) > FELT * np.max(np.abs(usual)))
+    return bool(np.max(np.abs(some_torques(changed) - usual)) > FELT * np.max(np.abs(usual)))
 
 
-def _torques(machine: Machine) -> Array:
+def some_torques(machine: Machine) -> Array:
     """Torques of a few random motions, (motions, joints), N m."""
     arm, n, draw = parameters.arm(machine), len(machine.joints), np.random.default_rng(0)
     halves = [0.5 * joint.stops.working_stroke for joint in machine.joints.values()]
@@ -117,17 +119,19 @@ def _nearest(asked: Array, sought: Flags, described: Sequence[float]) -> Array:
 
     By turns the nearest body is taken, and what is sought of it put back as it was asked for.
     """
-    found, thinnest = asked, float(np.linalg.eigvalsh(_spread(np.array(six_moments(tuple(described)))[:, None])).min())
-    for turn in range(TURNS):
+    usual = np.linalg.eigvalsh(_spread(np.array(six_moments(tuple(described)))[:, None]))[0]
+    found, turns = asked, 1 if sought.all() else TURNS
+    for turn in range(turns):
         values, vectors = np.linalg.eigh(_spread(found))
-        least = np.minimum(THICK * values[:, -1], np.maximum(thinnest, THIN * values[:, -1]))
+        most = np.maximum(values[:, -1], SMALL * usual[-1])
+        least = np.minimum(THICK * most, np.maximum(usual[0], THIN * most))
         poor = values[:, 0] < least
         if not poor.any():
             break
         spread = (vectors * np.maximum(values, 2.0 * least[:, None])[:, None, :]) @ vectors.swapaxes(1, 2)
         turned = np.trace(spread, axis1=1, axis2=2)[:, None, None] * np.eye(3) - spread
         nearest = np.array([turned[:, i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))])
-        kept = asked if turn < TURNS - 1 else nearest
+        kept = asked if turn < turns - 1 else nearest
         found = np.where(poor, np.where(sought[:, None], kept, nearest), found)
     return found
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from layflat.arrays import Array, Dataset
 from layflat.identify.benches.moving.leading import Leads, Stage
-from layflat.identify.model import FITTED, Flags, Output, Unknown
+from layflat.identify.model import FITTED, Flags, Output
+from layflat.identify.unknown import Unknown
 from layflat.machine import Machine, parameters
 from layflat.machine.model import AngleSensor, PressureSensor
 from layflat.physics.joint import FILLED

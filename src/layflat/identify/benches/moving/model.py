@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -11,10 +12,13 @@ from layflat.arrays import Array
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.moving.bodies import BodyShares
 from layflat.identify.benches.moving.leading import Leads, Stage
 from layflat.identify.benches.moving.links import possible
 from layflat.identify.benches.moving.log import Record, sensor_offset
-from layflat.identify.model import Model, Unknown
+from layflat.identify.model import Model
+from layflat.identify.shares import Shares
+from layflat.identify.unknown import Unknown
 from layflat.machine import Machine
 from layflat.physics.step import COARSE
 
@@ -103,6 +107,11 @@ class ArmModel(Model):
         easier.outputs = tuple(replace(o, fitted=o.fitted & early[o.log]) for o in self.outputs)
         vars(easier).pop("used", None)
         return easier
+
+    @cached_property
+    def shares(self) -> Shares:
+        """In what the search goes: of links in that of which torques are linear."""
+        return BodyShares(self.machine, self.unknowns) if self.machine.arm.own_links else Shares(self.unknowns)
 
     def possible(self, values: Array) -> Array:
         """Candidates whose links can be bodies."""

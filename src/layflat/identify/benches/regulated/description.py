@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
-from layflat.identify.model import ParameterSpec, around, factor_range, fixed_range, from_zero
+from layflat.identify.unknown import ParameterSpec, around, factor_range, fixed_range, from_zero
 
 
 class RegulatingValve(Part):

@@ -9,7 +9,8 @@
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.model import Model, Unknown
+from layflat.identify.model import Model
+from layflat.identify.unknown import Unknown
 
 SAMPLES = 20_000  # of all logs together that are looked at
 WIDTH = 1e-5

@@ -6,7 +6,7 @@ import numpy as np
 
 from layflat.identify.benches.rod.linear import linearised, log_evidence
 from layflat.identify.benches.rod.unknowns import shape_unknowns
-from layflat.identify.model import Unknown
+from layflat.identify.unknown import Unknown
 
 if TYPE_CHECKING:
     from layflat.identify.benches.rod.model import RodModel

@@ -13,7 +13,8 @@ from layflat.arrays import Array
 from layflat.identify.benches.hysteresis.model import element_unknowns, within
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.laws import RodLog
-from layflat.identify.model import Output, Unknown
+from layflat.identify.model import Output
+from layflat.identify.unknown import Unknown
 
 SLOPES = "loops at two pressures or more, the higher the further apart"
 SHAPES = "loops at three pressures or more, from low to high"

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from layflat.description import Part
 from layflat.description import units as u
 from layflat.identify.benches.contract import BenchDescription
-from layflat.identify.model import ParameterSpec, factor_range, fixed_range
+from layflat.identify.unknown import ParameterSpec, factor_range, fixed_range
 from layflat.physics.flow import sonic_conductance
 
 GasName = Literal["air", "nitrogen", "oxygen", "hydrogen", "helium", "argon", "methane", "carbon dioxide"]

@@ -22,7 +22,8 @@ from layflat.identify.benches.vessel.description import BLOCKS, Place, VesselBen
 from layflat.identify.benches.vessel.gas import GASES, IDEAL_AIR, is_gas
 from layflat.identify.benches.vessel.laws import Outside, Path, Vessel, Wall
 from layflat.identify.benches.vessel.run import Course, Setup, run_vessel
-from layflat.identify.model import Model, Output, Unknown
+from layflat.identify.model import Model, Output
+from layflat.identify.unknown import Unknown
 from layflat.physics.chamber import Chamber
 
 SIGNALS = {"pressure": ("Pa", 1e-3), "temperature": ("K", 1e-2), "wall_temperature": ("K", 1e-2)}

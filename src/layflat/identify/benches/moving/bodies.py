@@ -1,0 +1,108 @@
+"""Links as torques see them: mass, mass times centre, and inertia about the joint, of which torques are linear.
+
+Motion tells of an arm's links no more than sums of these (an1985). What it does not tell lies along straight lines
+there, which are bent in masses, centres and inertias about centres; a search that follows bends takes small steps.
+
+| symbol | meaning |
+|---|---|
+| m, c | mass, and centre of mass in the link's frame, whose origin is on the joint's axis |
+| I | inertia, xx, yy, zz, xy, xz, yz: about the centre, or the origin |
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.arrays import Array
+from layflat.identify.model import Flags
+from layflat.identify.shares import Shares
+from layflat.identify.unknown import Unknown
+from layflat.machine import Machine
+from layflat.physics.arms.chain.description import LinkPart, six_moments
+
+NAMES = ("mass", *(f"centre.{i}" for i in range(3)), *(f"inertia.{i}" for i in range(6)))
+CENTRE, INERTIA = slice(1, 4), slice(4, 10)
+HEAVIER = 2.0  # how far beyond the described mass, as a share of it, what goes with mass is searched
+
+
+class Body(NamedTuple):
+    """A link of which something is sought."""
+
+    places: NDArray[np.int64]  # of `NAMES` that are sought, among the unknowns
+    sought: Flags  # which of `NAMES` these are
+    described: Array  # all of them as described
+
+    @classmethod
+    def of(cls, path: str, link: LinkPart, places: dict[str, int]) -> "Body":
+        """What is sought of a link, from where each path stands among the unknowns."""
+        found = [places.get(f"{path}.{name}", -1) for name in NAMES]
+        described = np.array([link.mass, *link.centre, *six_moments(link.inertia)], dtype=np.float64)
+        return cls(np.array([place for place in found if place >= 0]), np.array(found) >= 0, described)
+
+    def filled(self, values: Array) -> Array:
+        """All of a body, (..., 10), from values of the unknowns and, of what is not sought, as described."""
+        found = np.broadcast_to(self.described, (*values.shape[:-1], len(NAMES))).copy()
+        found[..., self.sought] = values[..., self.places]
+        return found
+
+    def about_joint(self, values: Array) -> Array:
+        """m, m c and I about the joint, as far as they are sought, from values of the unknowns."""
+        body = self.filled(values)
+        m, c = body[..., 0], body[..., CENTRE].copy()
+        body[..., CENTRE] = m[..., None] * c
+        body[..., INERTIA] += _farther(m, c)
+        return np.asarray(body[..., self.sought])
+
+    def about_centre(self, values: Array) -> Array:
+        """The other way."""
+        body = self.filled(values)
+        m, moved = body[..., 0], self.sought[CENTRE]
+        body[..., CENTRE] = np.where(moved, body[..., CENTRE] / m[..., None], body[..., CENTRE])
+        body[..., INERTIA] -= _farther(m, body[..., CENTRE])
+        return np.asarray(body[..., self.sought])
+
+    def reach(self, high: Array) -> Array:
+        """How far what is sought of m c and of I about the joint is searched, both ways; none of m."""
+        m, c = self.described[0], self.described[CENTRE]
+        size = np.max(self.filled(high)[CENTRE] - c)
+        most = np.max((self.described[INERTIA] + _farther(m, c))[:3])
+        return np.repeat([0.0, HEAVIER * m * size, HEAVIER * most + m * size**2], [1, 3, 6])[self.sought]
+
+
+def _farther(m: Array, c: Array) -> Array:
+    """What inertia about the origin is more than that about the centre, (..., 6) (parallel axes)."""
+    x, y, z = np.moveaxis(c, -1, 0)
+    return np.stack([m * one for one in (y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z)], axis=-1)
+
+
+class BodyShares(Shares):
+    """Shares of the unknowns, of links those of what torques are linear in."""
+
+    def __init__(self, machine: Machine, unknowns: Sequence[Unknown]) -> None:
+        super().__init__(unknowns)
+        self.own = Shares(unknowns)
+        places = {unknown.path: number for number, unknown in enumerate(unknowns)}
+        links = machine.arm.link.items() if machine.arm.own_links else ()
+        bodies = [Body.of(f"arm.link.{name}", link, places) for name, link in links]
+        self.bodies = [body for body in bodies if body.sought.any()]
+        middle = self._turned(np.array([unknown.guess for unknown in unknowns]), Body.about_joint)
+        for body in self.bodies:
+            reach, of = body.reach(self.own.high), middle[body.places]
+            self.low[body.places] = np.where(reach > 0.0, of - reach, self.own.low[body.places])
+            self.high[body.places] = np.where(reach > 0.0, of + reach, self.own.high[body.places])
+
+    def of(self, values: Array) -> Array:
+        """Shares of values, (..., unknowns)."""
+        return super().of(self._turned(values, Body.about_joint))
+
+    def values(self, shares: Array) -> Array:
+        """Values of shares, (..., unknowns)."""
+        return self._turned(super().values(shares), Body.about_centre)
+
+    def _turned(self, values: Array, way: Callable[[Body, Array], Array]) -> Array:
+        found = np.array(values)
+        for body in self.bodies:
+            found[..., body.places] = way(body, values)
+        return found

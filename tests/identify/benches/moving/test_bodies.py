@@ -1,0 +1,84 @@
+"""Links as torques see them: the way there and back, and that torques are linear there."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from layflat.arrays import Array
+from layflat.description.change import changed_all, replaced
+from layflat.identify.benches.moving.blocks import unknowns
+from layflat.identify.benches.moving.bodies import BodyShares
+from layflat.identify.benches.moving.links import possible, some_torques
+from layflat.machine import Machine, load
+from layflat.physics.arms.chain.description import impossible, six_moments
+
+
+def whole(machine: Machine) -> Machine:
+    """The same with all six moments of inertia of every link."""
+    for name, link in machine.arm.link.items():
+        machine = replaced(machine, ["arm", "link", name, "inertia"], six_moments(link.inertia))
+    return machine
+
+
+ARMS = {name: load(name) for name in ("picking-arm", "single-joint-lift")}
+ARMS["whole"] = whole(ARMS["picking-arm"])
+SOUGHT = {name: unknowns(machine, ["inertia"]) for name, machine in ARMS.items()}
+SHARES = {name: BodyShares(machine, SOUGHT[name]) for name, machine in ARMS.items()}
+
+names, seeds = st.sampled_from(list(ARMS)), st.integers(0, 2**32 - 1)
+
+
+def anywhere(name: str, seed: int, least: float = 0.0, most: float = 1.0) -> Array:
+    """Shares of a candidate."""
+    return np.random.default_rng(seed).uniform(least, most, len(SOUGHT[name]))
+
+
+def machine_of(name: str, values: Array) -> Machine:
+    """An arm with other values."""
+    return changed_all(ARMS[name], {one.path: float(v) for one, v in zip(SOUGHT[name], values, strict=True)})
+
+
+@given(names, seeds)
+def test_the_way_back_leads_to_the_same(name: str, seed: int) -> None:
+    shares, scaled = anywhere(name, seed), SHARES[name]
+    assert scaled.of(scaled.values(shares)) == pytest.approx(shares, abs=1e-9)
+    guess = np.array([one.guess for one in SOUGHT[name]])
+    assert scaled.values(scaled.of(guess)) == pytest.approx(guess, rel=1e-9, abs=1e-12)
+
+
+def test_torques_are_linear_in_these_shares_and_not_in_those_of_the_values() -> None:
+    guess, away = np.array([one.guess for one in SOUGHT["whole"]]), anywhere("whole", 1, -1e-3, 1e-3)
+    bent = []
+    for scaled in (SHARES["whole"], SHARES["whole"].own):
+        points = [scaled.values(scaled.of(guess) + k * away) for k in (-1.0, 0.0, 1.0)]
+        low, middle, high = (some_torques(machine_of("whole", values)) for values in points)
+        bent.append(np.max(np.abs(0.5 * (low + high) - middle)) / np.max(np.abs(high - low)))
+    assert bent[0] < 1e-12
+    assert bent[1] > 1e-5
+
+
+@given(names, seeds)
+def test_whatever_is_tried_is_a_body(name: str, seed: int) -> None:
+    values = SHARES[name].values(np.clip(anywhere(name, seed, -0.5, 1.5), 0.0, 1.0))
+    columns = possible(ARMS[name], {one.path: values[None, i] for i, one in enumerate(SOUGHT[name])})
+    for link, described in ARMS[name].arm.link.items():
+        paths = [(f"arm.link.{link}.inertia.{i}", value) for i, value in enumerate(described.inertia)]
+        assert impossible(tuple(columns.get(path, np.array([value])) for path, value in paths)) == ""
+
+
+@given(names, seeds)
+def test_slopes_by_shares_of_the_values_follow_by_the_chain_rule(name: str, seed: int) -> None:
+    scaled, draw, step = SHARES[name], np.random.default_rng(seed), 1e-5
+    weights, shares = draw.standard_normal((3, len(SOUGHT[name]))), anywhere(name, seed, 0.3, 0.7)
+    own, slopes = scaled.by_own(shares, weights)
+    assert scaled.own.values(own) == pytest.approx(scaled.values(shares), rel=1e-9, abs=1e-12)
+    way = draw.standard_normal(len(own))
+    ahead, behind = (weights @ scaled.of(scaled.own.values(own + k * step * way)) for k in (1.0, -1.0))
+    assert slopes @ way == pytest.approx((ahead - behind) / (2.0 * step), rel=1e-5, abs=1e-5)
+
+
+def test_a_share_of_the_values_themselves_is_its_own() -> None:
+    plain, shares, jacobian = SHARES["picking-arm"].own, anywhere("picking-arm", 0), np.ones((2, 29))
+    assert plain.own is plain
+    assert all(a is b for a, b in zip(plain.by_own(shares, jacobian), (shares, jacobian), strict=True))
