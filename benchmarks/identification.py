@@ -23,8 +23,8 @@ from layflat.design.arm.sizing import size_arm
 from layflat.design.arm.task import read_task
 from layflat.identify import Fit, Unknown, fit
 from layflat.identify.benches.moving.blocks import unknowns
-from layflat.identify.benches.moving.links import possible
 from layflat.identify.benches.moving.model import ArmModel
+from layflat.identify.benches.moving.spread import possible
 from layflat.identify.excite import sequence
 from layflat.machine import Machine, load
 from layflat.sim import rollout

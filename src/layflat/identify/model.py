@@ -49,9 +49,14 @@ class Model(ABC):
             All outputs, one after the other, (candidates, samples); not numbers where a candidate diverged.
         """
 
-    def possible(self, values: Array) -> Array:
-        """Return the candidates, (candidates, unknowns), that `simulate` takes these for; default: these."""
-        return values
+    def settled(self, shares: Array, triangle: Array) -> Array:  # noqa: ARG002  # what others settle by
+        """Shares that the description can have, near the best ones; default: these.
+
+        Args:
+            shares: found by the search, see `shares`.
+            triangle: times what is added to them is what it adds to the residuals, the priors' among them.
+        """
+        return shares
 
     def starts(self) -> Array:
         """Where else the search may begin, (starts, unknowns) in SI; the guess comes first in any case."""

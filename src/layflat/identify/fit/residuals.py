@@ -33,6 +33,7 @@ class Residuals:
         self.prior = np.where(own, (means - self.scaled.low) / reach, self.begun)
         self.widths = np.where(own, widths / reach, PRIOR_WIDTH)
         self.scales = [output.scale for output in model.outputs]
+        self.triangle = np.diag(1.0 / self.widths)  # of all that the last Jacobian says, priors included (QR)
         self.axes, self.strengths = np.eye(len(self.prior)), np.full(len(self.prior), np.inf)
 
     def data(self, shares: Array) -> Array:
@@ -71,8 +72,8 @@ class Residuals:
         found = self.data(np.vstack([up, down]))
         ways = np.linalg.pinv(up - down, len(up) * EPSILON)
         jacobian = np.asarray((ways @ (found[: len(up)] - found[len(up) :])).T)
-        triangle = np.linalg.qr(np.vstack([jacobian, np.diag(1.0 / self.widths)]), mode="r")
-        _, self.strengths, self.axes = np.linalg.svd(triangle)
+        self.triangle = np.asarray(np.linalg.qr(np.vstack([jacobian, np.diag(1.0 / self.widths)]), mode="r"))
+        _, self.strengths, self.axes = np.linalg.svd(self.triangle)
         return jacobian
 
     def jacobian(self, shares: Array) -> Array:

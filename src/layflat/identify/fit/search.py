@@ -91,6 +91,7 @@ class _Search:
         shares = self.begin(starts, seed)
         for model in models[:-1]:
             shares, _ = self.converge(model, shares, robust=True, rounds=1)
+            shares = model.settled(shares, self.residuals.triangle)
         last = Residuals(models[-1])
         return float(np.mean(last.data(shares[None]) ** 2)), shares
 
@@ -186,8 +187,10 @@ class _Search:
     def result(self, shares: Array, converged: bool, seed: int, *, partial: bool = False) -> Fit:
         """Estimates with their intervals, and what they predict by the model that runs freely, if that can be."""
         scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
-        found = np.clip(scaled.of(model.possible(scaled.values(shares)[None])[0]), 0.0, 1.0)
-        for _ in range(passes):
+        found = np.clip(scaled.of(scaled.values(shares)), 0.0, 1.0)
+        J = self.residuals.data_jacobian(found)
+        found = model.settled(found, self.residuals.triangle)
+        for _ in range(1, passes):
             J = self.residuals.data_jacobian(found)
         r = self.residuals.data(found[None])[0]
         self.simulations += 2 * passes * len(found) + 2
@@ -201,8 +204,7 @@ class _Search:
         for i, unknown in enumerate(model.unknowns):
             partner = int(np.argmax(alike[i]))
             together = model.unknowns[partner].path if alike[i, partner] > ALIKE else None
-            low_end = min(shares[i], found[i]) < EDGE and not unknown.floor
-            high_end = max(shares[i], found[i]) > 1.0 - EDGE and not unknown.ceiling
+            low_end, high_end = found[i] < EDGE and not unknown.floor, found[i] > 1.0 - EDGE and not unknown.ceiling
             estimates.append(
                 Estimate(
                     unknown, float(values[i]), float(lows[i]), float(highs[i]), bool(low_end or high_end), together

@@ -140,10 +140,12 @@ def traced(
     *,
     step: Value = STEP,
     threads: int | None = None,
+    together: bool = True,
 ) -> Array:
     """As `ensemble`, but nothing is measured: signals of all runs at the beginning of every control cycle.
 
-    Runs that differ in signals, such as their openings, have a scenario each: `vary["scenario"]` says which.
+    Runs that differ in signals, such as their openings, have a scenario each: `vary["scenario"]` says which. Values
+    are checked `together` too, unless what no machine can have is to be simulated.
 
     Returns:
         (runs, cycles, joints, signals); not numbers from where a run diverged.
@@ -151,7 +153,7 @@ def traced(
     Raises:
         InputError: as `ensemble`.
     """
-    prepared = cases(machine, _scenarios(scenario), vary, None)
+    prepared = cases(machine, _scenarios(scenario), vary, None, together=together)
     results = room_for_results(prepared, _columns(traces), 1)
     for _ in _run_on_threads(
         threads or os.cpu_count() or 1, prepared, _timing(prepared, step), (BAND, TIP_BAND), results

@@ -1,5 +1,7 @@
 """Links as torques see them: the way there and back, and that torques are linear there."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,7 +11,8 @@ from layflat.arrays import Array
 from layflat.description.change import changed_all, replaced
 from layflat.identify.benches.moving.blocks import unknowns
 from layflat.identify.benches.moving.bodies import BodyShares
-from layflat.identify.benches.moving.links import possible, some_torques
+from layflat.identify.benches.moving.links import some_torques
+from layflat.identify.benches.moving.spread import possible
 from layflat.machine import Machine, load
 from layflat.physics.arms.chain.description import impossible, six_moments
 
@@ -58,13 +61,66 @@ def test_torques_are_linear_in_these_shares_and_not_in_those_of_the_values() -> 
     assert bent[1] > 1e-5
 
 
+def missing(name: str, columns: Mapping[str, Array]) -> set[str]:
+    """Why links are no bodies."""
+    moments = {
+        link: tuple(
+            columns.get(f"arm.link.{link}.inertia.{i}", np.array([value])) for i, value in enumerate(part.inertia)
+        )
+        for link, part in ARMS[name].arm.link.items()
+    }
+    return {what for inertia in moments.values() if (what := impossible(inertia))}
+
+
+def columns_of(name: str, values: Array) -> dict[str, Array]:
+    """Values of a candidate by path."""
+    return {one.path: values[None, i] for i, one in enumerate(SOUGHT[name])}
+
+
 @given(names, seeds)
 def test_whatever_is_tried_is_a_body(name: str, seed: int) -> None:
     values = SHARES[name].values(np.clip(anywhere(name, seed, -0.5, 1.5), 0.0, 1.0))
-    columns = possible(ARMS[name], {one.path: values[None, i] for i, one in enumerate(SOUGHT[name])})
-    for link, described in ARMS[name].arm.link.items():
-        paths = [(f"arm.link.{link}.inertia.{i}", value) for i, value in enumerate(described.inertia)]
-        assert impossible(tuple(columns.get(path, np.array([value])) for path, value in paths)) == ""
+    assert missing(name, possible(ARMS[name], columns_of(name, values))) == set()
+
+
+def made(name: str, shares: Array) -> Array:
+    """Shares of the bodies that a candidate is taken for."""
+    columns = possible(ARMS[name], columns_of(name, SHARES[name].values(shares)))
+    return SHARES[name].of(np.array([columns[one.path][0] for one in SOUGHT[name]]))
+
+
+def torques_by_shares() -> Array:
+    """How torques change by shares of the arm with all moments, over their greatest, (torques, shares)."""
+    scaled, small = SHARES["whole"], 1e-4 * np.eye(len(SOUGHT["whole"]))
+    guess = scaled.of(np.array([one.guess for one in SOUGHT["whole"]]))
+    up, down = (
+        [some_torques(machine_of("whole", scaled.values(guess + way))).ravel() for way in w] for w in (small, -small)
+    )
+    slopes = (np.array(up) - np.array(down)).T / 2e-4
+    return np.asarray(slopes / np.abs(slopes).max())
+
+
+def test_bodies_are_found_that_act_as_what_no_body_can_be() -> None:
+    scaled, slopes = SHARES["whole"], torques_by_shares()
+    felt = np.linalg.svd(slopes, full_matrices=False)[2]
+    hidden = (np.eye(slopes.shape[1]) - felt.T @ felt) @ anywhere("whole", 0, -1.0, 1.0)  # acts on no joint
+    guess = scaled.of(np.array([one.guess for one in SOUGHT["whole"]]))
+    assert np.max(np.abs(slopes @ hidden)) < 1e-12
+    asked = guess + 0.1 * hidden
+    assert missing("whole", columns_of("whole", scaled.values(asked)))
+    near = made("whole", asked)
+    found = made("whole", scaled.nearest(asked, near, np.vstack([1e6 * slopes, np.eye(len(asked))])))
+    clipped, settled = (np.max(np.abs(slopes @ (shares - asked))) for shares in (near, found))
+    assert settled < 1e-2 * clipped
+
+
+@given(names, seeds)
+def test_roots_come_back_as_the_body_that_they_are_of(name: str, seed: int) -> None:
+    values = SHARES[name].values(anywhere(name, seed))
+    columns = possible(ARMS[name], columns_of(name, values))
+    values = np.array([columns[one.path][0] for one in SOUGHT[name]])
+    for body in SHARES[name].bodies:
+        assert body.rooted(body.roots(values)) == pytest.approx(values[body.places], rel=1e-6, abs=1e-12)
 
 
 @given(names, seeds)

@@ -14,8 +14,9 @@ from layflat.arrays import Array
 from layflat.description.change import changed, changed_all, value_at
 from layflat.identify import fit
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
-from layflat.identify.benches.moving.links import SCALES, links, possible
+from layflat.identify.benches.moving.links import SCALES, links
 from layflat.identify.benches.moving.model import ArmModel
+from layflat.identify.benches.moving.spread import possible
 from layflat.identify.model import Model
 from layflat.machine import Machine, load
 from layflat.physics.arms.chain.description import impossible
@@ -150,6 +151,23 @@ def test_an_arm_whose_links_are_far_off_is_held_to_its_log(picked: xarray.Datase
     right = ArmModel(ARM, {"log": picked}, blocks=["inertia"])
     for model in right.continuations()[0][1:3]:
         assert missed(model)["angle"] < 0.2 * missed(held)["angle"]
+
+
+@pytest.mark.compiled
+def test_in_the_end_links_may_be_what_no_body_can_be(picked: xarray.Dataset) -> None:
+    """Making bodies of them is a kink in what they do, at which a search would end."""
+    model = ArmModel(ARM, {"log": picked}, blocks=["inertia"])
+    held, *_, last = (cast(ArmModel, one) for one in model.continuations()[0])
+    values = model.guess.copy()
+    values[[unknown.path for unknown in model.unknowns].index(ELBOW[1])] *= 5.0
+    assert np.isfinite(last.simulate(values[None])[:, last.used]).all()
+    bodies = np.array(list(possible(ARM, model.columns(values[None])).values()))[:, 0]
+    assert np.array_equal(held.simulate(values[None]), held.simulate(bodies[None]), equal_nan=True)
+    assert not np.array_equal(last.simulate(values[None]), last.simulate(bodies[None]), equal_nan=True)
+    shares, triangle = model.shares.of(values), np.eye(len(values))
+    for settled in (held, last):
+        found = model.shares.values(settled.settled(shares, triangle))
+        assert np.array(list(possible(ARM, model.columns(found[None])).values()))[:, 0] == pytest.approx(found)
 
 
 @pytest.mark.compiled

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
+from layflat.identify.benches.moving.spread import THICK, THIN, inertia_of, is_thin, spread_of
 from layflat.identify.model import Flags
 from layflat.identify.shares import Shares
 from layflat.identify.unknown import Unknown
@@ -23,7 +24,9 @@ from layflat.machine import Machine
 from layflat.physics.arms.chain.description import LinkPart, six_moments
 
 NAMES = ("mass", *(f"centre.{i}" for i in range(3)), *(f"inertia.{i}" for i in range(6)))
-CENTRE, INERTIA = slice(1, 4), slice(4, 10)
+CENTRE, INERTIA, MOMENTS = slice(1, 4), slice(4, 10), slice(4, 7)
+ROOT = (0, 1, 2, 1, 2, 2), (0, 1, 2, 0, 0, 1)  # where in a lower triangle, in the order of an inertia
+LONG = 200  # steps in which the nearest bodies are looked for
 HEAVIER = 2.0  # how far beyond the described mass, as a share of it, what goes with mass is searched
 
 
@@ -33,13 +36,17 @@ class Body(NamedTuple):
     places: NDArray[np.int64]  # of `NAMES` that are sought, among the unknowns
     sought: Flags  # which of `NAMES` these are
     described: Array  # all of them as described
+    spreads: bool  # whether all of the inertia is sought that the description has
+    thick: float  # least spread along a direction, as a share of all
 
     @classmethod
     def of(cls, path: str, link: LinkPart, places: dict[str, int]) -> "Body":
         """What is sought of a link, from where each path stands among the unknowns."""
         found = [places.get(f"{path}.{name}", -1) for name in NAMES]
         described = np.array([link.mass, *link.centre, *six_moments(link.inertia)], dtype=np.float64)
-        return cls(np.array([place for place in found if place >= 0]), np.array(found) >= 0, described)
+        sought, given = np.array(found) >= 0, len(link.inertia)
+        thick = 0.0 if is_thin(described[INERTIA]) else 1.01 * THICK
+        return cls(np.array(found)[sought], sought, described, bool(sought[INERTIA][:given].all()), thick)
 
     def filled(self, values: Array) -> Array:
         """All of a body, (..., 10), from values of the unknowns and, of what is not sought, as described."""
@@ -62,6 +69,34 @@ class Body(NamedTuple):
         body[..., CENTRE] = np.where(moved, body[..., CENTRE] / m[..., None], body[..., CENTRE])
         body[..., INERTIA] -= _farther(m, body[..., CENTRE])
         return np.asarray(body[..., self.sought])
+
+    def roots(self, values: Array) -> Array:
+        """Numbers that make a body whatever they are, as far as it is sought: log m, c, and a root of its spread.
+
+        Where not all of I is sought, what is not gives way: then it is enough that moments are positive.
+        """
+        body = self.filled(values)
+        body[0] = np.log(body[0])
+        if not self.spreads:
+            body[MOMENTS] = np.log(body[MOMENTS])
+        else:
+            spread = spread_of(body[INERTIA])
+            least = np.trace(spread) * self.thick / (1.0 + 3.0 * self.thick)
+            sizes, ways = np.linalg.eigh(spread - least * np.eye(3))
+            body[INERTIA] = np.linalg.cholesky((ways * np.maximum(sizes, THIN * sizes[-1])) @ ways.T)[ROOT]
+        return np.asarray(body[self.sought])
+
+    def rooted(self, roots: Array) -> Array:
+        """The other way."""
+        body, root = self.described.copy(), np.zeros((3, 3))
+        body[self.sought] = roots
+        body[0] = np.exp(body[0])
+        if not self.spreads:
+            body[MOMENTS] = np.exp(body[MOMENTS])
+        else:
+            root[ROOT] = body[INERTIA]
+            body[INERTIA] = inertia_of(root @ root.T + self.thick * np.sum(root**2) * np.eye(3))
+        return np.asarray(body[self.sought])
 
     def reach(self, high: Array) -> Array:
         """How far what is sought of m c and of I about the joint is searched, both ways; none of m."""
@@ -100,6 +135,32 @@ class BodyShares(Shares):
     def values(self, shares: Array) -> Array:
         """Values of shares, (..., unknowns)."""
         return self._turned(super().values(shares), Body.about_centre)
+
+    def nearest(self, shares: Array, near: Array, triangle: Array) -> Array:
+        """Shares whose links are bodies, as `triangle` times what differs is least, from `near` on, where links are."""
+        from scipy.optimize import least_squares  # noqa: PLC0415  # scipy.optimize takes long to import
+
+        values = self.values(near)
+        links = np.concatenate([body.places for body in self.bodies])
+        others = np.setdiff1d(np.arange(len(shares)), links)
+        first = len(others)
+        ordered = np.asarray(np.linalg.qr(triangle[:, np.concatenate([others, links])], mode="r"))
+
+        def back(free: Array) -> Array:
+            ends = np.cumsum([len(body.places) for body in self.bodies])
+            for body, roots in zip(self.bodies, np.split(free, ends[:-1]), strict=True):
+                values[body.places] = body.rooted(roots)
+            return self.of(values)
+
+        def missed(free: Array) -> Array:
+            return np.asarray(ordered[first:, first:] @ (back(free) - shares)[links])
+
+        begun = np.concatenate([body.roots(values) for body in self.bodies])
+        found = back(np.asarray(least_squares(missed, begun, max_nfev=LONG).x))
+        # All else goes where it makes up best for what links are now.
+        along = np.linalg.solve(ordered[:first, :first], ordered[:first, first:] @ (found - shares)[links])
+        found[others] = np.clip(shares[others] - along, 0.0, 1.0)
+        return found
 
     def _turned(self, values: Array, way: Callable[[Body, Array], Array]) -> Array:
         found = np.array(values)

@@ -28,6 +28,7 @@ class Stage(NamedTuple):
     air: float = 0.0  # rate at which they draw differential pressures, 1/s
     torque: float = 0.0  # natural frequency of the springs that draw angles, rad/s
     step: float = STEP  # of the simulation, s
+    bodies: bool = True  # whether links are taken for the nearest that can be bodies
     share: float | None = 1.0  # of what is fitted, from the start of each log on; None: all of the log
 
 

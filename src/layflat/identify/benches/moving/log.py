@@ -175,7 +175,7 @@ class Record:
         varied = {**shared, **self._led(shared, np.broadcast_to(offset, count), stage, leads)}
         varied |= {f"start.{path.removeprefix(own)}": c for path, c in given.items() if path.startswith(own)}
         scenario = self.scenario_of(samples, stage.air * leads.pressure)
-        run = traced(self.machine, scenario, varied, TRACES, step=stage.step)
+        run = traced(self.machine, scenario, varied, TRACES, step=stage.step, together=stage.bodies)
         signals = dict(zip(TRACES, np.moveaxis(run, (3, 2), (0, 2)), strict=True))
         difference = signals["pressure_a"] - signals["pressure_b"]
         signals["measured_pressure"] = difference + np.broadcast_to(offset, count)[:, None, None]

@@ -14,8 +14,8 @@ from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.bodies import BodyShares
 from layflat.identify.benches.moving.leading import Leads, Stage
-from layflat.identify.benches.moving.links import possible
 from layflat.identify.benches.moving.log import Record, sensor_offset
+from layflat.identify.benches.moving.spread import possible
 from layflat.identify.model import Model
 from layflat.identify.shares import Shares
 from layflat.identify.unknown import Unknown
@@ -34,12 +34,12 @@ Feedback brings the angle's noise along, which widens errors more than a free ru
 FALLING = 2.0  # rate at which valves draw an arm in space at least, 1/s: gravity takes some along in half a second
 HELD = (
     Stage(air=20.0, torque=40.0, step=COARSE, share=BEGINNING), Stage(air=1.0, torque=25.0),
-    Stage(angle=FALLING), Stage(angle=FALLING),
+    Stage(angle=FALLING, bodies=False), Stage(angle=FALLING, bodies=False),
 )  # fmt: skip
 """The same of an arm in space, which gravity takes along once it is off its way: first torques hold it to its log.
 
 They do so in spite of wrong values, which is the way to right ones, but bring noise along. In the end valves draw it,
-first roughly and then to the end.
+first roughly and then to the end, and links may be what no body can be: a limit there would pass for knowledge.
 """
 
 LED = Stage(angle=FALLING, share=None)  # how an arm in space is validated that runs away when it is free
@@ -111,12 +111,20 @@ class ArmModel(Model):
     @cached_property
     def shares(self) -> Shares:
         """In what the search goes: of links in that of which torques are linear."""
-        return BodyShares(self.machine, self.unknowns) if self.machine.arm.own_links else Shares(self.unknowns)
+        found = BodyShares(self.machine, self.unknowns)
+        return found if found.bodies else found.own
 
-    def possible(self, values: Array) -> Array:
-        """Candidates whose links can be bodies."""
-        columns = possible(self.machine, self.columns(values))
-        return np.stack([columns[unknown.path] for unknown in self.unknowns], axis=-1)
+    def settled(self, shares: Array, triangle: Array) -> Array:
+        """Shares of links that can be bodies: those that were simulated, or the nearest where any were."""
+        if not isinstance(self.shares, BodyShares):
+            return shares
+        if not self.stage.bodies:
+            shares = self.shares.nearest(shares, self._bodies(shares), triangle)
+        return self._bodies(shares)
+
+    def _bodies(self, shares: Array) -> Array:
+        columns = possible(self.machine, self.columns(self.shares.values(shares)[None]))
+        return self.shares.of(np.array([columns[unknown.path][0] for unknown in self.unknowns]))
 
     def written(self, values: Array) -> dict[str, float]:
         """What values of the unknowns (SI) make of the description, by its paths; links can be bodies."""
@@ -126,7 +134,9 @@ class ArmModel(Model):
 
     def simulate(self, values: Array) -> Array:
         """All logs from their starts, whatever the candidates' values say."""
-        given = possible(self.machine, self.columns(values))
+        given = self.columns(values)
+        if self.stage.bodies:
+            given = possible(self.machine, given)
         shared = {path: column for path, column in given.items() if not path.startswith(("log.", "start."))}
         offset = np.asarray(shared.pop("pressure_sensor.offset", sensor_offset(self.machine)))
         shared |= {path.replace("log.", "scenario.", 1): c for path, c in given.items() if path.startswith("log.")}
