@@ -37,6 +37,7 @@ CHEAP = {
 }
 """Commands that are run where a tutorial has them; the others are parsed only."""
 
+SOURCES = re.compile(r"\(((?:[a-z]+\d{4}[a-z]?)(?:, [a-z]+\d{4}[a-z]?)*)\)")  # keys of docs/references.bib
 PUNCTUATION = {"<", ">", "&", "2>", ">>"}
 
 
@@ -175,9 +176,6 @@ def test_every_source_that_is_named_is_listed() -> None:
     named = {key for text in _texts() for found in SOURCES.findall(text) for key in found.split(", ")}
     assert named
     assert named <= listed
-
-
-SOURCES = re.compile(r"\(((?:[a-z]+\d{4}[a-z]?)(?:, [a-z]+\d{4}[a-z]?)*)\)")
 
 
 def _texts() -> Iterator[str]:

@@ -211,6 +211,6 @@ class _Search:
                 )
             )
         simulated = self.free.simulate(values[None])[0]
-        fit = Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)
-        led = self.free.led() if fit.mispredicted is not None else None
-        return fit if led is None else replace(fit, led=led, simulated=led.simulate(values[None])[0])
+        told = Fit(self.free, tuple(estimates), simulated, converged, self.simulations, partial)
+        led = self.free.led() if told.mispredicted is not None else None
+        return told if led is None else replace(told, led=led, simulated=led.simulate(values[None])[0])
