@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from layflat.arrays import Array
-from layflat.identify.benches.moving.spread import THICK, THIN, inertia_of, is_thin, spread_of
+from layflat.identify.benches.moving.spread import THICK, inertia_of, is_thin, spread_of
 from layflat.identify.model import Flags
 from layflat.identify.shares import Shares
 from layflat.identify.unknown import Unknown
@@ -26,6 +26,7 @@ from layflat.physics.arms.chain.description import LinkPart, six_moments
 NAMES = ("mass", *(f"centre.{i}" for i in range(3)), *(f"inertia.{i}" for i in range(6)))
 CENTRE, INERTIA, MOMENTS = slice(1, 4), slice(4, 10), slice(4, 7)
 ROOT = (0, 1, 2, 1, 2, 2), (0, 1, 2, 0, 0, 1)  # where in a lower triangle, in the order of an inertia
+ROUNDING, MARGIN = 1e-12, 1e-6  # what is positive in spite of rounding; by how much a body is thicker than it must be
 LONG = 200  # steps in which the nearest bodies are looked for
 HEAVIER = 2.0  # how far beyond the described mass, as a share of it, what goes with mass is searched
 
@@ -37,7 +38,7 @@ class Body(NamedTuple):
     sought: Flags  # which of `NAMES` these are
     described: Array  # all of them as described
     spreads: bool  # whether all of the inertia is sought that the description has
-    thick: float  # least spread along a direction, as a share of all
+    thick: float  # least spread along a direction over the greatest
 
     @classmethod
     def of(cls, path: str, link: LinkPart, places: dict[str, int]) -> "Body":
@@ -45,7 +46,7 @@ class Body(NamedTuple):
         found = [places.get(f"{path}.{name}", -1) for name in NAMES]
         described = np.array([link.mass, *link.centre, *six_moments(link.inertia)], dtype=np.float64)
         sought, given = np.array(found) >= 0, len(link.inertia)
-        thick = 0.0 if is_thin(described[INERTIA]) else 1.01 * THICK
+        thick = 0.0 if is_thin(described[INERTIA]) else THICK * (1.0 + MARGIN)
         return cls(np.array(found)[sought], sought, described, bool(sought[INERTIA][:given].all()), thick)
 
     def filled(self, values: Array) -> Array:
@@ -80,10 +81,9 @@ class Body(NamedTuple):
         if not self.spreads:
             body[MOMENTS] = np.log(body[MOMENTS])
         else:
-            spread = spread_of(body[INERTIA])
-            least = np.trace(spread) * self.thick / (1.0 + 3.0 * self.thick)
-            sizes, ways = np.linalg.eigh(spread - least * np.eye(3))
-            body[INERTIA] = np.linalg.cholesky((ways * np.maximum(sizes, THIN * sizes[-1])) @ ways.T)[ROOT]
+            sizes, ways = np.linalg.eigh(spread_of(body[INERTIA]))
+            above = np.maximum(sizes - self.thick * sizes[-1], ROUNDING * sizes[-1])
+            body[INERTIA] = np.linalg.cholesky((ways * above) @ ways.T)[ROOT]
         return np.asarray(body[self.sought])
 
     def rooted(self, roots: Array) -> Array:
@@ -95,7 +95,9 @@ class Body(NamedTuple):
             body[MOMENTS] = np.exp(body[MOMENTS])
         else:
             root[ROOT] = body[INERTIA]
-            body[INERTIA] = inertia_of(root @ root.T + self.thick * np.sum(root**2) * np.eye(3))
+            above = root @ root.T
+            least = self.thick / (1.0 - self.thick) * np.linalg.eigvalsh(above)[-1]
+            body[INERTIA] = inertia_of(above + least * np.eye(3))
         return np.asarray(body[self.sought])
 
     def reach(self, high: Array) -> Array:
