@@ -306,6 +306,22 @@ def test_lanes_take_as_many_bytes_as_are_said_and_others_as_many_beside_them(mos
     assert not out[:, lanes:].any()
 
 
+@kernel
+def one_lane_weighted(like: Any, block: Any, out: Any) -> Any:
+    low = read_lanes(like, block)
+    high = read_lanes(like, block[1:])
+    first, second = unpacked(each(weighted, packed((low, high)), low.x), (low, high))
+    write_lanes(out, first)
+    write_lanes(out[2:], second)
+
+
+@pytest.mark.compiled
+def test_one_lane_in_single_precision_is_packed_as_it_is() -> None:
+    block, out = np.array([[3.0], [0.5], [2.0]], np.float32), np.zeros((4, 1), np.float32)
+    one_lane_weighted(Like.of(Pair(0.0, 0.0), most=block.itemsize), block, out)
+    assert out.ravel().tolist() == [9.0, -2.5, 1.5, -1.0]
+
+
 @pytest.mark.compiled
 def test_a_kernel_is_compiled_once_for_tuples_that_look_alike() -> None:
     compiled = len(read_like.dispatcher.overloads)  # type: ignore[attr-defined]

@@ -125,12 +125,13 @@ def abreast_type(item: Any, count: int) -> Any:
 
 
 def packed_type(items: Any) -> Any:
-    """Type of some items of one type when packed."""
-    return types.UniTuple(abreast_type(items.dtype, items.count), 1) if _first_width(items) == 1 else items
+    """Type of some items of one type when packed: lanes stay as they are, one lane too."""
+    of_lanes = isinstance(_first_leaf(items), LanesType)
+    return items if of_lanes else types.UniTuple(abreast_type(items.dtype, items.count), 1)
 
 
-def _first_width(kind: Any) -> int:
-    return _first_width(kind.types[0]) if isinstance(kind, types.BaseTuple) else getattr(kind, "count", 1)
+def _first_leaf(kind: Any) -> Any:
+    return _first_leaf(kind.types[0]) if isinstance(kind, types.BaseTuple) else kind
 
 
 def _unpacked(few: Any, like: Any) -> Any:

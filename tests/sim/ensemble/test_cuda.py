@@ -72,7 +72,7 @@ def test_in_the_simulator_a_thread_is_a_lane(name: str, tmp_path: Path) -> None:
 
 
 @BY_COMPILER
-@pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "earlier-actuator"])
+@pytest.mark.parametrize("name", ["paper-arm", "paper-small-joint", "earlier-actuator", "picking-arm"])
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_the_loop_becomes_machine_code_of_a_device(name: str, precision: str, monkeypatch: pytest.MonkeyPatch) -> None:
     cubin, ptx = assembled(name, precision, monkeypatch)
@@ -174,6 +174,9 @@ def test_no_device_is_one_line() -> None:
 
 
 def test_the_simulator_alone_is_not_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    from layflat.sim.ensemble import cuda
+
+    cuda.check_device.cache_clear()  # a device that worked is not tried again
     monkeypatch.setattr(config, "ENABLE_CUDASIM", 1)
     with pytest.raises(InputError, match="NUMBA_DISABLE_JIT=1"):
         ensemble("paper-arm", Scenario(duration="0.01 s"), runs=1, device="cuda")
