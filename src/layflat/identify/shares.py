@@ -39,10 +39,10 @@ class Shares:
         found = np.where(self.log, by_log, self.low + shares * (self.high - self.low))
         return np.asarray(found, dtype=np.float64)
 
-    def by_own(self, shares: Array, jacobian: Array) -> tuple[Array, Array]:
-        """Shares, and how residuals (rows) change by them, as shares of the unknowns themselves."""
+    def as_own(self, shares: Array) -> tuple[Array, Array]:
+        """Shares as those of the unknowns themselves, and how much these (rows) change by them (columns)."""
         if self.own is self:
-            return shares, jacobian
-        own, away = self.own.of(self.values(shares)), NEAR * np.eye(len(shares))
-        slopes = (self.of(self.own.values(own + away)) - self.of(self.own.values(own - away))) / (2.0 * NEAR)
-        return own, np.asarray(jacobian @ slopes.T)
+            return shares, np.eye(len(shares))
+        away = NEAR * np.eye(len(shares))
+        up, down = (self.own.of(self.values(shares + way * away)) for way in (1.0, -1.0))
+        return self.own.of(self.values(shares)), np.asarray((up - down).T / (2.0 * NEAR))

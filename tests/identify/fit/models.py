@@ -72,6 +72,19 @@ class Product(Model):
         return np.asarray(values[:, 0, None] * values[:, 1, None] * TIME)
 
 
+class Linearly(Product):
+    """y = a t: nothing is told of b, which is searched linearly, though its range is one of factors."""
+
+    def simulate(self, values: Array) -> Array:
+        return np.asarray(values[:, 0, None] * TIME)
+
+    @cached_property
+    def shares(self) -> Shares:
+        found = Shares(self.unknowns)
+        found.own, found.log = Shares(self.unknowns), np.array([True, False])
+        return found
+
+
 class Level(Model):
     """y = level + shift, where little but nothing sure is known of the shift before."""
 

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import TIME, ByLifetime, Decay, Led, Level, Product, TwoTones
+from models import TIME, ByLifetime, Decay, Led, Level, Linearly, Product, TwoTones
 
 from layflat.errors import InputError
 from layflat.identify import fit
+from layflat.identify.fit.certainty import NORMAL
+from layflat.identify.fit.residuals import PRIOR_WIDTH
 
 TRUTH = np.array([1.7, 0.6, 0.2])
 
@@ -26,6 +28,13 @@ def test_what_is_searched_in_other_values_comes_back_with_the_same_intervals() -
         for name in ("value", "low", "high"):
             assert getattr(same, name) == pytest.approx(getattr(one, name), abs=0.05 * width)
     assert other.trusted
+
+
+def test_what_logs_do_not_tell_is_as_unsure_as_it_was_searched() -> None:
+    b = fit(Linearly(), starts=0).of("b")
+    known = PRIOR_WIDTH * (b.unknown.high - b.unknown.low) / b.value  # standard deviation of log b
+    assert b.value == pytest.approx(b.unknown.guess, rel=1e-6)
+    assert np.log(b.high / b.low) == pytest.approx(2.0 * NORMAL * known, rel=1e-3)
 
 
 def test_intervals_hold_as_often_as_they_say() -> None:

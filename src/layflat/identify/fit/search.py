@@ -194,9 +194,11 @@ class _Search:
             J = self.residuals.data_jacobian(found)
         r = self.residuals.data(found[None])[0]
         self.simulations += 2 * passes * len(found) + 2
-        values, (shares, J) = scaled.values(found), scaled.by_own(found, J)
-        spread = covariance(J, r, self.residuals.widths)
-        low, high = interval(shares, spread, bootstrap(J, r, self.residuals.widths, blocks_of(model, r), seed))
+        # Knowledge and priors are those of what was searched: only then is it brought to the unknowns themselves.
+        values, (shares, slopes) = scaled.values(found), scaled.as_own(found)
+        spread = slopes @ covariance(J, r, self.residuals.widths) @ slopes.T
+        moves = bootstrap(J, r, self.residuals.widths, blocks_of(model, r), seed) @ slopes.T
+        low, high = interval(shares, spread, moves)
         lows, highs = scaled.own.values(low), scaled.own.values(high)
         sizes = np.sqrt(np.diag(spread))
         alike = np.abs(spread / np.outer(sizes, sizes)) - 2.0 * np.eye(len(shares))

@@ -26,6 +26,14 @@ from layflat.physics.arms.chain.description import LinkPart, six_moments
 NAMES = ("mass", *(f"centre.{i}" for i in range(3)), *(f"inertia.{i}" for i in range(6)))
 CENTRE, INERTIA, MOMENTS = slice(1, 4), slice(4, 10), slice(4, 7)
 ROOT = (0, 1, 2, 1, 2, 2), (0, 1, 2, 0, 0, 1)  # where in a lower triangle, in the order of an inertia
+STRENGTHS = (
+    "conductance", "leakage", "torque_factor", "dead_volume", "compliance", "brake.torque", "brake.viscous",
+)  # fmt: skip
+"""What grows with how strong and heavy an arm is as a whole, and changes nothing as long as all of it does.
+
+Links are searched linearly: where these were by logarithms, that way would be bent, and bends pass for knowledge.
+"""
+
 ROUNDING, MARGIN = 1e-12, 1e-6  # what is positive in spite of rounding; by how much a body is thicker than it must be
 LONG = 200  # steps in which the nearest bodies are looked for
 HEAVIER = 2.0  # how far beyond the described mass, as a share of it, what goes with mass is searched
@@ -120,6 +128,7 @@ class BodyShares(Shares):
     def __init__(self, machine: Machine, unknowns: Sequence[Unknown]) -> None:
         super().__init__(unknowns)
         self.own = Shares(unknowns)
+        self.log &= [not unknown.path.endswith(STRENGTHS) for unknown in unknowns]
         places = {unknown.path: number for number, unknown in enumerate(unknowns)}
         links = machine.arm.link.items() if machine.arm.own_links else ()
         bodies = [Body.of(f"arm.link.{name}", link, places) for name, link in links]
