@@ -1,7 +1,8 @@
 """Random machines, identified from logs that they are simulated to give: how often the truth lies within the intervals.
 
 python -m benchmarks.identification [--machine paper-arm] [--count 40] [--first 0] [--seed 0] [--out FILE]
-python -m benchmarks.identification --arms [--count 5]           # another random arm of four joints each time
+python -m benchmarks.identification --arms [--count 5] [--loaded]
+    another random arm of four joints each time, logged with its payload and without, or only with it
 
 Every number that is fitted is drawn anew for each machine, around the description that the search begins with; sensors
 are noisy and have 12 bits.
@@ -18,7 +19,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from layflat.description.change import changed_all
+from layflat.description.change import changed, changed_all
 from layflat.design.arm.sizing import size_arm
 from layflat.design.arm.task import read_task
 from layflat.identify import Fit, Unknown, fit
@@ -35,11 +36,13 @@ KEPT = {
     "measured_pressure": "measured_pressure",
     "measured_angle": "angle",
     "dither_share": "dither",
+    "payload": "payload",
 }
 
 SPREAD = 0.25
 """Logarithms of the truth lie within this of the description's; other values within this share of what is searched."""
 
+AGAIN = 1000  # what is added to the seed of a log's noise for the log after it
 LINKS, LENGTHS, PAYLOADS, SUPPLIES = 4, (0.12, 0.35), (0.3, 1.0), (4.0, 6.0)  # of random arms, m, kg, bar
 
 
@@ -82,6 +85,15 @@ def log_of(machine: Machine, base: Machine, seed: int) -> xarray.Dataset:
     return run[[name for name in KEPT if name in run]].rename({n: to for n, to in KEPT.items() if n in run and n != to})
 
 
+def logs_of(machine: Machine, base: Machine, seed: int, *, bare: bool) -> dict[str, xarray.Dataset]:
+    """Logs of a machine with its payload and, if it is to go `bare` too, of one without."""
+    logs = {"loaded": log_of(machine, base, seed)}
+    if bare:
+        unloaded, described = (changed(one, "arm.payload", 0.0) for one in (machine, base))
+        logs["bare"] = log_of(unloaded, described, seed + AGAIN)
+    return logs
+
+
 def validation(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
     """For every value: whether it is told, whether the truth lies within its interval, and the error."""
     return [
@@ -106,6 +118,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--machine", default="paper-arm")
     parser.add_argument("--arms", action="store_true", help="another random arm of four joints each time")
+    parser.add_argument("--loaded", action="store_true", help="log these arms with their payload alone")
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--first", type=int, default=0, help="number of the first machine")
     parser.add_argument("--seed", type=int, default=0)
@@ -117,9 +130,9 @@ def main() -> None:
         sought = unknowns(base, BLOCKS)
         random = np.random.default_rng((given.seed, number))
         machine, truth = drawn(base, sought, random)
-        log = log_of(machine, base, number)
+        logs = logs_of(machine, base, number, bare=given.arms and not given.loaded)
         begun = time.perf_counter()
-        found = fit(ArmModel(base, {"log": log}, blocks=BLOCKS), seed=number)
+        found = fit(ArmModel(base, logs, blocks=BLOCKS), seed=number)
         taken = time.perf_counter() - begun
         values = validation(found, truth)
         worst = max(quality.share for quality in found.qualities() if quality.validation)

@@ -147,6 +147,15 @@ def test_another_log_judges_and_all_of_the_first_is_fitted() -> None:
     }  # fmt: skip
 
 
+@pytest.mark.parametrize(("bits", "reach"), [(12, np.radians(2.0 * 150.0 / 2**12)), (20, np.radians(4.0 * 0.01))])
+def test_a_log_begins_within_counts_and_noise_of_the_first_angle(bits: int, reach: float) -> None:
+    machine = changed(SMALL, "angle_sensor.bits", bits)
+    model = ArmModel(machine, {"log": log_of(machine, 0.5)}, blocks=["friction"])
+    begin = next(one for one in model.unknowns if one.path == "start.log.angle.small")
+    assert begin.high - begin.guess == pytest.approx(reach)
+    assert begin.guess - begin.low == pytest.approx(reach)
+
+
 def test_gaps_in_what_was_measured_do_no_harm() -> None:
     log = log_of(SMALL, 3.0)
     angle = log["angle"].to_numpy().copy()

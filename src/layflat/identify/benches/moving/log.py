@@ -19,7 +19,7 @@ TRACES = ("angle", "pressure_a", "pressure_b")
 
 SMOOTHED = 9  # samples over which an angle that is fed back is smoothed
 FIRST = 4  # samples of which the mean is what a log begins with: one period of the dither
-COUNTS = 2.0  # a log begins within so many counts of the angle that was first measured
+COUNTS, NOISES = 2.0, 4.0  # a log begins within so many counts, or standard deviations, of the angle first measured
 
 
 def sensor_offset(machine: Machine) -> float:
@@ -136,7 +136,7 @@ class Record:
     def _nuisances(self) -> list[Unknown]:
         """What a log begins with, to be fitted along with the rest; for validation the first measured samples hold."""
         _, angle, _ = parameters.drive_parts(self.machine)
-        reach, found = COUNTS * angle.range / 2**angle.bits, []
+        reach, found = max(COUNTS * angle.range / 2**angle.bits, NOISES * angle.noise), []
         low, high = 0.9 * self.machine.supply.ambient_pressure, 1.05 * self.machine.supply.pressure
         for name, q, a, b in zip(self.joints, self.angles, *self.pressures, strict=True):
             where = f"start.{self.name}"
