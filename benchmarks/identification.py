@@ -107,6 +107,11 @@ def validation(found: Fit, truth: dict[str, float]) -> list[dict[str, Any]]:
     ]
 
 
+def _middle(told: list[dict[str, Any]]) -> float:
+    """Median error of the values that are told; not a number where none is."""
+    return float(np.median([value["error"] for value in told])) if told else np.nan
+
+
 def _named(path: str) -> str:
     """What a path names, without the joint that it is of."""
     first, *rest = path.split(".")
@@ -139,7 +144,7 @@ def main() -> None:
         rows.append({"seconds": taken, "converged": found.converged, "judged_share": worst, "values": values})
         told = [value for value in values if value["identified"]]
         inside = sum(value["inside"] for value in told)
-        error = np.median([value["error"] for value in told]) if told else np.nan
+        error = _middle(told)
         print(
             f"{number}: {inside} of {len(told)} told inside ({len(values)} sought), median error {100 * error:.2f} %, "
             f"free run {100 * worst:.2f} % of range, {taken:.1f} s", flush=True,
@@ -150,8 +155,8 @@ def main() -> None:
         "machines": given.count,
         "identified": len(told),
         "sought": sum(len(row["values"]) for row in rows),
-        "inside": float(np.mean([value["inside"] for value in told])),
-        "median_error": float(np.median([value["error"] for value in told])),
+        "inside": float(np.mean([value["inside"] for value in told])) if told else None,
+        "median_error": _middle(told) if told else None,
         "seconds": float(np.median([row["seconds"] for row in rows])),
         "by_value": {
             name: float(np.mean([value["inside"] for value in told if _named(value["path"]) == name]))

@@ -64,7 +64,8 @@ def prediction(found: Fit) -> str:
         mine = [one for one in found.predictions if one.output == name]
         worst = max(mine, key=lambda one: one.rms)
         where = f" at worst, in {worst.log}" if len(mine) > 1 else ""
-        parts.append(f"{name} within {_rms(worst)} rms ({percent(worst.share)} % of its range){where}")
+        within = f"within {_rms(worst)} rms ({percent(worst.share)} % of its range)"
+        parts.append(f"{name} {'not at all: the run diverged' if worst.diverged else within}{where}")
     return f"Validation: what was not fitted is predicted, {'; '.join(parts)}."
 
 
@@ -85,7 +86,8 @@ def untrusted(found: Fit, values: Sequence[Written]) -> str | None:
         return f"{(at or nuisances)[0]} hit its bound: the description or the log is far off"
     missed = found.mispredicted
     if missed is not None:
-        error = f"{missed.output} is missed by {percent(missed.share)} % of its range where it was not fitted"
+        by = "altogether, as the run diverged," if missed.diverged else f"by {percent(missed.share)} % of its range"
+        error = f"{missed.output} is missed {by} where it was not fitted"
         return f"{error}: begin with a description that is closer, or record slower moves within the stroke"
     return "the search was stopped" if found.partial else "the search did not converge"
 
@@ -122,10 +124,11 @@ def _rms(quality: Quality) -> str:
 
 def _quality_row(quality: Quality) -> Row:
     """Log, signal, fitted or validation, rms and bias in units, fit in %, and the tests of the residuals."""
+    begin = [quality.log, quality.output, "validation" if quality.validation else "fitted"]
+    if quality.diverged:
+        return [*begin, "diverged", *[""] * 5]
     return [
-        quality.log,
-        quality.output,
-        "validation" if quality.validation else "fitted",
+        *begin,
         _rms(quality),
         percent(quality.share),
         f"{100 * quality.fit:.1f}",

@@ -10,6 +10,7 @@ from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.fit.certainty import NORMAL
 from layflat.identify.fit.residuals import PRIOR_WIDTH
+from layflat.identify.report_text import prediction, untrusted
 
 TRUTH = np.array([1.7, 0.6, 0.2])
 
@@ -137,6 +138,18 @@ def test_quality_is_told_apart_for_what_was_fitted_and_what_was_not() -> None:
     assert validation.rms == pytest.approx(0.05, rel=0.25)
     assert fitted.white > 0.8
     assert fitted.driven is None
+
+
+def test_a_run_that_diverged_where_it_was_not_fitted_is_no_prediction() -> None:
+    found = fit(Decay(TRUTH, 0.05, 0), starts=0)
+    last = np.append(found.simulated[:-1], np.nan)
+    lost = replace(found, simulated=last)
+    assert found.trusted
+    assert lost.mispredicted is not None
+    assert lost.mispredicted.diverged
+    assert not lost.trusted
+    assert "not at all: the run diverged" in prediction(lost)
+    assert (untrusted(lost, []) or "").startswith("y is missed altogether, as the run diverged, where")
 
 
 def test_samples_that_were_not_measured_do_not_count() -> None:

@@ -54,6 +54,11 @@ class Quality:
     white: float  # share of the lags at which errors resemble themselves no more than chance; 0.95 for a perfect model
     driven: float | None  # greatest correlation of the error with the input, at any lag; None where no input is known
 
+    @property
+    def diverged(self) -> bool:
+        """Whether the simulation came to no end: nothing is predicted then."""
+        return not np.isfinite(self.rms)
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -114,6 +119,9 @@ class Fit:
 def quality(output: Output, chosen: Flags, simulated: Array, *, validation: bool) -> Quality:
     """Of the chosen samples of an output."""
     measured, error = output.measured[chosen], simulated[chosen] - output.measured[chosen]
+    if not np.isfinite(error).all():
+        whole = (output.name, output.unit, output.log, validation, len(error))
+        return Quality(*whole, rms=np.inf, bias=np.inf, share=np.inf, fit=-np.inf, white=0.0, driven=None)
     rms, spread, reach = float(np.sqrt(np.mean(error**2))), float(np.std(measured)), float(np.ptp(measured))
     alike = [abs(_correlation(error[lag:], error[:-lag])) for lag in range(1, min(LAGS, len(error) - 2) + 1)]
     return Quality(
