@@ -156,6 +156,16 @@ def test_a_log_begins_within_counts_and_noise_of_the_first_angle(bits: int, reac
     assert begin.guess - begin.low == pytest.approx(reach)
 
 
+def test_what_is_simulated_ends_where_readings_do() -> None:
+    log, narrow = log_of(SMALL, 2.0), changed(SMALL, "angle_sensor.range", 0.4)
+    ended = without_true_angle(log, "angle", np.clip(log["angle"].to_numpy(), -0.2, 0.2))
+    for given, end in ((ended, 0.2), (log, float(abs(log["angle"]).max()))):
+        model = ArmModel(narrow, {"log": given}, blocks=["friction"])
+        angle = model.simulate(model.guess[None])[0][model.slices[0]]
+        assert np.max(np.abs(angle)) == pytest.approx(end, abs=2e-3)
+        assert np.max(np.abs(angle)) <= end
+
+
 def test_gaps_in_what_was_measured_do_no_harm() -> None:
     log = log_of(SMALL, 3.0)
     angle = log["angle"].to_numpy().copy()

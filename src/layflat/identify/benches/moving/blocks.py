@@ -38,7 +38,7 @@ SWITCHING = (
     ParameterSpec("valve.closing_delay", "s", factor_range(3.0), "pulses of all lengths"),
 )
 HOSE = (
-    ParameterSpec("hose.torque_factor", "1", factor_range(2.0), "fast moves of a known payload"),
+    ParameterSpec("hose.torque_factor", "1", factor_range(2.0), "fast moves with a known payload, and without"),
     ParameterSpec("hose.dead_volume", "m^3", factor_range(3.0), FILLING),
     ParameterSpec("hose.compliance", "m^3/Pa", factor_range(10.0, 1e-10), "filling from low pressure"),
     ParameterSpec("hose.wall_conductance", "W/K", factor_range(10.0, 10.0), "fast filling, then pauses of seconds"),

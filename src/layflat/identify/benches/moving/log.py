@@ -180,8 +180,18 @@ class Record:
         difference = signals["pressure_a"] - signals["pressure_b"]
         signals["measured_pressure"] = difference + np.broadcast_to(offset, count)[:, None, None]
         for i, name in enumerate(self.measured):
-            found[:, i, :, :samples] = signals[name]
+            found[:, i, :, :samples] = np.clip(signals[name], -self.ends[name], self.ends[name])
         return found.reshape(count, -1)
+
+    @cached_property
+    def ends(self) -> dict[str, float]:
+        """Where the readings of every measured signal end, both ways: a joint that is thrown to its stop is beyond."""
+        _, angle, pressure = parameters.drive_parts(self.machine)
+        halves = {"angle": 0.5 * angle.range, "measured_pressure": 0.5 * pressure.range}
+        return {
+            name: max(halves.get(name, np.inf), float(np.nanmax(np.abs(values), initial=0.0)))
+            for name, values in self.measured.items()
+        }
 
     def _led(self, shared: Mapping[str, Array], offset: Array, stage: Stage, leads: Leads) -> dict[str, Array]:
         """What draws candidates to the log."""
