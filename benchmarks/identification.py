@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import xarray
 
+from layflat.arrays import Array
 from layflat.description.change import changed, changed_all
 from layflat.design.arm.sizing import size_arm
 from layflat.design.arm.task import read_task
@@ -77,20 +78,21 @@ def drawn(machine: Machine, sought: list[Unknown], random: np.random.Generator) 
     return changed_all(machine, truth), truth
 
 
-def log_of(machine: Machine, base: Machine, seed: int) -> xarray.Dataset:
-    """What the sensors see of a machine that follows the bench sequence, controlled as the described one would be."""
-    times, demand = sequence(base)
+def log_of(machine: Machine, base: Machine, followed: tuple[Array, Array], seed: int) -> xarray.Dataset:
+    """What the sensors see of a machine that follows a bench sequence, controlled as the described one would be."""
+    times, demand = followed
     duration = float(len(times) * (times[1] - times[0]))
     run = rollout(machine, demand, duration=duration, start=0.0, seed=seed, controller=base)
     return run[[name for name in KEPT if name in run]].rename({n: to for n, to in KEPT.items() if n in run and n != to})
 
 
 def logs_of(machine: Machine, base: Machine, seed: int, *, bare: bool) -> dict[str, xarray.Dataset]:
-    """Logs of a machine with its payload and, if it is to go `bare` too, of one without."""
-    logs = {"loaded": log_of(machine, base, seed)}
+    """Logs of a machine with its payload and, if it is to go `bare` too, of the same sequence without."""
+    followed = sequence(base)
+    logs = {"loaded": log_of(machine, base, followed, seed)}
     if bare:
         unloaded, described = (changed(one, "arm.payload", 0.0) for one in (machine, base))
-        logs["bare"] = log_of(unloaded, described, seed + AGAIN)
+        logs["bare"] = log_of(unloaded, described, followed, seed + AGAIN)
     return logs
 
 

@@ -188,10 +188,10 @@ class _Search:
         """Estimates with their intervals, and what they predict by the model that runs freely, if that can be."""
         scaled, model, passes = self.residuals.scaled, self.model, 1 if partial else PASSES
         found = np.clip(scaled.of(scaled.values(shares)), 0.0, 1.0)
-        J = self.residuals.data_jacobian(found)
-        found = model.settled(found, self.residuals.triangle)
-        for _ in range(1, passes):
+        for number in range(passes):
             J = self.residuals.data_jacobian(found)
+            if number == passes // 2:  # by a Jacobian whose axes have been found
+                found = model.settled(found, self.residuals.triangle)
         r = self.residuals.data(found[None])[0]
         self.simulations += 2 * passes * len(found) + 2
         # Knowledge and priors are those of what was searched: only then is it brought to the unknowns themselves.

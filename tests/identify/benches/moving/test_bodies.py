@@ -114,6 +114,21 @@ def test_bodies_are_found_that_act_as_what_no_body_can_be() -> None:
     assert settled < 1e-2 * clipped
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_all_else_gives_way_to_bodies_within_its_bounds(seed: int) -> None:
+    scaled, draw = SHARES["picking-arm"], np.random.default_rng(seed)
+    others = np.setdiff1d(np.arange(len(scaled.low)), np.concatenate([body.places for body in scaled.bodies]))
+    asked = anywhere("picking-arm", seed, 0.3, 0.7)
+    near = made("picking-arm", asked)
+    asked[others] += 2.0 * draw.choice([-1.0, 1.0], len(others))  # nowhere near what they may be
+    near[others] = np.clip(asked[others], 0.0, 1.0)
+    triangle = np.triu(draw.standard_normal((len(asked), len(asked)))) + 3.0 * np.eye(len(asked))
+    found = scaled.nearest(asked, near, triangle)
+    assert np.all((found[others] >= 0.0) & (found[others] <= 1.0))
+    assert made("picking-arm", found) == pytest.approx(found, abs=1e-3)  # but for rounding
+    assert np.linalg.norm(triangle @ (found - asked)) < 0.9 * np.linalg.norm(triangle @ (near - asked))
+
+
 @given(names, seeds)
 @example("picking-arm", 512)  # as thin as a body may be
 def test_roots_come_back_as_the_body_that_they_are_of(name: str, seed: int) -> None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from layflat.arrays import Array
 from layflat.identify.benches.moving.spread import THICK, inertia_of, is_thin, spread_of
 from layflat.identify.model import Flags
-from layflat.identify.shares import Shares
+from layflat.identify.shares import NEAR, Shares
 from layflat.identify.unknown import Unknown
 from layflat.machine import Machine
 from layflat.physics.arms.chain.description import LinkPart, six_moments
@@ -35,7 +35,8 @@ Links are searched linearly: where these were by logarithms, that way would be b
 """
 
 ROUNDING, MARGIN = 1e-12, 1e-6  # what is positive in spite of rounding; by how much a body is thicker than it must be
-LONG = 200  # steps in which the nearest bodies are looked for
+LONG = 1000  # steps in which the nearest bodies are looked for
+WIDE = 1e6  # factor by which moments may then differ from what is described
 HEAVIER = 2.0  # how far beyond the described mass, as a share of it, what goes with mass is searched
 
 
@@ -108,6 +109,14 @@ class Body(NamedTuple):
             body[INERTIA] = inertia_of(above + least * np.eye(3))
         return np.asarray(body[self.sought])
 
+    def ends(self, low: Array, high: Array) -> Array:
+        """Between which roots are looked for, (2, sought), from the ends of the unknowns' values."""
+        found = np.repeat([[-np.inf], [np.inf]], len(NAMES), axis=1)
+        found[:, 0] = [np.log(self.filled(end)[0]) for end in (low, high)]
+        if not self.spreads:
+            found[:, MOMENTS] = np.log(self.described[MOMENTS]) + np.log(WIDE) * np.array([[-1.0], [1.0]])
+        return found[:, self.sought]
+
     def reach(self, high: Array) -> Array:
         """How far what is sought of m c and of I about the joint is searched, both ways; none of m."""
         m, c = self.described[0], self.described[CENTRE]
@@ -148,30 +157,51 @@ class BodyShares(Shares):
         return self._turned(super().values(shares), Body.about_centre)
 
     def nearest(self, shares: Array, near: Array, triangle: Array) -> Array:
-        """Shares whose links are bodies, as `triangle` times what differs is least, from `near` on, where links are."""
+        """Shares whose links are bodies, as `triangle` times what differs is least, from `near` on, where links are.
+
+        All else gives way as far as its bounds let it.
+        """
         from scipy.optimize import least_squares  # noqa: PLC0415  # scipy.optimize takes long to import
 
-        values = self.values(near)
         links = np.concatenate([body.places for body in self.bodies])
         others = np.setdiff1d(np.arange(len(shares)), links)
-        first = len(others)
-        ordered = np.asarray(np.linalg.qr(triangle[:, np.concatenate([others, links])], mode="r"))
+        ends = np.cumsum([len(others), *(len(body.places) for body in self.bodies)])[:-1]
 
         def back(free: Array) -> Array:
-            ends = np.cumsum([len(body.places) for body in self.bodies])
-            for body, roots in zip(self.bodies, np.split(free, ends[:-1]), strict=True):
-                values[body.places] = body.rooted(roots)
-            return self.of(values)
+            first, *roots = np.split(free, ends)
+            found = np.empty(len(shares))
+            found[others] = first
+            for body, root in zip(self.bodies, roots, strict=True):
+                found[body.places] = self._rooted(body, root)
+            return found
 
         def missed(free: Array) -> Array:
-            return np.asarray(ordered[first:, first:] @ (back(free) - shares)[links])
+            return np.asarray(triangle @ (back(free) - shares))
 
-        begun = np.concatenate([body.roots(values) for body in self.bodies])
-        found = back(np.asarray(least_squares(missed, begun, max_nfev=LONG).x))
-        # All else goes where it makes up best for what links are now.
-        along = np.linalg.solve(ordered[:first, :first], ordered[:first, first:] @ (found - shares)[links])
-        found[others] = np.clip(shares[others] - along, 0.0, 1.0)
-        return found
+        def slopes(free: Array) -> Array:
+            first, *roots = np.split(free, ends)
+            ways = np.zeros((len(shares), len(free)))
+            ways[others, : len(first)] = np.eye(len(first))
+            for body, root, begin in zip(self.bodies, roots, ends, strict=True):
+                away = np.diag(NEAR * np.maximum(np.abs(root), NEAR))
+                for i, step in enumerate(away):
+                    moved = self._rooted(body, root + step) - self._rooted(body, root - step)
+                    ways[body.places, begin + i] = moved / (2.0 * step[i])
+            return np.asarray(triangle @ ways)
+
+        begun = np.concatenate([near[others], *(body.roots(self.values(near)) for body in self.bodies)])
+        within = [np.repeat([[0.0], [1.0]], len(others), axis=1)]
+        low, high = np.concatenate([*within, *(body.ends(self.own.low, self.own.high) for body in self.bodies)], axis=1)
+        found = least_squares(
+            missed, np.clip(begun, low, high), slopes, bounds=(low, high), x_scale="jac", max_nfev=LONG
+        )
+        return back(np.asarray(found.x))
+
+    def _rooted(self, body: Body, roots: Array) -> Array:
+        """Shares of a body from its roots."""
+        values, low, high = np.zeros(len(self.low)), self.low[body.places], self.high[body.places]
+        values[body.places] = body.rooted(roots)
+        return np.asarray((body.about_joint(values) - low) / (high - low))
 
     def _turned(self, values: Array, way: Callable[[Body, Array], Array]) -> Array:
         found = np.array(values)
