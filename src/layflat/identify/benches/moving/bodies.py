@@ -27,7 +27,8 @@ NAMES = ("mass", *(f"centre.{i}" for i in range(3)), *(f"inertia.{i}" for i in r
 CENTRE, INERTIA, MOMENTS = slice(1, 4), slice(4, 10), slice(4, 7)
 ROOT = (0, 1, 2, 1, 2, 2), (0, 1, 2, 0, 0, 1)  # where in a lower triangle, in the order of an inertia
 STRENGTHS = (
-    "conductance", "leakage", "torque_factor", "dead_volume", "compliance", "brake.torque", "brake.viscous",
+    "valve.conductance", "valve.leakage", "hose.torque_factor", "hose.dead_volume", "hose.compliance",
+    "hose.wall_conductance", "brake.torque", "brake.viscous",
 )  # fmt: skip
 """What grows with how strong and heavy an arm is as a whole, and changes nothing as long as all of it does.
 
@@ -190,8 +191,8 @@ class BodyShares(Shares):
             return np.asarray(triangle @ ways)
 
         begun = np.concatenate([near[others], *(body.roots(self.values(near)) for body in self.bodies)])
-        within = [np.repeat([[0.0], [1.0]], len(others), axis=1)]
-        low, high = np.concatenate([*within, *(body.ends(self.own.low, self.own.high) for body in self.bodies)], axis=1)
+        shared = np.repeat([[0.0], [1.0]], len(others), axis=1)
+        low, high = np.hstack([shared, *(body.ends(self.own.low, self.own.high) for body in self.bodies)])
         found = least_squares(
             missed, np.clip(begun, low, high), slopes, bounds=(low, high), x_scale="jac", max_nfev=LONG
         )
