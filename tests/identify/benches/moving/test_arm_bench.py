@@ -166,6 +166,41 @@ def test_what_is_simulated_ends_where_readings_do() -> None:
         assert np.max(np.abs(angle)) <= end
 
 
+def thrown(duration: float, when: float) -> xarray.Dataset:
+    """A log of a joint that is pushed at its stop for 0.15 s."""
+    push = np.zeros((round(duration / SMALL.cycle), 1))
+    push[round(when / SMALL.cycle) :][: round(0.15 / SMALL.cycle)] = 100.0
+    return log_of(SMALL, duration, load=push)
+
+
+def test_a_log_ends_where_a_joint_is_thrown_to_its_stop() -> None:
+    log = thrown(6.0, 4.5)
+    model = ArmModel(SMALL, {"log": log}, blocks=["friction"])
+    met = float(model.outputs[0].time[-1] + SMALL.cycle)
+    assert 4.5 < met < 4.6
+    assert model.remarks == (
+        f"In log joint 'small' is thrown to its stop at {met:.3g} s, and nothing from there on is used: log it again, "
+        "slower or over a smaller reach.",
+    )
+    angle = log["angle"].sel(time=slice(0.0, met)).to_numpy()
+    assert angle[-1] > 0.5 * SMALL.joints["small"].stops.mechanical_stroke > angle[-2]
+    found = fit(model, starts=0)
+    assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
+    assert found.remarks == model.remarks
+    with pytest.raises(
+        InputError, match=r"log: joint 'small' is thrown to its stop at 1\.0\d s, where .* log it again"
+    ):
+        ArmModel(SMALL, {"log": thrown(2.0, 1.0)}, blocks=["friction"])
+
+
+def test_a_joint_that_is_laid_down_on_its_stop_is_not_thrown() -> None:
+    log = log_of(SMALL, 4.0)
+    slow = 1.3 * np.sin(2.0 * np.pi * 0.05 * log["time"].to_numpy())[:, None]
+    model = ArmModel(SMALL, {"log": without_true_angle(log, "angle", slow)}, blocks=["friction"])
+    assert len(model.outputs[0].time) == log.sizes["time"]
+    assert not model.remarks
+
+
 def test_gaps_in_what_was_measured_do_no_harm() -> None:
     log = log_of(SMALL, 3.0)
     angle = log["angle"].to_numpy().copy()

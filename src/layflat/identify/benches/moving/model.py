@@ -13,6 +13,7 @@ from layflat.errors import InputError
 from layflat.identify.benches.contract import Bench, Logs, require_samples
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
 from layflat.identify.benches.moving.bodies import BodyShares
+from layflat.identify.benches.moving.impacts import up_to_impacts
 from layflat.identify.benches.moving.leading import Leads, Stage
 from layflat.identify.benches.moving.log import Record, sensor_offset
 from layflat.identify.benches.moving.spread import possible
@@ -66,10 +67,13 @@ class ArmModel(Model):
             raise InputError("has no pressure sensor", where=machine.origin, right="leave sensors out of --fit")
         require_samples({**logs, **(validation or {})}, ("angle", "voltage"), list(machine.joints))
         self.machine, self.stage = machine, FREE
+        logs, said = up_to_impacts(machine, logs)
+        validation, said_of_others = up_to_impacts(machine, validation or {})
+        self.remarks = (*said, *said_of_others)
         found = unknowns(machine, blocks)
         known = {unknown.path for unknown in found}
         self.records = [Record(machine, name, log, bool(validation), known) for name, log in logs.items()]
-        self.records += [Record(machine, name, log, None, known) for name, log in (validation or {}).items()]
+        self.records += [Record(machine, name, log, None, known) for name, log in validation.items()]
         angles = [record.angle for record in self.records]
         self.leads = Leads.of(machine, np.concatenate([q[:: len(q) // POSTURES + 1] for q in angles]))
         # A valve's null differs from joint to joint: what those after the first have on top.
