@@ -79,9 +79,9 @@ def test_limits_that_leave_no_room_and_machines_without_gains() -> None:
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("name", ["picking-arm", "single-joint-lift"])
-def test_arms_that_carry_what_they_weigh_follow_it(name: str) -> None:
-    machine = load(name)
+@pytest.mark.parametrize(("name", "payload"), [("picking-arm", 0.5), ("picking-arm", 0.0), ("single-joint-lift", 0.75)])
+def test_arms_that_carry_what_they_weigh_or_nothing_follow_it(name: str, payload: float) -> None:
+    machine = changed(load(name), "arm.payload", payload)
     time, demand = sequence(machine)
     run = rollout(machine, demand, duration=float(len(time) * machine.cycle), start=0.0, seed=1)
     limits = np.array([0.5 * joint.stops.working_stroke for joint in machine.joints.values()])
