@@ -59,4 +59,4 @@ def _thrown(machine: Machine, angles: Array) -> Flags:
     )
     outwards = np.sign(angles[BEFORE:]) * (angles[BEFORE:] - angles[:-BEFORE]) / (BEFORE * machine.cycle)
     arrives = (np.abs(angles[BEFORE:]) > np.clip(seen, working, stops)) & (outwards > HARD)
-    return np.concatenate([np.zeros_like(arrives[:BEFORE]), arrives])
+    return np.pad(arrives, ((BEFORE, 0), (0, 0)))
