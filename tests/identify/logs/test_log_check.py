@@ -178,6 +178,19 @@ def test_what_is_clipped_and_what_only_rests(tmp_path: Path) -> None:
     assert "stands at" not in told(quiet, "warning", "angle.small")
 
 
+@pytest.mark.parametrize(("frequency", "thrown"), [(3.0, True), (0.5, False)])
+def test_a_joint_that_is_thrown_to_its_stop_and_one_that_comes_to_it(frequency: float, thrown: bool) -> None:
+    log = run()
+    time = log["time"].to_numpy()
+    angle = np.where(time > 0.5, 1.3 * np.sin(2.0 * np.pi * frequency * (time - 0.5)), 0.0)
+    angle[(time > 0.6) & (time < 0.62)] = np.nan
+    told_of = [one for one in check(log.assign(angle=(log["angle"].dims, angle[:, None])), SMALL) if "stop" in one.text]
+    assert [one.channel for one in told_of] == (["angle.small"] if thrown else [])
+    if thrown:
+        assert told_of[0].text == "is thrown to its stop at 0.565 s"
+        assert told_of[0].right == "a fit goes no further: log it again, slower or over a smaller reach"
+
+
 def test_missing_samples(tmp_path: Path) -> None:
     def holes(x: Array) -> Array:
         x[100:130] = np.nan

@@ -1,11 +1,13 @@
 """Checks of a log before it is fitted: each module asks one kind of question."""
 
 from layflat.arrays import Dataset
-from layflat.identify.logs.checks import alive, gauges, missing, signs, units
+from layflat.identify.logs.checks import alive, gauges, missing, signs, stops, units
 from layflat.identify.logs.checks.channels import checked_log
 from layflat.identify.logs.issue import Issue, ordered
 
-QUESTIONS = (missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, signs.issues, alive.still)
+QUESTIONS = (
+    missing.issues, alive.issues, missing.clocks, units.issues, gauges.issues, signs.issues, stops.issues, alive.still
+)  # fmt: skip
 
 
 def check(log: Dataset, description: object | None = None) -> list[Issue]:
