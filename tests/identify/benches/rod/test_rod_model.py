@@ -8,11 +8,12 @@ import xarray
 from layflat.errors import InputError
 from layflat.identify import fit
 from layflat.identify.benches.hysteresis.errors import loop_errors
-from layflat.identify.benches.hysteresis.logs import noise, without_spikes
+from layflat.identify.benches.hysteresis.logs import noise
 from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_of
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.model import RodModel
+from layflat.identify.logs.checks.channels import without_spikes
 
 RIG = cast(RodBench, load_bench("friction-rig"))
 DATA = Path(__file__).parents[4].parent / "shared" / "data" / "zillen"

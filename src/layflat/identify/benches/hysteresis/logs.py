@@ -7,6 +7,7 @@ import numpy as np
 from layflat.arrays import Array, Dataset
 from layflat.errors import InputError
 from layflat.identify.benches.contract import Logs
+from layflat.identify.logs.checks.channels import without_spikes
 from layflat.identify.model import FITTED, Flags, Output
 
 SIZE = 0.03
@@ -37,16 +38,6 @@ def moving(log: Dataset, name: str, where: str, joint: str = "") -> Array:
     if not np.ptp(found) > 0.0:
         raise InputError(f"the {name} never changes", where=where, right="leave the log out")
     return found
-
-
-def without_spikes(values: Array) -> Array:
-    """Every sample replaced by the median of itself and its neighbours.
-
-    A steady rise or fall stays as it is, and single samples far off go: an element that slips would take a spike for
-    a motion to and fro, and forget where the motion reversed.
-    """
-    padded = np.concatenate([values[:1], values, values[-1:]])
-    return np.asarray(np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
 
 
 def noise(values: Array) -> float:

@@ -17,6 +17,7 @@ from layflat.identify.benches.hysteresis import logs as curves
 from layflat.identify.benches.hysteresis.model import LEAST, CurveModel, within
 from layflat.identify.benches.joint_loops.kinds import STARTS, loss_unknowns, replaced_losses
 from layflat.identify.benches.joint_loops.run import TurnedJoint, TurnedLog, turned_torque
+from layflat.identify.logs.checks.channels import without_spikes
 from layflat.identify.model import Output
 from layflat.identify.unknown import Unknown
 from layflat.machine import Joint, Machine, parameters
@@ -97,7 +98,7 @@ class LoopModel(CurveModel[Machine]):
         gauge = [np.zeros_like(angle), np.zeros_like(angle)]
         for i, name in enumerate(("pressure_a", "pressure_b")):
             if i == 0 or name in log:
-                gauge[i] = curves.without_spikes(curves.signal(log, name, out.log, self.joint)) - ambient
+                gauge[i] = without_spikes(curves.signal(log, name, out.log, self.joint)) - ambient
         brake = curves.signal(log, "brake", out.log, self.joint) if "brake" in log else np.ones_like(angle)
         give = max(curves.NOISES * curves.noise(angle), LEAST * float(np.ptp(angle)))
         return TurnedLog(angle, gauge[0], gauge[1], brake, curves.first_of(out), give)

@@ -21,6 +21,7 @@ from layflat.identify.benches.rod.laws import Rod, RodLog, rod_force
 from layflat.identify.benches.rod.linear import linear_step
 from layflat.identify.benches.rod.shape import shape_shown
 from layflat.identify.benches.rod.unknowns import OWN, Sizes, unknowns_of
+from layflat.identify.logs.checks.channels import without_spikes
 from layflat.identify.model import Output
 
 BLOCKS = ("piston", "friction", "profile", "shape", "viscous")
@@ -53,7 +54,7 @@ class RodModel(CurveModel[RodBench]):
         self.logs = []
         for log, out in zip([*logs.values(), *(validation or {}).values()], self.outputs, strict=True):
             position = curves.moving(log, "position", out.log)
-            pressure = curves.without_spikes(curves.signal(log, "pressure", out.log)) - bench.ambient_pressure
+            pressure = without_spikes(curves.signal(log, "pressure", out.log)) - bench.ambient_pressure
             self.logs.append(
                 RodLog(position, curves.rate(out.time, position), pressure, curves.first_of(out), pressure.mean())
             )

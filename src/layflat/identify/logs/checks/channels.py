@@ -121,6 +121,16 @@ def smoothed(values: Array, samples: int) -> Array:
     return np.convolve(values, np.full(samples, 1.0 / samples), "valid") if samples > 1 else values
 
 
+def without_spikes(values: Array) -> Array:
+    """Every sample replaced by the median of itself and its neighbours.
+
+    A steady rise or fall stays as it is, and single samples far off go: an element that slips would take a spike for
+    a motion to and fro, and forget where the motion reversed.
+    """
+    padded = np.concatenate([values[:1], values, values[-1:]])
+    return np.asarray(np.median(np.stack([padded[:-2], padded[1:-1], padded[2:]]), axis=0))
+
+
 def noise(values: Array) -> float:
     """Standard deviation of the noise of a signal that moves slowly beside its samples, from second differences."""
     if values.size < 3:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.identify.logs.checks.channels import CheckedLog
+from layflat.identify.logs.checks.channels import CheckedLog, without_spikes
 from layflat.identify.logs.issue import Issue
 from layflat.machine import Machine
 
@@ -34,7 +34,7 @@ def impact(machine: Machine, joint: str, angles: Array, period: float) -> int | 
     if sensor is not None:
         seen = 0.5 * sensor.range - sensor.range / 2**sensor.bits
         end = min(end, max(seen, 0.5 * stops.working_stroke))
-    whole = np.interp(samples, samples[known], angles[known])
+    whole = without_spikes(np.interp(samples, samples[known], angles[known]))
     outwards = np.sign(whole[BEFORE:]) * (whole[BEFORE:] - whole[:-BEFORE])
     found = np.flatnonzero((np.abs(whole[BEFORE:]) > end) & (outwards > HARD * BEFORE * period))
     return int(found[0]) + BEFORE if found.size else None
