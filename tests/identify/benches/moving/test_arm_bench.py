@@ -179,17 +179,15 @@ def test_a_log_ends_where_a_joint_is_thrown_to_its_stop() -> None:
     met = float(model.outputs[0].time[-1] + SMALL.cycle)
     assert 4.5 < met < 4.6
     assert model.remarks == (
-        f"In log joint 'small' is thrown to its stop at {met:.3g} s, and nothing from there on is used: log it again, "
-        "slower or over a smaller reach.",
+        f"Log 'log' is used up to {met:.3g} s, where joint 'small' is thrown to its stop: log it again, slower or over "
+        "a smaller reach.",
     )
     angle = log["angle"].sel(time=slice(0.0, met)).to_numpy()
     assert angle[-1] > 0.5 * SMALL.joints["small"].stops.mechanical_stroke > angle[-2]
     found = fit(model, starts=0)
     assert found.of("joint.small.brake.torque").value == pytest.approx(2.2, rel=0.03)
     assert found.remarks == model.remarks
-    with pytest.raises(
-        InputError, match=r"log: joint 'small' is thrown to its stop at 1\.0\d s, where .* log it again"
-    ):
+    with pytest.raises(InputError, match=r"log: is of use only up to 1\.0\d s, where joint 'small' .* log it again"):
         ArmModel(SMALL, {"log": thrown(2.0, 1.0)}, blocks=["friction"])
 
 

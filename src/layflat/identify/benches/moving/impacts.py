@@ -29,9 +29,9 @@ def up_to_impacts(machine: Machine, logs: Logs) -> tuple[dict[str, Dataset], tup
         if not thrown:
             continue
         joint, end = min(thrown.items(), key=lambda one: one[1])
-        what = f"joint {joint!r} is thrown to its stop at {float(log['time'][end]):.3g} s"
+        what = f"up to {float(log['time'][end]):.3g} s, where joint {joint!r} is thrown to its stop"
         if end * machine.cycle < SHORTEST:
-            raise InputError(f"{what}, where the log ends for a fit", where=name, right=RIGHT)
+            raise InputError(f"is of use only {what}", where=name, right=RIGHT)
         found[name] = log.isel(time=slice(end))
-        said.append(f"In {name} {what}, and nothing from there on is used: {RIGHT}.")
+        said.append(f"Log {name!r} is used {what}: {RIGHT}.")
     return found, tuple(said)
