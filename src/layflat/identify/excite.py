@@ -22,7 +22,7 @@ from layflat.motion.limits import abilities, together
 REACH, NARROW = 0.3, 0.02  # largest angle from the middle, as a share of the working stroke: usual, and least
 SPEED = 5.0  # greatest rate of the demand, rad/s: steps are ramps that a valve wide open follows
 SHARE = 0.5  # of the accelerations that all joints have at once
-RISE = 0.1  # least time to that rate, s: to what is faster, air in hoses and what drives it are late
+RISE = 0.1  # least time in which a demand comes to its greatest rate, s: at 0.05 s light joints are thrown about
 LEAST = 0.2  # share of its torque that is left to move a joint where gravity, friction and losses are the greatest
 LOOKED_AT = 0.2  # time from one posture that is looked at to the next, s
 SMALLER = 10  # shares of the reach that are tried where it is too large
@@ -84,8 +84,7 @@ def sequence(machine: Machine, *, reach: float = REACH, speed: float = SPEED, se
     joints = range(len(strokes))
     played = [np.concatenate([_played(WHOLE, cycle, seed, j), _played(AGAIN, cycle, seed, j, 1)]) for j in joints]
     wanted = strokes * np.stack(played, axis=1)
-    able = _accelerations(machine, wanted[:: round(LOOKED_AT / cycle)], reach)
-    acceleration = np.minimum(able, speed / RISE)
+    acceleration = np.minimum(_accelerations(machine, wanted[:: round(LOOKED_AT / cycle)], reach), speed / RISE)
     demand = _followed(reach * wanted, speed, acceleration, cycle)
     return np.asarray(cycle * np.arange(len(demand)), dtype=np.float64), demand
 

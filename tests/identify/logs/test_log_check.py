@@ -10,8 +10,10 @@ from recordings import Array, changed, mapping, recorded, run, told, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, read_log, refuse, save
+from layflat.identify.logs.checks.channels import without_spikes
 from layflat.identify.logs.issue import Issue
 from layflat.identify.logs.mapping import mapping_of
+from layflat.machine import changed as described
 from layflat.machine import load
 
 SMALL = load("paper-small-joint-fast")
@@ -190,6 +192,25 @@ def test_a_joint_that_is_thrown_to_its_stop_and_one_that_comes_to_it(frequency: 
     if thrown:
         assert told_of[0].text == "is thrown to its stop at 0.565 s"
         assert told_of[0].right == "a fit goes no further: log it again, slower or over a smaller reach"
+
+
+@pytest.mark.parametrize(("sensor", "thrown"), [("130 deg", True), ("100 deg", False)])
+def test_beyond_the_end_of_a_sensor_a_stop_is_supposed_only_outside_the_stroke(sensor: str, thrown: bool) -> None:
+    log = run()
+    time = log["time"].to_numpy()
+    end = np.radians(float(sensor.split(maxsplit=1)[0])) / 2.0
+    angle = np.clip(1.3 * np.sin(2.0 * np.pi * 3.0 * time), -end, end)[:, None]
+    machine = described(SMALL, "angle_sensor.range", sensor)
+    found = check(log.assign(angle=(log["angle"].dims, angle)), machine)
+    assert any("is thrown to its stop" in one.text for one in found) == thrown
+
+
+def test_a_median_of_three_leaves_a_way_as_it_is() -> None:
+    way = np.sort(np.random.default_rng(0).random(50))
+    np.testing.assert_array_equal(without_spikes(way), way)
+    spiked = way.copy()
+    spiked[20] = 9.0
+    assert np.abs(without_spikes(spiked) - way).max() <= np.diff(way).max()
 
 
 def test_missing_samples(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from layflat.identify.benches.hysteresis.model import rounded, shares_of, split_
 from layflat.identify.benches.loader import load_bench
 from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.benches.rod.model import RodModel
-from layflat.identify.logs.checks.channels import without_spikes
 
 RIG = cast(RodBench, load_bench("friction-rig"))
 DATA = Path(__file__).parents[4].parent / "shared" / "data" / "zillen"
@@ -191,14 +190,6 @@ def test_rounded_weights_add_up_to_one() -> None:
             weights = rounded(rng.dirichlet(np.ones(count)))
             assert abs(sum(weights) - 1.0) < 1e-12
             assert [float(f"{weight:.7g}") for weight in weights] == list(weights)
-
-
-def test_a_median_of_three_leaves_a_way_as_it_is() -> None:
-    way = np.sort(np.random.default_rng(0).random(50))
-    np.testing.assert_array_equal(without_spikes(way), way)
-    spiked = way.copy()
-    spiked[20] = 9.0
-    assert np.abs(without_spikes(spiked) - way).max() <= np.diff(way).max()
 
 
 def test_noise_of_a_smooth_motion() -> None:
