@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,20 @@ def parsed(words: list[str]) -> Any:
     return context
 
 
+def rows_of(text: str) -> list[list[str]]:
+    """Rows of the tables that a command prints, cell by cell."""
+    return [[cell.strip() for cell in re.split("[┃│]", line)] for line in text.splitlines() if re.search("[┃│]", line)]
+
+
+def printed_rows(page: Path, line: str) -> list[list[str]]:
+    """Rows of the table that a page shows behind a block whose last command this is."""
+    fenced = re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    for (_, block), (kind, shown) in pairwise(fenced):
+        if kind == "" and block.strip().endswith(line):
+            return rows_of(shown)
+    return []
+
+
 ALL = [pytest.param(line, id=f"{page.stem}: {line[:60]}") for page in PAGES for line in commands(page)]
 
 
@@ -110,6 +125,8 @@ def test_a_tutorial_works_as_typed(page: Path, tmp_path: Path) -> None:
             continue
         done = layflat(*words[1:], cwd=tmp_path)
         assert done.returncode == 0, f"{line}\n{done.stderr}"
+        for row in printed_rows(page, line):
+            assert row in rows_of(done.stdout), f"{line} prints no row {row}"
         _, _, into = " ".join(shlex.split(line, comments=True)).partition(" > ")
         if into:
             (tmp_path / into).write_text(done.stdout, encoding="utf-8")

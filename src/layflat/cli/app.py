@@ -26,6 +26,7 @@ app = LazyTyper(
         "show": "describe",
         "check": "describe",
         "schema": "describe",
+        "docs": "docs",
         "design": "design",
         "size": "design",
         "size-arm": "size_arm",
