@@ -160,6 +160,27 @@ def test_an_interrupt_keeps_the_best_values_so_far(bench: Path) -> None:
     assert "<b>Not to be trusted:</b>" in page
 
 
+def test_a_fit_is_printed_and_kept_though_no_description_can_be_written(bench: Path) -> None:
+    spoilt = (
+        "from layflat.cli import main; from layflat.errors import MachineError\n"
+        "from layflat.identify import identification\n"
+        "whole = identification.write_identified\n"
+        "def refuse(given, described, found, logs, path, replaces):\n"
+        "    if found.simulations: raise MachineError('is no length', where=f'{path}: valve.lag', right='give one')\n"
+        "    return whole(given, described, found, logs, path, replaces)\n"
+        "identification.write_identified = refuse; main()"
+    )
+    words = ("identify", "real.nc", "--machine", "paper-small-joint", "--fit", "friction", "--starts", "0")
+    command = [sys.executable, "-c", spoilt, *words, "--out", "spoilt"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=bench, check=False, timeout=300)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert "what was found is no description" in done.stderr
+    assert "all figures are in spoilt/paper-small-joint-identified.json" in done.stderr
+    assert "joint.small.brake.torque" in done.stdout
+    assert sorted(path.suffix for path in (bench / "spoilt").iterdir()) == [".html", ".json"]
+
+
 def test_mistakes_give_one_line_and_status_2(bench: Path) -> None:
     (bench / "foreign.csv").write_text("t,theta\n0,1\n1,2\n2,3\n", encoding="utf-8")
     of = ("--machine", "paper-small-joint")

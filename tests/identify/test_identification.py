@@ -16,6 +16,7 @@ from layflat.identify.identification import begin
 from layflat.identify.page import write_page
 from layflat.identify.report_text import count_identified, experiment_rows, issue_section, prediction, untrusted
 from layflat.machine import load
+from layflat.machine.libraries import BENCHES
 
 SMALL = "paper-small-joint"
 Table = dict[str, Array]
@@ -254,3 +255,30 @@ def test_measured_runs_of_a_regulated_joint(measured_data: Path, tmp_path: Path)
     assert session.blocks == ["valve", "gas", "motion"]
     assert list(session.validation) == ["motion_data_006"]
     assert np.diff(session.logs["motion_data_000"]["time"]) == pytest.approx(1.0 / 30.0, rel=1e-3)
+
+
+def test_a_result_that_could_not_be_written_is_refused_before_the_search(tmp_path: Path) -> None:
+    """A name of 95 letters is one; with "-identified" behind it it is too long for a description."""
+    text = BENCHES.text("regulated-elbow")
+    rig = tmp_path / f"{'e' * 95}.toml"
+    rig.write_text(text.replace("regulated-elbow", "e" * 95), encoding="utf-8")
+    time = np.arange(90) / 30.0
+    swing = 0.5 * np.sin(3.0 * time)
+    angle = -20.0 * np.cos(3.0 * time)
+    signals = {"setpoint_a": 5 + swing, "setpoint_b": 5 - swing, "pressure_a": 5 + swing, "pressure_b": 5 - swing}
+    table = {"time": time, "angle": angle} | signals
+    log = written(tmp_path / "log.csv", table, **{name: f"{name} [bar]" for name in signals}, angle="angle [deg]")
+    with pytest.raises(InputError, match=r"e-identified.toml: what will be found could not be written there \(name: "):
+        begin([log], rig, tmp_path)
+
+
+def test_figures_are_kept_and_said_where_no_description_holds_what_was_found(tmp_path: Path) -> None:
+    session = begin([written(tmp_path / "log.csv", columns())], SMALL, tmp_path, blocks="friction")
+    found = session.fit(starts=0)
+    spoilt = replace(found, estimates=tuple(replace(one, value=np.inf, high=np.nan) for one in found.estimates))
+    with pytest.raises(InputError):
+        session.keep(spoilt)
+    kept = json.loads(session.figures_path.read_text(encoding="utf-8"))
+    assert {one["value"] for one in kept["values"].values()} == {None}
+    assert not session.path.exists()
+    assert session.values(spoilt)[0].value == "inf N m"

@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 
 from layflat.arrays import Array
 from layflat.description.change import value_at
+from layflat.errors import InputError
 from layflat.identify import Fit, Model, Output, Unknown
 from layflat.identify.benches.loader import load_bench, load_described
 from layflat.identify.benches.moving.blocks import BLOCKS, unknowns
+from layflat.identify.benches.rod.description import RodBench
 from layflat.identify.fit import Estimate
 from layflat.identify.identified_file import identified_path, write_identified
 from layflat.machine import Machine, load
@@ -138,3 +140,36 @@ def test_a_bench_is_written_whole(name: str, tmp_path: Path) -> None:
     kept = write_identified(name, rig, found(sought, [0.5]), {"log": "ab" * 32}, out)
     assert value_at(cast(Any, kept), path) == pytest.approx(1.5 * value, rel=1e-6)
     assert type(load_described(str(out))) is type(rig)
+
+
+def test_all_that_a_rod_bench_follows_from_a_fit_has_its_unit(tmp_path: Path) -> None:
+    """Ends of the profile are not fitted but follow from the logs; a deflection of 6e-10 m makes no sense."""
+
+    class Spread(Nothing):
+        def written(self, values: Array) -> dict[str, float]:
+            return super().written(values) | {"friction.profile_from": -5.99e-10, "friction.profile_to": 0.0412}
+
+    rig = load_bench("friction-rig")
+    sought = (Unknown("friction.deflections.0", "m", 1e-5, 1e-11, 1e-1),)
+    fit = found(sought, [0.5])
+    small = replace(fit.estimates[0], value=5.99e-10)
+    out = identified_path("friction-rig", rig, tmp_path)
+    kept = write_identified(
+        "friction-rig", rig, replace(fit, model=Spread(sought), estimates=(small,)), {"log": "ab" * 32}, out
+    )
+    assert isinstance(kept, RodBench)
+    assert kept.friction.profile_from == 0.0
+    assert kept.friction.profile_to == pytest.approx(0.0412)
+    assert kept.friction.deflections[0] == pytest.approx(1e-9)
+    assert "found was 5.99e-07 mm, which no description holds" in out.read_text(encoding="utf-8")
+
+
+def test_what_no_description_can_hold_replaces_nothing(tmp_path: Path) -> None:
+    rig = load_bench("regulated-elbow")
+    sought = (Unknown("chamber.volume", "m^3", 2e-5, 1e-6, 1e-3),)
+    out = identified_path("regulated-elbow", rig, tmp_path)
+    out.write_text("earlier", encoding="utf-8")
+    with pytest.raises(InputError, match=r"regulated-elbow-identified.toml: chamber.volume|volume is less"):
+        write_identified("regulated-elbow", rig, found(sought, [0.0]), {"log": "ab" * 32}, out)
+    assert out.read_text(encoding="utf-8") == "earlier"
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]

@@ -1,5 +1,6 @@
 """Commands that identify machines and benches: excite, identify."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -7,7 +8,7 @@ import typer
 
 from layflat.cli.app import MachineName, Out, app, print_table
 from layflat.cli.bars import bar, busy
-from layflat.errors import StoppedError
+from layflat.errors import InputError, StoppedError
 
 if TYPE_CHECKING:
     from layflat.identify.fit import Fit
@@ -69,16 +70,29 @@ def identify(
         found = session.fit(
             starts=starts, seed=seed, progress=lambda share, text: update(completed=share, description=text)
         )
-    session.keep(found)
-    page = write_page(session, found, session.path.with_suffix(".html"))
-    why = _print(session, found)
-    typer.echo(f"wrote {session.path}")
-    typer.echo(f"wrote {page}")
+    reports: list[str | None] = []
+    # Each of these is done even if one before it fails: a long search is not lost.
+    with ExitStack() as last:
+        last.callback(lambda: typer.echo(f"wrote {write_page(session, found, session.path.with_suffix('.html'))}"))
+        last.callback(lambda: typer.echo(f"wrote {_write_description(session, found)}"))
+        last.callback(lambda: reports.append(_print(session, found)))
+        last.callback(lambda: session.keep_figures(found))
     if found.partial:
         raise StoppedError(f"{found.simulations} simulated runs of the search", session.path)
+    why = reports[0]
     if why:
         typer.echo(f"layflat: not to be trusted: {why}; the file says so", err=True)
         raise typer.Exit(NOT_TRUSTED)
+
+
+def _write_description(session: "Identification", found: "Fit") -> Path:
+    """Write the description that was found; raise InputError that names the figures where it can't hold them."""
+    try:
+        session.keep_description(found)
+    except InputError as error:
+        what = f"what was found is no description ({error})"
+        raise InputError(what, where=str(session.path), right=f"all figures are in {session.figures_path}") from None
+    return session.path
 
 
 def _print(session: "Identification", found: "Fit") -> str | None:

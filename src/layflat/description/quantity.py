@@ -102,8 +102,8 @@ class Quantity:
             raise QuantityError("is not finite", self.right)
         return number
 
-    def text(self, value: float, unit: str) -> str:
-        """Return an SI float as text in another unit, with seven digits."""
+    def text(self, value: float, unit: str, digits: int = 7) -> str:
+        """Return an SI float as text in another unit."""
         source, target = self._target, dict(unit_of(unit))
         if target == {CELSIUS: 1}:
             number = value - ZERO_CELSIUS
@@ -113,7 +113,7 @@ class Quantity:
             number = value * factor(source, target)
         else:
             number = float(registry().Quantity(value, _pint(source)).to(_pint(target)).magnitude)
-        return f"{number:.7g} {unit}"
+        return f"{number:.{digits}g} {unit}"
 
     def _nearest(self, text: str, unit: str) -> str:
         """What to say of a text with a unit that is none of this kind."""

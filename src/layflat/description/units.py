@@ -132,12 +132,12 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
         raise InputError(f"{shown(value)} {error.what}", where=where, right=error.right) from None
 
 
-def alike(example: object, value: float, unit: str) -> str | float:
+def alike(example: object, value: float, unit: str, digits: int = 7) -> str | float:
     """An SI value as it could stand in a file, in the unit of an example from there, or in `unit` without one.
 
     A value without unit ("1") is a number.
     """
     if unit == "1":
-        return float(f"{value:.7g}")
+        return float(f"{value:.{digits}g}")
     found = re.match(r"\s*[-+\d.]+(?:[eE][-+]?\d+)?\s*(.*\S)", example) if isinstance(example, str) else None
-    return Quantity("", unit, "").text(value, found[1] if found else unit)
+    return Quantity("", unit, "").text(value, found[1] if found else unit, digits)

@@ -4,7 +4,9 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from layflat.errors import InputError
 from layflat.files import check_folder, write_text
 from layflat.identify.benches.contract import BenchDescription, Logs
 from layflat.identify.benches.loader import bench_of, chosen_blocks, described_tables, load_described
-from layflat.identify.fit import Fit, fit
+from layflat.identify.fit import Estimate, Fit, fit
 from layflat.identify.fit.search import STARTS, Progress
 from layflat.identify.identified_file import Written, identified_path, write_identified, written_values
 from layflat.identify.kinds import Candidate, compared
@@ -71,15 +73,51 @@ class Identification:
 
     def values(self, found: Fit) -> list[Written]:
         """What was found, in the units of the description."""
-        return written_values(found, described_tables(self.given)[0])
+        return written_values(found, self.taken(found).described, described_tables(self.given)[0])
+
+    @property
+    def figures_path(self) -> Path:
+        """The file of all figures."""
+        return self.path.with_suffix(".json")
+
+    def keep_figures(self, found: Fit) -> Path:
+        """Write all figures of a fit as JSON, first of all: nothing in them has to fit a description."""
+        return write_text(self.figures_path, json.dumps(_finite(self.figures(found)), indent=2, allow_nan=False))
 
     def keep(self, found: Fit) -> Machine | BenchDescription:
-        """Write the description, and beside it all figures as JSON; raise OutputError if they can't be written."""
-        kept = write_identified(
-            self.given, self.described, found, self.checksums, self.path, self.taken(found).replaces
-        )
-        write_text(self.path.with_suffix(".json"), json.dumps(self.figures(found), indent=2))
-        return kept
+        """Write all figures as JSON, and beside them the description, which is loaded again.
+
+        Raises:
+            InputError: the description can't be written, or can't hold what was found; the figures are kept.
+        """
+        self.keep_figures(found)
+        return self.keep_description(found)
+
+    def keep_description(self, found: Fit) -> Machine | BenchDescription:
+        """Write the description that was found and load it; raise InputError as `keep` does."""
+        taken = self.taken(found)
+        return write_identified(self.given, taken.described, found, self.checksums, self.path, taken.replaces)
+
+    def try_to_keep(self) -> None:
+        """Write what is begun with as if it had been found, elsewhere, so that nothing is lost after a long fit.
+
+        Raises:
+            InputError: no description can be written of what will be found.
+        """
+        for candidate in self.candidates:
+            model, guess = candidate.model, candidate.model.guess
+            estimates = [
+                Estimate(one, at, one.low, one.high, False) for one, at in zip(model.unknowns, guess, strict=True)
+            ]
+            trial = Fit(model, tuple(estimates), model.measured, True, 0)
+            with TemporaryDirectory(prefix="layflat-") as folder:
+                path = Path(folder) / self.path.name
+                try:
+                    write_identified(self.given, candidate.described, trial, self.checksums, path, candidate.replaces)
+                except InputError as error:
+                    what = f"what will be found could not be written there ({str(error).replace(f'{path}: ', '')})"
+                    right = "mend the description, or give a copy with another name"
+                    raise InputError(what, where=str(self.path), right=right) from None
 
     def figures(self, found: Fit) -> dict[str, Any]:
         """All figures of a fit, SI."""
@@ -150,7 +188,9 @@ def begin(
         Candidate(name, of, bench.model(of, of_fit, others, blocks=chosen), replaces)
         for name, (of, replaces) in kinds.items()
     ]
-    return Identification(str(described), start, of_fit, others, issues, chosen, candidates, path)
+    session = Identification(str(described), start, of_fit, others, issues, chosen, candidates, path)
+    session.try_to_keep()
+    return session
 
 
 def _named(files: Sequence[Path]) -> dict[str, Path]:
@@ -186,6 +226,15 @@ def _refuse_rest(model: Model, sequence: str, file: str) -> None:
     excitations = list(dict.fromkeys(one.excitation for one in unknowns if one.excitation))
     what = f"{NOTHING_MOVES.text}: it can't identify {_first([one.path for one in unknowns])}"
     raise InputError(what, where=file, right=f"record {_first(excitations, '; ')}{sequence}")
+
+
+def _finite(figures: Any) -> Any:
+    """Figures as JSON holds them: what is no finite number is null."""
+    if isinstance(figures, dict):
+        return {key: _finite(value) for key, value in figures.items()}
+    if isinstance(figures, list):
+        return [_finite(value) for value in figures]
+    return None if isinstance(figures, float) and not isfinite(figures) else figures
 
 
 def _first(names: Sequence[str], between: str = ", ") -> str:

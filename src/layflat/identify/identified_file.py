@@ -9,12 +9,12 @@ from layflat.description import units as u
 from layflat.description.provenance import Provenance
 from layflat.description.tables import Plain
 from layflat.errors import InputError
-from layflat.files import write_text
 from layflat.identify.benches.contract import BenchDescription
 from layflat.identify.benches.loader import described_tables, load_bench
 from layflat.identify.fit import Estimate, Fit
+from layflat.identify.holdable import file_texts, holds_another, si_unit
 from layflat.machine import Machine
-from layflat.machine.derived import at_path, derived_path, with_value, write_derived
+from layflat.machine.derived import at_path, derived_path, with_value, write_derived, write_loadable
 from layflat.machine.listing import to_toml
 
 SUFFIX = "identified"
@@ -35,6 +35,7 @@ class Written:
     interval: str  # such as "1.98 to 2.01"; empty where it has none
     before: Any  # text, or a number, or None
     estimate: Estimate | None  # what was fitted; None of what follows from other values, such as weights
+    moved_from: str = ""  # what was found, where no file may hold that: a length of 6e-10 m
 
     @property
     def identified(self) -> bool:
@@ -57,11 +58,22 @@ def identified_path(given: str, described: Machine | BenchDescription, folder: P
     return path
 
 
-def written_values(found: Fit, plain: Plain) -> list[Written]:
-    """What was found as it stands in a file, in the units that the description uses."""
+def written_values(found: Fit, described: Machine | BenchDescription, plain: Plain) -> list[Written]:
+    """Return what was found as it stands in a file, or would if the values could stand there together.
+
+    Args:
+        found: the fit.
+        described: the description that holds the values.
+        plain: texts that stand there before; new ones have their units.
+    """
     known = {estimate.unknown.path: estimate for estimate in found.estimates}
-    values = found.model.written(found.values)
-    return [_written(path, value, known.get(path), at_path(plain, path.split("."))) for path, value in values.items()]
+    values = {path: _rounded(value, known.get(path)) for path, value in found.model.written(found.values).items()}
+    before = {path: at_path(plain, path.split(".")) for path in values}
+    try:
+        texts = file_texts(described, values, before)
+    except InputError:  # these values are reported even so; a file refuses them
+        texts = {path: u.alike(before[path], value, si_unit(described, path)) for path, value in values.items()}
+    return [_written(described, path, values[path], texts[path], known.get(path), before[path]) for path in values]
 
 
 def write_identified(
@@ -72,19 +84,22 @@ def write_identified(
     path: Path,
     replaces: Mapping[str, Any] | None = None,
 ) -> Machine | BenchDescription:
-    """Write what was found over a description, and load what was written; raise OutputError if it can't be written.
+    """Write what was found over a description, and load what was written.
 
     Args:
         given: built-in name or file of the description.
-        described: what it says.
+        described: what holds the values that were found.
         found: the fit.
         logs: checksums of the fitted logs by name.
         path: from `identified_path`.
         replaces: whole parts of a machine that stand there instead, by path.
+
+    Raises:
+        InputError: what was found can't be held by a description, or can't be written there.
     """
     plain, known = described_tables(given)
     origin = ", ".join(f"{name} (sha256 {checksum[:16]})" for name, checksum in logs.items())
-    rows = written_values(found, plain)
+    rows = written_values(found, described, plain)
     sources = _sources(rows, origin)
     title = f"{PARTIAL if found.partial else '' if found.trusted else UNTRUSTED}{described.title}, identified"
     if isinstance(described, Machine):
@@ -93,8 +108,9 @@ def write_identified(
         return write_derived(given, title, whole | {row.path: row.value for row in rows}, sources, path)
     for row in rows:
         known[with_value(plain, plain, row.path, row.value)] = sources[row.path]
-    write_text(path, to_toml(plain | {"name": path.stem, "title": title}, known))
-    kept: BenchDescription = load_bench(path)
+    kept: BenchDescription = write_loadable(
+        path, to_toml(plain | {"name": path.stem, "title": title}, known), load_bench
+    )
     return kept
 
 
@@ -110,24 +126,41 @@ def _sources(rows: Sequence[Written], origin: str) -> dict[str, Provenance]:
 def _source(rows: Sequence[Written], origin: str) -> Provenance:
     intervals = ", ".join(row.interval for row in rows if row.interval)
     interval = f"95 %: {intervals}; " if intervals else ""
+    moved = ", ".join(row.moved_from for row in rows if row.moved_from)
+    past = f"; found was {moved}, which no description holds" if moved else ""
     if all(row.identified for row in rows):
-        return Provenance("identified", f"{interval}from {origin}")
+        return Provenance("identified", f"{interval}from {origin}{past}")
     sure = sum(row.identified for row in rows)
     some = f"only {sure} of {len(rows)} identifiable" if sure else "not identifiable"
     why = "at its bound" if any(row.at_bound for row in rows) else some
-    return Provenance("assumed", f"{why} from {origin}: best fit; {interval.rstrip('; ') or 'no interval'}")
+    return Provenance("assumed", f"{why} from {origin}: best fit; {interval.rstrip('; ') or 'no interval'}{past}")
 
 
-def _written(path: str, value: float, estimate: Estimate | None, before: Any) -> Written:
+def _rounded(value: float, estimate: Estimate | None) -> float:
+    """A value found, or its lower bound where it misses that by rounding alone."""
     if estimate is None:
-        return Written(path, u.alike(before, value, "1"), "", before, None)
+        return value
+    low, high = estimate.unknown.low, estimate.unknown.high
+    return low if abs(value - low) < ROUNDED * (high - low) else value
+
+
+def _written(
+    described: Machine | BenchDescription,
+    path: str,
+    value: float,
+    text: str | float,
+    estimate: Estimate | None,
+    before: Any,
+) -> Written:
+    unit = si_unit(described, path)
+    moved = str(u.alike(before, value, unit)) if holds_another(described, path, text, value) else ""
+    if estimate is None:
+        return Written(path, text, "", before, None, moved)
     unknown = estimate.unknown
-    if abs(value - unknown.low) < ROUNDED * (unknown.high - unknown.low):
-        value = unknown.low
     # The interval as far as it lies within what was searched: beyond it nothing is known.
     ends = max(estimate.low, unknown.low), min(estimate.high, unknown.high)
-    low, high = (float(str(u.alike(before, end, unknown.unit)).partition(" ")[0]) for end in ends)
-    return Written(path, u.alike(before, value, unknown.unit), _interval(low, high), before, estimate)
+    low, high = (float(str(u.alike(before, end, unit)).partition(" ")[0]) for end in ends)
+    return Written(path, text, _interval(low, high), before, estimate, moved)
 
 
 def _interval(low: float, high: float) -> str:

@@ -1,17 +1,19 @@
 """Descriptions that a search wrote: what it found, laid over the description that it began with."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from layflat.description.provenance import Provenance
-from layflat.errors import InputError
+from layflat.errors import InputError, MachineError
 from layflat.files import whole_file
 from layflat.machine.libraries import MACHINES
 from layflat.machine.listing import to_toml
 from layflat.machine.loader import load, names, tables
 from layflat.machine.model import Machine
+
+Loaded = TypeVar("Loaded")
 
 
 def derived_path(given: str, folder: Path, suffix: str) -> Path:
@@ -42,6 +44,7 @@ def write_derived(
         path: from `derived_path`.
 
     Raises:
+        MachineError: the values make no description; nothing is replaced then.
         OutputError: it can't be written there.
     """
     base, known = tables(given)
@@ -50,9 +53,29 @@ def write_derived(
     noted = {} if given in names() else dict(known)
     for key, value in values.items():
         noted[with_value(plain, base, key, value)] = sources[key]
+    return write_loadable(path, to_toml(plain, noted), load)
+
+
+def write_loadable(path: Path, text: str, load_file: Callable[[Path], Loaded]) -> Loaded:
+    """Write a description and return it as loaded again; what does not load replaces nothing.
+
+    Args:
+        path: where it is put.
+        text: TOML.
+        load_file: loads a description from a path.
+
+    Raises:
+        MachineError: the text is no description.
+        OutputError: it can't be written there.
+    """
     with whole_file(path) as temporary:
-        temporary.write_text(to_toml(plain, noted), encoding="utf-8")
-    return load(path)
+        temporary.write_text(text, encoding="utf-8")
+        try:
+            load_file(temporary)
+        except InputError as error:
+            where = error.where.replace(str(temporary), str(path))
+            raise MachineError(error.what, where=where, right=error.right) from None
+    return load_file(path)
 
 
 def with_value(plain: dict[str, Any], base: dict[str, Any], path: str, value: Any) -> str:
