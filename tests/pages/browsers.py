@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import pytest
 
@@ -94,6 +94,11 @@ class Served:
             self.complaints.append(message.text)
 
 
+def link_from(lines: IO[str]) -> str:
+    """The link that a command prints, alone on a line; empty where none comes."""
+    return next((line.strip() for line in lines if re.fullmatch(r"https?://\S+\n", line)), "")
+
+
 @contextmanager
 def served(folder: Path, *words: str, before: str = "") -> Iterator[Served]:
     """A `layflat` command that serves a page, in a folder, until the end; then it stops as by Ctrl-C."""
@@ -103,10 +108,10 @@ def served(folder: Path, *words: str, before: str = "") -> Iterator[Served]:
     with subprocess.Popen(command, cwd=folder, stdout=pipe, stderr=pipe, text=True) as process:
         assert process.stdout is not None
         assert process.stderr is not None
-        found = re.search(r"(https?://\S+);", process.stdout.readline())
-        assert found, process.stderr.read()
+        link = link_from(process.stdout)
+        assert link, process.stderr.read()
         try:
-            yield Served(process, found.group(1))
+            yield Served(process, link)
         finally:
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=60.0)

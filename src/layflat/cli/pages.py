@@ -56,6 +56,12 @@ class PageOptions:
 
     def tell(self, name: str, link: str) -> None:
         """Say where the page of something is, and open it."""
-        typer.echo(f"{name} at {link}; Ctrl-C ends it")
+        print_link(name, link)
         if self.browser and not webbrowser.open(link):
             typer.echo("no browser was found: open the link in one")
+
+
+def print_link(name: str, link: str) -> None:
+    """Print the link of something's page, alone on its line: who copies the line has the link and nothing else."""
+    typer.echo(f"{name} is at the link below; Ctrl-C ends it")
+    typer.echo(link)

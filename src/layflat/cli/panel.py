@@ -1,5 +1,6 @@
 """Command that opens the operator's page of a rig: panel."""
 
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -44,10 +45,10 @@ def panel(
     described, place = load(machine), page.place()
     with stopping() as stopped, _rig(described, driver) as rig:
         from layflat.pages.panel.desk import Desk  # noqa: PLC0415
-        from layflat.pages.panel.page import PanelPage  # noqa: PLC0415  # it needs the extra
+        from layflat.pages.panel.page import panel_page  # noqa: PLC0415  # it needs the extra
 
         with Desk(described, rig, check_folder(out)) as desk:
-            page.serve(lambda: PanelPage(desk), place, described, stopped)
+            page.serve(lambda: panel_page(desk), place, described, stopped)
 
 
 @contextmanager
@@ -73,6 +74,7 @@ class VirtualBench:
         """Take what it is."""
         self._machine = machine
         self._device: DeviceProcess | None = None
+        self._guard = threading.Lock()  # of words to the device, which pages may give at the same time
 
     def reached(self, machine: "Machine") -> "tuple[Callable[[], Driver], str]":
         """Return what makes its driver for a machine whose controller may be another, and its address."""
@@ -91,7 +93,8 @@ class VirtualBench:
 
         if self._device is None:
             raise LayflatError("the virtual rig is not there yet")
-        return str(self._device.call(obey, line.split()))
+        with self._guard:
+            return str(self._device.call(obey, line.split()))
 
     def close(self) -> None:
         """End it."""

@@ -8,6 +8,7 @@ import typer
 
 from layflat.cli.app import MachineName, app, naming_options
 from layflat.cli.bars import busy
+from layflat.cli.pages import print_link
 from layflat.errors import InputError
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def _serve(machine: "Machine", angles: list[float], motion: "Motion | None", por
         with busy("starting"):
             viewer = Viewer(machine, angles, motion=motion, port=port)
         with viewer:
-            typer.echo(f"{machine.name} at {viewer.address}; Ctrl-C ends it")
+            print_link(machine.name, viewer.address)
             viewer.serve(stopped)
 
 

@@ -28,7 +28,7 @@ from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 
 REFRESH = 0.025  # setpoints are written again so often, s; they are stale after 100 ms
-STARTS_WITHIN = 60.0  # the process has to run by then; it may have to compile first, s
+STARTS_WITHIN = 300.0  # the process has to run by then; it may have to compile first, on a busy computer, s
 ENDS_WITHIN = 10.0  # a controlled stop, and the hoses' emptying, take less, s
 
 
@@ -87,7 +87,8 @@ class Session(AbstractContextManager["Session"]):
         self._memory = Mailbox(self.mailbox, self._layout)
         self._wanted = Setpoints([nan] * len(machine.joints))
         self._guard, self._over, self._lease = threading.RLock(), threading.Event(), lease
-        self._lapsed = lease is not None
+        self.lapsed = lease is not None  # whether nobody minds the rig now
+        self.lapses = 0  # times that the lease has lapsed since the loop began
         self._want()
         self._pipe, its = multiprocessing.Pipe()
         self.process = start_process(run_loop, (machine, driver, self.mailbox, recorder, its), "layflat-loop")
@@ -216,7 +217,7 @@ class Session(AbstractContextManager["Session"]):
     def _want_if_minded(self, **changed: Any) -> None:
         with self._guard:
             self._mind()
-            if not self._lapsed:
+            if not self.lapsed:
                 self._want(**changed)
 
     def _hold(self) -> None:
@@ -232,8 +233,9 @@ class Session(AbstractContextManager["Session"]):
     def _mind(self) -> None:
         """Hold the joints once the lease has lapsed."""
         with self._guard:
-            before, self._lapsed = self._lapsed, self._lease is not None and not self._lease.lives
-            if self._lapsed and not before:
+            before, self.lapsed = self.lapsed, self._lease is not None and not self._lease.lives
+            if self.lapsed and not before:
+                self.lapses += 1
                 self._hold()
 
     def _has_air(self) -> bool:
@@ -257,4 +259,6 @@ class Session(AbstractContextManager["Session"]):
         connection.wait([self._pipe, self.process.sentinel], STARTS_WITHIN)
         if not self._listen():
             self.process.join(0.1)  # so that its status is known
-            raise LoopError(f"the loop's process did not start (status {self.process.exitcode})")
+            alive = self.process.is_alive()
+            how = f"is not ready after {STARTS_WITHIN:g} s" if alive else f"ended with status {self.process.exitcode}"
+            raise LoopError(f"the loop's process {how}; start again once fewer programs run beside it")

@@ -2,7 +2,6 @@
 
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -13,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.pages.browsers import Served
+from tests.pages.browsers import Served, link_from
 
 COMMAND = [sys.executable, "-c", "from layflat.cli import main; main()", "pack", "--watch", "--no-browser"]
 
@@ -34,10 +33,10 @@ def watching(cell: Path, out: Path, *words: str, opengl: bool = True) -> Iterato
     pipe, ended = subprocess.PIPE, Ended()
     with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment) as process:
         assert process.stdout is not None
-        found = re.search(r"(https?://\S+);", process.stdout.readline())
+        link = link_from(process.stdout)
         try:
-            assert found, process.communicate(timeout=10.0)
-            yield Served(process, found.group(1)), ended
+            assert link, process.communicate(timeout=10.0)
+            yield Served(process, link), ended
         finally:
             process.send_signal(signal.SIGINT)
             ended.out, ended.err = process.communicate(timeout=60.0)

@@ -1,6 +1,5 @@
 """The rig goes, and comes back; then the server is killed: the page says so, and the rig makes itself safe."""
 
-import re
 import signal
 import subprocess
 from collections.abc import Iterator
@@ -9,7 +8,7 @@ from typing import Any
 
 import pytest
 from served_rig import LAYFLAT, ServedRig
-from tests.pages.browsers import PATIENT_ARM, Served, chromium
+from tests.pages.browsers import PATIENT_ARM, Served, chromium, link_from
 from tests.pages.panel.driving import pressed, ready, state, until
 
 pytestmark = pytest.mark.realtime
@@ -43,9 +42,7 @@ def test_a_rig_and_a_server_that_go_away_are_told_and_the_rig_is_safe(
     rig: ServedRig, server: subprocess.Popen[str], tmp_path: Path, browser: Any
 ) -> None:
     assert server.stdout is not None
-    found = re.search(r"(https?://\S+);", server.stdout.readline())
-    assert found
-    page = Served(server, found.group(1)).page(browser)
+    page = Served(server, link_from(server.stdout)).page(browser)
     until(lambda: is_reset(page), 90.0)  # its kernels may have to be compiled first
     port = rig.address.rpartition(":")[2]
     assert rig.end() == 0

@@ -13,6 +13,7 @@ from layflat.pages.panel.moves import Step
 from layflat.pages.panel.pilot import Pilot
 from layflat.rig.lease import Lease
 from layflat.rig.record import Layout
+from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import Session, Snapshot
 
@@ -28,12 +29,14 @@ class Rig:
     def __init__(self) -> None:
         self.state, self.heard, self.asked = State.READY, list[str](), list[Any]()
         self.session: Any = self
+        self.lapsed, self.lapses, self.fault = False, 0, Fault.NONE
 
     def snapshot(self) -> Snapshot | None:
         if self.session is None:
             return None
         row = np.zeros(LAYOUT.width)
         LAYOUT.named(row, "mode")[...] = self.state
+        LAYOUT.named(row, "fault")[...] = self.fault
         LAYOUT.named(row, "time")[...] = time.monotonic()
         return Snapshot(LAYOUT, row)
 
@@ -134,3 +137,34 @@ def test_where_the_rig_is_gone_nothing_is_asked_and_the_charts_begin_anew(pilot:
     time.sleep(0.1)
     assert rig.heard == []
     assert rig.asked == []
+
+
+def test_an_arm_that_was_held_by_nobody_s_wish_says_why_until_it_goes_on(pilot: Pilot, rig: Rig) -> None:
+    rig.state = State.MOVING
+    time.sleep(0.1)
+    rig.lapsed, rig.lapses = True, 1
+    rig.state = State.HOLDING
+    until(lambda: "was not heard" in pilot.why)
+    rig.state = State.STOPPED
+    time.sleep(0.1)
+    assert "was not heard" in pilot.why
+    rig.lapsed, rig.state = False, State.STARTING
+    until(lambda: pilot.why == "")
+
+
+def test_a_fault_that_is_over_is_still_told_and_a_person_s_stop_needs_no_reason(pilot: Pilot, rig: Rig) -> None:
+    rig.state, rig.fault = State.STOPPED, Fault.SETPOINT_STALE
+    until(lambda: pilot.why == Fault.SETPOINT_STALE.title)
+    rig.fault = Fault.NONE
+    time.sleep(0.1)
+    assert pilot.why == Fault.SETPOINT_STALE.title
+    rig.state = State.READY
+    until(lambda: pilot.why == "")
+    rig.lapses = 3
+    pilot.stop()
+    rig.state = State.HOLDING
+    time.sleep(0.1)
+    assert pilot.why == ""
+    rig.lapses = 4
+    rig.state = State.STOPPED
+    until(lambda: "was not heard" in pilot.why)

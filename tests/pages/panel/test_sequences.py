@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from layflat.errors import LayflatError
 from layflat.machine import load
 from layflat.pages.panel.moves import Step
-from layflat.pages.panel.sequences import load_sequence, place_of, save_sequence, sequence_names, target
+from layflat.pages.panel.sequences import MAX_STEPS, load_sequence, place_of, save_sequence, sequence_names, target
 
 ARM = load("paper-arm")
 HALF = degrees(ARM.joint["small"].stops.working_stroke) / 2
@@ -40,9 +40,11 @@ def test_outputs_of_steps_come_back_and_others_are_refused(tmp_path: Path) -> No
         load_sequence(tmp_path, "grip", ARM)
 
 
-@pytest.mark.parametrize("name", ["", "../elsewhere", "a/b", ".hidden", "x" * 41, "nul\0"])
+@pytest.mark.parametrize(
+    "name", ["", "../elsewhere", "a/b", ".hidden", "x" * 101, "nul\0", "CON", "aux", "nul.txt", "Com1"]
+)
 def test_names_stay_in_the_folder(tmp_path: Path, name: str) -> None:
-    with pytest.raises(LayflatError, match="is no name for a sequence"):
+    with pytest.raises(LayflatError, match=r"is empty|can't be a name|is reserved by some systems|more than 100 bytes"):
         place_of(tmp_path, name)
 
 
@@ -76,3 +78,12 @@ def test_targets_are_inside_the_stroke() -> None:
         target(ARM, {"large": 10.0, "small": HALF + 1.0})
     with pytest.raises(LayflatError, match="lacks an angle"):
         target(ARM, {"large": 10.0, "small": None})
+
+
+def test_a_sequence_that_could_not_be_loaded_is_not_written(tmp_path: Path) -> None:
+    steps = [Step(tuple(0.1 for _ in ARM.joints))] * MAX_STEPS
+    save_sequence(tmp_path, "long", ARM, steps)
+    assert len(load_sequence(tmp_path, "long", ARM)) == MAX_STEPS
+    with pytest.raises(LayflatError, match=f"long: has {MAX_STEPS + 1} steps; give {MAX_STEPS} at most"):
+        save_sequence(tmp_path, "long", ARM, [*steps, steps[0]])
+    assert len(load_sequence(tmp_path, "long", ARM)) == MAX_STEPS

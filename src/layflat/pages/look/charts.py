@@ -160,16 +160,11 @@ class LineChart:
             axes = {axis: {"min": options[axis]["min"], "max": options[axis]["max"]} for axis in ("xAxis", "yAxis")}
             top = {"legend": {"data": named}, "grid": {"top": options["grid"]["top"]}}
             self.chart.run_chart_method("setOption", {"series": list(sent.values()), **axes, **top})
-        else:
-            self._send_all()
-
-    def _send_all(self) -> None:
-        # The element has a copy: it would send itself, as a whole, with every change.
-        self.chart.props["options"] = deepcopy(self._options)
 
     def _first_drawn(self) -> None:
         self._drawn = True
-        self._send_all()  # with what was shown since it was sent first
+        # With what was shown since it was sent first. The element has a copy: it would send itself with every change.
+        self.chart.props["options"] = deepcopy(self._options)
 
     def bounds(self, up: tuple[float | None, float | None]) -> None:
         """Set least and most of the vertical axis; None follows the data."""

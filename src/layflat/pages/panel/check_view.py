@@ -1,6 +1,10 @@
 """The check before first air, step by step."""
 
-from nicegui import run, ui
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+
+from nicegui import ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
@@ -43,18 +47,26 @@ class CheckView:
         self.refresh()
         self.found.clear()
         try:
-            found = await run.io_bound(checked_at, self._desk, air=air, tell=self.told.set_text)
+            found = await asyncio.to_thread(checked_at, self._desk, air=air, tell=self._tell_from_there())
         except LayflatError as error:
             self.told.set_text(str(error))
             return
         finally:
             self._busy = False
-        if found is None:  # the page is being closed
-            return
         wrong = sum(not one.passed for one in found)
         self._sound = not wrong
         self.told.set_text(f"{wrong} of {len(found)} checks failed" if wrong else f"all {len(found)} checks passed")
         self._draw(found)
+
+    def _tell_from_there(self) -> Callable[[str], object]:
+        """Return what shows a text, called from another thread."""
+        loop = asyncio.get_running_loop()
+
+        def tell(text: str) -> None:
+            with suppress(RuntimeError):  # the pages are being closed
+                loop.call_soon_threadsafe(self.told.set_text, text)
+
+        return tell
 
     def _draw(self, found: list[CheckResult]) -> None:
         with self.found, ui.element("table").classes("lf-table"):

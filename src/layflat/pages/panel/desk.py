@@ -3,14 +3,17 @@
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
+
+import numpy as np
 
 from layflat.machine import Machine
 from layflat.motion.inverse import Inverse
 from layflat.pages.panel.link import Reached, RigLink, Standing
 from layflat.pages.panel.operators import Operators
 from layflat.pages.panel.pilot import Pilot
+from layflat.pages.panel.search import prepare
+from layflat.pages.server.worker import Worker
 from layflat.rig.lease import Lease
 from layflat.rig.session import Snapshot
 
@@ -28,11 +31,23 @@ class Desk(AbstractContextManager["Desk"]):
     """The desk behind all pages of one panel: `with Desk(machine, rig, folder) as desk: ...`.
 
     Logs and sequences are kept in the folder.
+
+    Attributes:
+        first: the machine as described.
+        extent: least and greatest coordinates of the tip in the frame of the base, (2, 3), m.
+        inverse: inverse kinematics of its arm, ready for what takes no time: searches are the worker's.
+        worker: does what takes longer than an event loop may be held up.
+        painter: draws logs, which may take long.
     """
 
     def __init__(self, machine: Machine, rig: Rig, folder: Path) -> None:
         self.rig, self.folder, self.lease = rig, folder, Lease()
-        self.first = machine  # as described
+        self.first = machine
+        self.worker, self.painter = Worker("layflat-panel-worker"), Worker("layflat-panel-plots")
+        self.worker.begin(prepare, machine)
+        self.inverse = Inverse(machine)
+        self.extent = np.array([self.inverse.tips.min(axis=0), self.inverse.tips.max(axis=0)])
+        self.inverse.tip(np.zeros(self.inverse.joints))  # loads what it calls
         self.link = RigLink(machine, rig.reached, folder, self.lease)
         self.pilot, self.operators = Pilot(self.link, self.lease), Operators(self.lease)
 
@@ -40,11 +55,6 @@ class Desk(AbstractContextManager["Desk"]):
     def machine(self) -> Machine:
         """What the rig is, with the controller that it has now."""
         return self.link.machine
-
-    @cached_property
-    def inverse(self) -> Inverse:
-        """Inverse kinematics of the arm."""
-        return Inverse(self.first)
 
     def snapshot(self) -> Snapshot | None:
         """The last cycle; None while the rig is not there."""
@@ -57,6 +67,8 @@ class Desk(AbstractContextManager["Desk"]):
 
     def close(self) -> None:
         """Stop the rig, let out the air, finish the log."""
+        self.worker.end()
+        self.painter.end()
         self.pilot.close()
         self.link.close()
 

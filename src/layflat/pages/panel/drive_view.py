@@ -11,9 +11,11 @@ from layflat.arrays import Array
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
+from layflat.pages.look.numbers import number, within
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.minder import Jogs
 from layflat.pages.panel.moves import Step, outputs_on
+from layflat.pages.panel.search import LONGEST_SEARCH, find_posture
 from layflat.pages.panel.sequences import target
 from layflat.rig.driver import DeviceState
 from layflat.rig.session import Snapshot
@@ -32,7 +34,7 @@ class JogView:
             ui.label("Speed while a button is held:").props('id="jog-speed"')
             self.speed = ui.slider(min=slowest, max=fastest, step=1.0, value=usual).classes("lf-slider")
             self.speed.props('aria-labelledby="jog-speed"')
-            ui.label().bind_text_from(self.speed, "value", lambda x: f"{x:.0f} deg/s")
+            ui.label().bind_text_from(self.speed, "value", lambda x: f"{within(x, *JOG_SPEEDS):.0f} deg/s")
         self.buttons: list[ui.button] = []
         self._shown: list[ui.label] = []
         with ui.element("div").classes("lf-joints"):
@@ -50,11 +52,12 @@ class JogView:
 
     def speeds(self, jogs: Jogs) -> list[float]:
         """Return how fast each joint is to move, rad/s."""
+        speed = radians(within(self.speed.value, *JOG_SPEEDS))
         wanted = [0.0] * self._count
         for joint, way in jogs:
             if 0 <= joint < self._count:
-                wanted[joint] += way * radians(float(self.speed.value))
-        return wanted
+                wanted[joint] += way
+        return [speed * min(max(way, -1.0), 1.0) for way in wanted]
 
     def refresh(self, shot: Snapshot | None, fits: bool) -> None:
         """Show where the joints are; `fits`: whether they may be moved from here."""
@@ -107,6 +110,8 @@ class TargetView:
     def __init__(self, desk: Desk, scene: Callable[[], ArmScene]) -> None:
         """Build it; `scene` gives the scene that shows the target."""
         self._desk, self._scene, self._filling = desk, scene, False
+        self._next: Array | None = None  # place that is searched next, m
+        self._searches = False
         self.angles: dict[str, ui.number] = {}
         with ui.element("div").classes("lf-fields"):
             for name, joint in desk.first.joints.items():
@@ -125,6 +130,8 @@ class TargetView:
                 field.on("keydown.enter", self._find)
             theme.button("Find angles", self._find, icon="my_location", hint="Find angles that bring the tip there")
         self.told = ui.label("").classes("lf-told").props("role=alert")
+        self.cancel = theme.button("Cancel the search", desk.worker.cancel, icon="close")
+        self.cancel.set_visibility(False)
         with ui.row().classes("lf-line"):
             self.go = theme.button("Go to target", self._go, icon="near_me", kind="primary")
             theme.button("Take present angles", self._here, icon="pin_drop")
@@ -132,11 +139,11 @@ class TargetView:
             "lf-quiet lf-small"
         )
 
-    def clicked(self, place: Array) -> None:
+    async def clicked(self, place: Array) -> None:
         """Take a place that was clicked, m, (3,)."""
         for axis, at in zip(self.place, place.tolist(), strict=False):
             self.place[axis].value = round(1e3 * at, 1)
-        self._find()
+        await self._find()
 
     def refresh(self, fits: bool) -> None:
         """Enable what may be used."""
@@ -145,14 +152,14 @@ class TargetView:
     def wanted(self) -> tuple[float, ...] | None:
         """Return the target, rad; None where a field holds none that can be."""
         try:
-            return target(self._desk.first, {name: field.value for name, field in self.angles.items()})
+            return target(self._desk.first, {name: number(field.value) for name, field in self.angles.items()})
         except LayflatError:
             return None
 
     def _wrong(self, joint: str, value: float | None) -> str | None:
         """Return what is wrong with the angle of a joint, deg."""
         try:
-            target(self._desk.first, {**dict.fromkeys(self._desk.first.joints, 0.0), joint: value})
+            target(self._desk.first, {**dict.fromkeys(self._desk.first.joints, 0.0), joint: number(value)})
         except LayflatError as error:
             return str(error)
         return None
@@ -167,20 +174,37 @@ class TargetView:
             for axis, at in zip(self.place, tip.tolist(), strict=False):
                 self.place[axis].value = round(at, 1)
 
-    def _find(self) -> None:
-        values = [field.value for field in self.place.values()]
-        if any(value is None for value in values):
+    async def _find(self) -> None:
+        """Search angles for the place in the fields; one search goes on at a time, and the newest place counts."""
+        place = [number(field.value) for field in self.place.values()]
+        if None in place:
             self.told.set_text("Give a number of millimetres in each field of the tip.")
             return
-        shot = self._desk.snapshot()
-        near = np.array(shot["averaged_angle"] if shot is not None else np.zeros(len(self.angles)))
+        self._next = 1e-3 * np.array(place, float)
+        if self._searches:
+            return
+        self._searches = True
+        self.cancel.set_visibility(True)
         try:
-            found = self._desk.inverse.posture(1e-3 * np.array(values, float), near, "tip")
+            while self._next is not None:
+                await self._search()
+        finally:
+            self._searches = False
+            self.cancel.set_visibility(False)
+
+    async def _search(self) -> None:
+        desk, shot, place, self._next = self._desk, self._desk.snapshot(), self._next, None
+        near = np.array(shot["averaged_angle"] if shot is not None else np.zeros(len(self.angles)))
+        self.told.set_text("searching")
+        what = "the search for angles"
+        try:
+            found = await desk.worker.call(find_posture, desk.first, place, near, limit=LONGEST_SEARCH, what=what)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
         self.told.set_text("")
-        self._fill(found)
+        if self._next is None:
+            self._fill(found)
 
     def _fill(self, angles: Array) -> None:
         self._filling = True

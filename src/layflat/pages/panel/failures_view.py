@@ -1,6 +1,8 @@
 """Of a virtual rig: what it can be told to fail, to see what the panel says then."""
 
+import asyncio
 from collections.abc import Callable
+from functools import partial
 
 from nicegui import ui
 
@@ -24,14 +26,15 @@ class FailuresView:
                 ui.select(names, value=names[0], label="failure").props("dense outlined").classes("lf-select")
             )
             self.joint = ui.select(joints, value=joints[0], label="joint").props("dense outlined").classes("lf-select")
-            theme.button("Fail", lambda: self._do("fail"), icon="bolt", kind="danger")
-            theme.button("Heal", lambda: self._do("heal"), icon="healing")
+            theme.button("Fail", partial(self._do, "fail"), icon="bolt", kind="danger")
+            theme.button("Heal", partial(self._do, "heal"), icon="healing")
         self.means = ui.label("").classes("lf-quiet")
-        self.means.bind_text_from(self.failure, "value", lambda name: FAILURES[str(name)].what)
+        self.means.bind_text_from(self.failure, "value", lambda name: FAILURES[name].what if name in FAILURES else "")
         self.told = ui.label("").props("role=status")
 
-    def _do(self, word: str) -> None:
+    async def _do(self, word: str) -> None:
         try:
-            self.told.set_text(self._tell(f"{word} {self.failure.value} {self.joint.value}"))
+            answer = await asyncio.to_thread(self._tell, f"{word} {self.failure.value} {self.joint.value}")
         except LayflatError as error:
-            self.told.set_text(str(error))
+            answer = str(error)
+        self.told.set_text(answer)

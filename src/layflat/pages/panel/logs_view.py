@@ -1,66 +1,93 @@
 """Logs of this rig: drawn, and to be downloaded."""
 
+from contextlib import suppress
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 
-from nicegui import run, ui
+from nicegui import ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.panel.desk import Desk
 
-MOST = 12  # logs that are listed, the newest first
+MAX_LISTED = 12  # logs that are listed, the newest first
+LISTED_WITHIN, LONGEST_DRAWING = 10.0, 120.0  # of the list, and of one picture, s
 
 
 class LogsView:
     """The newest logs of the desk's folder."""
 
     def __init__(self, desk: Desk) -> None:
-        """Build it."""
+        """Build it; `list_logs` shows what there is."""
         self._desk = desk
         with ui.row().classes("lf-line"):
-            theme.button("Look again", self._draw, icon="refresh")
+            theme.button("Look again", self.list_logs, icon="refresh")
             ui.label(f"in {desk.folder}; the one being written can be read once the rig is let go of.").classes(
                 "lf-quiet"
             )
         self.table = ui.element("div")
         self.told = ui.label("").props("role=status")
-        self._draw()
+        self.cancel = theme.button("Cancel the drawing", desk.painter.cancel, icon="close")
+        self.cancel.set_visibility(False)
 
-    def _draw(self) -> None:
-        logs = sorted(self._desk.folder.glob("*.mcap"), key=lambda path: path.stat().st_mtime, reverse=True)
+    async def list_logs(self) -> None:
+        """List the newest logs."""
+        try:
+            logs = await self._desk.worker.call(newest_logs, self._desk.folder, limit=LISTED_WITHIN, what="the list")
+        except LayflatError as error:
+            self.told.set_text(str(error))
+            return
         self.table.clear()
         with self.table:
             if not logs:
                 ui.label("No whole log yet.").classes("lf-quiet")
                 return
             with ui.element("table").classes("lf-table"):
-                for path in logs[:MOST]:
-                    with ui.element("tr"):
-                        theme.text_element("td", path.name)
-                        theme.text_element("td", f"{path.stat().st_size / 1e6:.1f} MB")
-                        with ui.element("td"):
-                            hint = f"Draw {path.name}"
-                            theme.button("Plot", lambda path=path: self._plot(path), icon="show_chart", hint=hint)
-                            hint = f"Download {path.name}"
-                            theme.button(
-                                "Download", lambda path=path: ui.download.file(path), icon="download", hint=hint
-                            )
+                for log in logs:
+                    self._draw_row(*log)
+
+    def _draw_row(self, path: Path, size: int) -> None:
+        with ui.element("tr"):
+            theme.text_element("td", path.name)
+            theme.text_element("td", f"{size / 1e6:.1f} MB")
+            with ui.element("td"):
+                theme.button("Plot", partial(self._plot, path), icon="show_chart", hint=f"Draw {path.name}")
+                hint = f"Download {path.name}"
+                theme.button("Download", partial(self._download, path), icon="download", hint=hint)
+
+    def _download(self, path: Path) -> None:
+        if path.is_file():
+            ui.download.file(path)
+        else:
+            self.told.set_text(f"{path.name} is not there any more: look again")
 
     async def _plot(self, path: Path) -> None:
+        painter = self._desk.painter
         self.told.set_text(f"drawing {path.name}")
+        self.cancel.set_visibility(True)
         try:
-            picture = await run.cpu_bound(drawn, path)
+            picture = await painter.call(drawn, path, limit=LONGEST_DRAWING, what=f"the drawing of {path.name}")
         except LayflatError as error:
             self.told.set_text(str(error))
             return
+        finally:
+            self.cancel.set_visibility(False)
         self.told.set_text("")
-        if picture is None:  # the page is being closed
-            return
         with ui.dialog() as dialog, ui.card().classes("lf-dialog-wide"):
             ui.image(picture).props(f'alt="Plots of {path.name}" fit=contain')
             theme.button("Close", dialog.close)
         dialog.open()
+
+
+def newest_logs(folder: Path) -> list[tuple[Path, int]]:
+    """Return the newest logs of a folder, and their sizes in bytes, the newest first."""
+    found = []
+    for path in folder.glob("*.mcap"):
+        with suppress(OSError):  # it went meanwhile
+            state = path.stat()
+            found.append((state.st_mtime, path, state.st_size))
+    return [(path, size) for _, path, size in sorted(found, reverse=True)[:MAX_LISTED]]
 
 
 def drawn(path: Path) -> str:

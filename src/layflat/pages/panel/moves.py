@@ -9,6 +9,7 @@ from layflat.arrays import Array
 from layflat.machine import Machine
 from layflat.motion.path import half_strokes
 from layflat.motion.trajectory import States
+from layflat.rig.abilities import DemandLimits, demand_limits
 from layflat.rig.session import Session, Snapshot
 from layflat.rig.smooth import smooth
 
@@ -68,10 +69,22 @@ class Course:
     """A motion through places, one after the other, at a share of what the arm can do, again and again if wanted."""
 
     def __init__(
-        self, machine: Machine, start: Array, steps: Sequence[Step], share: float, *, repeats: bool = False
-    ) -> None:
+        self, machine: Machine, start: Array, steps: Sequence[Step], share: float, *, repeats: bool = False,
+        limits: DemandLimits | None = None,
+    ) -> None:  # fmt: skip
+        """Begin from where the joints are.
+
+        Args:
+            machine: whose arm moves.
+            start: angles, rad, (joints,).
+            steps: places, one after the other.
+            share: of what the arm can do, 0..1.
+            repeats: whether it begins anew at its end.
+            limits: of the machine's demands, where they are known.
+        """
         self.over, self.step, self.rounds = False, 0, 0  # which step it is at, and how often all were done
         self._machine, self._steps, self._share, self._repeats = machine, tuple(steps), share, repeats
+        self._limits = limits or demand_limits(machine)
         self._begun: float | None = None  # when the present motion began, s
         self._arrived: float | None = None  # when the joints were where it ends, s
         self._rows = self._motion(start)
@@ -120,4 +133,4 @@ class Course:
             self._rows = self._motion(start)
 
     def _motion(self, start: Array) -> States:
-        return smooth(self._machine, start, np.array(self.target), self._share)
+        return smooth(self._machine, start, np.array(self.target), self._share, self._limits)

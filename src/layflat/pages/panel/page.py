@@ -5,12 +5,14 @@ from importlib.resources import files
 from typing import TypeVar
 
 import numpy as np
-from nicegui import run, ui
-from nicegui.client import Client
+from nicegui import ui
 
 from layflat.arrays import Array
+from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.arm_scene import ArmScene
+from layflat.pages.look.numbers import number
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.charts_view import ChartsView
 from layflat.pages.panel.check_view import CheckView
 from layflat.pages.panel.controller_view import ControllerView
@@ -20,7 +22,7 @@ from layflat.pages.panel.failures_view import FailuresView
 from layflat.pages.panel.logs_view import LogsView
 from layflat.pages.panel.minder import Jogs, Minder
 from layflat.pages.panel.pilot import MOVES
-from layflat.pages.panel.reach import reachable
+from layflat.pages.panel.search import LONGEST_SEARCH, find_reachable
 from layflat.pages.panel.sequence_view import SequenceView
 from layflat.pages.panel.status_view import OperatorView, StatusView, TimingView
 
@@ -29,11 +31,19 @@ View = TypeVar("View")
 EVERY = 0.1  # between two pictures of what is so, s
 
 
+async def panel_page(desk: Desk) -> None:
+    """Build the page of a browser's tab within the present client, once its browser is there."""
+    client = ui.context.client
+    await client.connected()
+    if not client.is_deleted:
+        await PanelPage(desk).build()
+
+
 class PanelPage:
-    """The page of one browser's tab."""
+    """The page of one browser's tab: at first what minds the rig and stops it, then `build` adds all else."""
 
     def __init__(self, desk: Desk) -> None:
-        """Build it within the present client."""
+        """Build the header within the present client."""
         self._desk = desk
         client = ui.context.client
         self._key = client.id
@@ -46,46 +56,67 @@ class PanelPage:
             with frame.buttons:
                 self.stop = theme.button("Stop", self._stop, icon="front_hand", kind="danger").classes("lf-stop")
             self.minder = Minder(self._renewed, self._stop)
-            with ui.element("div").classes("lf-desk"):
-                with ui.element("div").classes("lf-side"):
-                    self._build_left()
-                with ui.element("div").classes("lf-side"):
-                    self._build_right()
-        self._beats(client)
+            self._columns = ui.element("div").classes("lf-desk")
+        self._seeks_reach, self._height = False, 0.0
+        self._speeds: Callable[[Jogs], list[float]] | None = None  # of jogs, once they can be pressed
+        self._beat()
+        ui.timer(EVERY, self._beat)
 
-    def _build_left(self) -> None:
+    async def build(self) -> None:
+        """Build all that stands below the header, piece by piece, and keep it up to date."""
+        pieces = Pieces()
+        with self._columns:
+            with ui.element("div").classes("lf-side"):
+                await self._build_left(pieces)
+            with ui.element("div").classes("lf-side"):
+                await self._build_right(pieces)
+        ui.timer(EVERY, self._refresh)
+        await self._show_reach()
+        await self.logs.list_logs()
+        await self.sequence.list_saved()
+
+    async def _build_left(self, pieces: Pieces) -> None:
         desk = self._desk
         with theme.panel("Arm"):
             label = "The arm in three dimensions: as it is, and where it is to go"
             self.scene = ArmScene(desk.first, label=label, clicked=self._clicked)
+            await pieces.pause()
             if desk.inverse.directions > 2:
                 self._add_height()
         self.charts = ChartsView(desk)
+        await pieces.pause()
 
     def _add_height(self) -> None:
-        low, high = self._desk.inverse.tips[:, 2].min(), self._desk.inverse.tips[:, 2].max()
+        low, high = self._desk.extent[:, 2].tolist()
         with ui.row().classes("lf-line"):
             ui.label("Height of the green surface:").props('id="reach-height"')
             middle = round(500.0 * (low + high))
             self.height = ui.slider(min=round(1e3 * low), max=round(1e3 * high), step=10, value=middle)
             self.height.classes("lf-slider").props('aria-labelledby="reach-height"')
-            ui.label().bind_text_from(self.height, "value", lambda x: f"{x:.0f} mm")
+            ui.label().bind_text_from(self.height, "value", lambda x: f"{number(x) or 0.0:.0f} mm")
             self.height.on("change", self._show_reach)
 
-    def _build_right(self) -> None:
+    async def _build_right(self, pieces: Pieces) -> None:
         desk = self._desk
         self.status = StatusView(desk, self._key)
         with theme.panel("Move and look"):
             bar = ui.tabs().props("dense no-caps align=left outside-arrows mobile-arrows")
             with ui.tab_panels(bar, value="Jog", animated=False).classes("lf-plain"):
                 self.jog, self.outputs = self._tab(bar, "Jog", lambda: (JogView(desk), OutputsView(desk)))
+                self._speeds = self.jog.speeds
+                await pieces.pause()
                 self.target = self._tab(bar, "Target", lambda: TargetView(desk, lambda: self.scene))
+                await pieces.pause()
                 self.sequence = self._tab(bar, "Moves", lambda: SequenceView(desk))
+                await pieces.pause()
                 self.check = self._tab(bar, "Check", lambda: CheckView(desk, self._key))
+                await pieces.pause()
                 self.controller = self._tab(bar, "Controller", lambda: ControllerView(desk, self._key))
-                self._tab(bar, "Logs", lambda: LogsView(desk))
+                await pieces.pause()
+                self.logs = self._tab(bar, "Logs", lambda: LogsView(desk))
                 if (tell := desk.rig.tell) is not None:
                     self._tab(bar, "Failures", lambda: FailuresView(tell, list(desk.first.joints)))
+                await pieces.pause()
         self.timing = TimingView(desk)
 
     @staticmethod
@@ -95,30 +126,37 @@ class PanelPage:
         with ui.tab_panel(name).classes("lf-plain"):
             return build()
 
-    def _beats(self, client: Client) -> None:
-        async def begin() -> None:
-            await client.connected()
-            await self._show_reach()
-
-        ui.timer(EVERY, self._refresh)
-        ui.timer(0.0, begin, once=True)
-
     async def _show_reach(self) -> None:
-        height = 1e-3 * float(self.height.value) if self._desk.inverse.directions > 2 else 0.0
-        found = await run.io_bound(reachable, self._desk.inverse, height)
-        if found is not None:  # the page is still there
-            self.scene.reachable(*found, on_floor=self._desk.inverse.directions < 3)
+        desk = self._desk
+        self._height = 1e-3 * (number(self.height.value) or 0.0) if desk.inverse.directions > 2 else 0.0
+        if self._seeks_reach:
+            return  # what is shown in the end is the newest height
+        self._seeks_reach, shown = True, None
+        what = "the search for what can be reached"
+        try:
+            while shown != self._height:
+                shown = self._height
+                found = await desk.worker.call(find_reachable, desk.first, shown, limit=LONGEST_SEARCH, what=what)
+        except LayflatError:  # it is a help, without which the arm can be moved; a cancelled one is not begun again
+            return
+        finally:
+            self._seeks_reach = False
+        self.scene.reachable(*found, on_floor=desk.inverse.directions < 3)
+
+    def _beat(self) -> None:
+        desk = self._desk
+        shot = desk.snapshot()
+        self.minder.beat(desk.operators.beat())
+        self.stop.set_enabled(desk.operators.drives(self._key) and shot is not None and bool(shot["air"]))
+        self.operator.refresh()
 
     def _refresh(self) -> None:
         desk = self._desk
         shot = desk.snapshot()
-        self.minder.beat(desk.operators.beat())
         drives = desk.operators.drives(self._key)
         fits = drives and shot is not None and shot.state in MOVES
         if shot is not None and np.isfinite(shot["averaged_angle"]).all():
             self.scene.pose(shot["averaged_angle"])
-        self.stop.set_enabled(drives and shot is not None and bool(shot["air"]))
-        self.operator.refresh()
         self.status.refresh(shot)
         self.timing.refresh(shot)
         self.charts.refresh()
@@ -129,12 +167,12 @@ class PanelPage:
         self.check.refresh()
         self.controller.refresh()
 
-    def _clicked(self, place: Array) -> None:
-        self.target.clicked(place)
+    async def _clicked(self, place: Array) -> None:
+        await self.target.clicked(place)
 
     def _renewed(self, beat: int, jogs: Jogs) -> None:
-        if self._desk.operators.renew(self._key, beat):
-            self._desk.pilot.jog(self.jog.speeds(jogs))
+        if self._desk.operators.renew(self._key, beat) and self._speeds is not None:
+            self._desk.pilot.jog(self._speeds(jogs))
 
     def _stop(self) -> None:
         if self._desk.operators.drives(self._key):

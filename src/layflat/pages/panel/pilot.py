@@ -7,15 +7,21 @@ from contextlib import suppress
 
 import numpy as np
 
+from layflat.machine import Machine
 from layflat.pages.panel.history import History
 from layflat.pages.panel.link import RigLink
 from layflat.pages.panel.moves import Course, Jog, Move, Step
+from layflat.rig.abilities import DemandLimits, demand_limits
 from layflat.rig.lease import Lease
+from layflat.rig.safety.faults import Fault
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session, Snapshot
 
 TICK = 0.02  # between two looks, s: demands that move go on for 50 ms
 WISHED = 1.0  # for so long a start is wished for while the lease has lapsed, as it may on a busy computer, s
+UNMINDED = (
+    "The page that drives was not heard for 0.2 s: it was closed, hidden or out of touch, or this computer was too busy"
+)
 MOVES = {State.READY, State.MOVING}
 
 
@@ -27,13 +33,17 @@ class Pilot:
     Attributes:
         share: of what the arm can do, at which courses move, 0..1.
         history: what was seen lately.
+        why: reason for which the joints were held, or the air let out, without a person's wish; empty where they go on.
     """
 
     def __init__(self, link: RigLink, lease: Lease) -> None:
-        self.share, self.history = 0.3, History()
+        self.share, self.history, self.why = 0.3, History(), ""
         self._link, self._lease = link, lease
         self._move: Move | None = None
         self._start_until = 0.0  # s, monotonic
+        self._before: State | None = None
+        self._lapses = 0  # of the lease that are known to people, or led to nothing
+        self._limits: tuple[Machine, DemandLimits] | None = None
         self._guard, self._over = threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._lead, name="layflat-pilot", daemon=True)
         self._thread.start()
@@ -50,11 +60,13 @@ class Pilot:
 
     def stop(self) -> None:
         """Hold the joints where they are, with air."""
+        self._forgive()
         self._drop()
         self._tell(Session.hold)
 
     def vent(self) -> None:
         """Hold the joints, then let out the air."""
+        self._forgive()
         self._drop()
         self._tell(Session.stop)
 
@@ -81,14 +93,37 @@ class Pilot:
             shot = self._obeying()
             if shot is None:
                 return False
-            start = np.array(shot["demand"])
-            self._move = Course(self._link.machine, start, steps, self.share, repeats=repeats)
+            start, machine = np.array(shot["demand"]), self._link.machine
+            self._move = Course(machine, start, steps, self.share, repeats=repeats, limits=self._limits_of(machine))
             return True
 
     def close(self) -> None:
         """End it; the rig is left to its link."""
         self._over.set()
         self._thread.join()
+
+    def _forgive(self) -> None:
+        """Note that a person ends the motion, whatever the lease did before."""
+        session = self._link.session
+        self._lapses = 0 if session is None else session.lapses
+
+    def _limits_of(self, machine: Machine) -> DemandLimits:
+        known = self._limits
+        if known is None or known[0] is not machine:
+            known = self._limits = machine, demand_limits(machine)
+        return known[1]
+
+    def _note_reason(self, session: Session, shot: Snapshot) -> None:
+        """Note why the joints were held, or the air let out, once they are."""
+        before, self._before = self._before, shot.state
+        if shot.state in MOVES or shot.state in {State.OFF, State.STARTING}:
+            self.why = ""
+            if not session.lapsed:
+                self._lapses = session.lapses
+        elif shot.fault is not Fault.NONE:
+            self.why = shot.fault_text
+        elif shot.state is not before and session.lapses != self._lapses:
+            self.why = UNMINDED
 
     def _obeying(self) -> Snapshot | None:
         shot = self._link.snapshot()
@@ -111,7 +146,9 @@ class Pilot:
                 self._drop()
                 self.history.pause()
                 continue
+            self._limits_of(self._link.machine)  # found here, so that nobody waits for them later
             self.history.add(shot, self._link.machine)
+            self._note_reason(session, shot)
             if time.monotonic() < self._start_until and self._lease.lives:
                 self._start_until = 0.0
                 self._tell(Session.start)

@@ -1,33 +1,42 @@
 """Sequences: places in a table, performed once or again and again, saved by name and loaded again."""
 
+from collections.abc import Sequence
+from functools import partial
 from math import degrees
+from typing import Any
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
+from layflat.pages.look.numbers import number, within
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.desk import Desk
 from layflat.pages.panel.moves import Step, outputs_on
-from layflat.pages.panel.sequences import check_pause, load_sequence, place_of, save_sequence, sequence_names
+from layflat.pages.panel.sequences import MAX_STEPS, check_pause, is_saved, load_sequence, save_sequence, sequence_names
 from layflat.rig.session import Snapshot
 
 SHARES = (10, 100, 30)  # least, most, and at first, % of what the arm can do
+FILES_WITHIN = 10.0  # in which files of sequences have to be read or written, s
 
 
 class SequenceView:
     """The places of one page's sequence."""
 
     def __init__(self, desk: Desk) -> None:
-        """Build it."""
+        """Build it; `list_saved` shows what was saved."""
         self._desk, self._outputs = desk, desk.first.interface.outputs
         self.steps: list[Step] = []
+        self._drawn = 0  # which drawing of the table is the newest
         least, most, usual = SHARES
         with ui.row().classes("lf-line"):
             ui.label("Speed of moves:").props('id="move-share"')
             self.share = ui.slider(min=least, max=most, step=5, value=usual, on_change=self._set_share)
             self.share.classes("lf-slider").props('aria-labelledby="move-share"')
-            ui.label().bind_text_from(self.share, "value", lambda x: f"{x:.0f} % of what the arm can do")
+            ui.label().bind_text_from(
+                self.share, "value", lambda x: f"{within(x, *SHARES):.0f} % of what the arm can do"
+            )
         with ui.row().classes("lf-line"):
             self.pause = ui.number("pause after it (s)", value=0.5, min=0.0, step=0.5).props("dense outlined")
             self.add = theme.button("Add present angles", self._add, icon="add_location_alt")
@@ -40,9 +49,7 @@ class SequenceView:
         with ui.row().classes("lf-line"):
             self.name = ui.input("name").props("dense outlined")
             theme.button("Save", self._save, icon="save")
-            self.saved = (
-                ui.select(sequence_names(desk.folder), label="saved").props("dense outlined").classes("lf-select")
-            )
+            self.saved = ui.select([], label="saved").props("dense outlined").classes("lf-select")
             theme.button("Load", self._load, icon="folder_open")
         self.told = ui.label("").classes("lf-told").props("role=alert")
         self._draw()
@@ -56,13 +63,28 @@ class SequenceView:
         text = f"at step {course.step + 1}, {course.rounds} rounds done" if course is not None else ""
         self.progress.set_text(text)
 
+    async def list_saved(self, chosen: str | None = None) -> None:
+        """Show the names of what was saved, and choose one."""
+        found = await self._files(sequence_names)
+        self.saved.set_options(found, value=chosen if chosen in found else None)
+
+    async def _files(self, work: Any, *more: Any) -> Any:
+        """Call what reads or writes files of the desk's folder, beside the event loop."""
+        what = "work on the sequences' files"
+        return await self._desk.worker.call(work, self._desk.folder, *more, limit=FILES_WITHIN, what=what)
+
     def _set_share(self) -> None:
-        self._desk.pilot.share = float(self.share.value) / 100.0
+        self._desk.pilot.share = within(self.share.value, *SHARES) / 100.0
 
     def _add(self) -> None:
         shot = self._desk.snapshot()
+        pause = number(self.pause.value)
         try:
-            pause = check_pause(float(self.pause.value if self.pause.value is not None else -1.0), "pause")
+            if len(self.steps) >= MAX_STEPS:
+                raise LayflatError(
+                    f"A sequence has at most {MAX_STEPS} steps: take one away, or save it and begin another."
+                )
+            pause = check_pause(-1.0 if pause is None else pause, "pause")
         except LayflatError as error:
             self.told.set_text(str(error))
             return
@@ -84,53 +106,74 @@ class SequenceView:
         self._desk.pilot.go(self.steps, repeats=repeats)
 
     async def _save(self) -> None:
-        name, folder = str(self.name.value or ""), self._desk.folder
+        name, desk = str(self.name.value or ""), self._desk
         if not self.steps:
             self.told.set_text("There are no steps to save: add some.")
             return
         try:
-            if place_of(folder, name).exists() and not await confirmed(f"Replace the sequence {name!r}?", "Replace"):
+            there = await self._files(is_saved, name)
+            if there and not await confirmed(f"Replace the sequence {name!r}?", "Replace"):
                 return
-            path = save_sequence(folder, name, self._desk.first, self.steps)
+            path = await self._files(save_sequence, name, desk.first, self.steps)
+            await self.list_saved(name)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
-        self.saved.set_options(sequence_names(folder), value=name)
         self.told.set_text(f"saved {path}")
 
-    def _load(self) -> None:
+    async def _load(self) -> None:
         if not self.saved.value:
             self.told.set_text("Choose a saved sequence first.")
             return
+        name = str(self.saved.value)
         try:
-            self.steps = load_sequence(self._desk.folder, self.saved.value, self._desk.first)
+            self.steps = await self._files(load_sequence, name, self._desk.first)
         except LayflatError as error:
             self.told.set_text(str(error))
             return
-        self.name.value, _ = self.saved.value, self.told.set_text("")
+        self.name.value, _ = name, self.told.set_text("")
         self._draw()
 
     def _draw(self) -> None:
-        self.table.clear()
-        with self.table:
-            if not self.steps:
-                ui.label("No steps yet: move the arm, then add its present angles.").classes("lf-quiet")
-                return
-            with ui.element("table").classes("lf-table"):
-                with ui.element("tr"):
-                    switched = ("then on",) if self._outputs else ()
-                    joints = (f"{name} (deg)" for name in self._desk.first.joints)
-                    for head in ("step", *joints, *switched, "pause (s)", ""):
-                        theme.text_element("th", head)
-                for at, step in enumerate(self.steps):
-                    with ui.element("tr"):
-                        angles = (f"{degrees(x):.1f}" for x in step.angles)
-                        on = (_named(step.outputs),) if self._outputs else ()
-                        for text in (str(at + 1), *angles, *on, f"{step.pause:g}"):
-                            theme.text_element("td", text)
-                        with ui.element("td"):
-                            hint = f"Take step {at + 1} away"
-                            theme.button("", lambda at=at: self._drop(at), icon="delete", kind="flat", hint=hint)
+        """Draw the table anew; a drawing that goes on ends."""
+        self._drawn += 1
+        background_tasks.create(self._draw_rows(self._drawn, tuple(self.steps)), context=self.table)
+
+    async def _draw_rows(self, drawing: int, steps: Sequence[Step]) -> None:
+        pieces = Pieces()
+        for before in list(self.table):
+            for row in reversed(list(before)):
+                row.delete()
+                await pieces.pause()
+                if drawing != self._drawn:
+                    return
+            before.delete()
+        if not steps:
+            ui.label("No steps yet: move the arm, then add its present angles.").classes("lf-quiet")
+            return
+        with ui.element("table").classes("lf-table"):
+            self._draw_head()
+            for at, step in enumerate(steps):
+                self._draw_row(at, step)
+                await pieces.pause()
+                if drawing != self._drawn:
+                    return
+
+    def _draw_head(self) -> None:
+        switched = ("then on",) if self._outputs else ()
+        joints = (f"{name} (deg)" for name in self._desk.first.joints)
+        with ui.element("tr"):
+            for head in ("step", *joints, *switched, "pause (s)", ""):
+                theme.text_element("th", head)
+
+    def _draw_row(self, at: int, step: Step) -> None:
+        angles = (f"{degrees(x):.1f}" for x in step.angles)
+        on = (_named(step.outputs),) if self._outputs else ()
+        with ui.element("tr"):
+            for text in (str(at + 1), *angles, *on, f"{step.pause:g}"):
+                theme.text_element("td", text)
+            with ui.element("td"):
+                theme.button("", partial(self._drop, at), icon="delete", kind="flat", hint=f"Take step {at + 1} away")
 
 
 def _named(outputs: frozenset[str] | None) -> str:

@@ -1,6 +1,5 @@
 """Sequences of places that an operator saves: TOML files in one folder, a file a sequence."""
 
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from math import degrees, radians
@@ -9,6 +8,7 @@ from typing import Any
 
 import tomli_w
 
+from layflat.description.names import file_name
 from layflat.errors import InputError
 from layflat.files import write_text
 from layflat.machine import Machine
@@ -16,8 +16,7 @@ from layflat.machine.parameters import check_inside_stroke
 from layflat.pages.panel.moves import Step
 
 SUFFIX = ".sequence.toml"
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _-]{0,39}")
-LONGEST_PAUSE, MOST = 3600.0, 500  # of a step, s, and steps of a sequence
+LONGEST_PAUSE, MAX_STEPS = 3600.0, 500  # of a step, s, and steps of a sequence
 
 
 def sequence_names(folder: Path) -> list[str]:
@@ -27,14 +26,29 @@ def sequence_names(folder: Path) -> list[str]:
 
 def place_of(folder: Path, name: str) -> Path:
     """Return the file of a sequence; raise InputError if it is no name for one."""
-    if not NAME.fullmatch(name):
-        right = "give up to 40 letters, digits, blanks, hyphens and underscores"
-        raise InputError(f"{name!r} is no name for a sequence", where="name", right=right)
-    return folder / f"{name}{SUFFIX}"
+    return folder / f"{file_name(name, 'name')}{SUFFIX}"
+
+
+def is_saved(folder: Path, name: str) -> bool:
+    """Return whether a sequence of this name is there; raise InputError if it is no name for one."""
+    return place_of(folder, name).exists()
 
 
 def save_sequence(folder: Path, name: str, machine: Machine, steps: Sequence[Step]) -> Path:
-    """Write a sequence of a machine's joints; raise InputError for a bad name, OutputError if it can't be written."""
+    """Write a sequence of a machine's joints, and return its file.
+
+    Args:
+        folder: in which sequences are kept.
+        name: of the sequence.
+        machine: whose joints move.
+        steps: 1 to `MAX_STEPS`.
+
+    Raises:
+        InputError: the name can't be one of a file, or there are too many steps.
+        OutputError: it can't be written.
+    """
+    if len(steps) > MAX_STEPS:
+        raise InputError(f"has {len(steps)} steps", where=name, right=f"give {MAX_STEPS} at most")
     rows = [_row(step, machine) for step in steps]
     return write_text(place_of(folder, name), tomli_w.dumps({"machine": machine.name, "step": rows}))
 
@@ -57,8 +71,8 @@ def load_sequence(folder: Path, name: str, machine: Machine) -> list[Step]:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise InputError(f"can't be read ({error})", where=str(path)) from None
     rows = table.get("step")
-    if not isinstance(rows, list) or not 0 < len(rows) <= MOST:
-        raise InputError("holds no steps", where=str(path), right=f"give 1 to {MOST} tables [[step]]")
+    if not isinstance(rows, list) or not 0 < len(rows) <= MAX_STEPS:
+        raise InputError("holds no steps", where=str(path), right=f"give 1 to {MAX_STEPS} tables [[step]]")
     return [_step(row, machine, f"{path}: step {count}") for count, row in enumerate(rows, 1)]
 
 

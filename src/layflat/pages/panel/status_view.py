@@ -58,7 +58,7 @@ class StatusView:
             self.state.set_text(name)
             self.means.set_text(means)
             self.start.text = self.start.props["aria-label"] = "Go on" if shot.state is State.HOLDING else "Start"
-            self._show_fault(shot.fault, shot.fault_text if shot.fault else "")
+            self._show_fault(shot.fault, shot.fault_text if shot.fault else self._desk.pilot.why)
             startable = shot.state in {State.OFF, State.STOPPED, State.HOLDING} and not shot.fault.latched
             buttons = (startable, bool(shot["air"]), shot.state is State.FAULT or shot.fault.latched)
         for button, fits in zip((self.start, self.vent, self.reset), buttons, strict=True):
@@ -80,7 +80,7 @@ class StatusView:
             return
         with self.fault:
             if fault is Fault.NONE:
-                theme.note(text, "danger")
+                theme.note(text, "danger" if self._desk.snapshot() is None else "warning")
                 return
             why, next_step = REASONS[fault]
             theme.note(text[:1].upper() + text[1:], "danger" if fault.latched else "warning")

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 from layflat import extras
 from layflat.pages.server.guard import LARGEST, Guard
 from layflat.pages.server.place import Place
+from layflat.pages.server.turns import Turn, TurnMonitor
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
     from uvicorn import Server
 
+LOG = logging.getLogger(__name__)
 POLL = 0.05  # s
 GRACE = 1  # s, that connections have to end
 RECONNECT = 3.0  # s, that a browser has to come back to the page it had
@@ -70,25 +72,39 @@ def serve(
         guard = Guard(app, place.hosts(port), cookie=f"layflat-{port}", secure=secure, admit=listener.admit)
         server = _server(guard, place)
 
-        async def run() -> None:
-            async with app.router.lifespan_context(app):
-                await server.startup(sockets=[listener])
-                try:
-                    if started is not None:
-                        started()
-                    _spare_collector()
-                    ready(f"{place.address(port)}/?token={guard.token}")
-                    while not stopped():
-                        listener.sweep()
-                        await asyncio.sleep(POLL)
-                finally:
-                    if ended is not None:
-                        ended()
-                    await server.shutdown(sockets=[listener])
-                    logging.getLogger("nicegui").setLevel(logging.CRITICAL)  # what is slow to end ends with the rest
+        with TurnMonitor(tell_slow_turn) as turns:
 
-        with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:  # other loops accept in other ways
-            runner.run(run())
+            def loop() -> asyncio.AbstractEventLoop:  # other loops accept in other ways
+                return asyncio.SelectorEventLoop(turns.selector)
+
+            async def run() -> None:
+                async with app.router.lifespan_context(app):
+                    await server.startup(sockets=[listener])
+                    try:
+                        if started is not None:
+                            started()
+                        _spare_collector()
+                        ready(f"{place.address(port)}/?token={guard.token}")
+                        turns.reports = True
+                        while not stopped():
+                            listener.sweep()
+                            await asyncio.sleep(POLL)
+                    finally:
+                        if ended is not None:
+                            ended()
+                        await server.shutdown(sockets=[listener])
+                        logging.getLogger("nicegui").setLevel(
+                            logging.CRITICAL
+                        )  # what is slow to end ends with the rest
+
+            with asyncio.Runner(loop_factory=loop) as runner:
+                runner.run(run())
+
+
+def tell_slow_turn(turn: Turn) -> None:
+    """Log a turn of the event loop that people at the pages feel."""
+    if turn.slow:
+        LOG.warning("%s", turn)
 
 
 def _spare_collector() -> None:
