@@ -21,6 +21,7 @@ def test_options_of_an_import_are_taken(tmp_path: Path) -> None:
     file = written(tmp_path, urdf())
     words = ["--to", "lower", "--tool", "lower", "--joints", "elbow=paper-arm:large", "--no-meshes"]
     words += ["--stroke", "elbow=-10 deg, 70 deg", "--gravity", "0, 2 m/s^2, -9 m/s^2", "--out", str(tmp_path)]
+    words += ["--package", f"any={tmp_path}"]
     done = layflat("arm", "import", str(file), *words)
     assert done.returncode == 0, done.stderr
     machine = load(tmp_path / "two.toml")
@@ -40,6 +41,13 @@ def test_options_of_an_import_are_taken(tmp_path: Path) -> None:
         (["--gravity", "0, 1"], "--gravity: '0, 1' has 2 values; give \"0, 0, -9.81 m/s^2\""),
         (["--gravity", "0, 0, 9.81"], "--gravity: '9.81' is a bare number"),
         (["--to", "hand"], "--to: there is no link 'hand'"),
+        (["--gravity", "-,.,+"], "--gravity: '-'"),
+        (["--gravity", "0, ., -9 m/s^2"], "--gravity: '.'"),
+        (["--stroke", "=0 deg, 1 deg"], "--stroke: '=0 deg, 1 deg' has no two limits"),
+        (["--stroke", "elbow=0 deg, 1 deg", "--stroke", "elbow=0 deg, 2 deg"], "--stroke: 'elbow' stands there twice"),
+        (["--package", "x"], "--package: 'x' names no folder; give NAME=FOLDER, such as my_robot=../my_robot"),
+        (["--package", "x=none"], "--package: there is no folder 'none'; give the package's own folder"),
+        (["--package", "x=.", "--package", "x=.."], "--package: 'x' stands there twice; give one of both"),
     ],
 )
 def test_mistakes_leave_nothing(words: list[str], expected: str, tmp_path: Path) -> None:

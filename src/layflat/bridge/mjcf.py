@@ -7,6 +7,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.bridge.inertia import nearest_inertia
 from layflat.bridge.limits import effort
 from layflat.bridge.meshes import Meshes
 from layflat.bridge.pieces import BODY, COLOURS, Piece, joint_pieces, link_pieces, rigid
@@ -103,11 +104,12 @@ def quaternion(axes: Array) -> Array:
 def _link(parent: Element, name: str, link: RigidLink) -> Element:
     body = SubElement(parent, "body", name=f"{name}-link", pos=numbers(link.place), quat=numbers(quaternion(link.axes)))
     own = SubElement(body, "inertial", pos=numbers(link.centre), mass=repr(link.mass))
-    across = link.inertia[(0, 0, 1), (1, 2, 2)]
+    inertia = nearest_inertia(link.inertia)
+    across = inertia[(0, 0, 1), (1, 2, 2)]
     if across.any():
-        own.set("fullinertia", numbers([*link.inertia.diagonal(), *across]))
+        own.set("fullinertia", numbers([*inertia.diagonal(), *across]))
     else:
-        own.set("diaginertia", numbers(link.inertia.diagonal()))
+        own.set("diaginertia", numbers(inertia.diagonal()))
     return body
 
 

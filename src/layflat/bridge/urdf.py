@@ -5,6 +5,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.bridge.inertia import nearest_inertia
 from layflat.bridge.limits import effort, velocity
 from layflat.bridge.meshes import Meshes
 from layflat.bridge.mjcf import numbers
@@ -72,7 +73,7 @@ def _link(robot: Element, name: str, body: tuple[float, Array, Array] | None) ->
         SubElement(inertial, "mass", value=repr(float(mass)))
         rows, columns = np.triu_indices(3)
         keys = [f"i{'xyz'[i]}{'xyz'[j]}" for i, j in zip(rows, columns, strict=True)]
-        values = map(repr, inertia[rows, columns].tolist())
+        values = map(repr, nearest_inertia(inertia)[rows, columns].tolist())
         SubElement(inertial, "inertia", dict(zip(keys, values, strict=True)))
     return name
 

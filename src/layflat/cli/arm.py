@@ -1,7 +1,7 @@
 """Commands that take arms in and out of files of robots: arm import; arm export, which is also arm-model."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -11,6 +11,8 @@ from layflat.errors import InputError
 
 if TYPE_CHECKING:
     from layflat.bridge.robots import ImportedArm
+
+Value = TypeVar("Value")
 
 arms = LazyTyper("arm", "Take arms in and out of URDF and MJCF.", {"import": "arm", "export": "arm"})
 
@@ -53,6 +55,10 @@ def import_robot(
     ] = "",
     name: Annotated[str, typer.Option(help="of the machine  [default: the robot's]")] = "",
     meshes: Annotated[bool, typer.Option(help="whether to draw links by the robot's meshes")] = True,
+    package: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=FOLDER", help="where a ROS package is whose meshes a URDF names; repeatable"),
+    ] = None,
     out: Out = Path("build/arm"),
 ) -> None:
     """Take an arm from a URDF or MJCF, with joints of hose in place of its own.
@@ -62,10 +68,20 @@ def import_robot(
     from layflat.bridge.robots import import_arm  # noqa: PLC0415
     from layflat.files import check_folder  # noqa: PLC0415
 
-    limits = dict(_stroke(text) for text in stroke or [])
+    limits = _once([_stroke(text) for text in stroke or []], "--stroke")
+    folders = _once([_package(text) for text in package or []], "--package")
     pull = _gravity(gravity) if gravity else None
-    chosen = joints or []
-    found = import_arm(file, joints=chosen, to=to, tool=tool, name=name, stroke=limits, gravity=pull, meshes=meshes)
+    found = import_arm(
+        file,
+        joints=joints or [],
+        to=to,
+        tool=tool,
+        name=name,
+        stroke=limits,
+        gravity=pull,
+        meshes=meshes,
+        packages=folders,
+    )
     check_folder(out)
     _print(found)
     for path in found.save(out):
@@ -90,11 +106,34 @@ def _stroke(text: str) -> tuple[str, tuple[float, float]]:
     """Return joint and limits (rad) of an option such as "wrist=-60 deg, 60 deg"."""
     from layflat.description import units as u  # noqa: PLC0415
 
-    name, _, limits = text.partition("=")
-    both = [u.quantity(one.strip(), u.ANGLE, "--stroke") for one in limits.split(",") if one.strip()]
+    name, _, limits = text.rpartition("=")
+    parts = [one.strip() for one in limits.split(",") if one.strip()] if name.strip() else []
+    both = [u.quantity(one, u.ANGLE, "--stroke") for one in parts]
     if len(both) != 2 or both[0] >= both[1]:
         raise InputError(f"{text!r} has no two limits", where="--stroke", right='give "wrist=-60 deg, 60 deg"')
     return name.strip(), (both[0], both[1])
+
+
+def _package(text: str) -> tuple[str, Path]:
+    """Return name and folder of an option such as "my_robot=/opt/my_robot"."""
+    name, _, folder = text.partition("=")
+    if not name.strip() or not folder.strip():
+        right = "give NAME=FOLDER, such as my_robot=../my_robot"
+        raise InputError(f"{text!r} names no folder", where="--package", right=right)
+    path = Path(folder.strip())
+    if not path.is_dir():
+        raise InputError(f"there is no folder {str(path)!r}", where="--package", right="give the package's own folder")
+    return name.strip(), path
+
+
+def _once(pairs: list[tuple[str, Value]], option: str) -> dict[str, Value]:
+    """Return values by name; refuse a name that stands there twice."""
+    values: dict[str, Value] = {}
+    for name, value in pairs:
+        if name in values:
+            raise InputError(f"{name!r} stands there twice", where=option, right="give one of both")
+        values[name] = value
+    return values
 
 
 def _gravity(text: str) -> list[float]:
@@ -104,4 +143,11 @@ def _gravity(text: str) -> list[float]:
     parts = [one.strip() for one in text.split(",")]
     if len(parts) != 3:
         raise InputError(f"{text!r} has {len(parts)} values", where="--gravity", right='give "0, 0, -9.81 m/s^2"')
-    return [0.0 if one.strip("-+0.") == "" else u.quantity(one, u.ACCELERATION, "--gravity") for one in parts]
+    return [0.0 if _is_zero(one) else u.quantity(one, u.ACCELERATION, "--gravity") for one in parts]
+
+
+def _is_zero(text: str) -> bool:
+    try:
+        return float(text) == 0.0
+    except ValueError:
+        return False

@@ -60,6 +60,28 @@ def read_text(path: Path, where: str, right: str, kind: type[InputError] = Input
     Raises:
         InputError: of class `kind`: it can't be read, is not text, or is too large.
     """
+    content = read_bytes(path, where, right, kind, most)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise kind("is not a text file in UTF-8", where=where, right=right) from None
+
+
+def read_bytes(
+    path: Path, where: str, right: str, kind: type[InputError] = InputError, most: int = MOST_BYTES
+) -> bytes:
+    """Return the bytes of a file.
+
+    Args:
+        path: of the file.
+        where: how it is named in messages.
+        right: what to give in place of a file that can't be read.
+        kind: of error.
+        most: bytes that it may have.
+
+    Raises:
+        InputError: of class `kind`: it can't be read, or is too large.
+    """
     check_regular(path, where, right, kind)
     try:
         with path.open("rb") as file:
@@ -68,7 +90,4 @@ def read_text(path: Path, where: str, right: str, kind: type[InputError] = Input
         raise kind(f"can't be read ({error.strerror or error})", where=where, right=right) from None
     if len(content) > most:
         raise kind(f"is larger than {most / 1e6:g} MB", where=where, right=right)
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise kind("is not a text file in UTF-8", where=where, right=right) from None
+    return content

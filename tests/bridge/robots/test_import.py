@@ -28,9 +28,9 @@ def state(machine: Machine, angles: NDArray[np.float64]) -> State:
 
 
 def in_mujoco(model: Any, angles: NDArray[np.float64], tip: str) -> State:
-    """The same of the joints of a model that stand first; others are held."""
+    """The same of the joints of a model that stand first; others are held where the model has them."""
     data, n = mujoco.MjData(model), len(angles)
-    data.qpos[:n] += angles
+    data.qpos[:n] = angles
     mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
@@ -98,7 +98,7 @@ def test_an_mjcf_moves_as_mujoco_has_it_up_to_a_body(tmp_path: Path) -> None:
     file = written(tmp_path, MJCF, "robot.xml")
     found = import_arm(file, to="fore", tool="grip")
     model = mujoco.MjModel.from_xml_path(str(file))
-    assert found.turning[0].middle == pytest.approx(radians(-15.0))  # of -50 and 40, from the 10 that it stands at
+    assert found.turning[0].middle == pytest.approx(radians(-5.0))  # of -50 and 40; the file draws it at 10
     angles, middle = np.array([0.3, -0.5]), np.array([turn.middle for turn in found.turning])
     assert_same(state(found.machine, angles), in_mujoco(model, angles + middle, "grip"))
     assert found.notes()[:2] == [

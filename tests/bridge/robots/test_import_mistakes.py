@@ -56,9 +56,8 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
      '0.2"'),
     ({"elbow": without(ELBOW, "0 0 2", "0 0 nan")}, {}, "joint 'elbow': axis: xyz is '0 0 nan', not 3 numbers; give "
      'xyz="0.1 0 0.2"'),
-    ({"elbow": without(ELBOW, 'upper="1"', 'upper="-2"')}, {}, "joint 'elbow': has limits from -1 to -2 rad; give "
-     "upper "
-     "more than lower"),
+    ({"elbow": without(ELBOW, 'upper="1"', 'upper="-2"')}, {}, "joint 'elbow' has limits from -1 to -2 rad; hoses "
+     'turn 140 deg at most: give --stroke "elbow=-40 deg, 40 deg"'),
     ({"elbow": without(ELBOW, "</joint>", '<mimic joint="shoulder"/></joint>')}, {}, "joint 'elbow': mimics "
      "'shoulder'; "
      "joints here move by themselves: drop <mimic>"),
@@ -89,10 +88,17 @@ WRONG: list[tuple[dict[str, str], dict[str, Any], str]] = [
      'value="0.1"'),
     # links and looks
     ({"more": TOOL}, {}, "link 'tool0': stands there twice; give each link a name of its own"),
-    ({"upper": without(UPPER, '<cylinder radius="0.02" length="0.2"/>', '<mesh filename="package://a/b.stl"/>')}, {},
-     "link 'upper': mesh 'package://a/b.stl' is not there; put it there, or leave meshes out: --no-meshes"),
     ({"upper": without(UPPER, "cylinder", "cone")}, {}, "link 'upper': has the unknown geometry 'cone'; give a box, "
      "cylinder, sphere or mesh"),
+    # what stands there twice
+    ({"more": '<link name="alone"/>'}, {}, "has several bases: base, alone; join them by fixed joints, or take others "
+     "away"),
+    ({"end": joint("elbow", "fixed", "lower", "tool0")}, {}, "joint 'elbow': stands there twice; give each joint a "
+     "name of its own"),
+    ({}, {"joints": ["paper-arm-fast:large", "paper-arm-fast:small"]}, "--joints: there are two for all joints; give "
+     "paper-arm-fast:large or paper-arm-fast:small"),
+    ({}, {"joints": ["elbow=paper-arm-fast:large", "elbow=paper-arm-fast:small"]}, "--joints: there are two for joint "
+     "'elbow'; give paper-arm-fast:large or paper-arm-fast:small"),
     # options
     ({}, {"to": "lowr"}, "--to: there is no link 'lowr'; did you mean 'lower'?"),
     ({}, {"tool": "base"}, "--tool: 'base' is no frame that the last joint turns; frames that the last joint turns are "

@@ -10,12 +10,13 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.bridge.limits import effort
 from layflat.bridge.robots.describe import Described, described
+from layflat.bridge.robots.mesh_files import with_meshes
+from layflat.bridge.robots.names import machine_name, translated, with_key_names
 from layflat.bridge.robots.read import read_robot
-from layflat.bridge.robots.robot import Robot
 from layflat.bridge.robots.serial import Serial, serial
-from layflat.bridge.robots.strokes import Turning, strokes
+from layflat.bridge.robots.strokes import ROOM, Turning, strokes
 from layflat.bridge.robots.template import templates
-from layflat.description.names import file_name, problem
+from layflat.description.names import file_name
 from layflat.files import whole_file, write_text
 from layflat.machine import Machine, parameters
 
@@ -48,10 +49,17 @@ class ImportedArm:
         short = [
             f"{name} turns {degrees(turn.mechanical):.4g} of {degrees(turn.asked):.4g} deg"
             for name, turn in zip(joints, self.turning, strict=True)
-            if turn.asked > turn.mechanical + 1e-9
+            if turn.asked > turn.mechanical + ROOM
         ]
         if short:
             found.append(f"hoses reach no further: {', '.join(short)}")
+        aside = [
+            f"{name} to {degrees(turn.asked):.4g} of {degrees(turn.limits[1] - turn.limits[0]):.4g} deg"
+            for name, turn in zip(joints, self.turning, strict=True)
+            if turn.limits[1] - turn.limits[0] > turn.asked + ROOM
+        ]
+        if aside:
+            found.append(f"stops lie as far on both sides of the middle of the soft limits: {', '.join(aside)}")
         for name, torque, weight in zip(joints, self.torques, self.weights, strict=True):
             if weight > torque:
                 found.append(
@@ -84,6 +92,7 @@ def import_arm(
     stroke: Mapping[str, tuple[float, float]] | None = None,
     gravity: Sequence[float] | None = None,
     meshes: bool = True,
+    packages: Mapping[str, Path] | None = None,
 ) -> ImportedArm:
     """Return an arm in space from a URDF or MJCF, with joints of hose.
 
@@ -97,6 +106,7 @@ def import_arm(
         stroke: limits of joints in place of the file's, by name, rad.
         gravity: in the frame of the base, m/s2; default: the file's, or 9.80665 m/s2 against z.
         meshes: whether to take meshes along for drawing.
+        packages: folders of packages of ROS in which a URDF's meshes are, by name, where they are not around the file.
 
     Raises:
         InputError: in one line, what is wrong with file or options, and what would be right.
@@ -105,35 +115,16 @@ def import_arm(
     robot = read_robot(file, meshes=meshes)
     if gravity is not None:
         robot = replace(robot, gravity=np.array(gravity, float))
-    chain = _named(serial(robot, to=to, tool=tool))
-    hoses = templates([stage.joint.name for stage in chain.stages], joints)
-    turning = strokes(chain, {joint: one.described for joint, one in hoses.items()}, stroke or {})
-    text = described(chain, file_name(name, "--name") if name else _name(robot), hoses, turning)
+    chain, renamed = with_key_names(with_meshes(serial(robot, to=to, tool=tool), packages or {}))
+    hoses = templates([stage.joint.name for stage in chain.stages], joints, renamed)
+    limits = translated(stroke or {}, renamed)
+    turning = strokes(chain, {joint: one.described for joint, one in hoses.items()}, limits)
+    called, notes = (file_name(name, "--name"), ()) if name else machine_name(robot)
+    chain = replace(chain, notes=(*chain.notes, *notes))
+    text = described(chain, called, hoses, turning)
     machine = text.machine
     torques = np.array([effort(machine, joint) for joint in machine.joints])
     return ImportedArm(machine, chain, tuple(turning), torques, _weights(machine), text)
-
-
-def _named(chain: Serial) -> Serial:
-    """Give joints names that descriptions can have."""
-    stages, taken = [], set[str]()
-    for stage in chain.stages:
-        name = stage.joint.name
-        if problem(name, key=True):
-            name = "".join(one if one.isalnum() else "-" for one in name).strip("-") or "joint"
-        while name in taken:
-            name += "-2"
-        taken.add(name)
-        stages.append(replace(stage, joint=replace(stage.joint, name=name)))
-    return replace(chain, stages=tuple(stages))
-
-
-def _name(robot: Robot) -> str:
-    for name in (robot.name, robot.file.stem):
-        tidy = "".join(one if one.isalnum() or one in "-_+" else "-" for one in name).strip("-_+")
-        if tidy and not problem(tidy):
-            return tidy
-    return "arm"
 
 
 def _weights(machine: Machine) -> Array:

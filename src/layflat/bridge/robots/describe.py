@@ -96,7 +96,7 @@ def _link(stage: Stage, turn: Turning, meshes: "_Meshes") -> Plain:
     link = {
         "axis": [float(_number(one)) for one in stage.axis],
         "place": _lengths(stage.place.place),
-        "turn": _turn(stage.place.axes @ about(stage.axis, turn.middle)),
+        "turn": _turn(stage.place.axes @ about(stage.axis, turn.middle - stage.joint.zero)),
         "mass": f"{_number(stage.inertial.mass)} kg",
         "centre": _lengths(stage.inertial.centre),
         "inertia": [f"{_number(one, 1e-12)} kg m^2" for one in six],

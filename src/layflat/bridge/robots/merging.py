@@ -1,6 +1,7 @@
 """Bodies that move as one, merged into one, as long as each of them can be a body."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
@@ -36,11 +37,7 @@ def merged(robot: Robot, joint: Link, members: Mapping[str, Pose]) -> tuple[Iner
     wrong = impossible(tuple(whole.inertia[rows, columns].tolist()))
     if wrong:
         _refuse(robot, joint.child, f"{also} {wrong}".strip(), "give it the inertia of a body")
-    looks = [
-        Look(one.kind, members[name].then(one.pose), one.size, one.file, one.content, one.scale)
-        for name, body in bodies.items()
-        for one in body.looks
-    ]
+    looks = [replace(one, pose=members[name].then(one.pose)) for name, body in bodies.items() for one in body.looks]
     return whole, looks
 
 

@@ -1,34 +1,79 @@
-"""Where the meshes are that a robot's file names."""
+"""Files of the meshes that a URDF names."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+from urllib.parse import unquote
 
 from layflat.bridge.meshes import FORMATS
+from layflat.bridge.robots.robot import Look, Robot
+from layflat.bridge.robots.serial import Serial
 from layflat.errors import InputError
 
 IN_PACKAGES = ("package", "model")  # schemes of names that begin with a package of ROS
+MAX_NAMED = 4  # places that a message names
 
 
-def find_mesh(named: str, beside: Path, where: str) -> Path:
-    """Return the file of a mesh: beside the robot's, or in a package of ROS, whose folder is around the robot's file.
+def with_meshes(chain: Serial, packages: Mapping[str, Path]) -> Serial:
+    """Return a chain whose links have the files of their meshes.
+
+    Args:
+        chain: as read, with names of meshes.
+        packages: folders of packages of ROS, by name.
 
     Raises:
-        InputError: it is not there, or of an unknown format.
+        InputError: a mesh is not there, or of an unknown format; the message says where it was looked for.
     """
-    place = f"{beside}: {where}"
-    scheme, _, rest = named.rpartition("://")
-    path = Path(rest)
-    tried = [path if path.is_absolute() and scheme not in IN_PACKAGES else beside.parent / path]
-    if scheme in IN_PACKAGES:
-        package, inside = path.parts[0] if path.parts else "", Path(*path.parts[1:])
-        folders = beside.resolve().parents
-        tried = [folder / path for folder in folders]
-        tried += [folder / inside for folder in folders if folder.name == package]
-        tried += [beside.parent / inside]
-    there = [one for one in tried if one.is_file()]
-    if not there:
-        right = "put it there, or leave meshes out: --no-meshes"
-        raise InputError(f"mesh {named!r} is not there", where=place, right=right)
-    if there[0].suffix.lower() not in FORMATS:
+    robot = chain.robot
+    stages = [
+        replace(stage, looks=[_with_file(look, robot, packages) for look in stage.looks]) for stage in chain.stages
+    ]
+    return replace(chain, stages=tuple(stages))
+
+
+def _with_file(look: Look, robot: Robot, packages: Mapping[str, Path]) -> Look:
+    if not look.named:
+        return look
+    where = f"{robot.file}: {robot.noun} {look.body!r}"
+    scheme, separator, path = look.named.replace("\\", "/").rpartition("://")
+    if separator and scheme not in (*IN_PACKAGES, "file"):
+        right = "give a file, or leave meshes out: --no-meshes"
+        raise InputError(f"mesh {look.named!r} is not on this computer", where=where, right=right)
+    in_package = scheme in IN_PACKAGES
+    tried: list[Path] = []
+    for text in dict.fromkeys((path, unquote(path))):
+        tried += _in_package(text, robot, packages) if in_package else _beside(text, robot)
+    file = next((one for one in tried if one.is_file()), None)
+    if file is None:
+        places = [str(one) for one in dict.fromkeys(tried)]
+        more = f" and {len(places) - MAX_NAMED} more" if len(places) > MAX_NAMED else ""
+        name = Path(path).parts[0] if in_package and path else ""
+        right = f"say where its package is: --package {name}=FOLDER" if name else "put it there"
+        raise InputError(
+            f"mesh {look.named!r} is not there; looked for {', '.join(places[:MAX_NAMED])}{more}",
+            where=where,
+            right=f"{right}, or leave meshes out: --no-meshes",
+        )
+    if file.suffix.lower() not in FORMATS:
         right = "give STL, OBJ or DAE, or use --no-meshes"
-        raise InputError(f"mesh {named!r} is of an unknown format", where=place, right=right)
-    return there[0]
+        raise InputError(f"mesh {look.named!r} is of an unknown format", where=where, right=right)
+    return replace(look, file=file, named="")
+
+
+def _beside(path: str, robot: Robot) -> list[Path]:
+    """Return where a mesh may be whose name is a path: there, or in the folder that the file has for MuJoCo."""
+    folder = robot.file.parent
+    places = [folder / path]
+    if robot.mesh_folder:
+        places += [folder / robot.mesh_folder / path, folder / robot.mesh_folder / Path(path).name]
+    return places
+
+
+def _in_package(path: str, robot: Robot, packages: Mapping[str, Path]) -> list[Path]:
+    """Return where a mesh may be whose name begins with a package: in its folder, which is around the robot's file."""
+    name, inside = (Path(path).parts or ("",))[0], Path(*Path(path).parts[1:])
+    if name in packages:
+        return [packages[name] / inside]
+    around = robot.file.resolve().parents
+    places = [folder / path for folder in around] + [folder / inside for folder in around if folder.name == name]
+    return [*places, *_beside(str(inside), robot)]

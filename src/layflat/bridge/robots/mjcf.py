@@ -1,50 +1,47 @@
 """Robots from MJCF, read by MuJoCo: its defaults, its geoms' masses, its ways to say an orientation."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.arm import engine, without_warnings
+from layflat.bridge.arm import engine
 from layflat.bridge.pieces import BODY
-from layflat.bridge.robots.robot import FIXED, HINGE, Body, Inertial, Link, Look, Pose, Robot
+from layflat.bridge.robots.mjcf_meshes import mesh_look
+from layflat.bridge.robots.mjcf_spec import compile_mjcf
+from layflat.bridge.robots.robot import FIXED, HINGE, SLIDE, Body, Inertial, Link, Look, Pose, Robot
 from layflat.errors import InputError
 
 WORLD = "world"
+UNNAMED = "MuJoCo Model"  # name of a model whose file gives it none
 DRAWN = 3  # groups of geoms below this one are shown by MuJoCo's viewer
-RIGHT = {
-    "mass and inertia of moving": "give it an inertial, or geoms with mass",
-    "A + B >= C": "no principal moment of inertia can be greater than the other two together",
-    "axis too small": 'give an axis such as "0 0 1"',
-    "opening file": "put the file there",
-}
-"""What would be right, by a part of what MuJoCo says."""
 
 
-def read_mjcf(file: Path, *, meshes: bool = True) -> Robot:
+def read_mjcf(file: Path, text: str = "", *, meshes: bool = True) -> Robot:
     """Return the robot of an MJCF.
 
     Args:
         file: the file, beside which MuJoCo finds what it names.
+        text: what stands in it, where MuJoCo can't read its encoding.
         meshes: whether to take meshes along for drawing.
 
     Raises:
         InputError: MuJoCo refuses the file, or it is not installed.
     """
     mj = engine("view")
-    try:
-        with without_warnings(mj):
-            spec = mj.MjSpec.from_file(str(file))
-            model = spec.compile()
-    except Exception as error:  # ValueError and others
-        said = " ".join(str(error).split()).removeprefix("XML Error: ").removeprefix("Error: ")
-        right = next((text for part, text in RIGHT.items() if part in said), "mend the file: MuJoCo must take it")
-        raise InputError(said[:1].lower() + said[1:], where=str(file), right=right) from None
+    spec, model, notes = compile_mjcf(mj, file, text, meshes=meshes)
     for what in ("body_mass", "body_inertia", "body_ipos", "body_pos", "jnt_pos", "geom_pos", "site_pos"):
         if not np.isfinite(getattr(model, what)).all() or not np.isfinite(model.opt.gravity).all():
             raise InputError("has numbers that are infinite or none", where=str(file), right="mend its numbers")
-    return _Model(mj, spec, model, file, meshes=meshes).robot()
+    try:
+        robot = _Model(mj, spec, model, file, meshes=meshes).robot()
+    except UnicodeDecodeError:
+        what, right = "has names that are not UTF-8", "save it, and what it includes, as UTF-8"
+        raise InputError(what, where=str(file), right=right) from None
+    robot.notes += notes
+    return robot
 
 
 class _Model:
@@ -71,7 +68,7 @@ class _Model:
         }
         return Robot(
             self.file,
-            self.spec.modelname,
+            "" if self.spec.modelname == UNNAMED else self.spec.modelname,
             "body",
             WORLD,
             bodies,
@@ -102,23 +99,30 @@ class _Model:
         called = model.joint(j).name or f"{name}-joint"
         if count > 1:
             return Link(called, f"one of {count} joints of the body {name!r}", parent, name, pose)
-        if kind != HINGE:
-            return Link(called, {"free": "floating", "slide": "prismatic"}.get(kind, kind), parent, name, pose)
-        zero = float(model.qpos0[model.jnt_qposadr[j]])
-        low, high = model.jnt_range[j] - zero
-        works = [one for one in self.spec.numerics if one.name == f"{called}.working_stroke"]
+        if kind not in {HINGE, "slide"}:
+            return Link(called, {"free": "floating"}.get(kind, kind), parent, name, pose)
+        limits = (float(model.jnt_range[j][0]), float(model.jnt_range[j][1])) if model.jnt_limited[j] else None
         return Link(
             called,
-            HINGE,
+            HINGE if kind == HINGE else SLIDE,
             parent,
             name,
             pose,
             model.jnt_axis[j].copy(),
             model.jnt_pos[j].copy(),
-            (float(low), float(high)) if model.jnt_limited[j] else None,
-            float(works[0].data[0]) if works else None,
+            limits,
+            self._soft_limits(called, limits),
+            float(model.qpos0[model.jnt_qposadr[j]]),
             float(model.dof_armature[model.jnt_dofadr[j]]),
         )
+
+    def _soft_limits(self, joint: str, limits: tuple[float, float] | None) -> tuple[float, float] | None:
+        """Return the working stroke, which our own exports have, about the middle of a joint's limits."""
+        strokes = [float(one.data[0]) for one in self.spec.numerics if one.name == f"{joint}.working_stroke"]
+        if not strokes or limits is None:
+            return None
+        middle = 0.5 * (limits[0] + limits[1])
+        return middle - 0.5 * strokes[0], middle + 0.5 * strokes[0]
 
     def _looks(self, i: int) -> list[Look]:
         """Return what a body is drawn by: geoms that touch nothing, if it has such, or all that are shown."""
@@ -141,39 +145,39 @@ class _Model:
         }
         if kind in sizes:
             return Look(kind, pose, sizes[kind])
-        return self._mesh(int(model.geom_dataid[k]), pose) if kind == "mesh" and self.meshes else None
-
-    def _mesh(self, m: int, pose: Pose) -> Look:
-        """Return a mesh in the frame of its file where it has one that others read; else as MuJoCo has it."""
-        model, described = self.model, self.spec.mesh(self.model.mesh(m).name)
-        moved = np.any(np.array(described.refpos)) or not np.allclose(described.refquat, (1.0, 0.0, 0.0, 0.0))
-        path = self.file.parent / self.spec.meshdir / described.file
-        if described.file and not moved and path.is_file() and path.suffix.lower() in {".stl", ".obj"}:
-            inner = Pose(self._axes(model.mesh_quat[m]), model.mesh_pos[m].copy())
-            return Look("mesh", pose.then(inner.back()), file=path, scale=tuple(map(float, described.scale)))
-        corners = model.mesh_vert[model.mesh_vertadr[m] : model.mesh_vertadr[m] + model.mesh_vertnum[m]]
-        faces = model.mesh_face[model.mesh_faceadr[m] : model.mesh_faceadr[m] + model.mesh_facenum[m]]
-        rows = np.zeros(len(faces), [("numbers", "<f4", (4, 3)), ("more", "<u2")])
-        rows["numbers"][:, 1:] = corners[faces]
-        content = b"\0" * 80 + len(faces).to_bytes(4, "little") + rows.tobytes()
-        name = Path(f"{model.mesh(m).name or f'mesh-{m}'}.stl")
-        return Look("mesh", pose, file=name, content=content)
+        if kind != "mesh" or not self.meshes:
+            return None
+        mesh = int(model.geom_dataid[k])
+        inner = Pose(self._axes(model.mesh_quat[mesh]), model.mesh_pos[mesh].copy())
+        return mesh_look(self.spec, model, self.file, pose, mesh, inner)
 
     def _loops(self) -> list[tuple[str, set[str]]]:
-        model, found = self.model, []
-        for k in range(model.neq):
+        """Return the constraints that are active, by name, and the bodies that each ties to each other."""
+        model, loops = self.model, []
+        for k in np.flatnonzero(model.eq_active0):
             kind = self.mj.mjtEq(int(model.eq_type[k])).name.removeprefix("mjEQ_").lower()
-            ids = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
+            ids = [i for i in (int(model.eq_obj1id[k]), int(model.eq_obj2id[k])) if i >= 0]
             if kind == "joint":
-                tied = {self.names[model.jnt_bodyid[i]] for i in ids if i >= 0}
-            elif model.eq_objtype[k] == self.mj.mjtObj.mjOBJ_SITE:
-                tied = {self.names[model.site_bodyid[i]] for i in ids}
+                tied = self._around(ids)
+            elif kind == "tendon":
+                tied = self._around([j for i in ids for j in self._joints_of_tendon(i)])
             elif kind in {"connect", "weld"}:
-                tied = {self.names[i] for i in ids if i >= 0}
+                sites = model.eq_objtype[k] == self.mj.mjtObj.mjOBJ_SITE
+                tied = {self.names[model.site_bodyid[i] if sites else i] for i in ids}
             else:
                 continue
-            found.append((f"{model.equality(k).name or kind}", tied))
-        return found
+            loops.append((f"{model.equality(k).name or kind}", tied))
+        return loops
+
+    def _around(self, joints: Iterable[int]) -> set[str]:
+        """Return the bodies that joints move against each other."""
+        bodies = [int(self.model.jnt_bodyid[j]) for j in joints]
+        return {self.names[i] for body in bodies for i in (body, int(self.model.body_parentid[body]))}
+
+    def _joints_of_tendon(self, tendon: int) -> list[int]:
+        model = self.model
+        wraps = range(model.tendon_adr[tendon], model.tendon_adr[tendon] + model.tendon_num[tendon])
+        return [int(model.wrap_objid[w]) for w in wraps if model.wrap_type[w] == self.mj.mjtWrap.mjWRAP_JOINT]
 
     def _left_out(self) -> list[str]:
         model = self.model
@@ -182,6 +186,7 @@ class _Model:
             "collision geometry": touching,
             "actuators": model.nu,
             "tendons": model.ntendon,
+            "armature of tendons": np.any(model.tendon_armature),
             "springs of joints": np.any(model.jnt_stiffness),
             "damping and friction of joints": np.any(model.dof_damping) or np.any(model.dof_frictionloss),
             "compensation of gravity": np.any(model.body_gravcomp),

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.physics.arms.bodies import about
 
-HINGE, FIXED = "hinge", "fixed"
+HINGE, FIXED, SLIDE = "hinge", "fixed", "prismatic"
 
 
 class Pose(NamedTuple):
@@ -53,9 +54,11 @@ class Look:
     kind: str
     pose: Pose  # in the body's frame
     size: tuple[float, ...] = ()
+    named: str = ""  # name of a mesh's file as it stands in the robot's, until `mesh_files` has looked for it
     file: Path | None = None  # of a mesh
     content: bytes = b""  # of a mesh that is in no file as it is drawn: a binary STL
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)
+    body: str = ""  # that it belongs to
 
 
 @dataclass
@@ -68,21 +71,39 @@ class Body:
     solid: bool = False  # whether it has any geometry, drawn or not
 
 
+class Mimic(NamedTuple):
+    """Coupling of a joint to another one: multiplier x its position + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float  # rad or m
+
+
 @dataclass(frozen=True)
 class Link:
-    """How a body hangs on another: a joint, or a fixed connection."""
+    """Connection of a body to another one: a joint, or a fixed connection. Positions are in rad, or in m of slides."""
 
     name: str
-    kind: str  # HINGE, FIXED, or another word for what it is instead
+    kind: str  # HINGE, FIXED, SLIDE, or another word for what it is instead
     parent: str
     child: str
-    pose: Pose  # of the child's frame in the parent's, where the joint is at zero
+    pose: Pose  # of the child's frame in the parent's, where the joint is at `zero`
     axis: Array | None = None  # of the joint, in the child's frame, of any length
     anchor: Array = field(default_factory=lambda: np.zeros(3))  # a point of that axis, in the child's frame, m
-    limits: tuple[float, float] | None = None  # rad
-    works: float | None = None  # working stroke, where the file tells one, rad
+    limits: tuple[float, float] | None = None  # as the file has them, which may be none that a joint can have
+    soft_limits: tuple[float, float] | None = None  # within which the joint works, where the file has such
+    zero: float = 0.0  # position of the joint in the pose in which the file draws the robot
     armature: float = 0.0  # kg m2
-    mimics: str = ""  # the joint that it follows
+    mimic: Mimic | None = None
+
+    def displaced(self, way: float) -> Pose:
+        """Return the pose of the child's frame in the parent's once a hinge or slide has moved from `zero`."""
+        if way == 0.0 or self.axis is None or self.kind not in {HINGE, SLIDE}:
+            return self.pose
+        axis = self.axis / np.linalg.norm(self.axis)
+        if self.kind == SLIDE:
+            return self.pose.then(at(way * axis))
+        return self.pose.then(at(self.anchor)).then(Pose(about(axis, way), np.zeros(3))).then(at(-self.anchor))
 
 
 @dataclass
@@ -99,6 +120,8 @@ class Robot:
     gravity: Array | None = None  # m/s2, in the frame of the base; None: not told
     loops: list[tuple[str, set[str]]] = field(default_factory=list)  # what closes loops, and the bodies it ties
     left_out: list[str] = field(default_factory=list)  # what it has beside, and an arm here has not
+    notes: list[str] = field(default_factory=list)  # on numbers that could not be taken as they stand
+    mesh_folder: str = ""  # in which, beside the file, meshes may be that are not where their names say
 
     def on(self, body: str) -> list[Link]:
         """Return what hangs on a body."""

@@ -6,6 +6,7 @@ from typing import NoReturn
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.bridge.robots.held import HeldJoints
 from layflat.bridge.robots.merging import merged
 from layflat.bridge.robots.robot import FIXED, HINGE, Inertial, Link, Look, Pose, Robot, at
 from layflat.description.hints import did_you_mean
@@ -68,12 +69,13 @@ class _Chooser:
         joints = [link for link in way if link.kind != FIXED]
         self._check(joints, to)
         ends = [*joints[1:], None]
-        still: list[str] = []
+        held = HeldJoints(self.robot, joints)
         stages, before = [], self._base(way, joints[0])
         last: dict[str, Pose] = {}
-        payload, weightless = 0.0, list[str]()
+        payload, weightless, clusters = 0.0, list[str](), list[set[str]]()
         for joint, after in zip(joints, ends, strict=True):
-            members = self._cluster(joint, after, still)
+            members = self._cluster(joint, after, held)
+            clusters.append(set(members))
             carried = members.pop(PAYLOAD, None) if after is None and self._is_payload(joint) else None
             payload = self._mass(PAYLOAD) if carried is not None else 0.0
             stages.append(
@@ -87,8 +89,9 @@ class _Chooser:
             weightless += [name for name in members if self._weighs_nothing(name)]
             last = members if carried is None else {**members, PAYLOAD: carried}
             before = Pose(np.eye(3), np.zeros(3)) if after is None else members[after.parent]
+        self._check_loops(clusters)
         name, pose = self._tool(tool, to, last)
-        return Serial(self.robot, tuple(stages), pose, name, payload, self._notes(still, weightless))
+        return Serial(self.robot, tuple(stages), pose, name, payload, self._notes(held, weightless))
 
     def _base(self, way: list[Link], first: Link) -> Pose:
         pose = at((0.0, 0.0, 0.0))
@@ -127,7 +130,6 @@ class _Chooser:
         return found
 
     def _check(self, joints: list[Link], to: str) -> None:
-        robot = self.robot
         if not joints:
             self._refuse(
                 "", "has no joint that moves", "give a robot with joints that turn" + (to and ", or another --to")
@@ -143,21 +145,23 @@ class _Chooser:
             if link.axis is None or float(np.sum(np.square(link.axis))) < NO_WAY:
                 what = "has no axis" if link.axis is None else "has an axis without direction"
                 self._refuse(f"joint {link.name!r}", what, 'give one such as <axis xyz="0 0 1"/>')
-            if link.mimics:
-                self._refuse(
-                    f"joint {link.name!r}", f"mimics {link.mimics!r}", "joints here move by themselves: drop <mimic>"
-                )
+            if link.mimic is not None:
+                what = f"mimics {link.mimic.joint!r}"
+                self._refuse(f"joint {link.name!r}", what, "joints here move by themselves: drop <mimic>")
         if len(joints) > MOST:
             right = f"an arm has {MOST} at most; end it earlier, for example --to {joints[MOST - 1].child}"
             self._refuse("", f"has {len(joints)} joints from {joints[0].name!r} to {joints[-1].name!r}", right)
-        moving = set(robot.behind(joints[0].child))
-        for name, tied in robot.loops:
-            if tied & moving:
+
+    def _check_loops(self, clusters: list[set[str]]) -> None:
+        """Refuse constraints between bodies that the arm's joints move against each other."""
+        for name, tied in self.robot.loops:
+            movers = {next((i for i, bodies in enumerate(clusters) if body in bodies), None) for body in tied}
+            if len(movers) > 1:
                 what = f"the equality constraint {name!r} ties {' and '.join(sorted(tied))}: a closed chain"
                 self._refuse("", what, "an arm here is an open chain; take the constraint away")
 
-    def _cluster(self, joint: Link, after: Link | None, still: list[str]) -> dict[str, Pose]:
-        """Return bodies that move with a joint alone, and where they lie in its frame; note the joints among them."""
+    def _cluster(self, joint: Link, after: Link | None, held: HeldJoints) -> dict[str, Pose]:
+        """Return bodies that move with a joint alone, and where they lie in its frame; hold the joints among them."""
         found: dict[str, Pose] = {}
 
         def add(name: str, pose: Pose) -> None:
@@ -165,9 +169,7 @@ class _Chooser:
             for link in self.robot.on(name):
                 if after is not None and link.name == after.name and link.child == after.child:
                     continue
-                if link.kind != FIXED:
-                    still.append(link.name)
-                add(link.child, pose.then(link.pose))
+                add(link.child, pose.then(link.pose if link.kind == FIXED else held.hold(link)))
 
         add(joint.child, at(-joint.anchor))
         return found
@@ -204,10 +206,8 @@ class _Chooser:
         chosen = [to] if to in known else called[:1] or (ends if len(ends) == 1 else list(last)[:1])
         return chosen[0], known[chosen[0]]
 
-    def _notes(self, still: list[str], weightless: list[str]) -> tuple[str, ...]:
-        notes = []
-        if still:
-            notes.append(f"joints held still at zero: {', '.join(still)}")
+    def _notes(self, held: HeldJoints, weightless: list[str]) -> tuple[str, ...]:
+        notes = [*self.robot.notes, *held.notes()]
         if weightless:
             notes.append(f"{self.noun}s that have a shape and weigh nothing: {', '.join(weightless)}")
         if self.robot.left_out:

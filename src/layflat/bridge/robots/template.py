@@ -54,21 +54,33 @@ def template(text: str, where: str = "--joints") -> Template:
     return Template(plain, sources, joint, described.joint[joint], title)
 
 
-def templates(names: Sequence[str], asked: Sequence[str]) -> Mapping[str, Template]:
+def templates(
+    names: Sequence[str], choices: Sequence[str], renamed: Mapping[str, str] | None = None
+) -> Mapping[str, Template]:
     """Return the joint of hose for each joint of an arm.
 
     Args:
         names: the arm's joints.
-        asked: "MACHINE:JOINT" for all joints, or "NAME=MACHINE:JOINT" for one of them; the last that fits counts.
+        choices: "MACHINE:JOINT" for all joints, or "NAME=MACHINE:JOINT" for one of them, which goes before.
+        renamed: names of joints by other names that NAME may be.
 
     Raises:
-        InputError: a joint is not known, or as from `template`.
+        InputError: a joint is not known, or named twice, or as from `template`.
     """
-    chosen = dict.fromkeys(names, USUAL)
-    for text in asked:
+    general, single = "", dict[str, str]()
+    for text in choices:
         name, equals, joint = text.rpartition("=")
+        name = (renamed or {}).get(name, name)
         if equals and name not in names:
             raise InputError(f"unknown joint {name!r}", where="--joints", right=did_you_mean(name, names, "give {}"))
-        chosen |= {name: joint} if equals else dict.fromkeys(names, text)
+        if name in single or (not equals and general):
+            what = f"there are two for {'joint ' + repr(name) if equals else 'all joints'}"
+            other = single[name] if equals else general
+            raise InputError(what, where="--joints", right=f"give {other} or {joint}")
+        if equals:
+            single[name] = joint
+        else:
+            general = joint
+    chosen = dict.fromkeys(names, general or USUAL) | single
     known = {text: template(text) for text in dict.fromkeys(chosen.values())}
     return {name: known[text] for name, text in chosen.items()}

@@ -8,15 +8,15 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from layflat.arrays import Array
 from layflat.bridge.pieces import BODY
-from layflat.bridge.robots.mesh_files import find_mesh
-from layflat.bridge.robots.robot import FIXED, HINGE, Body, Inertial, Link, Look, Pose, Robot, at
+from layflat.bridge.robots.robot import FIXED, HINGE, SLIDE, Body, Inertial, Link, Look, Mimic, Pose, Robot, at
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
 from layflat.physics.arms.bodies import moments, turned_by
 
-KINDS = {"revolute": HINGE, "continuous": HINGE, "fixed": FIXED}
-OTHERS = ("prismatic", "floating", "planar")
+KINDS = {"revolute": HINGE, "continuous": HINGE, "fixed": FIXED, "prismatic": SLIDE}
+OTHERS = ("floating", "planar")
 SIX = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -48,18 +48,36 @@ class _Reader:
         if not bodies:
             self._refuse("", "has no links", "give a URDF with links and joints")
         links = [self._link(element, bodies) for element in root.findall("joint")]
-        base = self._base(bodies, links)
-        left_out = {
-            "transmission": "transmissions",
-            "gazebo": "elements for Gazebo",
-            "ros2_control": "for ros2_control",
+        doubled = [link.name for i, link in enumerate(links) if link.name in {other.name for other in links[:i]}]
+        if doubled:
+            self._refuse(f"joint {doubled[0]!r}", "stands there twice", "give each joint a name of its own")
+        base, name = self._base(bodies, links), root.get("name") or self.file.stem
+        compiler = root.find("mujoco/compiler")
+        folder = "" if compiler is None else compiler.get("meshdir") or ""
+        left_out = self._left_out(root)
+        return Robot(
+            self.file, name, "link", base, bodies, links, {}, self._gravity(root), left_out=left_out, mesh_folder=folder
+        )
+
+    def _gravity(self, root: Element) -> Array | None:
+        """Return the gravity of an element that MuJoCo reads, m/s2; without it the file has none."""
+        option = root.find("mujoco/option[@gravity]")
+        return None if option is None else np.array(self._numbers(option, "gravity", 3, "mujoco/option", None))
+
+    def _left_out(self, root: Element) -> list[str]:
+        joints = root.findall("joint/dynamics")
+        elements = {
+            "transmissions": root.find("transmission") is not None,
+            "elements for Gazebo": root.find("gazebo") is not None,
+            "for ros2_control": root.find("ros2_control") is not None,
         }
-        found = [text for tag, text in left_out.items() if root.find(tag) is not None]
-        if any(element.find("collision") is not None for element in root.findall("link")):
-            found.insert(0, "collision geometry")
-        name, told = root.get("name") or self.file.stem, root.find("mujoco/option")
-        gravity = None if told is None else np.array(self._numbers(told, "gravity", 3, "mujoco/option", None))
-        return Robot(self.file, name, "link", base, bodies, links, {}, gravity, left_out=found)
+        rub = [key for key in ("damping", "friction") if any(_is_some(joint.get(key)) for joint in joints)]
+        left_out = [text for text, is_there in elements.items() if is_there]
+        if rub:
+            left_out.append(f"{' and '.join(rub)} of joints")
+        if root.find("link/collision") is not None:
+            left_out.insert(0, "collision geometry")
+        return left_out
 
     def _base(self, bodies: dict[str, Body], links: list[Link]) -> str:
         over: dict[str, Link] = {}
@@ -74,16 +92,15 @@ class _Reader:
         free = [name for name in bodies if name not in over]
         if not free:
             self._refuse("", "has no base: its joints go round in a circle", "take the joint away that closes the loop")
-        rooted = [name for name in free if any(link.parent == name for link in links)] or free[:1]
-        if len(rooted) > 1:
-            self._refuse("", f"has several bases: {', '.join(rooted)}", "join them by fixed joints")
-        reached = {rooted[0]}
+        if len(free) > 1:
+            self._refuse("", f"has several bases: {', '.join(free)}", "join them by fixed joints, or take others away")
+        reached = set(free)
         for _ in links:
             reached |= {link.child for link in links if link.parent in reached}
         cut = [name for name in bodies if name not in reached and name not in free]
         if cut:
             self._refuse(f"link {cut[0]!r}", "hangs on itself: a closed chain", "an arm here is an open chain")
-        return rooted[0]
+        return free[0]
 
     def _body(self, element: Element) -> Body:
         name = element.get("name") or ""
@@ -91,7 +108,7 @@ class _Reader:
         if not name:
             self._refuse("link", "has no name", 'give it one: <link name="upper_arm">')
         inertial, drawn = element.find("inertial"), element.findall("visual")
-        looks = [self._look(one, where) for one in drawn if not (one.get("name") or "").endswith(BODY)]
+        looks = [self._look(one, name) for one in drawn if not (one.get("name") or "").endswith(BODY)]
         solid = bool(drawn) or element.find("collision") is not None
         return Body(
             name,
@@ -125,38 +142,50 @@ class _Reader:
                 right = did_you_mean(named, bodies, "links are {}")
                 self._refuse(where, f"has the {end} {named!r}, which is not there", right)
             ends.append(named)
-        axis, mimic = element.find("axis"), element.find("mimic")
-        hinge = KINDS.get(kind) == HINGE
+        axis, dynamics = element.find("axis"), element.find("dynamics")
+        moves = KINDS.get(kind) in {HINGE, SLIDE}
         return Link(
             name,
             KINDS.get(kind, kind),
             ends[0],
             ends[1],
             self._origin(element, where),
-            np.array(self._numbers(axis, "xyz", 3, f"{where}: axis", None)) if axis is not None and hinge else None,
-            limits=self._limits(element, where) if kind == "revolute" else None,
-            works=self._works(element, where),
-            mimics="" if mimic is None else mimic.get("joint") or "another",
+            np.array(self._numbers(axis, "xyz", 3, f"{where}: axis", None)) if axis is not None and moves else None,
+            limits=self._range(element, "limit", ("lower", "upper"), where) if kind in {"revolute", SLIDE} else None,
+            soft_limits=self._soft_limits(element, where),
+            armature=0.0 if dynamics is None else self._armature(dynamics, where),
+            mimic=self._mimic(element, where),
         )
 
-    def _limits(self, element: Element, where: str) -> tuple[float, float] | None:
-        limit = element.find("limit")
+    def _range(self, element: Element, tag: str, keys: tuple[str, str], where: str) -> tuple[float, float] | None:
+        limit = element.find(tag)
         if limit is None:
             return None
-        low, high = (self._numbers(limit, key, 1, f"{where}: limit", (0.0,))[0] for key in ("lower", "upper"))
-        if low >= high:
-            self._refuse(where, f"has limits from {low:g} to {high:g} rad", "give upper more than lower")
-        return low, high
+        lower, upper = (self._numbers(limit, key, 1, f"{where}: {tag}", (0.0,))[0] for key in keys)
+        return lower, upper
 
-    def _works(self, element: Element, where: str) -> float | None:
-        soft = element.find("safety_controller")
-        keys = ("soft_lower_limit", "soft_upper_limit")
-        if soft is None or any(soft.get(key) is None for key in keys):
+    def _soft_limits(self, element: Element, where: str) -> tuple[float, float] | None:
+        """Return soft limits; without any, or with equal ones, as where they are left out, a joint has none."""
+        limits = self._range(element, "safety_controller", ("soft_lower_limit", "soft_upper_limit"), where)
+        return limits if limits is not None and limits[0] < limits[1] else None
+
+    def _armature(self, dynamics: Element, where: str) -> float:
+        """Return what our own exports have beside what URDF knows."""
+        (armature,) = self._numbers(dynamics, "armature", 1, f"{where}: dynamics", (0.0,))
+        if armature < 0.0:
+            self._refuse(f"{where}: dynamics", f"has the armature {armature:g} kg m2", "give one of 0 or more")
+        return armature
+
+    def _mimic(self, element: Element, where: str) -> Mimic | None:
+        mimic = element.find("mimic")
+        if mimic is None:
             return None
-        low, high = (self._numbers(soft, key, 1, f"{where}: safety_controller", None)[0] for key in keys)
-        return high - low if high > low else None
+        (multiplier,) = self._numbers(mimic, "multiplier", 1, f"{where}: mimic", (1.0,))
+        (offset,) = self._numbers(mimic, "offset", 1, f"{where}: mimic", (0.0,))
+        return Mimic(mimic.get("joint") or "another", multiplier, offset)
 
-    def _look(self, element: Element, where: str) -> Look | None:
+    def _look(self, element: Element, body: str) -> Look | None:
+        where = f"link {body!r}"
         geometry = element.find("geometry")
         shape = None if geometry is None or not len(geometry) else geometry[0]
         if shape is None:
@@ -166,7 +195,7 @@ class _Reader:
             if not self.meshes:
                 return None
             scale = self._scale(shape, f"{where}: mesh")
-            return Look("mesh", pose, file=find_mesh(shape.get("filename") or "", self.file, where), scale=scale)
+            return Look("mesh", pose, named=self._file_name(shape, where), scale=scale, body=body)
         round_ones = {"sphere": (), "cylinder": ("length",), "capsule": ("length",)}
         place = f"{where}: {kind}"
         if kind == "box":
@@ -179,6 +208,12 @@ class _Reader:
         if min(size) < 0.0:
             self._refuse(place, f"has the size {min(size):g} m", "give sizes above 0")
         return Look(kind, pose, tuple(size)) if min(size) > 0.0 else None
+
+    def _file_name(self, shape: Element, where: str) -> str:
+        name = (shape.get("filename") or "").strip()
+        if not name:
+            self._refuse(where, "has a mesh without filename", 'give <mesh filename="meshes/link.stl"/>')
+        return name
 
     def _scale(self, shape: Element, where: str) -> tuple[float, ...]:
         if len((shape.get("scale") or "").split()) == 1:
@@ -211,3 +246,11 @@ class _Reader:
 
     def _refuse(self, where: str, what: str, right: str) -> NoReturn:
         raise InputError(what, where=f"{self.file}: {where}" if where else str(self.file), right=right)
+
+
+def _is_some(text: str | None) -> bool:
+    """Return whether an attribute is there and not zero."""
+    try:
+        return text is not None and float(text) != 0.0
+    except ValueError:
+        return True

@@ -10,7 +10,7 @@ from layflat.description import units as u
 from layflat.description.names import Key
 from layflat.physics.arms.kind import MOST, ArmPart
 
-ROUNDING = 1e-6  # by how much, as a share, moments of inertia may miss the triangle inequality
+ROUNDING = 1e-5  # by how much, as a share, moments of inertia of six digits may miss the triangle inequality
 NO_WAY = 1e-12  # length of what has no direction
 
 Place = tuple[u.Coordinate, u.Coordinate, u.Coordinate]
