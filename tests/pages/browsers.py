@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import pytest
+from tests.pages.server.serving import lines_of
 
 ARGUMENTS = ["--no-sandbox"]  # tests may run as root
 # Where the time until a lease lapses isn't what is tested: a browser that draws by software, beside the rest on two
@@ -116,4 +117,4 @@ def served(folder: Path, *words: str, before: str = "") -> Iterator[Served]:
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=60.0)
     assert process.returncode == 0, said
-    assert not said, said
+    assert not lines_of(said), said

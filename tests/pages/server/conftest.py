@@ -8,5 +8,7 @@ from tests.pages.server.serving import Served, serving
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """A server that many tests ask; they leave it as it is."""
     pytest.importorskip("nicegui", reason="needs the extra 'panel'")
-    with serving(tmp_path_factory.mktemp("served")) as found:
+    complaints: list[str] = []
+    with serving(tmp_path_factory.mktemp("served"), complaints=complaints) as found:
         yield found
+    assert all("is too long" in line for line in complaints), complaints

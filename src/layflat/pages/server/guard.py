@@ -7,6 +7,7 @@ from urllib.parse import parse_qs
 
 from layflat.pages.server.answers import enter, protected, refuse, refuse_socket
 from layflat.pages.server.connections import Peer
+from layflat.pages.server.messages import checked, problem_of_socket
 from layflat.pages.server.requests import Refusal, headers, refusal
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ UNKNOWN = Refusal(
     403,
     "This page needs the link that layflat printed when it started. A link of an earlier start does not work any more.",
 )
+SOCKETS = "/_nicegui_ws"  # path of the pages' sockets
+NO_SOCKET = Refusal(400, "Pages speak with this address by websocket.")
 TOO_LARGE = Refusal(413, f"More than {LARGEST // 2**20} MiB can't be sent to this page.")
 
 
@@ -49,11 +52,13 @@ class Guard:
         tokens = self._tokens(scope)
         if refused is None and not (_is(tokens, self.token) if tokens else _is(self._cookies(scope), self._secret)):
             refused = UNKNOWN
+        if refused is None:
+            refused = _misused(scope)
         if refused is None and scope["client"]:
             self._admit(scope["client"])
         if scope["type"] == "websocket":
             if refused is None:
-                await self.app(scope, receive, send)
+                await self.app(scope, checked(receive), send)
             else:
                 await refuse_socket(scope, receive, send, refused)
         elif refused is not None:
@@ -73,6 +78,15 @@ class Guard:
     def _cookies(self, scope: "Scope") -> list[str]:
         pairs = [pair.strip().partition("=") for value in headers(scope, "cookie") for pair in value.split(";")]
         return [value for name, _, value in pairs if name == self._cookie]
+
+
+def _misused(scope: "Scope") -> Refusal | None:
+    """Return why a request of somebody who may see the pages is none that a page makes."""
+    of_socket = scope["path"].startswith(SOCKETS)
+    if scope["type"] == "http":
+        return NO_SOCKET if of_socket else None
+    problem = problem_of_socket(scope) if of_socket else "leads nowhere"
+    return Refusal(400, f"This request for a socket {problem}.") if problem else None
 
 
 def _is(given: list[str], secret: str) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from layflat import extras
 from layflat.pages.server.guard import LARGEST, Guard
+from layflat.pages.server.logs import log_in_lines
 from layflat.pages.server.place import Place
 from layflat.pages.server.turns import Turn, TurnMonitor
 
@@ -85,6 +86,7 @@ def serve(
                             started()
                         _spare_collector()
                         ready(f"{place.address(port)}/?token={guard.token}")
+                        await asyncio.sleep(0)  # nobody waits for what was done so far
                         turns.reports = True
                         while not stopped():
                             listener.sweep()
@@ -137,6 +139,8 @@ def _application(root: Callable[[], object], title: str) -> "FastAPI":
 
     for name in ("nicegui", "asyncio"):  # a page that is not there any more is nobody's concern
         logging.getLogger(name).setLevel(logging.ERROR)
+    log_in_lines()
+    nicegui.app.config.socket_io_js_transports = ["websocket"]  # the guard lets no other through
     app = FastAPI(openapi_url=None)
     nicegui.app.config.quasar_config["loadingBar"]["skipHijack"] = True  # a bar without a name for readers of screens
     ui.page("/", title=title)(root)
