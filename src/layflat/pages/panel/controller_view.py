@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 
 from layflat.description.change import changed_all, paths, value_at
 from layflat.errors import LayflatError
@@ -10,14 +10,19 @@ from layflat.experiments.beyond.guesses import with_tracking
 from layflat.machine import Machine
 from layflat.pages.look import theme
 from layflat.pages.look.dialogs import confirmed
+from layflat.pages.look.numbers import number
+from layflat.pages.look.pieces import Pieces
 from layflat.pages.panel.desk import Desk
+from layflat.pages.studio.field import Field, titled
+from layflat.pages.studio.fields import field_at
+from layflat.pages.studio.words import sentence
 
 DESCRIBED, TRACKING = "as described", "tracking"
 PREFIXES = "controller.", ".gains."  # of paths of values that belong to a controller
 
 
 class ControllerView:
-    """A field for each number of the controller that the rig has."""
+    """A field for each number of the controller that the rig has, in the unit in which people write it."""
 
     def __init__(self, desk: Desk, key: str) -> None:
         """Build it for the page of a key."""
@@ -25,6 +30,8 @@ class ControllerView:
         self._offers: dict[str, Machine] = {DESCRIBED: desk.first}
         if desk.first.control_law.name != TRACKING and (tracking := with_tracking(desk.first)) is not None:
             self._offers[TRACKING] = tracking
+        self._numbers: dict[str, tuple[Field, ui.number]] = {}
+        self._drawn = 0  # which drawing of the fields is the newest
         self.kind = ui.select(
             list(self._offers), value=DESCRIBED, label="control law", on_change=lambda _: self._draw()
         )
@@ -45,31 +52,63 @@ class ControllerView:
 
     def _base(self) -> Machine:
         """Return the machine whose numbers are shown: what is in use, if that is of the chosen kind."""
-        chosen, now = self._offers[str(self.kind.value)], self._desk.machine
+        chosen, now = self._offers.get(str(self.kind.value), self._desk.machine), self._desk.machine
         return now if now.control_law.name == chosen.control_law.name else chosen
 
     def _draw(self) -> None:
+        """Draw all fields anew; a drawing that goes on ends."""
+        self._drawn += 1
+        background_tasks.create(self._draw_fields(self._drawn, self._base()), context=self.fields)
+
+    async def _draw_fields(self, drawing: int, base: Machine) -> None:
+        pieces, written = Pieces(), self._desk.written
         self.fields.clear()
-        base = self._base()
-        self._numbers: dict[str, ui.number] = {}
-        with self.fields:
-            for path in paths(base):
-                value: Any = value_at(base, path)
-                if any(part in path for part in PREFIXES) and isinstance(value, float):
-                    field = ui.number(path.removeprefix("controller."), value=value, format="%.6g")
-                    self._numbers[path] = field.props("dense outlined")
+        self._numbers = numbers = {}
+        for path in paths(base):
+            value: Any = value_at(base, path)
+            if any(part in path for part in PREFIXES) and isinstance(value, float):
+                numbers[path] = self._add(field_at(base, written, path), value)
+                await pieces.pause()
+                if drawing != self._drawn:
+                    return
+
+    @staticmethod
+    def _add(field: Field, value: float) -> tuple[Field, ui.number]:
+        field = field.readable(value)
+        label = named(field.path) + (f" ({field.unit})" if field.unit else "")
+        entry = ui.number(label, value=field.number(value), format="%.7g").props("dense outlined")
+        if field.meaning or field.limits:
+            entry.tooltip(sentence(field.meaning, field.limits))
+        return field, entry
 
     async def _use(self) -> None:
         base = self._base()
-        values = {path: field.value for path, field in self._numbers.items() if field.value != value_at(base, path)}
         try:
-            if any(value is None for value in values.values()):
-                raise LayflatError("a field is empty: give a number")
+            values = {path: text for path, (field, entry) in self._numbers.items()
+                      if (text := _changed(field, entry.value, value_at(base, path))) is not None}  # fmt: skip
             machine = changed_all(base, values) if values else base
         except LayflatError as error:
             self.told.set_text(str(error))
             return
         self.told.set_text("")
-        what = f"{len(values)} changed values" if values else "no changed value"
+        what = f"{len(values)} changed value{'s' * (len(values) != 1)}" if values else "no changed value"
         if await confirmed(f"Use the {self.kind.value} control law with {what}? The rig connects anew.", "Use it"):
             self._desk.link.change(machine)
+
+
+def named(path: str) -> str:
+    """Return a value's path in words, such as "Large: far error" of joint.large.gains.far.error."""
+    keys = path.split(".")
+    if keys[0] == "joint":
+        return f"{titled(keys[1])}: {' '.join(keys[3:]).replace('_', ' ')}"
+    return titled(" ".join(keys[1:]))
+
+
+def _changed(field: Field, value: Any, before: float) -> Any:
+    """Return what stands in a file for a number that was changed; None where it was not."""
+    typed = number(value)
+    if typed is None:
+        raise LayflatError(f"{named(field.path)}: holds no number; give one")
+    if typed == field.number(before):
+        return None
+    return f"{typed:.9g} {field.unit}" if field.quantity is not None else typed

@@ -1,13 +1,16 @@
 """All that the panel's pages share: the rig, who drives it, and what it is asked to do."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from layflat.description.tables import Plain
+from layflat.errors import LayflatError
 from layflat.machine import Machine
+from layflat.machine.loader import tables
 from layflat.motion.inverse import Inverse
 from layflat.pages.panel.link import Reached, RigLink, Standing
 from layflat.pages.panel.operators import Operators
@@ -16,6 +19,13 @@ from layflat.pages.panel.search import prepare
 from layflat.pages.server.worker import Worker
 from layflat.rig.lease import Lease
 from layflat.rig.session import Snapshot
+
+
+def written_values(machine: Machine) -> Plain:
+    """Return the values of a machine as its description has them, with their units; none where it can't be read."""
+    with suppress(LayflatError):
+        return tables(machine.origin)[0]
+    return {}
 
 
 @dataclass(frozen=True)
@@ -36,6 +46,7 @@ class Desk(AbstractContextManager["Desk"]):
         first: the machine as described.
         extent: least and greatest coordinates of the tip in the frame of the base, (2, 3), m.
         inverse: inverse kinematics of its arm, ready for what takes no time: searches are the worker's.
+        written: values of the description as its file has them, with their units.
         worker: does what takes longer than an event loop may be held up.
         painter: draws logs, which may take long.
     """
@@ -46,6 +57,7 @@ class Desk(AbstractContextManager["Desk"]):
         self.worker, self.painter = Worker("layflat-panel-worker"), Worker("layflat-panel-plots")
         self.worker.begin(prepare, machine)
         self.inverse = Inverse(machine)
+        self.written = written_values(machine)
         self.extent = np.array([self.inverse.tips.min(axis=0), self.inverse.tips.max(axis=0)])
         self.inverse.tip(np.zeros(self.inverse.joints))  # loads what it calls
         self.link = RigLink(machine, rig.reached, folder, self.lease)

@@ -1,9 +1,9 @@
 """A value of a description as something to edit: its unit, its meaning, its limits, the range of its slider."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import floor, inf, log10
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 from layflat.description.expression import QuantityError, split
 from layflat.description.quantity import Quantity
@@ -14,6 +14,7 @@ Bounds = tuple[float, bool, float, bool]
 
 SPAN = 2.0  # a slider goes from the value over this to the value times this
 STEPS = 200  # of a slider, about
+READABLE = 1e-4, 1e4  # numbers that are shown in their unit
 MANY = 1e4  # limits above this are said in the SI unit
 
 
@@ -61,6 +62,13 @@ class Field:
         if self.quantity is None or not self.unit:
             return float(value)
         return split(self.quantity.text(value, self.unit))[0]
+
+    def readable(self, value: float) -> Self:
+        """Return the same in the SI unit, where its number in its own would be very large or small."""
+        small, large = READABLE
+        if self.quantity is None or value == 0.0 or small <= abs(self.number(value)) < large:
+            return self
+        return replace(self, unit=self.quantity.unit)
 
     def shown(self, value: Any) -> str:
         """Return what stands in the field for an SI value, without the unit."""

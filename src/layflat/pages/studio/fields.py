@@ -6,7 +6,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
-from layflat.description.change import annotation_at, is_whole, quantity_of
+from layflat.description.change import annotation_at, is_whole, quantity_of, value_at
 from layflat.description.expression import QuantityError, split
 from layflat.description.quantity import Quantity
 from layflat.description.tables import Plain
@@ -28,8 +28,8 @@ def fields_of(machine: Machine, plain: Plain) -> list[Field]:
     """
     used = {f"joint.{name}" for name in machine.joints}
     return [
-        _field(machine, plain, path, value)
-        for path, value in _leaves(machine, "")
+        field_at(machine, plain, path)
+        for path, _ in _leaves(machine, "")
         if path != "name" and (not path.startswith("joint.") or ".".join(path.split(".")[:2]) in used)
     ]
 
@@ -51,7 +51,15 @@ def _leaves(part: Any, path: str) -> Iterator[tuple[str, Any]]:
         yield from _leaves(value, f"{path}.{key}" if path else key)
 
 
-def _field(machine: Machine, plain: Plain, path: str, value: Any) -> Field:
+def field_at(machine: Machine, plain: Plain, path: str) -> Field:
+    """Return the value of a machine at a path.
+
+    Args:
+        machine: as it is.
+        plain: its values as they are written, which say the units; where one is missing its usual unit is taken.
+        path: of the value, dotted.
+    """
+    value = value_at(machine, path)
     annotation = annotation_at(machine, path)
     meaning = _meaning(machine, path)
     choices = _choices(annotation)
