@@ -54,7 +54,8 @@ start, filled = np.zeros(2), np.full((2, 2), 3e5)
 case = Case(TWO_LINKS, JOINTS, Settings((GAINS,) * 2), AROUND)
 acting = acting._replace(opening=np.full((6, 2), np.nan))
 timing = Timing(CYCLE, 20, 4)
-records = run_cycles(Like.of(case), np.fromiter(leaves(case), float), start, filled, acting, timing, SIGNALS)[0]
+rest = acting, timing, SIGNALS, np.zeros(1)
+records = run_cycles(Like.of(case), np.fromiter(leaves(case), float), start, filled, *rest)[0]
 sys.stdout.buffer.write(records.tobytes())
 """
 

@@ -127,7 +127,8 @@ def test_limits_are_about_what_a_joint_does_with_its_valve_fully_open(machine: M
     # For a moment the hose that is emptied gives way to being squeezed.
     assert 0.3 * limits.speed[0] < v.max() < 1.2 * limits.speed[0]
     assert 0.5 * limits.acceleration[0] < np.gradient(v, time).max() < 1.05 * limits.acceleration[0]
-    held = rollout(machine, opening=1.0, duration="0.1 s", brake=1e3, noise=False, records=20)
+    locked = changed(machine, f"joint.{machine.arm.joints[0]}.brake.torque", 5e3)
+    held = rollout(locked, opening=1.0, duration="0.1 s", noise=False, records=20)
     difference = (held["pressure_a"] - held["pressure_b"]).to_numpy()[:, 0]
     rate = np.gradient(difference, held["time"].to_numpy()).max()
     # jerk / acceleration is rate / torque, and torque is that of the whole supply, less the brake's

@@ -113,7 +113,7 @@ def run(
     filled = np.array(np.broadcast_to(pressure, (n, 2)), float)
     case = Case(arm, joints, Settings((GAINS,) * n), AROUND)
     numbers = np.fromiter(leaves(case), float)
-    records, _, rows, diverged = run_cycles(Like.of(case), numbers, start, filled, acting, timing, SIGNALS)
+    records, _, rows, diverged = run_cycles(Like.of(case), numbers, start, filled, acting, timing, SIGNALS, np.zeros(1))
     assert diverged == -1
     return Run(records[:rows])
 

@@ -116,7 +116,7 @@ def test_divergence_says_when_and_where_and_keeps_the_data() -> None:
         ({"records": 0}, "records: 0 is out of range"),
         ({"sead": 1}, "unknown option 'sead'"),
         ({"start": "70 deg"}, "start: 70 deg is outside the working stroke"),
-        ({"pressures": (0.0, 0.0)}, "pressures: 0 Pa is not above vacuum"),
+        ({"pressures": (0.0, 0.0)}, "pressures: 0 Pa is out of range; give absolute pressures"),
     ],
 )
 def test_wrong_options(options: dict[str, object], expected: str) -> None:

@@ -6,7 +6,7 @@ import pytest
 from layflat.errors import MachineError
 from layflat.machine import changed, load
 from layflat.sim.ensemble import ensemble
-from layflat.sim.scenario import shapes
+from layflat.sim.shapes import shapes
 from layflat.tune import papers_law, tracking_law
 from layflat.tune.conditions import Spread, check_carried, conditions, nominal_postures, sequences_of
 

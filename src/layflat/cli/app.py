@@ -96,6 +96,11 @@ def expanded(command: Callable[..., Any]) -> Callable[..., Any]:
     return called
 
 
+def counted(count: int, noun: str) -> str:
+    """Return a count with its noun, such as "1 run" and "2 runs"."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 WIDTH = 100  # columns that a table may take
 
 

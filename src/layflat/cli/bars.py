@@ -9,6 +9,8 @@ from typing import Any
 
 LOOKS = 0.1  # between two looks whether some work is done, s; Ctrl-C is heard so soon
 
+SHORT = 2.0  # work that takes longer has a bar, s
+
 COMPILES = "(compiles for some seconds the first time)"
 """What is shown before the first step of anything that is simulated."""
 
@@ -56,10 +58,15 @@ def busy(what: str) -> Iterator[Callable[[str], None]]:
         yield shown.update
 
 
-def in_background(work: Callable[[], Any], what: str) -> Any:
+def in_background(work: Callable[[], Any], what: str, fraction: Callable[[], float] | None = None) -> Any:
     """Do some work in a thread, show for how long, and return what it gives or raise what it raises.
 
     Compiled code lets no Ctrl-C through; here it ends the waiting at once, and the thread ends with the process.
+
+    Args:
+        work: to be done.
+        what: words for it.
+        fraction: of the work that is done, for a bar once it takes long; default: unknown.
     """
     results: list[Any] = []
     failures: list[BaseException] = []
@@ -76,6 +83,13 @@ def in_background(work: Callable[[], Any], what: str) -> Any:
         while thread.is_alive():
             thread.join(LOOKS)
             show(f"{what}, {perf_counter() - begun:.0f} s {COMPILES}")
+            if fraction is not None and fraction() > 0.0 and perf_counter() - begun > SHORT:
+                break
+    if fraction is not None and thread.is_alive():
+        with bar(what, 1.0, "TaskProgressColumn", "TimeElapsedColumn", "TimeRemainingColumn") as update:
+            while thread.is_alive():
+                thread.join(LOOKS)
+                update(completed=fraction())
     if failures:
         raise failures[0]
     return results[0]

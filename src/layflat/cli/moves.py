@@ -19,22 +19,45 @@ Values = dict[str, str | float]
 Steps = list[tuple[float, Values]]
 
 
-def timed(texts: Sequence[str], first: Values, where: str, *, bare: bool = False, of: str = "joint") -> Steps:
-    """Return steps from texts such as "40 deg, 20 deg", "large=40 deg @ 2 s", beginning with the values in `first`.
+def parse_steps(
+    texts: Sequence[str], names: Sequence[str], where: str, *, bare: bool = False, of: str = "joint"
+) -> Steps:
+    """Return steps (s, values by name) from texts such as "40 deg, 20 deg" and "large=40 deg @ 2 s", in their order.
 
-    A name that a text does not mention keeps its value; a single value is meant for all names, unless they are `of`
-    something else than joints. `bare` values are numbers without unit.
+    A step names only what its texts mention; see `motion.signal_rows` for what the others do. A single value is meant
+    for all names, unless they are axes.
+
+    Args:
+        texts: one or more moves; those without a time are at the start.
+        names: of the joints, or of the axes.
+        where: the option, in messages.
+        bare: whether values are numbers without unit.
+        of: noun for a name.
 
     Raises:
-        InputError: naming the option and what it should look like.
+        InputError: naming the option: a text makes no sense, or names something twice at one time.
     """
-    steps: Steps = [(0.0, first)]
-    for time, values in sorted((_one(text, list(first), where, bare, of) for text in texts), key=lambda item: item[0]):
-        kept = {**steps[-1][1], **values}
-        if steps[-1][0] == time:
-            steps.pop()
-        steps.append((time, kept))
-    return steps
+    steps: dict[float, Values] = {}
+    for text in texts:
+        time, values = _one(text, names, where, bare, of)
+        step = steps.setdefault(time, {})
+        twice = next((name for name in values if name in step), None)
+        if twice is not None:
+            what = f"{twice!r} is given twice at {time:g} s"
+            raise InputError(what, where=where, right='give it once, or at another time: "... @ 2 s"')
+        step.update(values)
+    return sorted(steps.items())
+
+
+def parse_row(text: str, names: Sequence[str], where: str) -> Values:
+    """Return values by name from a text such as "40 deg, 20 deg" or "large=40 deg", without a time.
+
+    Raises:
+        InputError: naming the option `where`: the text makes no sense, or has a time.
+    """
+    if "@" in text:
+        raise InputError(f"{text!r} has a time", where=where, right="give angles alone: they are those at the start")
+    return parse_steps([text], names, where)[0][1]
 
 
 def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tuple[float, Values]:
@@ -51,6 +74,9 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tu
         if unknown:
             plural = "axes" if of == "axis" else "joints"
             raise InputError(f"unknown {of} {unknown[0]!r}", where=where, right=f"{plural} are {', '.join(names)}")
+        twice = next((name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i])), None)
+        if twice is not None:
+            raise InputError(f"{twice!r} is given twice in {text!r}", where=where, right="give it once")
         return time, {name: _value(value, where, bare) for name, value in pairs}
     if len(items) not in {1 if of == "joint" else len(names), len(names)}:
         right = f"give {len(names)}: {', '.join(names)}"

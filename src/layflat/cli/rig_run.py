@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import MachineName, Out, print_table
+from layflat.cli.app import MachineName, Out, naming_options, print_table
 from layflat.cli.bars import COMPILES, busy
-from layflat.cli.moves import print_missed, print_moves, timed
+from layflat.cli.moves import parse_steps, print_missed, print_moves
 from layflat.cli.rig import FAULT, INTERRUPTED, Address, driver_at, rigs, stopping
 from layflat.errors import InputError
 
@@ -96,9 +96,12 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
     Raises:
         InputError: a demand makes no sense, or lies outside the stroke.
     """
+    import numpy as np  # noqa: PLC0415
+
     from layflat.description import units as u  # noqa: PLC0415
-    from layflat.machine.parameters import check_inside_stroke  # noqa: PLC0415
-    from layflat.rig.plan import Plan  # noqa: PLC0415
+    from layflat.motion.signal_rows import read_steps  # noqa: PLC0415
+    from layflat.motion.signal_values import SignalKind  # noqa: PLC0415
+    from layflat.rig.plan import Plan, check_plan  # noqa: PLC0415
 
     lasts = u.quantity(duration, u.TIME, "--duration") if duration else None
     if lasts is not None and lasts <= 0.0:
@@ -110,22 +113,20 @@ def _plans(machine: Machine, demand: list[str], duration: str | None) -> Callabl
 
     followed = _from_file(machine, Path(file)) if file is not None else None
 
+    names, where = list(machine.joints), "--demand" if file is None else f"--demand {file}"
+    steps = [] if followed is not None else parse_steps(demand, names, where)
+    if not steps or steps[0][0] > 0.0:
+        steps = [(0.0, {}), *steps]
+
     def plan(held: list[float]) -> Plan:
         if followed is not None:
             return followed
-        first: dict[str, str | float] = dict(zip(machine.joints, held, strict=True))
-        steps = timed(demand, first, "--demand")
-        rows = [[u.quantity(step[name], u.ANGLE, f"--demand: {name}") for name in first] for _, step in steps]
-        times = [time for time, _ in steps]
-        lead = 0.0 if rows[0] == held else min([LEAD, *times[1:2]])
-        return Plan([lead, *times[1:]], rows, lasts if lasts is not None else times[-1] + AFTER)
+        times, rows = read_steps(steps, SignalKind(where, u.ANGLE, names), np.array(held))
+        lead = 0.0 if rows[0].tolist() == held else min([LEAD, *times[1:2].tolist()])
+        return Plan([lead, *times[1:].tolist()], rows.tolist(), times[-1] + AFTER if lasts is None else lasts)
 
-    tried = plan([0.0] * len(machine.joints))
-    for row in tried.demands:
-        for name, angle in zip(machine.joints, row, strict=True):
-            check_inside_stroke(machine, name, angle, "--demand" if file is None else f"--demand {file}")
-    if tried.times[-1] >= tried.duration:
-        raise InputError(f"{duration!r} ends before the last move", where="--duration", right="give more")
+    with naming_options({f"{where}: duration": "--duration"}):
+        check_plan(machine, plan([0.0] * len(names)), where)
     return plan
 
 

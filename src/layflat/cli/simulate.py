@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,13 +10,13 @@ import typer
 
 from layflat.cli.app import MachineName, Out, Seed, app, expanded, known_joint, naming_options, print_table
 from layflat.cli.bars import in_background
-from layflat.cli.moves import print_missed, print_moves, print_tip_missed, print_tip_moves, timed
+from layflat.cli.moves import parse_row, parse_steps, print_missed, print_moves, print_tip_missed, print_tip_moves
 from layflat.errors import DivergedError, InputError
 
 if TYPE_CHECKING:
     import xarray
 
-    from layflat.cli.moves import Steps, Values
+    from layflat.cli.moves import Steps
     from layflat.machine import Machine
     from layflat.sim.scenario import Scenario, Signal
 
@@ -63,56 +62,38 @@ class Asked:
                 raise InputError(what, where=f"--{option}", right="give one or the other")
 
     def scenario(self, machine: Machine) -> Scenario:
-        """Return what happens to a machine (InputError: naming the option)."""
+        """Return all that happens to a machine (InputError: naming the option)."""
+        from layflat.motion.tip_demand import axes_of  # noqa: PLC0415
         from layflat.sim import Scenario  # noqa: PLC0415
 
-        still: Values = dict.fromkeys(machine.joints, 0.0)
-        begin = timed([self.start] if self.start else [], still, "--start")[-1][1]
-        usual: dict[str, Values] = {
-            "move": begin,
-            "payload": {"payload": machine.arm.payload},
-            "supply": {"supply": machine.supply.pressure_gauge},
-            "drift": still,
-            "load": still,
-            "brake": dict.fromkeys(machine.joints, 1.0),
-        }
-        acting = {
-            key: timed(getattr(self, key) or [], first, f"--{key}", bare=key == "brake") for key, first in usual.items()
-        }
-        lasts = self.duration or USUAL_DURATION
-        others: dict[str, Any] = {key: steps for key, steps in acting.items() if key != "move"}
-        others |= {"demand": _signal(begin, acting["move"]), "start": begin}
-        if self.tip:
-            at = _tip_at(machine, begin)
-            acting["tip"] = timed(self.tip, at, "--tip", of="axis")
-            others |= {"demand": 0.0, "tip": _signal(at, acting["tip"])}
-        if self.demand is not None:
-            followed, lasts = _from_file(machine, self.demand)
-            others |= followed if self.start is None else followed | {"start": begin}
-        scenario = Scenario(
-            duration=lasts,
-            opening=timed([self.opening], still, "--opening", bare=True) if self.opening else None,
-            seed=self.seed,
-            **others,
-        )
-        _check_times(acting, lasts)
-        return scenario
+        names = list(machine.joints)
+        acting: dict[str, Any] = {"duration": self.duration or USUAL_DURATION}
+        acting["start"] = parse_row(self.start, names, "--start") if self.start is not None else 0.0
+        for key in ("drift", "load", "brake"):
+            if texts := getattr(self, key):
+                acting[key] = parse_steps(texts, names, f"--{key}", bare=key == "brake")
+        for key in ("payload", "supply"):
+            if texts := getattr(self, key):
+                steps = parse_steps(texts, [key], f"--{key}")
+                acting[key] = [(time, values[key]) for time, values in steps]
+        if self.opening is not None:
+            acting |= {"opening": parse_steps([self.opening], names, "--opening", bare=True), "demand": {}}
+        elif self.tip:
+            acting["tip"] = _signal(parse_steps(self.tip, axes_of(machine), "--tip", of="axis"))
+        elif self.demand is not None:
+            followed = _from_file(machine, self.demand)
+            acting |= followed if self.start is None else followed | {"start": acting["start"]}
+        else:
+            acting["demand"] = _signal(parse_steps(self.move or [], names, "--move"))
+        return Scenario(seed=self.seed, **acting)
 
 
-def _signal(begin: Values, steps: Steps) -> Signal:
-    """Return a demand that begins with values and goes on as steps do, the first of them a little later."""
-    return [(0.0, begin), *[(t or LEAD, values) for t, values in steps if values != begin or t > 0.0]]
-
-
-def _tip_at(machine: Machine, angles: Values) -> Values:
-    """Return where angles put the tip, by axis, m."""
-    import numpy as np  # noqa: PLC0415
-
-    from layflat.description import units as u  # noqa: PLC0415
-    from layflat.motion.kinematics import tip_position  # noqa: PLC0415
-
-    tip = tip_position(machine, np.array([u.quantity(angle, u.ANGLE, "--start") for angle in angles.values()]))
-    return dict(zip("xyz", tip.tolist(), strict=False))
+def _signal(steps: Steps) -> Signal:
+    """Return a demand that begins with the start and goes on as steps do, the first of them a little later."""
+    moved = [(time or LEAD, values) for time, values in steps]
+    if len(moved) > 1 and moved[1][0] <= moved[0][0]:  # a move within the time in which the joints are at rest
+        moved[0] = (0.0, moved[0][1])
+    return [(0.0, {}), *moved] if not moved or moved[0][0] > 0.0 else moved
 
 
 @app.command()
@@ -141,7 +122,10 @@ def simulate(
         scenario = asked.scenario(described)
         what = f"simulating {scenario.duration} (compiles the first time)"
         try:
-            run = in_background(lambda: rollout(described, scenario=scenario, step=step), what)
+            done = [0.0]
+            run = in_background(
+                lambda: rollout(described, scenario=scenario, step=step, progress=done.append), what, lambda: done[-1]
+            )
         except DivergedError as error:
             _write_run(described, error.run, out)  # type: ignore[arg-type]
             raise
@@ -161,26 +145,15 @@ def _print_rounded(run: xarray.Dataset, asked: str) -> None:
         typer.echo(f"steps of {1e3 * taken:.4g} ms: {asked} does not divide a control cycle")
 
 
-def _check_times(acting: Mapping[str, Steps], lasts: str) -> None:
-    """Refuse what would happen after the end of the run."""
-    from layflat.description import units as u  # noqa: PLC0415
-
-    end = u.quantity(lasts, u.TIME, "--duration")
-    for option, steps in acting.items():
-        if steps[-1][0] >= end > 0.0:
-            right = f"the run ends at {end:g} s: give an earlier time, or a longer --duration"
-            raise InputError(f"{steps[-1][0]:g} s is after the end", where=f"--{option}", right=right)
-
-
-def _from_file(machine: Machine, demand: Path) -> tuple[dict[str, Any], str]:
-    """Return what a file of demands says of a scenario, which begins at their first row, and how long they last."""
+def _from_file(machine: Machine, demand: Path) -> dict[str, Any]:
+    """Return what a file of demands says of a scenario, which begins at their first row and lasts as long as they."""
     from layflat.motion.demand_file import read_demand  # noqa: PLC0415
 
     if machine.controller is None:
         raise InputError("has no controller", where=machine.origin, right="give a machine that follows demands")
     read = read_demand(machine, demand, machine.controller.cycle)
     found = {"demand": read.angles, "demand_velocity": read.velocities, "demand_acceleration": read.accelerations}
-    return found | {"start": None}, f"{len(read.angles) * machine.controller.cycle!r} s"
+    return found | {"start": None, "duration": f"{len(read.angles) * machine.controller.cycle!r} s"}
 
 
 def _print_metrics(machine: Machine, run: xarray.Dataset, scenario: Scenario, demand: Path | None) -> None:

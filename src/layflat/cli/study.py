@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import WIDTH, Device, app, print_table
+from layflat.cli.app import WIDTH, Device, app, counted, print_table
 from layflat.cli.bars import steps_bar
 
 if TYPE_CHECKING:
@@ -78,9 +78,9 @@ def _print_summary(described: "Study", out: Path) -> None:
         for name, (unit, values) in found.quantiles.items()
     ]
     columns = ["metric", "unit", *(f"{100 * share:g} %" for share in SHARES)]
-    made = f"{found.runs} runs in {described.precision} precision"
-    title = f"{described.name}: {described.samples} samples, {made}; this share of them lies below"
+    made = f"{counted(found.runs, 'run')} in {described.precision} precision"
+    title = f"{described.name}: {counted(described.samples, 'sample')}, {made}; this share of them lies below"
     print_table(columns, rows, title)
     if found.settled is not None:
         typer.echo(f"{100 * found.settled:.1f} % settled in every move")
-    typer.echo(f"{found.diverged} of {found.runs} runs diverged")
+    typer.echo(f"{found.diverged} of {counted(found.runs, 'run')} diverged")

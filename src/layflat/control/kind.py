@@ -40,7 +40,7 @@ class Command(NamedTuple):
 class ControllerPart(KindPart):
     """What all descriptions of controllers say."""
 
-    cycle: u.Time
+    cycle: u.ControlCycle
 
 
 @law

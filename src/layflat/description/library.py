@@ -47,7 +47,8 @@ class Library:
         Raises:
             InputError: of the library's class: it can't be read.
         """
-        place, path = str(where), Path(where)
+        place = self._name(where)
+        path = Path(place)
         if place in self.names:
             return (self.folder / f"{place}.toml").read_text(encoding="utf-8")
         if not path.suffix and len(place) < LONGEST_NAME and not exists(path):
@@ -57,6 +58,11 @@ class Library:
             )
         right = f"give a TOML file, or a built-in name: {self.shown_by}"
         return read_text(path, place, right, self.error)
+
+    def _name(self, where: object) -> str:
+        if not isinstance(where, (str, Path)) or not str(where).strip():
+            raise self.error(f"{where!r} is no name of a {self.noun}", right=f"give one, or a file: {self.shown_by}")
+        return str(where)
 
     def raw(self, where: str | Path) -> Plain:
         """Return the tables of one description, without what it extends.
@@ -77,7 +83,7 @@ class Library:
         Raises:
             InputError: of the library's class: one of them is missing or broken, or they extend each other in a circle.
         """
-        place = str(where)
+        place = self._name(where)
         layer, base = self._layer(place, above[-1] if above else "")
         key = self._key(place)
         if key in map(self._key, above) or len(above) > LONGEST_CHAIN:

@@ -115,6 +115,20 @@ PositiveAcceleration = Annotated[float, ACCELERATION, Gt(0)]
 Jerk = Annotated[float, JERK, Gt(0)]
 Flow = Annotated[float, FLOW, Ge(0)]
 Share = Annotated[float, Ge(0), Le(1)]
+
+# Narrower than the kind's own range: values of the parts of a machine that can be built.
+SupplyPressure = Annotated[float, PRESSURE, Ge(1e4), Le(1e7)]
+AmbientPressure = Annotated[float, PRESSURE, Ge(2e4), Le(1e6)]
+ControlCycle = Annotated[float, TIME, Ge(1e-4), Le(0.1)]
+Size = Annotated[float, LENGTH, Ge(1e-3), Le(20.0)]
+Thickness = Annotated[float, LENGTH, Ge(1e-6), Le(0.5)]
+PartVolume = Annotated[float, VOLUME, Ge(1e-10), Le(1.0)]
+ValveConductance = Annotated[float, CONDUCTANCE, Ge(1e-12), Le(1e-5)]
+ValveFrequency = Annotated[float, FREQUENCY, Ge(0.1), Le(1e5)]
+FullVoltage = Annotated[float, VOLTAGE, Ge(1e-3), Le(1e3)]
+ShortTime = Annotated[float, TIME, Ge(1e-5), Le(60.0)]
+LinkMass = Annotated[float, MASS, Ge(0), Le(2e3)]
+Payload = Annotated[float, MASS, Ge(0), Le(500.0)]
 Ratio = Annotated[float, Ge(1e-6), Le(1e6)]
 
 

@@ -16,5 +16,5 @@ def wrong(what: str, right: str = "", value: object = None) -> PydanticCustomErr
 
 def shown(value: object, longest: int = 60) -> str:
     """Return a value as it can stand in a line."""
-    text = repr(value)
+    text = " ".join(repr(value).split())
     return text if len(text) <= longest else f"{text[: longest - 4]} ..."

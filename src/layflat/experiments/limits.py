@@ -15,7 +15,7 @@ from layflat.machine import Machine
 from layflat.sim import Scenario
 from layflat.sim.ensemble.parallel import traced
 from layflat.sim.metrics import BAND, settling_time
-from layflat.sim.scenario import shapes
+from layflat.sim.shapes import shapes
 
 STEP = radians(40)
 AT = 0.5  # the step comes at this time, s, after the joint has come to rest

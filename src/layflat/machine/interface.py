@@ -33,14 +33,14 @@ class ModbusLink(Part):
     commands: Register = Field(default=0, description="first register that is written")
     readings: Register = Field(default=0, description="first register that is read; it may be the same number")
     identity: Register = Field(default=256, description="first of the registers that say what rig it is; read once")
-    timeout: u.Time = Field(default=3e-3, description="after which a reply is lost")
+    timeout: u.ShortTime = Field(default=3e-3, description="after which a reply is lost")
 
 
 class SerialLink(Part):
     """A microcontroller on USB."""
 
     baud: Annotated[int, Field(ge=9600, le=12_000_000)] = 921_600
-    timeout: u.Time = Field(default=3e-3, description="after which a reply is lost")
+    timeout: u.ShortTime = Field(default=3e-3, description="after which a reply is lost")
 
 
 class Interface(Part):
@@ -52,7 +52,7 @@ class Interface(Part):
     watchdog_cycles: Annotated[int, Field(ge=2, le=100)] = Field(
         default=4, description="control cycles without a command, after which the device centres the valves"
     )
-    dump_after: u.Time = Field(default=0.2, description="without a command, after which it lets out the air")
+    dump_after: u.ShortTime = Field(default=0.2, description="without a command, after which it lets out the air")
     outputs: OutputNames = Field(
         default=(), description="digital outputs for tools, by name; off where the device has dumped"
     )

@@ -25,9 +25,9 @@ CYCLE = 0.005  # cycle of a machine without a controller, s: the paper's
 class Supply(Part):
     """Air supply and surroundings."""
 
-    pressure_gauge: u.PositivePressure
+    pressure_gauge: u.SupplyPressure
     temperature: u.Temperature
-    ambient_pressure: u.PositivePressure = Field(description="absolute")
+    ambient_pressure: u.AmbientPressure = Field(description="absolute")
     ambient_temperature: u.Temperature
 
     @property

@@ -29,13 +29,13 @@ def _at_most_half_round(wrap: float) -> float:
 class Hose(Part):
     """A layflat hose, wrapped around the cylinder."""
 
-    width: u.Length = Field(description="width of the flat hose, along the cylinder's axis")
+    width: u.Size = Field(description="width of the flat hose, along the cylinder's axis")
     wrap: Annotated[u.PositiveAngle, AfterValidator(_at_most_half_round)] = Field(
         description="wrap angle of the collapsed hose (gamma)"
     )
     contact_end: u.PositiveAngle = Field(description="contact angle at full travel (alpha)")
     peel_ratio: u.Ratio = Field(description="roller angle per contact angle, in units of R/r")
-    dead_volume: u.Volume = Field(
+    dead_volume: u.PartVolume = Field(
         description="air in collapsed hose and fittings; in the tube as well where no line is described"
     )
     compliance: u.Compliance = Field(description="volume gained per pressure by the stretching wall")
@@ -59,8 +59,8 @@ class Hose(Part):
 class Cylinder(Part):
     """The outer cylinder that the hose is wrapped around."""
 
-    diameter: u.Length
-    wall: u.Length = Field(description="thickness of its wall")
+    diameter: u.Size
+    wall: u.Thickness = Field(description="thickness of its wall")
     density: u.Density
 
 
@@ -68,7 +68,7 @@ class Output(Part):
     """What the strap turns: a round roller, or a cam that keeps the torque constant."""
 
     kind: Literal["roller", "cam"]
-    radius: u.Length = Field(description="radius of the round roller; a cam keeps this roller's stroke and mean torque")
+    radius: u.Size = Field(description="radius of the round roller; a cam keeps this roller's stroke and mean torque")
     shaft_offset: u.LengthOrZero = Field(
         default=0.0, description="distance of the output axis from the cylinder's axis"
     )
@@ -78,8 +78,8 @@ class Strap(Part):
     """What joins hose or shell to the output."""
 
     material: str
-    width: u.Length
-    thickness: u.Length
+    width: u.Size
+    thickness: u.Thickness
     fibre: u.LengthOrZero = Field(default=0.0, description="diameter of the fibres of a woven strap; 0 for a solid one")
     layers: Annotated[int, Field(ge=1, le=100)] = 1
     modulus: u.Stress
@@ -100,7 +100,7 @@ class Cover(Part):
 class DeflectingRoller(Part):
     """Rollers that lead the strap from the hose to the output."""
 
-    diameter: u.Length
+    diameter: u.Size
     count: Annotated[int, Field(ge=1, le=100)]
     friction_share: u.Share = Field(description="loop height / torque that the pin of each roller adds")
     bending_share: u.Share = Field(description="the same of bending a strap as thick as the roller's diameter")
@@ -110,7 +110,7 @@ class Calliper(Part):
     """A pneumatic actuator that closes the brake, in place of a spring: its torque is the controller's to choose."""
 
     least: u.Share = Field(description="share of the brake's torque that stays when it is released")
-    stroke_time: u.Time = Field(description="from none of the torque to all of it")
+    stroke_time: u.ShortTime = Field(description="from none of the torque to all of it")
 
 
 class Brake(Part):
@@ -145,8 +145,8 @@ class Stops(Part):
 class Link(Part):
     """The rigid link that the joint turns, and the masses that turn with it."""
 
-    length: u.Length
-    mass: u.Mass
+    length: u.Size
+    mass: u.LinkMass
     centre: u.LengthOrZero = Field(
         default_factory=float,
         description="distance of the link's centre of mass from the joint; default: half its length",
@@ -169,14 +169,14 @@ class Body(Part):
     mass: u.Mass = Field(
         default_factory=float, description="of the whole joint; default: estimated from the sizes of its parts"
     )
-    height: u.Length
+    height: u.Size
 
 
 class Regulator(Part):
     """A proportional pressure regulator before the valve: it lets the controller choose the stiffness of the joint."""
 
     least: u.Share = Field(description="share of the supply's gauge pressure down to which it regulates")
-    stroke_time: u.Time = Field(description="from none of the gauge pressure to all of it")
+    stroke_time: u.ShortTime = Field(description="from none of the gauge pressure to all of it")
 
 
 class Spring(Part):

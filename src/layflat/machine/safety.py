@@ -41,15 +41,17 @@ class Safety(Part):
     demand_speed: u.PositiveSpeed = Field(
         default=radians(60.0), description="with which demands go on beyond that; all sound joints keep up with it"
     )
-    setpoint_age: u.Time = Field(default=0.1, description="after which the host's demands are stale")
+    setpoint_age: u.ShortTime = Field(default=0.1, description="after which the host's demands are stale")
     air_residual: Annotated[u.Share, Field(gt=0.0)] = Field(
         default=0.25,
         description="air that hoses gain or lose beyond what their valve was told, as an opening of it; sound ones "
         "stay below 0.14, and below 0.25 with a centre that is off by 8 % of full opening",
     )
-    start_time: u.Time = Field(default=5.0, description="in which a soft start has to bring the air")
-    hold_time: u.Time = Field(default=0.5, description="that a controlled stop holds the joints before the air goes")
-    vent_time: u.Time = Field(
+    start_time: u.ShortTime = Field(default=5.0, description="in which a soft start has to bring the air")
+    hold_time: u.ShortTime = Field(
+        default=0.5, description="that a controlled stop holds the joints before the air goes"
+    )
+    vent_time: u.ShortTime = Field(
         default=1.5,
         description="in which hoses empty through open valves; an arm that would fall is let down in five times that",
     )

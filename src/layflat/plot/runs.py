@@ -14,6 +14,7 @@ MOST_MARKS = 12  # events that are marked; more can't be told apart
 NOTE = 0.17  # height of a line about an event, inches
 CLOSE = 0.09  # share of a run's duration: labels of events that are closer than this would overlap
 CALM = (1.0, 0.5)  # an angle (deg) and a voltage (V) that vary by less are shown as calm
+LEGEND = 0.2  # room above the curves for a legend, over their range
 MANY = 3  # joints from which on their frames are narrower
 WARN = 30  # level of an event from which on it is marked, as in rcl_interfaces/msg/Log
 
@@ -91,11 +92,18 @@ def run_figure(run: xarray.Dataset) -> Figure:
                 _mark_faults(axes, run, marked)
             _number(voltage, marked, float(time[-1] - time[0]))
             for axes in (angle, pressure):
-                axes.legend(loc="best")
+                _legend_above(axes)
         for line, (number, text, at) in enumerate(reversed(marked)):
             note = f"{number}: at {at:.2f} s, {text}"
             made.text(0.12 / size["width"], (0.08 + NOTE * line) / size["height"], note, fontsize=8)
     return made
+
+
+def _legend_above(axes: Axes) -> None:
+    """Put a legend in a row above the curves, where it covers none of them."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + LEGEND * (high - low))
+    axes.legend(loc="upper center", ncols=len(axes.get_legend_handles_labels()[0]), columnspacing=1.0)
 
 
 def _no_closer(axes: Axes, span: float) -> None:

@@ -9,8 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.description import units as u
 from layflat.errors import InputError, LayflatError
-from layflat.machine import Machine
+from layflat.machine import Machine, parameters
+from layflat.motion.signal_rows import read_rows
+from layflat.motion.signal_values import SignalKind, read_number
 from layflat.rig.abilities import demand_limits
 from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State
@@ -54,6 +57,37 @@ def check_accelerations(machine: Machine, accelerations: Array, where: str) -> N
         raise InputError(what, where=where, right=f"it can do {can:.4g} deg/s2 at most")
 
 
+def check_plan(machine: Machine, plan: Plan, where: str = "plan") -> None:
+    """Refuse a plan that a machine can't follow to its end, before its rig gets air.
+
+    Args:
+        machine: the machine.
+        plan: demands in time.
+        where: what gave it, in messages.
+
+    Raises:
+        InputError: times do not grow or end after the plan; a demand is not one number a joint, or outside the stroke.
+    """
+    joints = list(machine.joints)
+    count, duration = len(plan.times), read_number(plan.duration, u.TIME, f"{where}: duration")
+    times = read_rows(plan.times, SignalKind(f"{where}: times", u.TIME, (where,)), count)[:, 0]
+    if count == 0 or times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
+        raise InputError("do not grow from zero or later", where=f"{where}: times", right="give 0.0, 0.5, ...")
+    if times[-1] >= duration:
+        right = f"its last demand comes at {times[-1]:g} s: give more"
+        raise InputError(f"{duration:g} s ends before the last move", where=f"{where}: duration", right=right)
+    demands = read_rows(plan.demands, SignalKind(where, u.ANGLE, joints), count)
+    for j, name in enumerate(joints):
+        parameters.check_inside_stroke(machine, name, float(demands[np.argmax(np.abs(demands[:, j])), j]), where)
+    if plan.accelerations is not None and plan.velocities is None:
+        raise InputError("are given without velocities", where=f"{where}: accelerations", right="give both")
+    for name, rates, quantity in (
+        ("velocities", plan.velocities, u.ANGULAR_SPEED), ("accelerations", plan.accelerations, u.ANGULAR_ACCELERATION),
+    ):  # fmt: skip
+        if rates is not None:
+            read_rows(rates, SignalKind(f"{where}: {name}", quantity, joints), count)
+
+
 def free_place(folder: Path, name: str) -> Path:
     """A place for a log that nothing has yet: NAME.mcap, NAME-2.mcap, and so on."""
     count = 1
@@ -89,7 +123,12 @@ class PlanRunner:
         return demands
 
     def follow(self, plan: Plan) -> None:
-        """Ask for the plan's demands in time, until it ends; raise EarlyEndError if something ended it."""
+        """Ask for the plan's demands in time, until it ends; raise EarlyEndError if something ended it.
+
+        Raises:
+            InputError: the machine can't follow the plan; nothing was asked for.
+        """
+        check_plan(self._rig.machine, plan)
         begin, done = time.monotonic(), 0
         while (now := time.monotonic() - begin) < plan.duration:
             shot = self._look()

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.description import units as u
 from layflat.errors import InputError, LayflatError
 from layflat.machine import Machine
+from layflat.motion.signal_values import read_number
 from layflat.parallel import start_process
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
@@ -30,6 +32,9 @@ from layflat.rig.safety.states import State
 REFRESH = 0.025  # setpoints are written again so often, s; they are stale after 100 ms
 STARTS_WITHIN = 300.0  # the process has to run by then; it may have to compile first, on a busy computer, s
 ENDS_WITHIN = 10.0  # a controlled stop, and the hoses' emptying, take less, s
+
+
+QUANTITIES = {"angles": u.ANGLE, "velocities": u.ANGULAR_SPEED, "accelerations": u.ANGULAR_ACCELERATION}
 
 
 class LoopError(LayflatError):
@@ -157,21 +162,25 @@ class Session(AbstractContextManager["Session"]):
                 believed.
 
         Raises:
-            InputError: it is not one for each joint, or accelerations are without velocities.
+            InputError: it is not one finite number for each joint, or accelerations are without velocities.
             LoopError: the loop does not run.
         """
         if accelerations is not None and velocities is None:
             raise InputError("are given without velocities", where="accelerations", right="give both")
         given = {"angles": angles, "velocities": velocities, "accelerations": accelerations}
-        joints = len(self._layout.joints)
-        for name, values in given.items():
-            if values is not None and len(values) != joints:
-                what = f"{len(values)} {name} for {joints} joints"
-                raise InputError(what, where="demand", right="give one a joint")
+        rows = {name: None if of is None else self._one_a_joint(name, of) for name, of in given.items()}
         self.check()
-        rates = {name: of if of is None else [float(x) for x in of] for name, of in list(given.items())[1:]}
         meant = time.monotonic_ns() if at is None else round(at * SECOND)
-        self._want_if_minded(demands=[float(x) for x in angles], **rates, asks=self._wanted.asks + 1, meant=meant)
+        rows["demands"] = rows.pop("angles")
+        self._want_if_minded(**rows, asks=self._wanted.asks + 1, meant=meant)
+
+    def _one_a_joint(self, name: str, values: Sequence[float]) -> list[float]:
+        """Return one finite number a joint; raise InputError where it is none."""
+        joints = self._layout.joints
+        if len(values) != len(joints):
+            what = f"{len(values)} {name} for {len(joints)} joints"
+            raise InputError(what, where="demand", right="give one a joint")
+        return [read_number(value, QUANTITIES[name], f"demand: {name}") for value in values]
 
     def snapshot(self) -> Snapshot | None:
         """The last cycle; None before the first."""

@@ -139,11 +139,12 @@ def _surroundings(air, signals, k):
 
 
 @composition
-def all_cycles(case, angles, pressures, signals, timing, reported):
+def all_cycles(case, angles, pressures, signals, timing, reported, done):
     """Run all cycles of a scenario from rest.
 
     Args: `Case`; start angles (joints,) in rad; start pressures (joints, 2) in Pa, nan for those that hold the arm;
-    `Signals`; `Timing`; how many signals the law reports of a joint. Returns the records (instants, joints, columns of
+    `Signals`; `Timing`; how many signals the law reports of a joint; an array whose first item counts the cycles that
+    are done. Returns the records (instants, joints, columns of
     `Sample`), those of the law's report (instants, joints, reported), how many instants are valid, and the joint that
     diverged (-1: none).
     """
@@ -173,6 +174,7 @@ def all_cycles(case, angles, pressures, signals, timing, reported):
     memory = in_lanes(wake(settings, sensed), 0.0)
     row = 0
     for k in range(cycles):
+        done[0] = k
         around = _surroundings(air, signals, k)
         for j in range(n):
             acting[j], noise[j] = _acting(signals, k, j), _noise(signals, k, j)
@@ -194,6 +196,6 @@ def all_cycles(case, angles, pressures, signals, timing, reported):
 
 
 @kernel
-def run_cycles(like, numbers, angles, pressures, signals, timing, reported):
+def run_cycles(like, numbers, angles, pressures, signals, timing, reported, done):
     """As `all_cycles`, of what a case looks like (`Like`) and its numbers in order."""
-    return all_cycles(read_numbers(like, numbers), angles, pressures, signals, timing, reported)
+    return all_cycles(read_numbers(like, numbers), angles, pressures, signals, timing, reported, done)

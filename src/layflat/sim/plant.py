@@ -9,12 +9,14 @@ from layflat.description import units as u
 from layflat.errors import DivergedError
 from layflat.lanes import leaves, write_numbers
 from layflat.machine import Machine, parameters
+from layflat.machine.signal_ranges import check_signal
+from layflat.motion.signal_values import read_number
 from layflat.physics.driven import AIR, Plant
 from layflat.physics.joint import Surroundings
 from layflat.physics.noise import noise_samples
 from layflat.physics.step import STEP
-from layflat.sim.run import start_angles, start_pressures, timing_of
-from layflat.sim.scenario import Angles, Pair, Scenario, Value
+from layflat.sim.run import start_angles, timing_of
+from layflat.sim.scenario import Angles, Pair, Scenario, Value, start_pressures
 from layflat.sim.stepping import Setting, kept_at_rest, stepping
 
 
@@ -50,18 +52,19 @@ class SteppedPlant(Plant):
         payload: Value | None = None,
     ) -> None:
         cycle = machine.cycle
-        timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), 1)
-        scenario, n = Scenario(start=start, pressures=pressures), len(machine.joints)
+        timing = timing_of(cycle, step, 1, machine)
+        scenario, n = Scenario(start=start, pressures=pressures, seed=seed, noise=noise), len(machine.joints)
         self.joints = tuple(machine.joints)
         self._steps, self._h = timing.steps, cycle / timing.steps
         around = parameters.surroundings(machine)
         if payload is not None:
-            around = around._replace(payload=u.quantity(payload, u.MASS, "payload"))
+            mass = check_signal(machine, "payload", read_number(payload, u.MASS, "payload"))
+            around = around._replace(payload=float(mass))
         self._machine = Setting(parameters.arm(machine), parameters.joints(machine), cycle, around)
         self._setting = np.array(list(leaves(self._machine)))
         super().__init__(self._machine.joints, self._setting[-len(Surroundings._fields) :], self._h)
         angles = start_angles(scenario, machine, np.zeros((1, n)))
-        kept = kept_at_rest(self._machine, angles, start_pressures(scenario, list(machine.joints)), self._h)
+        kept = kept_at_rest(self._machine, angles, start_pressures(scenario, machine), self._h)
         self._kernels, self._like = stepping(self._machine, kept[0]), kept[0]
         self._kept = np.array([list(leaves(one)) for one in kept])
         self._at, self._due, self._grips = 0, -1, np.zeros(n)

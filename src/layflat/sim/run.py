@@ -1,9 +1,11 @@
 """One machine through one scenario."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -15,32 +17,55 @@ from layflat.errors import DivergedError, InputError
 from layflat.jit.outside import blame_outside
 from layflat.lanes import Like, leaves
 from layflat.machine import Machine, load, parameters
+from layflat.memory import check_memory
+from layflat.motion.signal_values import read_number
 from layflat.physics.step import STEP
-from layflat.sim.kernel import Case, Signals, Timing, all_cycles, run_cycles
-from layflat.sim.scenario import Scenario, Signal, Value, checked_options, signals, spread
+from layflat.sim.kernel import Case, Sample, Signals, Timing, all_cycles, run_cycles
+from layflat.sim.scenario import (
+    Scenario,
+    Signal,
+    Value,
+    check_scenario,
+    check_whole,
+    checked_options,
+    start_pressures,
+    start_row,
+)
+from layflat.sim.shapes import signals
 
 if TYPE_CHECKING:
     import xarray
 
+TELLS_EVERY = 0.25  # s
+COPIES = 2.5  # of a run's records that are in memory once it is written as NetCDF
+SIGNALS_HELD = 30  # numbers of each joint and control cycle that act on it, with intermediate results
+MIN_STEP = 1e-8  # s
+MAX_RECORDS = 10_000  # per control cycle
+PERIOD_PARTS = 0.1  # step that is advised, over the period of the dither
+
 
 def rollout(
     machine: str | Path | Machine,
-    demand: Signal = 0.0,
+    demand: Signal | None = None,
     *,
     step: Value = STEP,
     records: int = 1,
     scenario: Scenario | None = None,
-    controller: Machine | None = None,
+    controller: str | Path | Machine | None = None,
+    progress: Callable[[float], None] | None = None,
     **changes: Any,
 ) -> "xarray.Dataset":
     """Simulate a machine with its controller.
 
     Args:
         machine: a description, its file, or the name of a built-in machine.
-        demand: angles asked for: "40 deg", {"large": "40 deg"}, or steps [("0 s", ...), ("2 s", ...)].
+        demand: angles asked for: "40 deg", {"large": "40 deg"}, steps [("0 s", ...), ("2 s", ...)], or a table of
+            pandas or xarray; default: the scenario's.
         step: of the plant; rounded so that a control cycle is a whole number of steps.
         records: instants recorded per control cycle.
-        controller: the machine that the controller believes to drive, and whose controller it is; default: the machine.
+        controller: the machine that the controller believes to drive, and whose controller it is, likewise; default:
+            the machine.
+        progress: is called every quarter of a second, from another thread, with the fraction of the run that is done.
         scenario: what happens; `demand` and `changes` (fields of `Scenario`) are laid over it.
         **changes: fields of `Scenario`, for instance `duration="4 s"`, `payload="2 kg"`, `seed=1`.
 
@@ -54,9 +79,13 @@ def rollout(
     from layflat.sim.dataset import dataset  # noqa: PLC0415  # xarray takes long to import
 
     described = load(machine)
-    case = checked_options(Scenario, changes, "rollout", scenario or Scenario(demand=demand))
-    prepared = prepare(described, case, step=step, records=records, controller=controller)
-    rows, shown, diverged = prepared.run()
+    if demand is not None:
+        changes["demand"] = demand
+    case = checked_options(Scenario, changes, "rollout", None if scenario is None else check_scenario(scenario))
+    driver = None if controller is None else load(controller)
+    prepared = prepare(described, case, step=step, records=records, controller=driver)
+    with _telling(prepared, progress):
+        rows, shown, diverged = prepared.run()
     run = dataset(described, case, prepared, rows, shown)
     if diverged >= 0:
         names = list(described.joints)
@@ -64,7 +93,28 @@ def rollout(
     return run
 
 
-def rollout_as_far(machine: str | Path | Machine, demand: Any = 0.0, **options: Any) -> "xarray.Dataset":
+@contextmanager
+def _telling(prepared: "Prepared", progress: Callable[[float], None] | None) -> Iterator[None]:
+    """Tell how far a run is while the block simulates it."""
+    if progress is None:
+        yield
+        return
+    over = Event()
+
+    def tell() -> None:
+        while not over.wait(TELLS_EVERY):
+            progress(prepared.fraction_done)
+
+    thread = Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def rollout_as_far(machine: str | Path | Machine, demand: Signal | None = None, **options: Any) -> "xarray.Dataset":
     """Simulate as `rollout` does, and return a run that diverged up to where it did."""
     try:
         return rollout(machine, demand, **options)
@@ -81,6 +131,12 @@ class Prepared:
     pressures: Array
     signals: Signals
     timing: Timing
+    done: Array = field(default_factory=lambda: np.zeros(1))  # control cycles that a run in progress has done
+
+    @property
+    def fraction_done(self) -> float:
+        """Fraction of the control cycles that a run in progress has done."""
+        return float(self.done[0]) / len(self.signals.demand)
 
     @cached_property
     def _numbers(self) -> tuple[Like, Array]:
@@ -93,7 +149,7 @@ class Prepared:
             (instants, joints, columns of `Sample`), (instants, joints, signals of the control law), and the joint.
         """
         law = CONTROL_LAWS.of(self.case.settings)
-        rest = self.angles, self.pressures, self.signals, self.timing, len(law.signals)
+        rest = self.angles, self.pressures, self.signals, self.timing, len(law.signals), self.done
         if law.compiled:
             rows, shown, valid, diverged = run_cycles(*self._numbers, *rest)
         else:
@@ -126,7 +182,8 @@ def prepare(
     """
     driver = driver_of(machine, controller)
     cycle = driver.cycle
-    timing = timing_of(cycle, u.quantity(step, u.TIME, "step"), records)
+    timing = timing_of(cycle, step, records, machine)
+    _check_size(scenario.cycles(cycle), machine, timing, len(driver.control_law.signals))
     acting = signals(scenario, machine, cycle)
     return Prepared(
         Case(
@@ -136,52 +193,62 @@ def prepare(
             parameters.surroundings(machine),
         ),
         start_angles(scenario, machine, acting.demand),
-        start_pressures(scenario, list(machine.joints)),
+        start_pressures(scenario, machine),
         acting,
         timing,
     )
 
 
-def timing_of(cycle: float, step: float, records: int) -> Timing:
-    """How a run is cut into steps of about `step` seconds.
+def _check_size(cycles: int, machine: Machine, timing: Timing, reported: int) -> None:
+    """Refuse a run that memory can't hold."""
+    lasting, records = cycles * timing.cycle, timing.records
+    by_cycle = 8.0 * len(machine.joints) * SIGNALS_HELD
+    by_record = 8.0 * len(machine.joints) * COPIES * (len(Sample._fields) + reported + 3)
+    where, work = ("records", f" with {records} records a cycle") if records > 1 else ("duration", "")
+
+    def right(part: float) -> str:
+        shorter = f"a duration of {0.9 * part * lasting:.2g} s"
+        return f"give fewer, or {shorter}" if records > 1 else f"give {shorter} or less"
+
+    check_memory(cycles * (by_cycle + records * by_record), f"a run of {lasting:g} s{work}", where, right)
+
+
+def timing_of(cycle: float, step: Value, records: int, machine: Machine) -> Timing:
+    """Return the cut of a run into steps of about `step`.
+
+    Args:
+        cycle: control cycle, s.
+        step: of the plant.
+        records: instants recorded per control cycle.
+        machine: the plant; numbers in it may be arrays.
 
     Raises:
-        InputError: the step is no part of a cycle, or nothing is recorded.
+        InputError: the step is no part of a cycle or too long for what the valves' drivers make, or nothing is
+            recorded.
     """
-    if not 1e-8 <= step <= cycle:
-        raise InputError(f"{step:g} s is out of range", where="step", right=f"give 10 ns to {cycle:g} s")
-    if records < 1:
-        raise InputError(f"{records} is out of range", where="records", right="give 1 or more per cycle")
-    per_record = max(1, round(cycle / step / records))
-    return Timing(cycle, per_record * records, records)
+    wanted = read_number(step, u.TIME, "step")
+    if not MIN_STEP <= wanted <= cycle:
+        raise InputError(f"{wanted:g} s is out of range", where="step", right=f"give 10 ns to {cycle:g} s")
+    check_whole(records, "records", 1, MAX_RECORDS)
+    per_record = max(1, round(cycle / wanted / records))
+    timing = Timing(cycle, per_record * records, records)
+    _check_wave(machine, timing)
+    return timing
+
+
+def _check_wave(machine: Machine, timing: Timing) -> None:
+    """Refuse steps that are too long for what the valves' drivers make by themselves."""
+    frequency = None if machine.valve is None else machine.valve.wave_frequency
+    if frequency is None:
+        return
+    fastest, step = float(np.max(frequency)), timing.cycle / timing.steps
+    if fastest * step > 0.5 * (1.0 + 1e-9):
+        what = f"{1e3 * step:g} ms is too long for the {fastest:g} Hz of the valves' drivers, which would be lost"
+        right = f"give {1e3 * PERIOD_PARTS / fastest:.2g} ms or less"
+        raise InputError(what, where="step", right=right)
 
 
 def start_angles(scenario: Scenario, machine: Machine, demand: Array) -> Array:
-    """Angles at which the arm rests at first, (joints,)."""
-    if scenario.start is None:
-        return np.array(demand[0])
-    angles: Array = spread(scenario.start, np.zeros(1), list(machine.joints), u.ANGLE, "start")[0]
-    for name, angle in zip(machine.joints, angles, strict=True):
-        parameters.check_inside_stroke(machine, name, float(angle), "start")
-    return angles
-
-
-def start_pressures(scenario: Scenario, names: list[str]) -> Array:
-    """Absolute pressures of hoses A and B of these joints at the start, Pa, (joints, 2); nan where none is given.
-
-    Raises:
-        InputError: they are not above vacuum, or of a joint that is not there.
-    """
-    given = scenario.pressures
-    each = dict(given) if isinstance(given, Mapping) else dict.fromkeys(names, given)
-    unknown = sorted(set(each) - set(names))
-    if unknown:
-        raise InputError(f"unknown joint {unknown[0]!r}", where="pressures", right=f"joints are {', '.join(names)}")
-    pressures = np.full((len(names), 2), np.nan)
-    for j, name in enumerate(names):
-        if (pair := each.get(name)) is not None:
-            pressures[j] = [u.quantity(value, u.PRESSURE, "pressures") for value in pair]
-    if np.any(pressures <= 0.0):
-        least = np.nanmin(pressures)
-        raise InputError(f"{least:g} Pa is not above vacuum", where="pressures", right='give absolute "3.5 bar"')
-    return pressures
+    """Return the angles at which the arm rests at first, (joints,), rad: those of the demand where none are given."""
+    start = start_row(scenario, machine)
+    return np.array(demand[0]) if start is None else start

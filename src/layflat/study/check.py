@@ -39,7 +39,8 @@ def check(
         with _inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
             cases(machine, [scenario], {}, 1).runs(first)
     with _inside(f"{where}: ", {"scenario", "step"}):
-        timing_of(cases(machine, list(scenarios), {}, 1).cycle, step, 1)
+        prepared = cases(machine, list(scenarios), {}, 1)
+        timing_of(prepared.cycle, step, 1, prepared.machine)
     _check_settings(scenarios, drawn, where)
     _check_bounds(machine, drawn, where)
     # Numbers that are right alone can contradict each other.

@@ -195,6 +195,9 @@ def _scenario(table: ScenarioTable, file: StudyFile) -> Scenario:
 def _metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:
     from layflat.sim.ensemble.dataset import METRICS  # noqa: PLC0415  # xarray takes long to import
 
+    if names is not None and not names:
+        right = "give one or more, or leave it out for all"
+        raise InputError("is empty", where=f"{where}: metrics", right=right)
     unknown = [name for name in names or () if name not in METRICS]
     if unknown:
         what = f"{unknown[0]!r} is not a metric"

@@ -13,7 +13,7 @@ from layflat.experiments.beyond.comparison import TRACKING, Comparison, Effort, 
 from layflat.experiments.beyond.moves import POSTURES, sequences, steps
 from layflat.experiments.beyond.report import numbers, write_numbers, write_page
 from layflat.machine import load
-from layflat.sim.scenario import shapes
+from layflat.sim.shapes import shapes
 
 pytestmark = pytest.mark.compiled
 

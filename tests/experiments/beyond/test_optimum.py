@@ -34,8 +34,8 @@ def test_its_openings_bring_the_tip_there_in_a_rollout(optimum: Optimum) -> None
     openings = np.zeros((round(1.5 / JOINT.cycle), 1))
     openings[rest : rest + len(optimum.openings)] = optimum.openings
     assert np.abs(openings).max() <= 1.0
-    demand = [(0.0, START), (optimum.rest, END)]
-    run = rollout(JOINT, demand, duration=1.5, start=START, opening=openings, noise=False)
+    run = rollout(JOINT, duration=1.5, start=START, opening=openings, noise=False)
+    run["demand"] = run["demand"].copy(data=np.where(run["time"].to_numpy()[:, None] < optimum.rest - 1e-9, START, END))
     assert tip_settling(run, optimum.rest, 1.5, TIP_BAND) == pytest.approx(optimum.settling)
     assert tip_settling(optimum.run, optimum.rest, np.inf, TIP_BAND) == pytest.approx(optimum.settling)
     assert float(optimum.run["time"][-1]) >= optimum.rest + optimum.settling + 0.95

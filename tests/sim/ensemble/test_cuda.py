@@ -98,7 +98,7 @@ def assembled(name: str, precision: str, monkeypatch: pytest.MonkeyPatch) -> tup
     scenario, vary = Scenario(duration="0.1 s", opening=opening), {"seed": np.arange(3.0)}
     prepared = cases(machine, [scenario], vary, None, number=PRECISIONS[precision])
     block = block_of(prepared, np.arange(3), (1e-3, 1e-3), room_for_results(prepared, np.array([0]), 1))
-    timing = timing_of(prepared.cycle, STEP, 1)
+    timing = timing_of(prepared.cycle, STEP, 1, prepared.machine)
     types = tuple(map(numba.typeof, ours.kernel_arguments(prepared, block, timing)))
     device_kernel(ours.run_each)
     ptx, _ = compiler.compile_ptx(ours.run_each, types, cc=(8, 0))

@@ -7,6 +7,8 @@ from functools import partial
 import numpy as np
 
 from layflat.arrays import Array
+from layflat.control import paper
+from layflat.control import tracking as law_kind
 from layflat.errors import LayflatError, MachineError
 from layflat.experiments.beyond import settling
 from layflat.experiments.beyond.belts import Following, following
@@ -23,6 +25,7 @@ from layflat.physics.arms.planar import PlanarArmPart
 USUAL = "paper-arm-fast"  # machine that is compared on: the larger valve is the builder's choice
 SPEEDS = (0.3, 0.5)  # of the belt, m/s
 TRACKING, PAPERS, TUNED = "tracking", "the paper's", "the paper's, tuned"
+PAPERS_KIND, TRACKING_KIND = paper.KIND.name, law_kind.KIND.name  # others are a user's own
 EARTH = 9.81  # m/s2
 
 
@@ -118,11 +121,12 @@ def comparison(name: str = USUAL, effort: Effort | None = None) -> Comparison:
     """Return a comparison that is to be made of the laws that a machine can have.
 
     Args:
-        name: of a built-in machine, or its file.
+        name: of a built-in machine, or its file; a control law of its own is compared, too.
         effort: how much is simulated.
 
     Raises:
         InputError: there is no such machine.
+        KindError: its own control law is plain Python, too slow for so many runs.
         MachineError: the tracking law can't have it.
     """
     machine = load(name)
@@ -134,6 +138,9 @@ def comparison(name: str = USUAL, effort: Effort | None = None) -> Comparison:
             right="give a machine with spool valves and two hoses at each joint",
         )
     laws = {TRACKING: tracking}
+    if machine.controller is not None and machine.control_law.name not in {PAPERS_KIND, TRACKING_KIND}:
+        machine.control_law.check_compiled("in comparisons")
+        laws = {machine.control_law.name: machine, TRACKING: tracking}
     if machine.control_law.gains is not None and all(joint.gains is not None for joint in machine.joints.values()):
         laws = {PAPERS: machine, **_tuned(name), TRACKING: tracking}
     return Comparison(tracking, effort or Effort(), laws)

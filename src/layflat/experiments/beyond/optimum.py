@@ -125,8 +125,8 @@ def _shown(best: Trial) -> Optimum:
     machine, start, end = best.shooting.machine, best.shooting.start, best.shooting.end
     rest = REST * machine.cycle
     openings = np.pad(best.openings, ((REST, 0), (0, 0)))
-    run = rollout(
-        machine, [(0.0, list(start)), (rest, list(end))], duration=len(openings) * machine.cycle,
-        start=list(start), opening=openings, noise=False,
-    )  # fmt: skip
+    lasting = len(openings) * machine.cycle
+    run = rollout(machine, duration=lasting, start=list(start), opening=openings, noise=False)
+    # Nothing is asked of a run in open loop: its goal is laid beside it, to be measured by.
+    run["demand"] = run["demand"].copy(data=np.where(run["time"].to_numpy()[:, None] < rest - 1e-9, start, end))
     return Optimum(tip_settling(run, rest, inf, best.band), best.openings[: best.free], run, rest)

@@ -23,7 +23,7 @@ class ArmPart(KindPart):
     """What all descriptions of arms say: the joints that make it, from the base to the tip, and its load."""
 
     joints: Annotated[tuple[str, ...], Field(min_length=1)]
-    payload: u.Mass
+    payload: u.Payload
     own_links: ClassVar[bool] = False  # whether it says itself what its links are: its joints then need none
 
     @model_validator(mode="after")

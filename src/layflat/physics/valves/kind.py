@@ -22,7 +22,7 @@ class Dither(Part):
     """What the driver adds to keep the spool moving."""
 
     amplitude: u.Share = Field(description="share of full opening")
-    frequency: u.Frequency
+    frequency: u.ValveFrequency
     least: u.Share = Field(
         default=0.0, description="share of it that the driver adds at any time; 1: nobody can stop it"
     )
@@ -31,11 +31,11 @@ class Dither(Part):
 class ValvePart(KindPart):
     """What every valve has, with its driver; there is one per joint."""
 
-    conductance: u.Conductance = Field(description="ISO 6358 sonic conductance of a fully open path")
+    conductance: u.ValveConductance = Field(description="ISO 6358 sonic conductance of a fully open path")
     critical_ratio: Annotated[u.Share, Field(lt=0.99)] = Field(description="ISO 6358 critical pressure ratio")
     leakage: u.ConductanceOrZero = Field(description="sonic conductance of a closed path")
     centre_voltage: u.Voltage
-    volts_to_full: u.PositiveVoltage = Field(description="from the centre to full opening")
+    volts_to_full: u.FullVoltage = Field(description="from the centre to full opening")
     delay: u.TimeOrZero = Field(default=0.0, description="from the command to the driver, at most three control cycles")
 
     @model_validator(mode="after")
@@ -48,6 +48,12 @@ class ValvePart(KindPart):
     def dithered(self) -> Dither | None:
         """The dither that its driver has to add; None for a valve without."""
         return None
+
+    @property
+    def wave_frequency(self) -> float | None:
+        """Frequency of what its driver makes by itself, Hz; None of one that makes nothing."""
+        frequency: float | None = getattr(self, "frequency", None)
+        return frequency
 
     @property
     def least_dither(self) -> float:

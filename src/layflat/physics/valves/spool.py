@@ -8,6 +8,7 @@
 from math import pi
 from typing import Annotated, Literal, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from layflat.description import Part
@@ -55,7 +56,7 @@ class SpoolValvePart(ValvePart):
     overlap: Annotated[u.Share, Field(lt=0.9)] = Field(
         description="share of the stroke in which a land covers its port"
     )
-    natural_frequency: u.Frequency
+    natural_frequency: u.ValveFrequency
     damping_ratio: u.Ratio
     friction: u.Share = Field(description="change of command that the spool's friction can hide, share of full opening")
     dither: Dither
@@ -67,6 +68,11 @@ class SpoolValvePart(ValvePart):
     def dithered(self) -> Dither | None:
         """The dither, where it has an amplitude."""
         return self.dither if self.dither.amplitude > 0.0 else None
+
+    @property
+    def wave_frequency(self) -> float | None:
+        """Frequency of its dither, where that has an amplitude."""
+        return self.dither.frequency if np.any(self.dither.amplitude > 0.0) else None
 
     @property
     def least_dither(self) -> float:

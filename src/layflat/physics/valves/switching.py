@@ -58,13 +58,13 @@ class SwitchingValvesPart(ValvePart):
     """Two on/off valves under pulse-width modulation: one fills hose A and vents hose B, the other the reverse."""
 
     kind: Literal["switching"]
-    frequency: u.Frequency = Field(description="of the pulses")
+    frequency: u.ValveFrequency = Field(description="of the pulses")
     dead_band: Annotated[u.Share, Field(lt=0.9)] = Field(description="command up to which no pulse is given")
     least_pulse: u.TimeOrZero = Field(description="length of the pulse at the edge of the dead band")
-    opening_delay: u.Time = Field(description="from voltage on to the plunger's first motion")
-    opening_time: u.Time = Field(description="of the plunger's whole way")
-    closing_delay: u.Time = Field(description="from voltage off to the plunger's first motion")
-    closing_time: u.Time
+    opening_delay: u.ShortTime = Field(description="from voltage on to the plunger's first motion")
+    opening_time: u.ShortTime = Field(description="of the plunger's whole way")
+    closing_delay: u.ShortTime = Field(description="from voltage off to the plunger's first motion")
+    closing_time: u.ShortTime
 
     @model_validator(mode="after")
     def _pulses_fit(self) -> Self:

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
@@ -16,15 +16,17 @@ from layflat.lanes import leaves, mapped
 from layflat.machine import Machine, parameters
 from layflat.sim.ensemble.results import Moves, Plan, Runs
 from layflat.sim.ensemble.seeds import CALM, Make, Seeds, noise_of
+from layflat.sim.ensemble.varied import check_values, read_values
 from layflat.sim.kernel import Case
 from layflat.sim.metrics import move_windows
-from layflat.sim.run import driver_of, start_angles, start_pressures
-from layflat.sim.scenario import Scenario, Shapes, shapes
+from layflat.sim.run import driver_of, start_angles
+from layflat.sim.scenario import Scenario, check_whole, start_pressures
+from layflat.sim.shapes import Shapes, shapes
 
 ON_TOP = {"brake": 1.0, "load": 0.0, "drift": 0.0, "lead": 0.0, "pressure_lead": 0.0, "spring": 0.0, "damper": 0.0}
 """What may come on top of a scenario, and the value that changes nothing; in the order of `Runs.usual`."""
 
-MOST_SEED = 2**53  # up to here floating-point numbers are all whole numbers
+MAX_RUNS = 10**9
 
 STARTS = ("angle", "pressure_a", "pressure_b")  # what every joint of a run may begin with in place of the scenario's
 
@@ -40,6 +42,7 @@ class Cases:
     vary: Mapping[str, Array]  # arrays of `count` items by what they change
     count: int  # of runs
     number: type[np.floating[Any]] = np.float64  # in which the runs are computed
+    plausible: bool = True  # whether scenarios that the machine can't have are refused
     _plans: dict[tuple[int, ...], tuple[Plan, Array, Array]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
@@ -83,7 +86,7 @@ class Cases:
     @cached_property
     def _shapes(self) -> list[Shapes]:
         """What happens in each scenario."""
-        return [shapes(scenario, self.base, self.cycle) for scenario in self.scenarios]
+        return [shapes(one, self.base, self.cycle, plausible=self.plausible) for one in self.scenarios]
 
     @cached_property
     def moves(self) -> list[list[tuple[int, int]]]:
@@ -155,7 +158,7 @@ class Cases:
 
     def _pressures(self, rows: NDArray[np.int64], own: NDArray[np.int64]) -> Array:
         """Pressures at the start, (joints, 2, runs); nan for those that hold the arm."""
-        pairs = np.array([start_pressures(scenario, list(self.base.joints)) for scenario in self.scenarios])[own]
+        pairs = np.array([start_pressures(scenario, self.base) for scenario in self.scenarios])[own]
         return np.array(
             [
                 [self._begun(rows, f"pressure_{hose}.{name}", pairs[:, j, i]) for i, hose in enumerate("ab")]
@@ -178,24 +181,39 @@ class Cases:
 def cases(
     machine: Machine,
     scenarios: list[Scenario],
-    vary: Mapping[str, ArrayLike],
+    vary: Mapping[str, Any],
     runs: int | None,
     *,
     together: bool = True,
     controller: Machine | None = None,
     number: type[np.floating[Any]] = np.float64,
+    plausible: bool = True,
 ) -> Cases:
-    """An ensemble from what varies in it, also checked `together` unless that is done elsewhere, computed in `number`.
+    """Return an ensemble from what varies in it.
 
-    With a `controller`, that machine's controllers drive, and what varies of them is this one's.
+    Args:
+        machine: the machine.
+        scenarios: all that may happen.
+        vary: one value a run by what it changes.
+        runs: how many; only needed where nothing varies.
+        together: whether values that vary are also checked together; unless that is done elsewhere.
+        controller: the machine whose controllers drive; what varies of them is this one's. Default: each run's own.
+        number: type of number in which runs are computed.
+        plausible: whether values of scenarios that the machine can't have are refused; logs may hold such.
 
     Raises:
         InputError: something that varies is unknown, or has another number of runs than the rest.
     """
-    arrays = {key: _checked(key, values) for key, values in vary.items()}
-    counts = {len(values) for values in arrays.values()} | ({runs} if runs is not None else set())
+    arrays = {key: read_values(machine, key, values) for key, values in vary.items()}
+    if plausible:
+        for key, values in arrays.items():
+            check_values(machine, key, values)
+    counts = {len(values) for values in arrays.values()}
+    if runs is not None:
+        counts.add(check_whole(runs, "runs", 1, MAX_RUNS))
     if len(counts) > 1:
-        lengths = ", ".join(f"{key}: {len(values)}" for key, values in arrays.items())
+        each = {key: len(values) for key, values in arrays.items()} | ({} if runs is None else {"runs": runs})
+        lengths = ", ".join(f"{key}: {count}" for key, count in each.items())
         raise InputError(f"has different numbers of runs ({lengths})", where="vary", right="give one number a run")
     lasting = {scenario.cycles(driver_of(machine, controller).cycle) for scenario in scenarios}
     if len(lasting) != 1:
@@ -209,7 +227,7 @@ def cases(
         raise InputError(
             f"{which.max():g} is not a scenario", where="vary: scenario", right=f"0 to {len(scenarios) - 1}"
         )
-    return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number)
+    return Cases(machine, varied, driving, scenarios, arrays, counts.pop() if counts else 1, number, plausible)
 
 
 def _changes(shaped: Array) -> NDArray[np.bool_]:
@@ -238,17 +256,6 @@ def _settings(machine: Machine) -> set[str]:
     on_top = {f"scenario.{key}{suffix}" for key in ON_TOP for suffix in ("", *(f".{name}" for name in machine.joints))}
     begun = {f"start.{key}.{name}" for key in STARTS for name in machine.joints}
     return on_top | begun | {"scenario", "seed", "scenario.supply", "scenario.payload"}
-
-
-def _checked(key: str, values: ArrayLike) -> Array:
-    array = np.asarray(values, dtype=float)
-    if array.ndim != 1 or len(array) == 0:
-        raise InputError(f"has shape {array.shape}", where=f"vary: {key}", right="give one number a run")
-    if not np.isfinite(array).all():
-        raise InputError("holds a value that is not finite", where=f"vary: {key}", right="give numbers only")
-    if key == "seed" and not ((array >= 0) & (array <= MOST_SEED) & (array == np.floor(array))).all():
-        raise InputError("holds what is no seed", where="vary: seed", right=f"give whole numbers, 0 to {MOST_SEED}")
-    return array
 
 
 def columns(numbers: Sequence[Any], rows: NDArray[np.int64]) -> Array:

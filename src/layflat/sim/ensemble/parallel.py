@@ -13,13 +13,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from layflat.arrays import Array
 from layflat.description import units as u
+from layflat.description.wrong import shown
 from layflat.errors import InputError
 from layflat.lanes import WIDEST, Like, host_width
 from layflat.machine import Machine, load
+from layflat.memory import check_memory
+from layflat.motion.signal_values import read_number
 from layflat.physics.step import STEP
 from layflat.sim.ensemble.block import block_of, keep, room_for_results
 from layflat.sim.ensemble.cases import Cases, cases
@@ -29,7 +32,8 @@ from layflat.sim.ensemble.watch import new_watch
 from layflat.sim.kernel import Timing
 from layflat.sim.metrics import BAND
 from layflat.sim.run import timing_of
-from layflat.sim.scenario import Scenario, Value, checked_options
+from layflat.sim.scenario import Scenario, Value, check_scenario, check_whole, checked_options
+from layflat.sim.tally import Tally
 
 if TYPE_CHECKING:
     import xarray
@@ -42,6 +46,10 @@ FEW, NARROW = 2, 32
 other into the processor's fastest memory."""
 
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
+SCENARIO_NUMBERS, COPIES = 40, 2.0
+"""Numbers of each joint and cycle that a scenario is, with intermediate results; copies of results in memory."""
+
+MAX_THREADS = 4096
 LONGEST_SINGLE = 60.0  # runs in single precision, s: time itself is kept in it where the dither is begun anew
 
 TIP_BAND = 2e-3  # within this of its goal the tip has settled, m: section 5 of the paper
@@ -58,8 +66,8 @@ class Options:
         tip_band: within this of its goal the tip has settled.
         traces: signals to keep, of `Traced`.
         every: control cycles from record to record of the traces.
-        controller: the machine that the controllers believe to drive, and whose controller it is; paths of `vary` that
-            begin with "controller." then change this one. Default: each run's own machine.
+        controller: the machine that the controllers believe to drive, and whose controller it is, or its name or file;
+            paths of `vary` that begin with "controller." then change this one. Default: each run's own machine.
         precision: "double", or "single": of all numbers of a run, which takes half the time; see docs/speed.md.
         device: "cpu", or "cuda" for a graphics processor of NVIDIA, a run a thread there.
         metrics: names of those to keep, see dataset.py; default: all. Whether a run diverged is told in any case.
@@ -73,7 +81,7 @@ class Options:
     tip_band: Value = TIP_BAND
     traces: Sequence[str] = ()
     every: int = 1
-    controller: Machine | None = None
+    controller: str | Path | Machine | None = None
     precision: str = "double"
     device: str = "cpu"
     metrics: Sequence[str] | None = None
@@ -84,7 +92,7 @@ class Options:
 def ensemble(
     machine: str | Path | Machine,
     scenario: Scenario | Sequence[Scenario] | None = None,
-    vary: Mapping[str, ArrayLike] | None = None,
+    vary: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> "xarray.Dataset":
     """Simulate many runs, each with the laws of `rollout`, and measure them.
@@ -92,7 +100,8 @@ def ensemble(
     Args:
         machine: a description, its file, or the name of a built-in machine.
         scenario: what happens; of several, `vary["scenario"]` tells which happens in which run. All last equally long.
-        vary: one number a run (SI) by what it changes: a path of the machine, such as "joint.small.brake.torque";
+        vary: one number a run (SI), or one text with a unit, by what it changes: a path of the machine, such as
+            "joint.small.brake.torque";
             "scenario.payload" (kg) and "scenario.supply" (gauge, Pa) where the scenario leaves them as usual;
             "scenario.brake" (factor), "scenario.load" (N m) and "scenario.drift" (V), which come on top;
             "scenario.lead" (V/rad) and "scenario.pressure_lead" (V/Pa), by which given voltages grow with what is
@@ -113,19 +122,21 @@ def ensemble(
 
     chosen = checked_options(Options, options, "ensemble")
     metrics = METRICS if chosen.metrics is None else _known(chosen.metrics, METRICS, "metric", "metrics")
-    number = _number(chosen.precision)
+    number, columns = _number(chosen.precision), _columns(chosen.traces)
     prepared = cases(
-        load(machine), _scenarios(scenario or Scenario()), vary or {}, chosen.runs,
-        controller=chosen.controller, number=number,
+        load(machine), _scenarios(scenario), {} if vary is None else _mapping(vary), chosen.runs,
+        controller=None if chosen.controller is None else load(chosen.controller), number=number,
     )  # fmt: skip
     if number is np.float32:
         _check_single(prepared)
-    bands = u.quantity(chosen.band, u.ANGLE, "band"), u.quantity(chosen.tip_band, u.LENGTH, "tip_band")
-    if chosen.every < 1:
-        raise InputError(f"{chosen.every} is out of range", where="every", right="give 1 or more")
+    bands = _band(chosen.band, u.ANGLE, "band"), _band(chosen.tip_band, u.LENGTH, "tip_band")
+    check_whole(chosen.every, "every", 1)
+    workers = os.cpu_count() or 1 if chosen.threads is None else check_whole(chosen.threads, "threads", 1, MAX_THREADS)
+    if chosen.progress is not None and not callable(chosen.progress):
+        raise InputError(f"{shown(chosen.progress)} can't be called", where="progress", right="give a function")
     timing = _timing(prepared, chosen.step)
-    results = room_for_results(prepared, _columns(chosen.traces), chosen.every)
-    workers = chosen.threads or os.cpu_count() or 1
+    check_size(prepared, len(columns), chosen.every, workers)
+    results = room_for_results(prepared, columns, chosen.every)
     for done in _runner(chosen.device, workers)(prepared, timing, bands, results):
         if chosen.progress is not None:
             chosen.progress(done)
@@ -135,7 +146,7 @@ def ensemble(
 def traced(
     machine: Machine,
     scenario: Scenario | Sequence[Scenario],
-    vary: Mapping[str, ArrayLike],
+    vary: Mapping[str, Any],
     traces: Sequence[str],
     *,
     step: Value = STEP,
@@ -145,7 +156,7 @@ def traced(
     """As `ensemble`, but nothing is measured: signals of all runs at the beginning of every control cycle.
 
     Runs that differ in signals, such as their openings, have a scenario each: `vary["scenario"]` says which. Values
-    are checked `together` too, unless what no machine can have is to be simulated.
+    are checked `together` too, unless what no machine can have is to be simulated. Scenarios may hold what logs hold.
 
     Returns:
         (runs, cycles, joints, signals); not numbers from where a run diverged.
@@ -153,23 +164,46 @@ def traced(
     Raises:
         InputError: as `ensemble`.
     """
-    prepared = cases(machine, _scenarios(scenario), vary, None, together=together)
-    results = room_for_results(prepared, _columns(traces), 1)
-    for _ in _run_on_threads(
-        threads or os.cpu_count() or 1, prepared, _timing(prepared, step), (BAND, TIP_BAND), results
-    ):
+    prepared = cases(machine, _scenarios(scenario), vary, None, together=together, plausible=False)
+    columns, workers = _columns(traces), threads or os.cpu_count() or 1
+    check_size(prepared, len(columns), 1, workers)
+    results = room_for_results(prepared, columns, 1)
+    for _ in _run_on_threads(workers, prepared, _timing(prepared, step), (BAND, TIP_BAND), results):
         pass
     begun = np.arange(prepared.cycles) > results.totals[:, DIVERGED, None]
     results.traces[begun] = np.nan
     return results.traces
 
 
-def _scenarios(given: Scenario | Sequence[Scenario]) -> list[Scenario]:
-    return [given] if isinstance(given, Scenario) else list(given)
+def _scenarios(given: Scenario | Sequence[Scenario] | None) -> list[Scenario]:
+    if given is None:
+        return [Scenario()]
+    if not isinstance(given, (list, tuple)):
+        return [check_scenario(given)]
+    if not given:
+        raise InputError("holds no scenario", where="scenario", right="give one or more")
+    return [check_scenario(one) for one in given]
+
+
+def _mapping(vary: Any) -> Mapping[str, Any]:
+    if not isinstance(vary, Mapping):
+        right = 'give {"arm.payload": [1.0, 2.0]}'
+        raise InputError(f"{shown(vary)} is no table of what varies", where="vary", right=right)
+    wrong = next((key for key in vary if not isinstance(key, str)), None)
+    if wrong is not None:
+        raise InputError(f"{shown(wrong)} is no path", where="vary", right='give paths such as "arm.payload"')
+    return vary
+
+
+def _band(value: Value, quantity: u.Quantity, where: str) -> float:
+    band = read_number(value, quantity, where)
+    if not 0.0 < band <= quantity.most:
+        raise InputError(f"{band:g} {quantity.unit} is out of range", where=where, right="give more than zero")
+    return band
 
 
 def _number(precision: str) -> type[np.floating[Any]]:
-    if precision not in PRECISIONS:
+    if not isinstance(precision, str) or precision not in PRECISIONS:
         raise InputError(f"{precision!r} is not a precision", where="precision", right='use "double" or "single"')
     return PRECISIONS[precision]
 
@@ -182,8 +216,44 @@ def _check_single(prepared: Cases) -> None:
         raise InputError(what, where="precision", right=f'use "double", or runs of {LONGEST_SINGLE:g} s at most')
 
 
+def check_size(prepared: Cases, columns: int, every: int, workers: int) -> None:
+    """Refuse an ensemble that memory can't hold.
+
+    Args:
+        prepared: the ensemble; its scenarios are not expanded before they are known to fit.
+        columns: signals that are traced.
+        every: control cycles from record to record of the traces.
+        workers: threads that simulate blocks of runs side by side.
+
+    Raises:
+        InputError: with the estimate: it needs more memory than is free.
+    """
+    n, cycles, count = len(prepared.base.joints), prepared.cycles, prepared.count
+    lanes = host_width(np.dtype(prepared.number).itemsize)
+    block = (
+        workers
+        * _block_size(count, workers, lanes)
+        * cycles
+        * n
+        * (2.0 if any(s.noise for s in prepared.scenarios) else 0.0)
+    )
+    scenarios = len(prepared.scenarios) * cycles * n * SCENARIO_NUMBERS
+    traces = COPIES * count * ceil(cycles / every) * n * columns
+    lasting = cycles * prepared.cycle
+
+    def right(part: float) -> str:
+        fewer = [f"{max(int(part * count), 1)} runs"] * (count > 1) + ["fewer signals of `traces`"] * (columns > 0)
+        return f"give {' or '.join([*fewer, f'{0.9 * part * lasting:.2g} s'])} at a time"
+
+    work = f"an ensemble of {count} runs of {lasting:g} s"
+    where = "traces" if traces > block + scenarios else "duration"
+    check_memory(8.0 * (block + scenarios + traces), work, where, right)
+    tallies = 2.0 * count * prepared.most_moves * (n + 1) * len(Tally._fields)
+    check_memory(8.0 * (block + scenarios + traces + tallies), work, "runs", right)
+
+
 def _timing(prepared: Cases, step: Value) -> Timing:
-    return timing_of(prepared.cycle, u.quantity(step, u.TIME, "step"), 1)
+    return timing_of(prepared.cycle, step, 1, prepared.machine)
 
 
 def check_device(device: str) -> None:
@@ -226,10 +296,14 @@ def _run_on_threads(
 
 def _blocks(count: int, workers: int, lanes: int) -> Iterator[NDArray[np.int64]]:
     """Numbers of the runs of every block; the last run stands in where a group of lanes is not full."""
-    size = lanes * min(BLOCK, ceil(count / (lanes * SHARES * workers)))
+    size = _block_size(count, workers, lanes)
     for first in range(0, count, size):
         filled = lanes * ceil((min(first + size, count) - first) / lanes)
         yield np.minimum(np.arange(first, first + filled), count - 1)
+
+
+def _block_size(count: int, workers: int, lanes: int) -> int:
+    return lanes * min(BLOCK, ceil(count / (lanes * SHARES * workers)))
 
 
 def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
@@ -239,6 +313,8 @@ def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
 
 def _known(names: Sequence[str], there: Sequence[str], what: str, where: str) -> Sequence[str]:
     """Names of what there is."""
+    if isinstance(names, (str, bytes)) or not all(isinstance(name, str) for name in names):
+        raise InputError(f"{shown(names)} is no list of names", where=where, right=f"use {', '.join(there)}")
     unknown = sorted(set(names) - set(there))
     if unknown:
         raise InputError(f"{unknown[0]!r} is not a {what}", where=where, right=f"use {', '.join(there)}")

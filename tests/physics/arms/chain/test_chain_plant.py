@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from chains import as_chain, random_arm
 
+from layflat.description.change import changed_all
 from layflat.machine import Machine, load, parameters
 from layflat.sim import Scenario, rollout
 from layflat.sim.ensemble import ensemble
@@ -35,7 +36,8 @@ def test_brakes_hold_any_number_of_joints_where_they_are(n: int) -> None:
     start = draw.uniform(-0.8, 0.8, n)
     names = list(arm_of(n).joints)
     at = {name: f"{angle!r} rad" for name, angle in zip(names, start.tolist(), strict=True)}
-    run = rollout(arm_of(n), at, start=at, opening=0.0, brake=20.0, duration="2 s")
+    firm = {f"joint.{name}.brake.torque": 20.0 * joint.brake.torque for name, joint in arm_of(n).joints.items()}
+    run = rollout(changed_all(arm_of(n), firm), start=at, opening=0.0, duration="2 s")
     assert np.ptp(run["angle"].to_numpy(), axis=0).max() == 0.0
 
 

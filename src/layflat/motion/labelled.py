@@ -1,0 +1,185 @@
+"""Signals in labelled tables: DataFrames and Series of pandas, DataArrays of xarray, with joints as names.
+
+Neither library is imported here: who gives such a table has imported it.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from layflat.arrays import Array
+from layflat.description import units as u
+from layflat.errors import InputError
+from layflat.motion.signal_values import SignalKind, check_names, check_real, read_number
+
+CLASSES = {("pandas", "DataFrame"), ("pandas", "Series"), ("xarray", "DataArray")}
+OTHERS = {("xarray", "Dataset"), ("pandas", "Index")}  # that are no signals
+TIMES = "give times as numbers in s, as timedeltas, or as texts with units"
+
+
+def is_labelled(signal: object) -> bool:
+    """Return whether a signal is a table of pandas or xarray."""
+    return bool((CLASSES | OTHERS) & _classes(signal))
+
+
+def labelled_row(signal: Any, kind: SignalKind) -> Any:
+    """Return the values of a table that says nothing of times, by name or as one; None of one that has times.
+
+    Raises:
+        InputError: the table is no signal.
+    """
+    classes = _classes(signal)
+    if not CLASSES & classes:
+        raise InputError(f"a {type(signal).__name__} is no signal", where=kind.where, right="give one of its variables")
+    if ("xarray", "DataArray") in classes:
+        return _row_of_array(signal, kind)
+    _refuse_levels(signal.index, kind)
+    if ("pandas", "Series") in classes and len(signal) and all(map(_is_name, signal.index)):
+        check_names(signal.index, kind)
+        _refuse_repeated(signal.index, kind)
+        scale = _scale(signal.attrs.get("units"), kind)
+        return {name: _scaled(value, scale, kind) for name, value in signal.items()}
+    return None
+
+
+def labelled_steps(signal: Any, kind: SignalKind) -> tuple[Array, Array]:
+    """Return the times (s) of a table's rows and its values, (rows, names), not numbers of names that it leaves out.
+
+    Raises:
+        InputError: times or values are missing, of a wrong type or not finite, or a name is unknown.
+    """
+    classes = _classes(signal)
+    if ("xarray", "DataArray") in classes:
+        columns, times = _columns_of_array(signal, kind)
+    elif ("pandas", "Series") in classes:
+        columns, times = dict.fromkeys(kind.names, signal.to_numpy()), signal.index
+        columns = {
+            name: _values(values, _scale(signal.attrs.get("units"), kind), kind) for name, values in columns.items()
+        }
+    else:
+        _refuse_levels(signal.columns, kind)
+        _refuse_repeated(signal.columns, kind)
+        _check_columns(signal, kind)
+        units = signal.attrs.get("units")
+        each = units if isinstance(units, dict) else dict.fromkeys(signal.columns, units)
+        columns = {
+            name: _values(signal[name].to_numpy(), _scale(each.get(name), kind), kind) for name in signal.columns
+        }
+        times = signal.index
+    if not columns or not len(times):
+        raise InputError("is an empty table", where=kind.where, right="give a row for each time")
+    rows = np.full((len(times), len(kind.names)), np.nan)
+    for name, values in columns.items():
+        rows[:, kind.names.index(name)] = values
+    return _times(times, kind.where), rows
+
+
+def _is_name(label: object) -> bool:
+    """Return whether a label is a name rather than a time such as "0.5 s"."""
+    return isinstance(label, str) and label.strip()[:1].strip("+-.0123456789") != ""
+
+
+def _classes(signal: object) -> set[tuple[str, str]]:
+    return {(of.__module__.partition(".")[0], of.__name__) for of in type(signal).__mro__}
+
+
+def _row_of_array(array: Any, kind: SignalKind) -> Any:
+    odd = [name for name in array.dims if name not in {"time", kind.noun}]
+    if odd:
+        right = f"dimensions are time and {kind.noun}" if kind.noun else "its dimension is time"
+        raise InputError(f"has a dimension {odd[0]!r}", where=kind.where, right=right)
+    for name in array.dims:
+        if name not in array.coords:
+            right = TIMES if name == "time" else f"name its {kind.noun}: {', '.join(kind.names)}"
+            raise InputError(f"has no coordinate {name!r}", where=kind.where, right=right)
+    if "time" in array.dims:
+        return None
+    scale = _scale(array.attrs.get("units"), kind)
+    if not array.dims:
+        return _scaled(array.to_numpy()[()], scale, kind)
+    labels = array[kind.noun].to_numpy().tolist()
+    _refuse_repeated(labels, kind)
+    return {name: _scaled(value, scale, kind) for name, value in zip(labels, array.to_numpy(), strict=True)}
+
+
+def _columns_of_array(array: Any, kind: SignalKind) -> tuple[dict[str, Array], Any]:
+    scale, time = _scale(array.attrs.get("units"), kind), array["time"]
+    times = time.to_numpy()
+    if times.dtype.kind in "iuf":
+        unit = time.attrs.get("units", "s")
+        times = times * (1.0 if unit == "s" else _scale(unit, SignalKind(kind.where, u.TIME, ())))
+    if kind.noun not in array.dims:
+        return dict.fromkeys(kind.names, _values(array.to_numpy(), scale, kind)), times
+    labels = array[kind.noun].to_numpy().tolist()
+    _refuse_repeated(labels, kind)
+    check_names(labels, kind)
+    values = array.transpose("time", kind.noun).to_numpy()
+    return {name: _values(values[:, j], scale, kind) for j, name in enumerate(labels)}, times
+
+
+def _check_columns(frame: Any, kind: SignalKind) -> None:
+    if "time" in frame.columns and "time" not in kind.names:
+        right = 'make them its index: frame.set_index("time")'
+        raise InputError("has its times in a column", where=kind.where, right=right)
+    check_names(frame.columns, kind)
+
+
+def _refuse_levels(index: Any, kind: SignalKind) -> None:
+    if index.nlevels > 1:
+        raise InputError("has labels of several levels", where=kind.where, right="give one level of names")
+
+
+def _refuse_repeated(labels: Any, kind: SignalKind) -> None:
+    names = list(labels)
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"has {twice!r} twice", where=kind.where, right="give each once")
+
+
+def _scale(unit: object, kind: SignalKind) -> float:
+    """Return the factor from a unit to SI."""
+    if unit is None or (kind.quantity is None and unit in {"", "1"}):
+        return 1.0
+    if kind.quantity is None:
+        raise InputError(f"is in {unit}", where=kind.where, right="give numbers without unit")
+    if unit == kind.quantity.unit:
+        return 1.0
+    return read_number(f"1 {unit}", kind.quantity, kind.where)
+
+
+def _scaled(value: Any, scale: float, kind: SignalKind) -> Any:
+    return value if isinstance(value, str) else scale * read_number(value, kind.quantity, kind.where)
+
+
+def _values(values: NDArray[Any], scale: float, kind: SignalKind) -> Array:
+    """Return the values of a column, in SI units."""
+    if values.ndim != 1:
+        raise InputError("has columns of several values", where=kind.where, right="give one value a row")
+    check_real(values, kind)
+    if values.dtype.kind in "UO":
+        return np.array([read_number(_scaled(v, scale, kind), kind.quantity, kind.where) for v in values.tolist()])
+    if not np.isfinite(values).all():
+        raise InputError("holds a value that is not finite", where=kind.where, right="give numbers only")
+    return scale * values.astype(np.float64)
+
+
+def _times(index: Any, where: str) -> Array:
+    """Return times in s, growing from zero or later."""
+    if type(index).__name__ == "RangeIndex" and index.start == 0 and index.step == 1:
+        raise InputError("has row numbers in place of times", where=where, right=f"{TIMES}, as its index")
+    labels = np.asarray(index)
+    if labels.dtype.kind == "m":
+        times = labels / np.timedelta64(1, "s")
+    elif labels.dtype.kind == "M":
+        right = "give times since the start: frame.index - frame.index[0]"
+        raise InputError("has dates as times", where=where, right=right)
+    elif labels.dtype.kind in "iufUOT":
+        times = np.array([read_number(label, u.TIME, where) for label in labels.tolist()])
+    else:
+        raise InputError(f"has times of type {labels.dtype}", where=where, right=TIMES)
+    if not np.isfinite(times).all():
+        raise InputError("has a time that is not finite", where=where, right=TIMES)
+    if times[0] < 0.0 or np.any(np.diff(times) <= 0.0):
+        raise InputError("its times do not grow from zero", where=where, right=TIMES)
+    return np.asarray(times, dtype=np.float64)

@@ -1,0 +1,126 @@
+"""Single values and rows of a signal as people write them: text with a unit, or numbers in SI units."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import inf, isfinite
+from numbers import Real
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.description import units as u
+from layflat.description.hints import did_you_mean
+from layflat.description.wrong import shown
+from layflat.errors import InputError
+
+Value = str | float
+Angles = Value | Mapping[str, Value] | Sequence[Value]
+"""Of all joints: one value, a table by joint, or one value a joint from base to tip."""
+
+PLURALS = {"joint": "joints", "axis": "axes"}
+
+
+class SignalKind(NamedTuple):
+    """Kind of a signal: its values, and what each of them belongs to."""
+
+    where: str  # the argument in messages
+    quantity: u.Quantity | None  # None: numbers without unit
+    names: Sequence[str]  # of the joints, or of the axes of the tip
+    noun: str = "joint"  # for one of the names; "" for a single value that all joints share
+
+    @property
+    def right(self) -> str:
+        """Values that would be right, in words."""
+        if self.quantity is None:
+            return "give a number such as 0.5"
+        return f"{self.quantity.right}, or a number in {self.quantity.unit}"
+
+    @property
+    def listed(self) -> str:
+        """Names in words."""
+        return f"give one value: {self.where} is the same for all joints" if not self.noun else (
+            f"{PLURALS[self.noun]} are {', '.join(self.names)}"
+        )  # fmt: skip
+
+
+def single_kind(where: str, quantity: u.Quantity | None) -> SignalKind:
+    """Return the kind of a signal that all joints share."""
+    return SignalKind(where, quantity, (where,), "")
+
+
+def read_number(value: object, quantity: u.Quantity | None, where: str) -> float:
+    """Return the SI float of a text with a unit, or of a finite real number, which is in SI units.
+
+    Args:
+        value: a text such as "40 deg", or a number.
+        quantity: the kind that it is of; None: a number without unit.
+        where: the argument in messages.
+
+    Raises:
+        InputError: naming `where`: it is neither, not finite, or a quantity of another kind.
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, str) and quantity is not None:
+        return u.quantity(str(value), quantity, where)
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
+        article = "a number" if quantity is None else quantity.article
+        raise InputError(f"{shown(value)} is not {article}", where=where, right=single_kind(where, quantity).right)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = inf
+    if not isfinite(number):
+        raise InputError(f"{shown(value)} is not finite", where=where, right=single_kind(where, quantity).right)
+    return number
+
+
+def read_row(values: object, kind: SignalKind, before: Array) -> Array:
+    """Return one value a name, in SI units, (names,).
+
+    Args:
+        values: one for all names, one for each in order, or a table by name.
+        kind: of the signal.
+        before: values (names,) of names that a table leaves out: they keep what they had.
+
+    Raises:
+        InputError: a name is unknown, the number of values or one of them is wrong.
+    """
+    names, where = kind.names, kind.where
+    if isinstance(values, Mapping):
+        check_names(values, kind)
+        pairs = zip(names, before, strict=True)
+        return np.array([read_number(values[n], kind.quantity, where) if n in values else b for n, b in pairs])
+    if isinstance(values, np.ndarray) and values.ndim > 0:
+        check_real(values, kind)
+        each: Sequence[Any] = list(values)
+    elif isinstance(values, Sequence) and not isinstance(values, (str, bytes, bytearray, memoryview)):
+        each = values
+    elif kind.noun == "axis":
+        raise InputError(f"{shown(values)} is not a place", where=where, right=f"give {', '.join(names)}")
+    else:
+        return np.full(len(names), read_number(values, kind.quantity, where))
+    if any(isinstance(value, (list, tuple, Mapping)) for value in each):
+        right = 'steps are tuples, [("0 s", ...), ("1 s", ...)]; rows for the control cycles are an array'
+        raise InputError("is neither a row of values nor steps", where=where, right=right)
+    if len(each) != len(names):
+        right = f"give {len(names)}: {', '.join(names)}" if kind.noun else kind.listed
+        raise InputError(f"has {len(each)} values", where=where, right=right)
+    return np.array([read_number(value, kind.quantity, where) for value in each])
+
+
+def check_names(given: Iterable[object], kind: SignalKind) -> None:
+    """Raise InputError if there is another name among those given than there may be."""
+    for name in given:
+        if not (isinstance(name, str) and name in kind.names):
+            near = did_you_mean(name, kind.names, "")
+            right = f"{kind.listed}; {near}" if kind.noun and near else kind.listed
+            raise InputError(f"unknown {kind.noun or 'name'} {shown(name)}", where=kind.where, right=right)
+
+
+def check_real(array: Any, kind: SignalKind) -> None:
+    """Raise InputError if an array holds other things than real numbers or texts, or has gaps."""
+    if isinstance(array, np.ma.MaskedArray) and np.ma.is_masked(array):
+        raise InputError("holds masked values", where=kind.where, right="give an array without a mask")
+    if array.dtype.kind not in "iufUO":
+        raise InputError(f"an array of {array.dtype} holds no numbers", where=kind.where, right="give real numbers")
