@@ -31,13 +31,18 @@ class MissingExtraError(InputError):
         packages: what is missing, as pip knows it.
         where: what needs it.
         reason: why a package that is there can't be imported.
+        repair: the command that mends it, where to install the extra again does not.
     """
 
-    def __init__(self, extra: str, packages: Sequence[str], where: str = "", reason: str = "") -> None:
+    def __init__(
+        self, extra: str, packages: Sequence[str], where: str = "", reason: str = "", repair: str = ""
+    ) -> None:
         self.extra = extra
         state = f"can't be imported ({reason})" if reason else "not installed"
         super().__init__(
-            f"needs {' and '.join(packages)}, {state}", where=where, right=f"install it: pip install 'layflat[{extra}]'"
+            f"needs {' and '.join(packages)}, {state}",
+            where=where,
+            right=f"repair it: {repair}" if repair else f"install it: pip install 'layflat[{extra}]'",
         )
 
 

@@ -9,7 +9,7 @@ from layflat.errors import MissingExtraError
 
 EXTRAS: Mapping[str, Mapping[str, str]] = {
     "drawing": {"ezdxf": "ezdxf"},
-    "bench": {"mujoco": "mujoco"},
+    "bench": {"mujoco": "mujoco-core"},
     "tune": {"cma": "cma"},
     "study": {"pyarrow": "pyarrow", "pandas": "pandas"},
     "logs": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "pyarrow": "pyarrow"},
@@ -19,12 +19,18 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
     "cluster": {"pyarrow": "pyarrow", "pandas": "pandas", "dask": "dask", "distributed": "distributed"},
     "hyddown": {"yaml": "PyYAML"},
     "motion": {"ruckig": "ruckig"},
-    "view": {"viser": "viser", "mujoco": "mujoco", "trimesh": "trimesh", "collada": "pycollada", "PIL": "pillow"},
+    "view": {"viser": "viser", "mujoco": "mujoco-core", "trimesh": "trimesh", "collada": "pycollada", "PIL": "pillow"},
     "panel": {"mcap": "mcap", "mcap_ros2": "mcap-ros2-support", "pyarrow": "pyarrow", "pymodbus": "pymodbus",
               "serial": "pyserial", "cobs": "cobs", "nicegui": "nicegui", "trimesh": "trimesh", "collada": "pycollada"},
-    "cell": {"mujoco": "mujoco", "cv2": "opencv-python-headless", "ruckig": "ruckig", "av": "av", "PIL": "pillow"},
+    "cell": {"mujoco": "mujoco-core", "cv2": "opencv-python-headless", "ruckig": "ruckig", "av": "av", "PIL": "pillow"},
 }  # fmt: skip
 """Packages of each extra: the name to import, and the name that pip knows."""
+
+REPAIRS: Mapping[str, str] = {
+    "mujoco": "pip uninstall -y mujoco mujoco-studio && pip install --force-reinstall --no-deps "
+    "'mujoco-core>=4.0.1' glfw PyOpenGL"
+}
+"""Commands that mend packages of which an upgrade leaves parts behind, by name to import: to install again does not."""
 
 
 def require(extra: str, *modules: str, where: str = "") -> None:
@@ -58,8 +64,10 @@ def module(extra: str, name: str, where: str = "") -> Any:
     require(extra, package, where=where)
     try:
         return import_module(name)
-    except ImportError as error:
-        raise MissingExtraError(extra, [EXTRAS[extra][package]], where, str(error)) from None
+    except (ImportError, OSError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        repair = REPAIRS.get(package, "")
+        raise MissingExtraError(extra, [EXTRAS[extra][package]], where, reason, repair) from None
 
 
 def _is_there(module: str) -> bool:

@@ -1,6 +1,7 @@
 from dataclasses import replace
 from math import radians
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -152,3 +153,46 @@ def test_an_arm_without_bodies_is_refused(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(pieces, "ARMS", Table("arm", *bare))
     with pytest.raises(InputError, match=r"arm\.kind: arms of the kind 'planar' have no bodies"):
         arm_spec(ARM)
+
+
+class Unusable(ModuleType):
+    """Leftover of a package after an upgrade: a folder without its module, or a library of another version."""
+
+    def __init__(self, error: Exception | None = None, **attributes: str) -> None:
+        super().__init__("mujoco")
+        self.__dict__.update(attributes)
+        self.error = error
+
+
+REPAIR = "pip uninstall -y mujoco mujoco-studio && pip install --force-reinstall --no-deps 'mujoco-core>=4.0.1'"
+
+
+@pytest.mark.parametrize(
+    ("package", "expected"),
+    [
+        (
+            Unusable(),
+            "needs mujoco-core, can't be imported (module 'mujoco' has no attribute '__version__'); repair it",
+        ),
+        (Unusable(__version__="3.17.0"), "MuJoCo is of version 3.17.0; before 4.0.1 it solves some models wrongly; "),
+        (Unusable(__version__="4.0.0"), "MuJoCo is of version 4.0.0; before 4.0.1 it solves some models wrongly; "),
+        (Unusable(OSError("libmujoco.so.3.17.0: no such file")), "needs mujoco-core, can't be imported (libmujoco.so"),
+        (
+            Unusable(ImportError("is missing\nRepair it")),
+            "needs mujoco-core, can't be imported (is missing); repair it",
+        ),
+    ],
+)
+def test_what_an_upgrade_has_broken_says_how_to_repair_it(
+    package: Unusable, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def load(_: str) -> ModuleType:
+        if package.error is not None:
+            raise package.error
+        return package
+
+    monkeypatch.setattr("layflat.extras.import_module", load)
+    with pytest.raises(InputError) as caught:
+        arm_spec(ARM)
+    assert str(caught.value).startswith(expected)
+    assert REPAIR in str(caught.value)

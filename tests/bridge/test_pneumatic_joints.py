@@ -311,4 +311,4 @@ def test_without_mujoco_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(__import__("sys").modules, "mujoco", None)
     with pytest.raises(InputError) as caught:
         arm_spec(ARM)
-    assert str(caught.value) == "needs mujoco, not installed; install it: pip install 'layflat[cell]'"
+    assert str(caught.value) == "needs mujoco-core, not installed; install it: pip install 'layflat[cell]'"

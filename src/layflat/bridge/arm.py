@@ -1,6 +1,7 @@
 """A machine's arm in MuJoCo, and in files: the rigid bodies that our own laws (physics/arms) have."""
 
 import os
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,16 +13,39 @@ from layflat.bridge.meshes import Meshes
 from layflat.bridge.mjcf import arm_tree, text_of, to_mjcf
 from layflat.bridge.pieces import link_pieces
 from layflat.bridge.urdf import to_urdf
-from layflat.errors import InputError
+from layflat.errors import InputError, MissingExtraError
 from layflat.files import whole_file, write_text
 from layflat.machine import Machine
 
 FORMATS = {".xml": to_mjcf, ".urdf": to_urdf}
 """Writers by the suffix of a file."""
 
+OLDEST = (4, 0, 1)  # version of MuJoCo: 4.0.0 solves some sparse models wrongly, without a warning
+
 
 def engine(extra: str = "cell") -> Any:
-    """Import the package `mujoco`; raise MissingExtraError, which names the extra, if it is not installed."""
+    """Import the package `mujoco`.
+
+    Raises:
+        MissingExtraError: it is not installed, which names the extra, or broken, which says how to repair it.
+        InputError: it is too old.
+    """
+    try:
+        mujoco = _imported(extra)
+        version = tuple(int(part) for part in re.findall(r"\d+", mujoco.__version__)[:3])
+    except (AttributeError, RuntimeError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise MissingExtraError(extra, ["mujoco-core"], reason=reason, repair=extras.REPAIRS["mujoco"]) from None
+    if version < OLDEST:
+        needed = ".".join(map(str, OLDEST))
+        raise InputError(
+            f"MuJoCo is of version {mujoco.__version__}; before {needed} it solves some models wrongly",
+            right=f"bring it up to date: {extras.REPAIRS['mujoco']}",
+        )
+    return mujoco
+
+
+def _imported(extra: str) -> Any:
     try:
         return extras.module(extra, "mujoco")
     except (

@@ -1,15 +1,24 @@
 """Meshes that pieces are drawn by: files beside a model, with names of their own, in formats that its readers know."""
 
+import re
 from collections.abc import Iterable
+from math import inf
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from layflat import extras
+from layflat.arrays import Array
 from layflat.bridge.pieces import Piece
 from layflat.errors import InputError
 
 FORMATS = (".stl", ".obj", ".dae")
-STL_HEAD, STL_TRIANGLE = 84, 50  # bytes of a binary STL before its triangles, and of each
+UNIT = re.compile(rb"""(<unit\b[^>]*?\bmeter\s*=\s*["'])([^"']*)(["'])""")
+OBJ_CORNER = re.compile(rb"(?m)^[ \t]*v[ \t]")
+STL_HEAD = 84  # bytes of a binary STL before its triangles
+TRIANGLE = np.dtype([("numbers", "<f4", (4, 3)), ("more", "<u2")])  # of a binary STL: normal, corners, 50 bytes in all
+MIN_CORNERS = 4  # of a mesh that MuJoCo takes
 
 
 class Meshes:
@@ -35,6 +44,14 @@ class Meshes:
         """Return the name of a file."""
         return self._names[file]
 
+    def scale(self, piece: Piece) -> tuple[float, float, float]:
+        """Return the scale of a piece's mesh as it is written, whose unit is the metre."""
+        if self._engine or piece.file is None:
+            return piece.scale  # what is converted is in metres already
+        x, y, z = piece.scale
+        unit = unit_of(piece.file)
+        return (x * unit, y * unit, z * unit)
+
     def contents(self) -> dict[str, bytes]:
         """Return what is in each file, by its name.
 
@@ -59,27 +76,81 @@ def read(file: Path, *, engine: bool) -> bytes:
         content = file.read_bytes()
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(file), right="give a mesh") from None
-    plain = file.suffix.lower() == ".obj" or (file.suffix.lower() == ".stl" and is_binary_stl(content))
-    if not engine or plain:
+    if not engine:
+        return in_metres(content) if file.suffix.lower() == ".dae" else content
+    is_obj = file.suffix.lower() == ".obj"
+    if is_obj and len(OBJ_CORNER.findall(content)) >= MIN_CORNERS:
         return content
-    exported: bytes = solid(file).export(file_type="stl")
-    return exported
+    if not is_obj and file.suffix.lower() == ".stl" and is_binary_stl(content):
+        triangles = stl_triangles(content)
+    else:
+        mesh = solid(file)
+        triangles = np.asarray(mesh.vertices[mesh.faces], float)
+    return _obj(_split(triangles)) if is_obj else binary_stl(_split(triangles))
+
+
+def stl_triangles(content: bytes) -> Array:
+    """Return the triangles (n, 3 corners, 3) of a binary STL."""
+    return np.frombuffer(content, TRIANGLE, offset=STL_HEAD)["numbers"][:, 1:].astype(float)
+
+
+def binary_stl(triangles: Array) -> bytes:
+    """Return triangles (n, 3 corners, 3) as a binary STL."""
+    rows = np.zeros(len(triangles), TRIANGLE)
+    rows["numbers"][:, 1:] = triangles
+    return b"\0" * (STL_HEAD - 4) + len(triangles).to_bytes(4, "little") + rows.tobytes()
+
+
+def _split(triangles: Array) -> Array:
+    """Return triangles with as many corners as MuJoCo wants of a mesh: split at their middles if need be."""
+    if len(np.unique(triangles.reshape(-1, 3), axis=0)) >= MIN_CORNERS:
+        return triangles
+    middles = triangles.mean(axis=1)
+    parts = [np.stack([triangles[:, i], triangles[:, (i + 1) % 3], middles], axis=1) for i in range(3)]
+    return np.concatenate(parts)
+
+
+def _obj(triangles: Array) -> bytes:
+    corners = [f"v {x!r} {y!r} {z!r}" for x, y, z in triangles.reshape(-1, 3).tolist()]
+    faces = [f"f {i + 1} {i + 2} {i + 3}" for i in range(0, len(corners), 3)]
+    return "\n".join([*corners, *faces, ""]).encode()
 
 
 def is_binary_stl(content: bytes) -> bool:
     """Tell whether bytes are a binary STL by their number, as texts may begin like one and the other way round."""
     triangles = int.from_bytes(content[STL_HEAD - 4 : STL_HEAD], "little")
-    return len(content) == STL_HEAD + STL_TRIANGLE * triangles and triangles > 0
+    return len(content) == STL_HEAD + TRIANGLE.itemsize * triangles and triangles > 0
+
+
+def unit_of(file: Path) -> float:
+    """Return the unit of a mesh, m: a DAE says it, which trimesh, Pinocchio and yourdfpy ignore; others are in 1 m."""
+    if file.suffix.lower() != ".dae" or not file.is_file():
+        return 1.0
+    declared = UNIT.search(file.read_bytes())
+    try:
+        unit = float(declared[2]) if declared else 1.0
+    except ValueError:
+        unit = 0.0
+    if not 0.0 < unit < inf:
+        raise InputError("declares a unit that is no length", where=str(file), right='give <unit meter="1"/>')
+    return unit
+
+
+def in_metres(content: bytes) -> bytes:
+    """Return a DAE that declares to be in metres, whatever it is in: its scale then stands where it is used."""
+    return UNIT.sub(rb"\g<1>1\g<3>", content, count=1)
 
 
 def solid(file: Path) -> Any:
-    """Return a mesh in the frame and unit of its file, as `trimesh` has it; raise InputError if it can't be read."""
+    """Return a mesh in the frame of its file, m, as `trimesh` has it; raise InputError if it can't be read."""
     trimesh = extras.module("view", "trimesh")
     if file.suffix.lower() == ".dae":
         extras.require("view", "collada")
+    unit = unit_of(file)
     try:
         mesh = trimesh.load(file, force="mesh")
-        reason = "" if len(mesh.faces) else "nothing in it"
+        mesh.apply_scale(unit)
+        reason = "" if mesh.area > 0.0 else "nothing in it"
     except Exception as error:  # each format has errors of its own
         reason = (str(error).splitlines() or [type(error).__name__])[0]
     if reason:

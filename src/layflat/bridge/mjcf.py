@@ -82,7 +82,9 @@ def add_geom(parent: Element, piece: Piece, assets: Element, meshes: Meshes, nam
         geom["size"] = numbers(sizes[piece.kind](*piece.size))
     else:
         # Of a mesh's own only where it lies counts: MuJoCo puts it where its file has it.
-        SubElement(assets, "mesh", name=name, file=meshes.name(piece.file), scale=numbers(piece.scale))
+        # A shell may be flat or open; MuJoCo refuses such a solid, even where its mass is 0.
+        scale = numbers(meshes.scale(piece))
+        SubElement(assets, "mesh", name=name, file=meshes.name(piece.file), scale=scale, inertia="shell")
         geom["mesh"] = name
     geom |= {"pos": numbers(piece.place), "quat": numbers(quaternion(piece.axes))}
     SubElement(parent, "geom", geom | ({"rgba": numbers(COLOURS[piece.of])} if painted else {}))
@@ -120,3 +122,6 @@ def _make_passive(hinge: Element, machine: Machine, name: str) -> None:
     hinge.set("actuatorfrcrange", numbers([-torque, torque]))
     hinge.set("frictionloss", repr(joint.brake.torque))
     hinge.set("damping", repr(joint.brake.viscous))
+    if joint.spring is not None and joint.spring.stiffness > 0.0:
+        hinge.set("stiffness", repr(joint.spring.stiffness))
+        hinge.set("springref", repr(joint.spring.torque / joint.spring.stiffness))

@@ -14,6 +14,7 @@ from layflat.machine import Machine
 from layflat.physics.arms.bodies import moments, turn_of
 
 POINT = 1e-14  # inertia of a point mass, kg m2: some readers refuse none at all
+NOTHING = (0.0, np.zeros(3), np.zeros((3, 3)))  # body of a frame: PyBullet takes a link without inertial for 1 kg
 
 LEVEL = np.eye(3)
 
@@ -46,12 +47,15 @@ def to_urdf(machine: Machine, folder: str = "") -> str:
         _visual(robot[-1], body, f"{name}-{BODY}", meshes)
         joint = _joint(robot, name, "revolute", parent, own, link.place, link.axes)
         SubElement(joint, "axis", xyz=numbers(link.axis))
-        _limit(joint, machine, name)
+        _limit(joint, machine, name, link.armature)
         parent = own
     ends = ["tool", "payload"] if machine.arm.payload > 0.0 else ["tool"]
-    weights = {"payload": (machine.arm.payload, np.zeros(3), moments((POINT, POINT, POINT, 0.0, 0.0, 0.0)))}
+    weights = {
+        "tool": NOTHING,
+        "payload": (machine.arm.payload, np.zeros(3), moments((POINT, POINT, POINT, 0.0, 0.0, 0.0))),
+    }
     for end in ends:
-        _joint(robot, f"{end}-fixed", "fixed", parent, _link(robot, end, weights.get(end)), arm.tool, arm.tool_axes)
+        _joint(robot, f"{end}-fixed", "fixed", parent, _link(robot, end, weights[end]), arm.tool, arm.tool_axes)
     indent(robot)
     return '<?xml version="1.0"?>\n' + tostring(robot, encoding="unicode") + "\n"
 
@@ -104,7 +108,7 @@ def _visual(link: Element, piece: Piece, name: str, meshes: Meshes) -> None:
         shape = SubElement(SubElement(visual, "geometry"), kind)
         if piece.file is not None:
             shape.set("filename", meshes.name(piece.file))
-            shape.set("scale", numbers(piece.scale))
+            shape.set("scale", numbers(meshes.scale(piece)))
         elif kind == "box":
             shape.set("size", numbers(size))
         else:
@@ -114,11 +118,13 @@ def _visual(link: Element, piece: Piece, name: str, meshes: Meshes) -> None:
         SubElement(visual, "material", name=piece.of)
 
 
-def _limit(joint: Element, machine: Machine, name: str) -> None:
+def _limit(joint: Element, machine: Machine, name: str, armature: float) -> None:
     described, torque, speed = machine.joints[name], effort(machine, name), velocity(machine, name)
     stops, works = described.stops.mechanical_stroke / 2, described.stops.working_stroke / 2
     SubElement(joint, "limit", lower=repr(-stops), upper=repr(stops), effort=f"{torque:.6g}", velocity=f"{speed:.6g}")
-    SubElement(joint, "dynamics", damping=repr(described.brake.viscous), friction=repr(described.brake.torque))
+    friction = {"damping": repr(described.brake.viscous), "friction": repr(described.brake.torque)}
+    # URDF has no armature. Readers skip what they do not know; our own import knows it.
+    SubElement(joint, "dynamics", friction | ({"armature": repr(armature)} if armature else {}))
     # The gain is by which a joint that is too fast has no torque left.
     soft = {"soft_lower_limit": repr(-works), "soft_upper_limit": repr(works)}
     SubElement(joint, "safety_controller", soft | {"k_position": "0", "k_velocity": f"{torque / speed:.6g}"})

@@ -30,10 +30,14 @@ def export(
 ) -> None:
     """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF; meshes go to a folder beside it."""
     from layflat.bridge import save_arm  # noqa: PLC0415
+    from layflat.bridge.losses import losses  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
 
+    described = load(machine)
     with naming_options({"path": "--out"}):
-        written = save_arm(load(machine), out)
+        written = save_arm(described, out)
+    for line in losses(described, out.suffix):
+        typer.echo(line)
     for path in written:
         typer.echo(f"wrote {path}")
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from urllib.parse import unquote
 
-from layflat.bridge.meshes import FORMATS
+from layflat.bridge.meshes import FORMATS, unit_of
 from layflat.bridge.robots.robot import Look, Robot
 from layflat.bridge.robots.serial import Serial
 from layflat.errors import InputError
@@ -28,7 +28,11 @@ def with_meshes(chain: Serial, packages: Mapping[str, Path]) -> Serial:
     stages = [
         replace(stage, looks=[_with_file(look, robot, packages) for look in stage.looks]) for stage in chain.stages
     ]
-    return replace(chain, stages=tuple(stages))
+    files = dict.fromkeys(look.file for stage in stages for look in stage.looks if look.file and not look.content)
+    units = {file.name: unit for file in files if (unit := unit_of(file)) != 1.0}
+    listed = ", ".join(f"{name} ({unit:g} m)" for name, unit in units.items())
+    note = f"drawn in the units that they declare, which trimesh, Pinocchio and yourdfpy ignore: {listed}"
+    return replace(chain, stages=tuple(stages), notes=(*chain.notes, note) if units else chain.notes)
 
 
 def _with_file(look: Look, robot: Robot, packages: Mapping[str, Path]) -> Look:

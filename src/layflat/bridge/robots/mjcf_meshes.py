@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from layflat.arrays import Array
-from layflat.bridge.meshes import STL_HEAD, STL_TRIANGLE, is_binary_stl
+from layflat.bridge.meshes import binary_stl, is_binary_stl, stl_triangles
 from layflat.bridge.robots.robot import Look, Pose
 
 CLOSE = 1e-4  # by which corners may differ, as a share of a mesh's size: MuJoCo has them in single precision
@@ -41,21 +41,12 @@ def mesh_look(spec: Any, model: Any, file: Path, geom: Pose, mesh: int, inner: P
     return Look("mesh", geom, file=Path(f"{named or f'mesh-{mesh}'}.stl"), content=binary_stl(corners[faces]))
 
 
-def binary_stl(triangles: Array) -> bytes:
-    """Return triangles (n, 3 corners, 3), m, as a binary STL."""
-    rows = np.zeros(len(triangles), [("numbers", "<f4", (4, 3)), ("more", "<u2")])
-    rows["numbers"][:, 1:] = triangles
-    return b"\0" * 80 + len(triangles).to_bytes(4, "little") + rows.tobytes()
-
-
 def _corners(path: Path) -> Array | None:
     """Return the corners (n, 3) in a binary STL or an OBJ, in its own unit; None where it can't be read."""
     try:
         content = path.read_bytes()
         if path.suffix.lower() == ".stl" and is_binary_stl(content):
-            dtype = np.dtype([("numbers", "<f4", (4, 3)), ("more", "<u2")])
-            assert dtype.itemsize == STL_TRIANGLE
-            return np.frombuffer(content, dtype, offset=STL_HEAD)["numbers"][:, 1:].reshape(-1, 3).astype(float)
+            return stl_triangles(content).reshape(-1, 3)
         if path.suffix.lower() == ".obj":
             lines = [line.split()[1:4] for line in content.splitlines() if line.startswith((b"v ", b"v\t"))]
             return np.array(lines, float).reshape(-1, 3) if lines else None
