@@ -1,4 +1,5 @@
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "compiled" in item.keywords:
             item.add_marker(pytest.mark.skip(reason="far too slow without the JIT"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def records_of_outputs(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep records of what commands wrote apart from the user's."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LAYFLAT_STATE_DIR", str(tmp_path_factory.mktemp("state")))
+        yield
 
 
 @pytest.fixture(scope="session")

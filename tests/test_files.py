@@ -103,7 +103,7 @@ def test_another_error_stays_what_it_is(tmp_path: Path) -> None:
 
 
 def test_a_folder_in_place_of_a_file_is_refused_before_any_work(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"is a folder; give the name of a file in it"):
+    with pytest.raises(OutputError, match=r"is a folder; give the name of a file"):
         check_file(tmp_path)
     assert check_file(tmp_path / "new" / "result.json") == tmp_path / "new" / "result.json"
     assert list(tmp_path.iterdir()) == []

@@ -8,6 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from layflat.errors import LayflatError, OutputError
+from layflat.outputs import check_replaceable, record_output, replaced_record
 
 FULL = {errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC)}
 """The disk, the file or the user's share is at its limit."""
@@ -16,13 +17,19 @@ TRIAL = bytes(1 << 16)  # enough to see that nothing more can be written
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, *, owned: bool = False) -> Iterator[Path]:
     """Give a temporary path to write to; move it to `path` when the block ends well, remove it otherwise.
 
+    Args:
+        path: where the file is to be; its folder is made.
+        owned: whether the caller knows that what is there may be replaced, and leaves no record (see outputs.py).
+
     Raises:
-        OutputError: the folder can't be made or written, or the disk is full.
+        OutputError: the folder can't be made or written, the disk is full, or what is there may not be replaced.
     """
     temporary: Path | None = None
+    if not owned:
+        check_replaceable(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent)
@@ -30,7 +37,10 @@ def whole_file(path: Path) -> Iterator[Path]:
         os.close(handle)
         yield temporary
         temporary.chmod(0o666 & ~_umask())
+        replaced = None if owned else replaced_record(path)
         temporary.replace(path)
+        if not owned:
+            record_output(path, replaced)
     except LayflatError:
         raise
     except Exception as error:
@@ -43,13 +53,18 @@ def whole_file(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
-def write_text(path: Path, text: str) -> Path:
+def write_text(path: Path, text: str, *, owned: bool = False) -> Path:
     """Write a text file, whole or not at all, and return its path.
+
+    Args:
+        path: where it is to be.
+        text: its content.
+        owned: as in `whole_file`.
 
     Raises:
         OutputError: as from `whole_file`.
     """
-    with whole_file(path) as temporary:
+    with whole_file(path, owned=owned) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return path
 
@@ -88,23 +103,39 @@ def _umask() -> int:
     return mask
 
 
-def check_file(path: Path) -> Path:
-    """Make sure, before any work is done, that a result can be written there; raise OutputError if it can't."""
-    if path.is_dir():
-        raise OutputError("is a folder", where=str(path), right="give the name of a file in it")
-    check_folder(path.parent)
+def check_file(path: Path, *, costly: bool = False) -> Path:
+    """Make sure, before any work is done, that a result can be written there, and return its path.
+
+    Args:
+        path: where it is to be.
+        costly: as in `check_replaceable`.
+
+    Raises:
+        OutputError: it can't, or what is there may not be replaced.
+    """
+    check_folder(path.parent, path.name, costly=costly)
     return path
 
 
-def check_folder(folder: Path) -> Path:
+def check_folder(folder: Path, *names: str, costly: bool = False) -> Path:
     """Make sure, before any work is done, that results can be written to a folder; leave no trace of the trial.
 
+    Args:
+        folder: where they are to be.
+        names: of the files that will be written there.
+        costly: as in `check_replaceable`.
+
+    Returns:
+        The folder.
+
     Raises:
-        OutputError: they can't.
+        OutputError: they can't, or what is there may not be replaced.
     """
+    for name in names:
+        check_replaceable(folder / name, costly=costly)
     missing = [parent for parent in (folder, *folder.parents) if not parent.exists()]
     try:
-        with whole_file(folder / ".layflat") as trial:
+        with whole_file(folder / ".layflat", owned=True) as trial:
             trial.write_bytes(TRIAL)
         (folder / ".layflat").unlink(missing_ok=True)
     finally:

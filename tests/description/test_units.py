@@ -1,13 +1,15 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from layflat.description import units as u
+from layflat.description.expression import split, unit_of
+from layflat.description.factors import CELSIUS, DERIVED, PREFIXED, PREFIXES
 from layflat.errors import InputError
 
-ALL = [kind for kind in vars(u).values() if isinstance(kind, u.Quantity)]
+ALL = u.QUANTITIES
 
 
 @pytest.mark.parametrize("kind", ALL, ids=lambda kind: kind.name)
@@ -137,3 +139,33 @@ def test_numbers_from_code_are_si() -> None:
 def test_numbers_from_code_may_be_of_any_magnitude() -> None:
     assert u.quantity(1e12, u.TORQUE, "x") == 1e12
     assert u.quantity(8.5e-17, u.ANGLE, "x") == 8.5e-17  # zero but for rounding
+
+
+WRITTEN_IN = [
+    (kind, unit)
+    for kind in u.QUANTITIES
+    for unit in dict.fromkeys(
+        [kind.unit, split(kind.example)[1], *(p + b for p in ("", *PREFIXES) for b in PREFIXED), *DERIVED, CELSIUS]
+    )
+    if "π" not in unit and kind._measures(dict(unit_of(unit)))
+]
+
+
+@given(st.sampled_from(WRITTEN_IN), st.floats(-25.0, 15.0), st.sampled_from([1.0, -1.0, 0.0]))
+@settings(max_examples=2000)
+def test_what_is_written_is_read_back(chosen: tuple[u.Quantity, str], exponent: float, sign: float) -> None:
+    kind, unit = chosen
+    value = sign * 10.0**exponent
+    value = min(max(value, -kind.most), kind.most)
+    read = kind.parse(kind.text(value, unit))
+    if abs(value) < kind.least:
+        value = 0.0
+    # A temperature in degC has its digits beside the zero of that scale.
+    assert read == pytest.approx(value, rel=1e-6, abs=1e-6 * 273.15 if unit == CELSIUS else 0.0)
+
+
+@pytest.mark.parametrize("kind", u.QUANTITIES, ids=lambda kind: kind.name)
+def test_the_ends_of_a_range_are_read_back(kind: u.Quantity) -> None:
+    for end in (kind.least, kind.most):
+        for unit in [unit for one, unit in WRITTEN_IN if one == kind and unit != CELSIUS]:
+            assert kind.parse(kind.text(end, unit)) == pytest.approx(end, rel=1e-6)

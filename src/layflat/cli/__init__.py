@@ -4,14 +4,16 @@ import atexit
 import gc
 import os
 import sys
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import NoReturn
 
 import typer
 from typer.main import get_command
 
 from layflat.cli.app import app
+from layflat.cli.lazy import ASKING
 from layflat.errors import LayflatError, StoppedError
+from layflat.outputs import command_of, running
 
 __all__ = ["app", "main"]
 
@@ -25,9 +27,10 @@ def main() -> None:
     `StoppedError`, whose line says where they are.
     """
     atexit.register(gc.freeze)  # last of all: looking for garbage at the end takes a short command a tenth of its time
+    words = sys.argv[1:]
     try:
         command = get_command(app)
-        with command.make_context("layflat", sys.argv[1:]) as context:
+        with command.make_context("layflat", words) as context, _outputs(words):
             status = command.invoke(context)
         sys.stdout.flush()
     except typer.Exit as end:
@@ -49,6 +52,14 @@ def main() -> None:
         _silence(sys.stdout)
         _fail(f"{error.filename or 'standard output'}: {error.strerror or error}")
     sys.exit(status if isinstance(status, int) else 0)
+
+
+def _outputs(words: list[str]) -> AbstractContextManager[None]:
+    """Let nothing be replaced that the command does not own, unless its page asks before."""
+    if words and words[0] in ASKING:
+        return nullcontext()
+    groups = [name for name, place in app.modules.items() if ":" in place]
+    return running(command_of(words, groups, lambda text: print(f"layflat: {text}", file=sys.stderr)))  # noqa: T201
 
 
 def _fail_usage(error: typer.TyperException) -> NoReturn:

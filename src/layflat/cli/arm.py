@@ -31,9 +31,11 @@ def export(
     """Write a machine's arm for other tools: MJCF (MuJoCo) or URDF; meshes go to a folder beside it."""
     from layflat.bridge import save_arm  # noqa: PLC0415
     from layflat.bridge.losses import losses  # noqa: PLC0415
+    from layflat.files import check_file  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
 
     described = load(machine)
+    check_file(out)
     with naming_options({"path": "--out"}):
         written = save_arm(described, out)
     for line in losses(described, out.suffix):
@@ -86,7 +88,7 @@ def import_robot(
         meshes=meshes,
         packages=folders,
     )
-    check_folder(out)
+    check_folder(out, f"{found.machine.name}.toml")
     _print(found)
     for path in found.save(out):
         typer.echo(f"wrote {path}")

@@ -25,7 +25,7 @@ def beyond(
     from layflat.files import check_folder  # noqa: PLC0415
 
     found = comparison(machine, QUICK if quick else Effort())
-    check_folder(out)
+    check_folder(out, "beyond.html", "beyond.json", costly=True)
     stages = found.stages()
     with steps_bar("comparing", len(stages)) as advance:
         for done, (what, work) in enumerate(stages):

@@ -78,7 +78,7 @@ def size(wanted: Wanted, out: Out = Path("build/size")) -> None:
     from layflat.files import check_folder  # noqa: PLC0415
 
     request = SizingRequest.from_text(**asdict(wanted))
-    check_folder(out)
+    check_folder(out, f"{wanted.name}.toml")
     sized = size_joint(request)
     say_what_is_left_out()
     _print(sized.design)

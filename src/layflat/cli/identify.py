@@ -27,13 +27,15 @@ def excite(
 ) -> None:
     """Write a bench sequence from which a machine can be identified: demands for its controller."""
     from layflat.description import units as u  # noqa: PLC0415
+    from layflat.files import check_file  # noqa: PLC0415
     from layflat.identify.excite import sequence  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.motion.demand_file import write_demand  # noqa: PLC0415
 
     described = load(machine)
+    place = check_file(out or Path(f"{described.name}-excite.csv"))
     time, demand = sequence(described, reach=reach, speed=u.quantity(speed, u.ANGULAR_SPEED, "--speed"), seed=seed)
-    path = write_demand(described, time, demand, out or Path(f"{described.name}-excite.csv"))
+    path = write_demand(described, time, demand, place)
     typer.echo(f"wrote {path}: {time[-1]:.0f} s of steps, chirps, slow ramps, small moves and pauses")
     typer.echo(f"simulate it with `layflat simulate {machine} --demand {path}`; start with the joints at rest")
 

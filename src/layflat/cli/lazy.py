@@ -2,13 +2,18 @@
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 from typer.main import get_command, get_command_name
 
+from layflat.outputs import FORCE
+
 WIDTH = 100  # columns that a help may take
+
+OUTPUTS = {"out", "png"}  # parameters that say where a command writes
+ASKING = ("panel", "studio")  # commands whose pages ask before they replace a file
 
 
 class LazyTyper(typer.Typer):
@@ -56,4 +61,21 @@ class LazyTyper(typer.Typer):
             for info in self.registered_commands
             if info.callback is not None and name == (info.name or get_command_name(info.callback.__name__))
         ]
-        return get_command(single)
+        return with_force(get_command(single)) if name not in ASKING else get_command(single)
+
+
+def with_force(command: Any) -> Any:
+    """Give a command that writes files the option --force, which no function needs: `layflat.outputs` reads it."""
+    if OUTPUTS & {one.name for one in command.params}:
+        single = typer.Typer(add_completion=False, rich_markup_mode=None)
+        single.command()(_forced)
+        option = next(one for one in get_command(single).params if one.name == "force")
+        option.expose_value = False
+        command.params.append(option)
+    return command
+
+
+def _forced(
+    force: Annotated[bool, typer.Option(FORCE, help="replace files that are there, whoever wrote them")] = False,
+) -> None:
+    """Declare the option, as typer makes options of a function's parameters alone."""

@@ -60,7 +60,7 @@ def learn(
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.motion.demand_file import read_demand  # noqa: PLC0415
-    from layflat.motion.learning import begin, read_learnt  # noqa: PLC0415
+    from layflat.motion.learning import begin, read_learnt, write_learnt  # noqa: PLC0415
 
     options.refuse_contradictions()
     described = load(machine)
@@ -70,7 +70,9 @@ def learn(
     before = options.learnt or (file if options.log is not None else None)
     if before is not None:
         learnt = read_learnt(before, described, learnt.wanted)
-    check_folder(out)
+    continued = before is not None and before.resolve() == file.resolve()
+    check_folder(out, *([] if continued else [file.name]), costly=True)
+    check_folder(out, f"{name}-learnt-demand.csv", *([] if options.begin else [f"{name}-learnt.png"]))
     if options.log is not None:
         learnt, angles = _logged(learnt, options.log)
         learnt, measured = learnt.after(angles), [angles]
@@ -79,7 +81,8 @@ def learn(
     if not options.begin:
         _print_repeats(learnt, f"{name}, learnt with {described.name}")
         _draw(learnt, measured, out / f"{name}-learnt.png")
-    _write(learnt, file, out / f"{name}-learnt-demand.csv", best=options.log is None and not options.begin)
+    typer.echo(f"wrote {write_learnt(learnt, file, continued=continued)}")
+    _write_demand(learnt, out / f"{name}-learnt-demand.csv", best=options.log is None and not options.begin)
 
 
 def _simulated(learnt: "Learnt", options: Learning) -> "tuple[Learnt, list[Array]]":
@@ -164,14 +167,12 @@ def _draw(learnt: "Learnt", angles: "list[Array]", path: Path) -> None:
     typer.echo(f"wrote {save(figure, path)}")
 
 
-def _write(learnt: "Learnt", file: Path, demand: Path, *, best: bool) -> None:
+def _write_demand(learnt: "Learnt", demand: Path, *, best: bool) -> None:
     import numpy as np  # noqa: PLC0415
 
     from layflat.motion.demand_file import write_demand  # noqa: PLC0415
-    from layflat.motion.learning import write_learnt  # noqa: PLC0415
 
     q, v, a = learnt.best_demand() if best else learnt.demand()
     time = learnt.wanted.cycle * np.arange(len(q), dtype=np.float64)
-    typer.echo(f"wrote {write_learnt(learnt, file)}")
     typer.echo(f"wrote {write_demand(learnt.machine, time, q, demand, velocity=v, acceleration=a)}")
     typer.echo(f"the motion begins {learnt.how.lead_in:g} s after the demand")

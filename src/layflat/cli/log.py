@@ -8,7 +8,6 @@ import typer
 from layflat.cli.app import print_table
 from layflat.cli.bars import busy
 from layflat.cli.lazy import LazyTyper
-from layflat.errors import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -71,11 +70,11 @@ def map_log(
     machine: OfMachine = None,
 ) -> None:
     """Guess what a log's columns are, and write a mapping file to look through and correct."""
+    from layflat.files import check_file  # noqa: PLC0415
     from layflat.identify.logs import guess_mapping, write_mapping  # noqa: PLC0415
 
     place = out or Path(f"{log.stem}-mapping.toml")
-    if place.exists():
-        raise InputError("is there already", where=str(place), right="give another name with --out, or remove it")
+    check_file(place)
     with busy("reading"):
         guess = guess_mapping(log, _joints(_machine(machine)))
     rows = [

@@ -41,7 +41,7 @@ def motion(
 
     described, moved = read_motion(file), load(machine)
     plan = plan_motion(moved, described)
-    check_folder(out)
+    check_folder(out, f"{described.name}-demand.csv", f"{described.name}-motion.png")
     _print_segments(plan, f"{described.name} on {moved.name}")
     demand = _write(plan, out / f"{described.name}-demand.csv", out / f"{described.name}-motion.png")
     typer.echo(f"follow it with `layflat simulate {machine} --demand {demand}`")

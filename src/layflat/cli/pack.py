@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from layflat.cli.app import Out, app, expanded, print_table
+from layflat.cli.app import app, expanded, print_table
 from layflat.cli.bars import steps_bar
-from layflat.cli.pack_run import Asked, calibration_of, end, error_of, one_run, report
+from layflat.cli.pack_run import CALIBRATION, RESULTS, SHEET, Asked, calibration_of, end, error_of, one_run, report
 from layflat.cli.pages import PageOptions
 from layflat.errors import InputError, LayflatError, StoppedError
 
@@ -29,6 +29,9 @@ Seed = Annotated[int, typer.Option(min=0, max=2**63 - 1, help=SEED_HELP)]
 CAMERA_HELP = "of the camera [default: calibrate it first]"
 CalibrationFile = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help=CAMERA_HELP)]
 FilmKind = Annotated[str | None, typer.Option(help="mp4, gif or none [default: mp4]")]
+Out = Annotated[
+    Path | None, typer.Option("--out", "-o", metavar="DIR", help="[default: build/pack, with --study build/pack-study]")
+]
 Study = Annotated[bool, typer.Option("--study", help="repeat with many seeds, on all cores, without films")]
 OVER_HELP = "cloud: with --study, each seed packs with another machine that the paper allows"
 Over = Annotated[str, typer.Option(metavar="cloud", help=OVER_HELP)]
@@ -58,7 +61,7 @@ def pack(
     cell: CellName = "packing",
     picks: Picks = None,
     seed: Seed = 0,
-    out: Out = Path("build/pack"),
+    out: Out = None,
     calibration: CalibrationFile = None,
     film: FilmKind = None,
     watch: Watch = False,
@@ -80,19 +83,21 @@ def pack(
     _check(film, study, seeds, over)
     _check_page(watch, study, page)
     described = load(cell)
+    place = out or Path("build/pack-study" if study else "build/pack")
+    written = [RESULTS, *([] if calibration else [CALIBRATION]), *([] if study else [f"film.{film or 'mp4'}", SHEET])]
+    check_folder(place, *written, costly=True)
     if study:
         machines = members(described.machine.origin) if over else []
         packed = range(seed, seed + (seeds or SEEDS))
-        _study(described, calibration, packed, picks or STUDY_PICKS, check_folder(out), machines)
+        _study(described, calibration, packed, picks or STUDY_PICKS, place, machines)
         return
-    asked = Asked(described, seed, picks or PICKS, out, film or "mp4")
+    asked = Asked(described, seed, picks or PICKS, place, film or "mp4")
     if watch:
         from layflat.cli.pack_watch import watched  # noqa: PLC0415
 
         watched(asked, calibration, page)
         return
-    check_folder(out)
-    run, written = one_run(asked, calibration_of(described, calibration, out))
+    run, written = one_run(asked, calibration_of(described, calibration, place))
     report(described, [run], asked.results, written)
     end(error_of(asked, run))
 
@@ -122,7 +127,7 @@ def _study(cell: Cell, calibration: Path | None, seeds: range, picks: int, out: 
     """Report a run with each seed; what was done before an error or Ctrl-C is kept and marked as partial."""
     from layflat.cell.work.study import repeated  # noqa: PLC0415
 
-    known, results = calibration_of(cell, calibration, out), out / "results.json"
+    known, results = calibration_of(cell, calibration, out), out / RESULTS
     runs: list[Run] = []
     error: LayflatError | None = None
     with steps_bar(f"picks with {len(seeds)} seeds", len(seeds) * picks) as advance:

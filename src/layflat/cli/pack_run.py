@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from layflat.cell.work.run import Run
 
 
+RESULTS, CALIBRATION, SHEET = "results.json", "calibration.toml", "sheet.png"
+
+
 @dataclass(frozen=True)
 class Asked:
     """What a run of a cell is asked for."""
@@ -33,7 +36,7 @@ class Asked:
     @property
     def results(self) -> Path:
         """The file of the results."""
-        return self.out / "results.json"
+        return self.out / RESULTS
 
 
 def calibration_of(
@@ -62,7 +65,7 @@ def calibration_of(
         typer.echo(f"layflat: {error}", err=True)
         typer.echo("layflat: continuing without images; the scene's truth stands in for the camera", err=True)
         return None
-    typer.echo(f"wrote {found.save(out / 'calibration.toml')}")
+    typer.echo(f"wrote {found.save(out / CALIBRATION)}")
     return found
 
 
@@ -78,7 +81,7 @@ def one_run(asked: Asked, calibration: "Calibration | None", *observers: "Observ
         if calibration is None:
             return packed(cell, seed, picks, calibration, Observers(*own)), []
         path = None if asked.film == "none" else asked.out / f"film.{asked.film}"
-        sheet = asked.out / "sheet.png"
+        sheet = asked.out / SHEET
         with film_and_sheet(path, sheet, f"{cell.name}, seed {seed}", calibration) as pictures:
             run = packed(cell, seed, picks, calibration, Observers(*own, pictures))
         return run, [sheet] if path is None else [path, sheet]

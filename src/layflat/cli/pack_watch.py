@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 def watched(asked: Asked, calibration: Path | None, page: PageOptions) -> None:
     """Pack as without a page, which stays until Ctrl-C; a Ctrl-C before the run has ended ends both."""
     from layflat.cell.work.tables import COLUMNS  # noqa: PLC0415
-    from layflat.files import check_folder  # noqa: PLC0415
     from layflat.pages.cell.link import PageLink  # noqa: PLC0415
     from layflat.pages.cell.snapshot import About, Stage  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
@@ -26,7 +25,6 @@ def watched(asked: Asked, calibration: Path | None, page: PageOptions) -> None:
     require_posix("--watch")
     extras.require("panel", "nicegui", where="--watch")
     place = page.place()
-    check_folder(asked.out)
     about = About(asked.cell.name, asked.cell.machine.name, asked.seed, asked.picks, COLUMNS)
     with naming_options(OPTIONS):
         link = PageLink(about, place)

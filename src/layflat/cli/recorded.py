@@ -57,10 +57,12 @@ def plot_log(
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="figure [LOG's name].png")] = None,
 ) -> None:
     """Draw a rig's log as `layflat simulate` draws a run, with its faults and events."""
+    from layflat.files import check_file  # noqa: PLC0415
     from layflat.plot.runs import run_figure  # noqa: PLC0415
     from layflat.plot.style import save  # noqa: PLC0415
 
-    typer.echo(f"wrote {save(run_figure(_read(log)), out or log.with_suffix('.png'))}")
+    place = check_file(out or log.with_suffix(".png"))
+    typer.echo(f"wrote {save(run_figure(_read(log)), place)}")
 
 
 @logs.command("export")
@@ -68,9 +70,11 @@ def export_log(
     log: RigLog, out: Annotated[Path, typer.Argument(metavar="FILE", help="ends in .nc (NetCDF) or .parquet")]
 ) -> None:
     """Write a rig's log for others, with the names and units of a simulated run."""
+    from layflat.files import check_file  # noqa: PLC0415
     from layflat.rig.recorder.run import check_format, export  # noqa: PLC0415
 
     check_format(out)
+    check_file(out)
     typer.echo(f"wrote {export(_read(log), out)}")
 
 

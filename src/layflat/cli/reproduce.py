@@ -49,7 +49,7 @@ def reproduce(
         from layflat.machine.loader import tables  # noqa: PLC0415
 
         on = bench(machine)
-        check_folder(out)
+        check_folder(out, "claims.json", "report.html", *(["cloud.json"] if cloud else []), costly=True)
         for number, name in enumerate(QUESTIONS if questions else (), 1):
             with steps_bar(f"question {number} of {len(QUESTIONS)}, {name}") as advance:
                 ask(name, out / "questions" / name, advance)

@@ -56,7 +56,7 @@ def faults(
     extras.require("rig", *(package for one in chosen for package in PACKAGES[one]), where="rig faults")
     hours = u.quantity(quiet, u.TIME, "--quiet") / 3600.0
     described = load(machine)
-    check_file(out)
+    check_file(out, costly=True)
     outcomes, found = _tried(described, chosen, instants, seed, hours)
     rows = {name: judged(own) for name, own in outcomes.items()}
     written = {

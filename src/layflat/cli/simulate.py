@@ -116,7 +116,7 @@ def simulate(
 
     described = load(machine)
     asked.refuse_contradictions()
-    check_folder(out)
+    check_folder(out, f"{described.name}.nc", f"{described.name}.png")
     demand = "--move" if asked.demand is None else f"--demand {asked.demand}"
     with naming_options({"demand": demand, **{name: f"--{name}" for name in SAME_IN_SCENARIO}}):
         scenario = asked.scenario(described)
@@ -206,7 +206,7 @@ def loop(
     chosen = [known_joint(described, joint)] if joint else list(described.joints)
     at = u.quantity(pressure, u.PRESSURE, "--pressure")
     reach = u.quantity(stroke, u.ANGLE, "--stroke") if stroke else None
-    check_folder(out)
+    check_folder(out, f"{described.name}-loop.png")
     with naming_options({name: f"--{name}" for name in ("pressure", "stroke", "brake")}):
         swept = {name: sweep(described, name, at, stroke=reach, brake=brake) for name in chosen}
     columns = ["joint", "torque (N m)", "hysteresis height (N m)", "hysteresis (%)"]

@@ -106,7 +106,8 @@ def size_arm(
         raise InputError("is missing", where="size-arm: TASK", right=right)
     grid = _grid(pareto, pressures, times)
     described = read_task(task, **told)
-    check_folder(out)
+    pareto_names = (f"{described.name}-pareto.csv", f"{described.name}-pareto.png") if pareto else ()
+    check_folder(out, f"{described.name}.toml", f"{described.name}-arm.png", *pareto_names)
     with bar(f"sizing {described.name}", None, "TimeElapsedColumn") as update:
         arm = size_arm(described, tell=lambda rounds: update(description=f"sizing {described.name}, round {rounds}"))
     say_what_is_left_out()

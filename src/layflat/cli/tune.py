@@ -40,6 +40,7 @@ def tune(
     what it believes. Ctrl-C ends the search; the best so far is kept.
     """
     from layflat.tune import begin  # noqa: PLC0415
+    from layflat.tune.tuning import PAGE  # noqa: PLC0415
     from layflat.tune.validation import fresh, validate, warnings  # noqa: PLC0415
 
     tuning = begin(
@@ -62,6 +63,6 @@ def tune(
         typer.echo(fill(line, WIDTH))
     if tuning.kept:
         typer.echo(f"no better {tuning.law.values} were found: those that were there stay")
-    typer.echo(f"wrote {write_page(tuning, tuned, before, after, out / 'tuning.html')}")
+    typer.echo(f"wrote {write_page(tuning, tuned, before, after, out / PAGE)}")
     if tuning.stopped:
         raise StoppedError(done, out)

@@ -23,6 +23,8 @@ from layflat.description.factors import (
 )
 from layflat.description.wrong import INPUT, wrong
 
+ROUNDING = 1e-6  # by which a number that is written with seven digits may lie beyond a bound, relative
+
 SI = {"si": True}  # context of a validation in which numbers are taken to be in SI units, since they come from code
 
 
@@ -91,7 +93,9 @@ class Quantity:
 
     def within(self, number: float) -> float:
         """Return an SI float if it makes sense; raise QuantityError if its magnitude is too large or too small."""
-        if self.finite(number) != 0.0 and not self.least <= abs(number) <= self.most:
+        if self.finite(number) != 0.0 and not (
+            self.least * (1.0 - ROUNDING) <= abs(number) <= self.most * (1.0 + ROUNDING)
+        ):
             right = f"give {self.article} between {self.least:g} and {self.most:g} {self.unit}"
             raise QuantityError("is out of range", right)
         return number
@@ -103,7 +107,11 @@ class Quantity:
         return number
 
     def text(self, value: float, unit: str, digits: int = 7) -> str:
-        """Return an SI float as text in another unit."""
+        """Return an SI float as text in another unit; zero where no other value makes sense.
+
+        `parse` takes what is written with seven digits or more: rounding does not put a value out of range.
+        """
+        value = value if abs(value) >= self.least else 0.0
         source, target = self._target, dict(unit_of(unit))
         if target == {CELSIUS: 1}:
             number = value - ZERO_CELSIUS

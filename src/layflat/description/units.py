@@ -57,6 +57,8 @@ FLOW = Quantity("volume per time", "m^3/s", "30 l/min", 1e-12, 100.0)
 ACCELERATION = Quantity("acceleration", "m/s^2", "9.81 m/s^2", 1e-9, 1e4)
 JERK = Quantity("jerk", "m/s^3", "50 m/s^3", 1e-6, 1e7)
 
+QUANTITIES = tuple(one for one in list(globals().values()) if isinstance(one, Quantity))
+
 Length = Annotated[float, LENGTH, Gt(0)]
 LengthOrZero = Annotated[float, LENGTH, Ge(0)]
 Coordinate = Annotated[float, LENGTH]
@@ -147,7 +149,7 @@ def quantity(value: str | float, kind: Quantity, where: str) -> float:
 
 
 def alike(example: object, value: float, unit: str, digits: int = 7) -> str | float:
-    """An SI value as it could stand in a file, in the unit of an example from there, or in `unit` without one.
+    """Return an SI value as it could stand in a file, in the unit of an example from there, or in `unit` without one.
 
     A value without unit ("1") is a number.
     """

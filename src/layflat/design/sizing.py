@@ -112,7 +112,9 @@ def _described(request: SizingRequest, base: Joint, joint: Joint) -> Sized:
     sized = SizedJoint(request, joint, cam.torque_constant, characteristic.swept_volume, mass)
     text = description(sized, model(), MODEL)
     with TemporaryDirectory() as folder:
-        machine = build(*tables(write_text(Path(folder) / "sized.toml", text)), f"{request.name}.toml")
+        place = Path(folder) / "sized.toml"
+        place.write_text(text, encoding="utf-8")
+        machine = build(*tables(place), f"{request.name}.toml")
     design = design_joint(machine)
     if design.mean_torque < request.torque or design.stroke < request.stroke:
         what = f"came out at {design.mean_torque:.4g} N m over {degrees(design.stroke):.4g} deg"

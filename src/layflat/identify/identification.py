@@ -160,9 +160,9 @@ def begin(
     Raises:
         InputError: in one line, what is wrong with a log, the description or an option.
     """
-    check_folder(out)
     start = load_described(described)
     path = identified_path(str(described), start, out)
+    check_folder(out, path.name, *(path.with_suffix(suffix).name for suffix in (".json", ".html")), costly=True)
     machine = start if isinstance(start, Machine) else None
     joints = list(machine.joints) if machine is not None else None
     tables = {name: read_table(file) for name, file in _named([*map(Path, logs), *map(Path, validate)]).items()}

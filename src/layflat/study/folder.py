@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from layflat.errors import InputError, OutputError
 from layflat.extras import module
 from layflat.files import whole_file, write_text
+from layflat.outputs import is_forced
 
 if TYPE_CHECKING:
     import pandas
@@ -39,7 +40,7 @@ class ChangedError(OutputError):
     """The folder holds a study that is not the one asked for; `differences` has a line for each."""
 
     def __init__(self, what: str, where: str, differences: list[str]) -> None:
-        super().__init__(what, where=where, right="give another folder, or the study as it was")
+        super().__init__(what, where=where, right="give another folder, the study as it was, or --force to replace it")
         self.differences = differences
 
 
@@ -74,12 +75,12 @@ class Folder:
 
     def keep(self, number: int, table: "pyarrow.Table") -> None:
         """Write a chunk (OutputError: it can't be written)."""
-        with whole_file(self.chunk(number)) as temporary:
+        with whole_file(self.chunk(number), owned=True) as temporary:
             _arrow("parquet").write_table(table, temporary)
 
     def mark(self, done: str) -> None:
         """Say in the folder that its study is not done yet, and how much of it is."""
-        write_text(self.partial, f"partial: {done}; the same command goes on from here\n")
+        write_text(self.partial, f"partial: {done}; the same command goes on from here\n", owned=True)
 
     def join(self) -> Path:
         """Write the table from all chunks, in their order, as Parquet and, with units in its header, as CSV."""
@@ -114,13 +115,20 @@ class Folder:
             raise OutputError(f"can't write here ({error.strerror})", where=str(self.place), right=right) from None
         with _alone(self.place):
             self._refuse_foreign()
-            if self.study.exists():
+            if self.study.exists() and is_forced() and not self.holds(content):
+                self._clear()
+            elif self.study.exists():
                 self._refuse_other(content)
             for leftover in [*self.place.glob(".*"), *self.chunk(0).parent.glob(".*")]:
                 leftover.unlink()
             if not self.study.exists():
-                write_text(self.study, json.dumps(content, indent=2) + "\n")
+                write_text(self.study, json.dumps(content, indent=2) + "\n", owned=True)
             yield
+
+    def _clear(self) -> None:
+        """Remove the study that the folder holds."""
+        for path in [one for one in self.place.iterdir() if one.name in OWN]:
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
 
     def _refuse_foreign(self) -> None:
         """Make sure that the folder holds nothing but a study."""

@@ -24,6 +24,7 @@ from layflat.tune.tunable import Tunable
 Progress = Callable[[Found, int, str], None]
 """Told the best so far, the generations done, and what is looked for; before the first generation too."""
 
+PAGE = "tuning.html"
 STARTS = ("neutral", "current")
 SEEDS = 10_000
 
@@ -165,7 +166,8 @@ def begin(
         raise InputError("the tracking law is told which machine it has", where="--over", right=right)
     require("tune", "cma", where="tune")
     check_device(device)
-    path = derived_path(given, check_folder(out), "tuned")
+    path = derived_path(given, out, "tuned")
+    check_folder(out, path.name, PAGE, costly=True)
     spread = Spread(members=differing(given)) if over else None
     tuning = Tuning(given, base, machine, law, method, start, seed, generations, wanted, path, spread, device)
     check_carried(machine, panel(tuning.meet))

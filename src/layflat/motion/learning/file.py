@@ -26,8 +26,17 @@ def machine_fingerprint(machine: Machine) -> str:
     return sha256(machine.model_dump_json().encode()).hexdigest()
 
 
-def write_learnt(learnt: Learnt, path: Path) -> Path:
-    """Write what was learnt, whole or not at all; raise OutputError if it can't be written there."""
+def write_learnt(learnt: Learnt, path: Path, *, continued: bool = False) -> Path:
+    """Write what was learnt, whole or not at all, and return its path.
+
+    Args:
+        learnt: what was learnt.
+        path: where it is to be.
+        continued: whether it goes on from the file that is there, and keeps what that holds.
+
+    Raises:
+        OutputError: it can't be written there.
+    """
     joints = list(learnt.machine.joints)
 
     def by_joint(rows: Array) -> dict[str, list[float]]:
@@ -45,7 +54,7 @@ def write_learnt(learnt: Learnt, path: Path) -> Path:
         "gain": learnt.gain,
         "correction": {"next": by_joint(learnt.sent), "best": by_joint(learnt.best), "step": by_joint(learnt.step)},
     }
-    return write_text(path, _laid_out(content) + "\n")
+    return write_text(path, _laid_out(content) + "\n", owned=continued)
 
 
 def read_learnt(path: Path, machine: Machine, wanted: Wanted | None = None) -> Learnt:

@@ -76,7 +76,7 @@ def repair(path: Path, progress: Progress | None = None) -> tuple[Path, Kept] | 
     if place != path and place.exists():
         right = f"it is {path.name} made whole, or another log: move one of them"
         raise OutputError("is there already", where=str(place), right=right)
-    with whole_file(place) as temporary:
+    with whole_file(place, owned=True) as temporary:
         kept = indexed(path, temporary, progress)
         names = (place.with_name(f"{place.name}{BROKEN}{i or ''}") for i in range(1000))
         path.rename(next(name for name in names if not name.exists()))

@@ -1,0 +1,179 @@
+"""Outputs of commands: a file is replaced only where that loses nothing, or where the user says so.
+
+What a command writes is recorded: a digest of the content, and the words of the command. The same command may replace
+it as long as nobody has changed it. So may the same command with other words, where its results are made anew in
+seconds, and it says so. All else stays, unless the user gives --force. The records stand in the user's state folder,
+not beside the results, so that folders hold results alone; a file without a record is somebody else's.
+
+Where no command runs, in Python, a function writes to the path that it is given, as those of other libraries do.
+"""
+
+import hashlib
+import json
+import os
+import shlex
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from layflat.errors import OutputError
+
+RIGHT = "give another place, or --force to replace it"
+FORCE = "--force"
+OUT_OPTIONS = ("-o", "--out")
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command that runs: its name, its words as they were typed, and where it reports what it replaces."""
+
+    name: str
+    typed: tuple[str, ...]
+    report: Callable[[str], None] = lambda _: None
+    reported: set[str] = field(default_factory=set, compare=False)
+
+    @property
+    def forced(self) -> bool:
+        """Whether the user lets it replace anything."""
+        return FORCE in self.typed
+
+    @property
+    def words(self) -> list[str]:
+        """What makes its results what they are: all but where they go, and --force."""
+        found: list[str] = []
+        skipped = False
+        for word in self.typed:
+            is_place = word.startswith(tuple(f"{option}=" for option in OUT_OPTIONS))
+            if not (skipped or is_place or word in {FORCE, *OUT_OPTIONS}):
+                found.append(word)
+            skipped = word in OUT_OPTIONS
+        return found
+
+    def reads(self, path: Path) -> bool:
+        """Return whether a file that is to be written is one of the inputs, too: its words name it twice."""
+        values = [word.partition("=")[2] if word.startswith("--") and "=" in word else word for word in self.typed]
+        return sum(_is_same_file(value, path) for value in values) > 1
+
+
+@dataclass(frozen=True)
+class Record:
+    """A file that a command wrote: the command's name and words, and a digest of the content."""
+
+    name: str
+    words: list[str]
+    digest: str
+
+    @property
+    def line(self) -> str:
+        """The command as it could be typed again."""
+        return f"layflat {shlex.join(self.words)}"
+
+
+_running: Command | None = None
+
+
+@contextmanager
+def running(command: Command) -> Iterator[None]:
+    """Let files be written by a command: what it does not own is not replaced, and what it writes is recorded."""
+    global _running  # noqa: PLW0603  # a process runs one command; its threads write for it
+    before, _running = _running, command
+    try:
+        yield
+    finally:
+        _running = before
+
+
+def is_forced() -> bool:
+    """Return whether a command runs that may replace anything."""
+    return _running is not None and _running.forced
+
+
+def check_replaceable(path: Path, *, costly: bool = False) -> None:
+    """Make sure that writing a file loses nothing.
+
+    Args:
+        path: where it is to be.
+        costly: whether the results there may have taken minutes, or a person's work: they are then not replaced by
+            those of other inputs.
+
+    Raises:
+        OutputError: a folder or a device is there; or a command runs, and it did not write the file that is there from
+            the same inputs, or somebody has changed that file.
+    """
+    if path.exists() and not path.is_file():
+        what = "is a folder" if path.is_dir() else "is no file that can be replaced"
+        raise OutputError(what, where=str(path), right="give the name of a file")
+    command = _running
+    if command is None or not path.exists():
+        return
+    if command.reads(path):
+        raise OutputError("is what this command reads", where=str(path), right="give another place")
+    if command.forced:
+        return
+    record = _recorded(path)
+    if record is None:
+        raise OutputError("is there already, and not from this command", where=str(path), right=RIGHT)
+    if record.digest != _digest(path) or not path.stat().st_mode & 0o222:
+        raise OutputError("was changed or protected since it was written", where=str(path), right=RIGHT)
+    if record.words == command.words:
+        return
+    if costly or record.name != command.name:
+        raise OutputError(f"holds what `{record.line}` wrote", where=str(path), right=RIGHT)
+
+
+def replaced_record(path: Path) -> Record | None:
+    """Return the record of a file that is about to be replaced by results of other inputs; None where there is none."""
+    record = _recorded(path) if _running is not None and path.exists() else None
+    return record if record is not None and _running is not None and record.words != _running.words else None
+
+
+def record_output(path: Path, replaced: Record | None = None) -> None:
+    """Record a file that the running command has written, and report whose results it replaced."""
+    command = _running
+    if command is None:
+        return
+    if replaced is not None and replaced.line not in command.reported:
+        command.reported.add(replaced.line)
+        command.report(f"{path}: replaced what `{replaced.line}` wrote")
+    content = {"path": str(path.resolve()), "name": command.name, "words": command.words, "digest": _digest(path)}
+    place = _place(path)
+    with suppress(OSError):  # without a record the file is taken for somebody else's, which loses nothing
+        place.parent.mkdir(parents=True, exist_ok=True)
+        temporary = place.with_suffix(f".{os.getpid()}")
+        temporary.write_text(json.dumps(content), encoding="utf-8")
+        temporary.replace(place)
+
+
+def command_of(typed: Sequence[str], groups: Sequence[str], report: Callable[[str], None]) -> Command:
+    """Return the command that words run; those of a group have two names."""
+    return Command(" ".join(typed[: 2 if typed and typed[0] in groups else 1]), tuple(typed), report)
+
+
+def _recorded(path: Path) -> Record | None:
+    try:
+        content = json.loads(_place(path).read_text(encoding="utf-8"))
+        return Record(content["name"], content["words"], content["digest"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _place(path: Path) -> Path:
+    """Return the file of a record."""
+    import platformdirs  # noqa: PLC0415  # only commands that write need it
+
+    root = Path(os.environ.get("LAYFLAT_STATE_DIR") or platformdirs.user_state_dir("layflat"))
+    name = hashlib.blake2b(os.fsencode(path.resolve()), digest_size=16).hexdigest()
+    return root / "outputs" / f"{name}.json"
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
+
+
+def _is_same_file(word: str, path: Path) -> bool:
+    try:
+        return Path(word).samefile(path)
+    except (OSError, ValueError):
+        return False
