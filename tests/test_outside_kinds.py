@@ -6,12 +6,15 @@ import re
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from hashlib import sha256
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from layflat.control import CONTROL_LAWS, ControlKind
+from layflat.control import CONTROL_LAWS, FULL, Command, ControlKind, Demand, Sensed
+from layflat.control.plain import CycleClock, PlainStep
 from layflat.description.change import value_at
 from layflat.errors import KindError, LayflatError
 from layflat.jit import cache
@@ -228,19 +231,117 @@ def broken(folder: Path, name: str, old: str, new: str) -> str:
             "yields tuple; give Relay",
         ),
         ("relay", "machine.valve.centre_voltage,", '"5 V",', "yields '5 V' among its numbers"),
-        ("relay", "    error = demand - angle", "    error = demand.no_such - angle", "TypingError"),
+        ("relay", "    error = demand - angle", "    error = demand.no_such - angle", "has no attribute 'no_such'"),
         ("relay", "described.level", "described.no_such", "AttributeError"),
         ("plain_relay", "    errors = [", "    1 / 0\n    errors = [", "ZeroDivisionError"),
         ("quick_valve", "    leakage: float\n", "", "lacks leakage"),
         ("quick_valve", "@law\ndef move", "def move", "move of kind"),
         ("sprung_arm", "joints=1", "joints=8", "no laws for one to 7 joints"),
         ("viscous", "import law", "import law, no_such", "ImportError"),
+        ("viscous", "import law", "import law, (", "SyntaxError"),
+        ("viscous", '"""Losses of', '"""\0Losses of', "null bytes"),
+        ("viscous", '"""Losses of', 'raise SystemExit(0)\n"""Losses of', "SystemExit: 0"),
+        ("viscous", "    return (state.torque,)", "    return state.torque", "not a tuple of torques"),
+        ("viscous", "    return Torque(loss.damping * turn / h)", "    return None", "the state is None, not a Torque"),
+        ("viscous", "lambda described, limit", "lambda described", "`parameters` of hysteresis .* fails: TypeError"),
+        ("fading", "return brake / (", "return -brake / (", "-1 N m, which would drive the joint"),
+        ("fading", "return brake / (", "return 1e999 * brake / (", "is nan, not a finite number"),
+        ("fading", "plain=Fading(0.0)", "plain=0.0", "plain of kind .* is a float, not its parameters"),
+        ("quick_valve", "    return Opening(0.0)", "    return Opening('x')", "opening of the state is the text 'x'"),
+        ("quick_valve", "through(valve, command), ", "", "has 2 items, not 3"),
+        ("sprung_arm", "(-arm.spring * q[0],)", "()", "the torques of angles has 0 items, not 1"),
+        ("relay", "reports\n\n", "reports[:0]\n\n", "the report has 0 items, not 1"),
+        (
+            "relay",
+            "    return Switches(memory.count",
+            "    return tuple(memory), 1\n    return Switches(memory.count",
+            "tuple of 2",
+        ),
+        ("relay", '("rad", "demand', '("furlong", "demand', "has the unit 'furlong', which is none"),
+        (
+            "plain_relay",
+            "def wake(settings, sensed):",
+            "def wake(settings):",
+            "`wake` of control law .* fails: TypeError",
+        ),
+        ("plain_relay", "    return Cycles(0.0)", "    return None", "the memory is None"),
+        ("plain_relay", "        step=step,", "        step=None,", "step of kind .* is no function"),
     ],
 )
 def test_a_kind_that_is_not_whole_or_fails_is_told_with_its_file(
     examples: Path, name: str, old: str, new: str, said: str
 ) -> None:
-    assert said in broken(examples, name, old, new)
+    told = broken(examples, name, old, new)
+    assert said in told or re.search(said, told)
+
+
+class Report(NamedTuple):
+    error: float
+
+
+class Cycles(NamedTuple):
+    cycles: float
+
+
+RETURNED = [
+    ("[memory, command, reports]", "it is a list, not memory, command and report"),
+    ("(memory, command)", "it is a tuple of 2"),
+    ("None", "it is None"),
+    ("(memory, voltages, reports)", "the command is a tuple of 1, not a Command"),
+    ("(memory, command, ())", "the report has 0 items, not 1"),
+    ("(memory, command, reports * 3)", "the report has 3 items, not 1"),
+    ("(memory.cycles, command, reports)", "the memory is a float, not a Cycles as before"),
+    ("(Report(1.0), command, reports)", "the memory is a Report, not a Cycles as before"),
+    ("(memory, Command(list(voltages), command.shares), reports)", "`voltage` is a list"),
+    ("(memory, Command((), ()), reports)", "`voltage` has 0 items, not 1"),
+    ("(memory, Command(voltages * 2, command.shares), reports)", "`voltage` has 2 items, not 1"),
+    ("(memory, Command(('5 V',), command.shares), reports)", "is the text '5 V', not a number"),
+    ("(memory, Command((True,), command.shares), reports)", "is True, not a number"),
+    ("(memory, Command((1j,), command.shares), reports)", "is 1j, not a number"),
+    ("(memory, Command((1e999,), command.shares), reports)", "is inf, not a finite number"),
+    ("(memory, Command((0.0 * 1e999,), command.shares), reports)", "is nan, not a finite number"),
+    ("(memory, Command(voltages, (1.0,)), reports)", "an item of `shares` is a float, not a Shares"),
+    ("exit(0)", "fails: SystemExit: 0"),
+    ("1 / 0", "fails: ZeroDivisionError"),
+]
+
+
+@pytest.mark.parametrize("late", [False, True], ids=["at once", "later"])
+@pytest.mark.parametrize(("returned", "said"), RETURNED)
+def test_what_a_plain_law_returns_is_checked_in_every_cycle(returned: str, said: str, late: bool) -> None:
+    names: dict[str, Any] = {"Report": Report, "Cycles": Cycles, "Command": Command, "FULL": FULL}
+    condition = "memory.cycles > 2.0" if late else "True"
+    lines = [
+        "def step(settings, memory, sensed, demand, elapsed):",
+        "    memory, voltages, reports = Cycles(memory.cycles + 1.0), (5.0,), (Report(0.0),)",
+        "    command = Command(voltages, (FULL,))",
+        f"    return {returned} if {condition} else (memory, command, reports)",
+    ]
+    exec("\n".join(lines), names)
+    step = PlainStep("tried", names["step"], names["Report"], CycleClock())
+    nothing = (0.0,)
+    memory = Cycles(0.0)
+    good = 2 if late else 0
+    for _ in range(good):
+        memory, _, _ = step(None, memory, Sensed(nothing, nothing), Demand(*[nothing] * 4), 0.005)
+    with pytest.raises(KindError) as caught:
+        step(None, memory, Sensed(nothing, nothing), Demand(*[nothing] * 4), 0.005)
+    assert str(caught.value).startswith("<string>:1: `step` of control law 'tried'")
+    assert f"at {0.005 * good:g} s" in str(caught.value)
+    assert said.removeprefix("fails") in str(caught.value)
+
+
+def test_a_copy_under_another_name_is_the_same_kinds(examples: Path) -> None:
+    """Machine code that is kept names the module of a kind's tuples: it goes by content, not by the file's name."""
+    copy = examples / "copied.py"
+    copy.write_bytes((examples / "plain_relay.py").read_bytes())
+    text = (examples / "plain_relay.toml").read_text(encoding="utf-8")
+    (examples / "copied.toml").write_text(text.replace("plain_relay.py", "copied.py"), encoding="utf-8")
+    with own_sources():
+        load(examples / "plain_relay.toml")
+        load(examples / "copied.toml")
+    module = CONTROL_LAWS.named("plain-relay").report.__module__
+    assert module == f"layflat_kinds_{sha256(copy.read_bytes()).hexdigest()[:16]}"
 
 
 def test_files_of_kinds_that_can_not_be_run(examples: Path) -> None:

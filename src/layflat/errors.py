@@ -113,12 +113,11 @@ class DivergedError(LayflatError):
         time: when, s.
         joint: the joint's name.
         run: the run's data up to then, where there are any.
+        cause: why, where that is known.
     """
 
-    def __init__(self, time: float, joint: str, run: object = None) -> None:
+    def __init__(self, time: float, joint: str, run: object = None, cause: str = "") -> None:
         self.time, self.joint, self.run = time, joint, run
         kept = "" if run is None else "the data up to there are kept; "
-        super().__init__(
-            f"the run diverged at t = {time:.4f} s in joint {joint!r}; {kept}"
-            "a shorter step (--step), a smaller valve or lower gains may help"
-        )
+        advice = cause or "a shorter step (--step), a smaller valve or lower gains may help"
+        super().__init__(f"the run diverged at t = {time:.4f} s in joint {joint!r}; {kept}{advice}")

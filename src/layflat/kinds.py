@@ -5,11 +5,11 @@ table holds the kinds of one thing. Code asks the table, so that a further kind 
 all where a user registers one from outside (see docs/kinds.md). A kind that lacks something is refused when it is made.
 """
 
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
+import numpy as np
 from pydantic import BaseModel, GetCoreSchemaHandler
 from pydantic_core import core_schema
 
@@ -17,8 +17,8 @@ from layflat.description import Part
 from layflat.description.hints import did_you_mean
 from layflat.errors import KindError
 from layflat.jit import ByKind, Law, by_kind
-from layflat.jit.outside import blame_outside
-from layflat.lanes import leaves
+from layflat.kind_checks import naming_law, place_of
+from layflat.lanes import leaves, mapped
 
 REQUIRED: Any = object()  # stands where a kind has to say something
 
@@ -42,6 +42,8 @@ class Kind:
 
     LAWS: ClassVar[tuple[str, ...]] = ()  # entries that have to be laws, which the compiler takes
 
+    CALLED: ClassVar[tuple[str, ...]] = ()  # entries that have to be functions, compiled or not
+
     name: str = REQUIRED  # what stands behind `kind =` in a file
     description: type[BaseModel] = REQUIRED  # what a file says of it, with a field `kind: Literal[name]`
     parameters: Callable[..., Any] = REQUIRED
@@ -54,6 +56,14 @@ class Kind:
         missing = [entry.name for entry in fields(self) if getattr(self, entry.name) is REQUIRED]
         if missing:
             raise KindError(f"kind {self.name!r} lacks {', '.join(missing)}", where=type(self).__name__)
+        for entry in ("parameters", *self.CALLED):
+            if not callable(getattr(self, entry)):
+                what = f"{entry} of kind {self.name!r} is no function"
+                raise KindError(what, where=type(self).__name__, right="give a function")
+        types = self.parameter_types
+        if not isinstance(types, tuple) or not types or not all(isinstance(one, type) for one in types):
+            what = f"parameter_types of kind {self.name!r} is no tuple of named tuple classes"
+            raise KindError(what, where=type(self).__name__, right="give such as (Relay,)")
         for entry in self.LAWS:
             if not isinstance(getattr(self, entry), Law | ByKind):
                 raise KindError(
@@ -61,6 +71,9 @@ class Kind:
                     where=type(self).__name__,
                     right="decorate it with layflat.jit.law",
                 )
+        if not (isinstance(self.description, type) and issubclass(self.description, BaseModel)):
+            what = f"description of kind {self.name!r} is no class of a described part"
+            raise KindError(what, where=type(self).__name__, right="give a class with a base such as ControllerPart")
         field = self.description.model_fields.get("kind")
         if field is None or self.name not in getattr(field.annotation, "__args__", ()):
             raise KindError(
@@ -68,6 +81,18 @@ class Kind:
                 where=type(self).__name__,
                 right=f'give {self.description.__name__} a field kind: Literal["{self.name}"]',
             )
+
+    def try_laws(self, parameters: Any, *described: Any) -> None:  # noqa: ARG002
+        """Call the laws of a kind from outside once, as plain Python, and check what they return.
+
+        Args:
+            parameters: of its laws, for one machine.
+            described: what these were made of.
+
+        Raises:
+            KindError: a law fails, or returns what it may not.
+        """
+        return
 
     def entries(self) -> Mapping[type, Any]:
         """What holds the laws, by class of the parameters."""
@@ -82,8 +107,7 @@ def _names(types: Iterable[type]) -> str:
 
 
 def _misfit(kind: Kind, what: str, right: str) -> KindError:
-    file = getattr(sys.modules.get(kind.parameters.__module__), "__file__", "")
-    return KindError(f"`parameters` of kind {kind.name!r} {what}", where=str(file), right=right)
+    return KindError(f"`parameters` of kind {kind.name!r} {what}", where=place_of(kind.parameters), right=right)
 
 
 class Table(Generic[K]):
@@ -100,8 +124,11 @@ class Table(Generic[K]):
         self.thing, self.usual = thing, kinds[0].name
         self._kinds: dict[str, K] = {}
         self._choices: dict[Callable[[Any], Any], dict[type, Any]] = {}
+        self._tried: dict[str, Any] = {}  # parameters with which kinds from outside were tried last, by name
+        self._from_outside = False
         for kind in kinds:
             self.register(kind)
+        self._from_outside = True
 
     def __iter__(self) -> Iterator[K]:
         """All kinds, as they were registered."""
@@ -115,6 +142,8 @@ class Table(Generic[K]):
         if taken:
             raise KindError(f"{taken[0]} holds the parameters of another kind of {self.thing}", where=kind.name)
         self._kinds[kind.name] = kind
+        if self._from_outside:
+            self._tried[kind.name] = None
         Table.registered += 1
         for find, laws in self._choices.items():
             laws.update({cls: find(entry) for cls, entry in kind.entries().items()})
@@ -135,14 +164,32 @@ class Table(Generic[K]):
             KindError: they are not what the kind says that they are.
         """
         kind = self.named(described.kind)
-        with blame_outside():
+        if kind.name in self._tried:
+            with naming_law(f"{self.thing} {kind.name!r}", "parameters", kind.parameters):
+                found = kind.parameters(described, *others)
+        else:
             found = kind.parameters(described, *others)
         if type(found) not in kind.parameter_types:
             raise _misfit(kind, f"yields {type(found).__name__}", f"give {_names(kind.parameter_types)}")
         for leaf in leaves(found):
             if isinstance(leaf, bool) or (not isinstance(leaf, (int, float)) and not hasattr(leaf, "dtype")):
                 raise _misfit(kind, f"yields {leaf!r} among its numbers", "give floats in SI units")
+        if kind.name in self._tried:
+            self._try(kind, found, described, *others)
         return found
+
+    def _try(self, kind: K, parameters: Any, *described: Any) -> None:
+        """Try the laws of a kind from outside, unless they were tried with these parameters; of many the first."""
+        single = mapped(parameters, lambda leaf: leaf if np.ndim(leaf) == 0 else np.ravel(leaf)[0])
+        if any(leaf != leaf for leaf in leaves(single)):  # noqa: PLR0124
+            raise _misfit(kind, "yields a number that is none (nan)", "give floats in SI units")
+        if self._tried[kind.name] != single:
+            kind.try_laws(single, *described)
+            self._tried[kind.name] = single
+
+    def is_from_outside(self, kind: K) -> bool:
+        """Return whether a kind was registered later than those that are built in."""
+        return kind.name in self._tried
 
     def of(self, parameters: Any) -> K:
         """The kind that parameters belong to."""

@@ -348,3 +348,23 @@ def test_a_stopped_reproduction_keeps_what_was_evaluated(tmp_path: Path) -> None
 def test_schema_is_written_for_editors(tmp_path: Path) -> None:
     assert layflat("schema", "--out", str(tmp_path / "schema.json")).returncode == 0
     assert json.loads((tmp_path / "schema.json").read_text(encoding="utf-8"))["title"] == "layflat machine"
+
+
+def test_sigterm_ends_a_command_and_leaves_nothing_hidden(tmp_path: Path) -> None:
+    code = """
+import os, signal
+from layflat.files import whole_file
+from layflat.motion import demand_file
+def write(*args):
+    with whole_file(args[-1]):
+        os.kill(os.getpid(), signal.SIGTERM)
+        signal.pause()
+demand_file.write_demand = write
+from layflat.cli import main
+main()
+"""
+    words = [sys.executable, "-c", code, "excite", "paper-small-joint", "-o", "demand.csv"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 143, done.stderr
+    assert done.stderr == "layflat: stopped before there was anything to keep\n"
+    assert list(tmp_path.iterdir()) == []

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,6 +68,7 @@ def test_it_learns_from_runs_of_its_own_demands(folder: Path) -> None:
         rows = [line.split("│") for line in done.stdout.splitlines() if "│" in line]
         errors.append(float(rows[-1][1]))
     assert errors[-1] < 0.7 * errors[0]
+    words = (*words[:3], "--out", "elsewhere")
     line = refused(*words, "--from", "runs/paper-arm-tracking.nc", "--learnt", "sim/move.learnt", cwd=folder)
     assert "is not of a run of the demand to send next; give a run of the demand that `layflat learn` wrote" in line
 
@@ -84,3 +88,33 @@ def test_mistakes_give_one_line(folder: Path) -> None:
     assert line == "layflat: --plant: cannot be combined with --from; give one or the other"
     assert "--begin" in refused("learn", "move-demand.csv", "paper-arm-tracking", "--begin", "--from", "a", cwd=folder)
     assert not (folder / "no").exists()
+
+
+def test_ctrl_c_keeps_the_repeats_that_are_done(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from layflat.sim import repeats
+
+    simulated = repeats.simulated_repeats
+
+    def stopped(*args: Any, **options: Any) -> Iterator[repeats.Simulated]:
+        runs = simulated(*args, **options)
+        yield next(runs)
+        yield next(runs)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(repeats, "simulated_repeats", stopped)
+    done = layflat("learn", "move-demand.csv", "paper-arm-tracking", "--out", "stopped", cwd=folder)
+    assert done.returncode == 130
+    assert "stopped after 2 of 6 repeats; partial results are in stopped/move.learnt" in done.stderr
+    assert json.loads((folder / "stopped/move.learnt").read_text())["repeats"] == 2
+    assert (folder / "stopped/move-learnt-demand.csv").exists()
+
+
+def test_what_was_learnt_is_not_replaced(folder: Path) -> None:
+    words = ("learn", "move-demand.csv", "paper-arm-tracking", "--out", "kept")
+    assert layflat(*words, "--repeats", "1", cwd=folder).returncode == 0
+    said = (folder / "kept/move.learnt").read_text()
+    for other in (["--begin"], ["--repeats", "2"]):
+        assert "--repeats 1` wrote; give another place, or --force" in refused(*words, *other, cwd=folder)
+        assert (folder / "kept/move.learnt").read_text() == said
+    assert layflat(*words, "--begin", "--force", cwd=folder).returncode == 0
+    assert (folder / "kept/move.learnt").read_text() != said

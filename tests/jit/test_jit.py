@@ -18,7 +18,7 @@ from numba.core.errors import TypingError
 from numba.core.runtime import _nrt_python as counted  # type: ignore[attr-defined]
 
 import layflat
-from layflat.jit import by_kind, cache_folder, kernel, law, libraries
+from layflat.jit import Kernel, by_kind, cache_folder, kernel, law, libraries
 from layflat.jit.cache import forget_stale, included_sources, source_digest, sources
 from layflat.jit.compiler import FITTING, cached
 from layflat.jit.ordering import ordered
@@ -390,3 +390,14 @@ def test_a_kernel_is_put_in_order_where_llvm_reads_it_again(text: str, monkeypat
     assert thrice(2.0) == 6.0
     assert len(seen) == 1
     assert "fmul double" in seen[0]
+
+
+def test_ctrl_c_in_machine_code_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: float) -> None:
+        error = SystemError("returned a result with an exception set")
+        raise error from KeyboardInterrupt()
+
+    kernel = Kernel(lambda x: x)
+    monkeypatch.setattr(Kernel, "dispatcher", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        kernel(1.0)

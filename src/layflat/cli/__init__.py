@@ -3,8 +3,10 @@
 import atexit
 import gc
 import os
+import signal
 import sys
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from typing import NoReturn
 
 import typer
@@ -18,27 +20,29 @@ from layflat.outputs import command_of, running
 __all__ = ["app", "main"]
 
 STOPPED = 130  # exit status after Ctrl-C
+TERMINATED = 143  # exit status after SIGTERM
 
 
 def main() -> None:
-    """Run a command; an error is one line on stderr and exit status 2, Ctrl-C one line and 130.
+    """Run a command; an error is one line on stderr and exit status 2, Ctrl-C one line and 130, SIGTERM and 143.
 
     A command that can keep what was done catches `KeyboardInterrupt`, writes its results marked as partial, and raises
     `StoppedError`, whose line says where they are.
     """
     atexit.register(gc.freeze)  # last of all: looking for garbage at the end takes a short command a tenth of its time
     words = sys.argv[1:]
+    terminated: list[int] = []
     try:
         command = get_command(app)
-        with command.make_context("layflat", words) as context, _outputs(words):
+        with command.make_context("layflat", words) as context, _outputs(words), _ending_orderly() as terminated:
             status = command.invoke(context)
         sys.stdout.flush()
     except typer.Exit as end:
         status = end.exit_code
     except StoppedError as error:
-        _fail(str(error), STOPPED)
+        _fail(str(error), TERMINATED if terminated else STOPPED)
     except (typer.Abort, KeyboardInterrupt):
-        _fail("stopped before there was anything to keep", STOPPED)
+        _fail("stopped before there was anything to keep", TERMINATED if terminated else STOPPED)
     except LayflatError as error:
         _fail(str(error))
     except typer.TyperException as error:
@@ -52,6 +56,22 @@ def main() -> None:
         _silence(sys.stdout)
         _fail(f"{error.filename or 'standard output'}: {error.strerror or error}")
     sys.exit(status if isinstance(status, int) else 0)
+
+
+@contextmanager
+def _ending_orderly() -> Iterator[list[int]]:
+    """Let SIGTERM end a command as Ctrl-C does, so that nothing half done stays; yields a list of those that came."""
+    terminated: list[int] = []
+
+    def interrupt(number: int, _frame: object) -> None:
+        terminated.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield terminated
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _outputs(words: list[str]) -> AbstractContextManager[None]:

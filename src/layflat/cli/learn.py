@@ -8,7 +8,7 @@ import typer
 
 from layflat.cli.app import MachineName, Out, Seed, app, expanded, print_table
 from layflat.cli.bars import steps_bar
-from layflat.errors import InputError
+from layflat.errors import InputError, StoppedError
 
 if TYPE_CHECKING:
     from layflat.arrays import Array
@@ -63,6 +63,7 @@ def learn(
     from layflat.motion.learning import begin, read_learnt, write_learnt  # noqa: PLC0415
 
     options.refuse_contradictions()
+    stopped = ""
     described = load(machine)
     learnt = begin(described, read_demand(described, demand, described.cycle))
     name = demand.stem.removesuffix("-demand")
@@ -77,16 +78,18 @@ def learn(
         learnt, angles = _logged(learnt, options.log)
         learnt, measured = learnt.after(angles), [angles]
     elif not options.begin:
-        learnt, measured = _simulated(learnt, options)
+        learnt, measured, stopped = _simulated(learnt, options)
     if not options.begin:
         _print_repeats(learnt, f"{name}, learnt with {described.name}")
         _draw(learnt, measured, out / f"{name}-learnt.png")
     typer.echo(f"wrote {write_learnt(learnt, file, continued=continued)}")
     _write_demand(learnt, out / f"{name}-learnt-demand.csv", best=options.log is None and not options.begin)
+    if stopped:
+        raise StoppedError(stopped, file)
 
 
-def _simulated(learnt: "Learnt", options: Learning) -> "tuple[Learnt, list[Array]]":
-    """Return what simulated repeats taught, and the true angles of each."""
+def _simulated(learnt: "Learnt", options: Learning) -> "tuple[Learnt, list[Array], str]":
+    """Return what simulated repeats taught, true angles of each, and how far they came where Ctrl-C ended them."""
     from layflat.machine import load  # noqa: PLC0415
     from layflat.sim.repeats import simulated_repeats  # noqa: PLC0415
     from layflat.sim.run import driver_of  # noqa: PLC0415
@@ -95,11 +98,15 @@ def _simulated(learnt: "Learnt", options: Learning) -> "tuple[Learnt, list[Array
     driver_of(plant, learnt.machine)
     count, angles = options.repeats + (0 if learnt.history else 1), []
     with steps_bar("repeats", count) as advance:
-        for done in simulated_repeats(learnt, count, plant=plant, seed=options.seed):
-            learnt = done.learnt
-            angles.append(done.angles)
-            advance(len(angles), now=f"repeat {len(learnt.history) - 1}: {1e3 * learnt.history[-1].rms:.2f} mm rms")
-    return learnt, angles
+        try:
+            for done in simulated_repeats(learnt, count, plant=plant, seed=options.seed):
+                learnt = done.learnt
+                angles.append(done.angles)
+                advance(len(angles), now=f"repeat {len(learnt.history) - 1}: {1e3 * learnt.history[-1].rms:.2f} mm rms")
+        except KeyboardInterrupt:
+            if not angles:
+                raise
+    return learnt, angles, f"{len(angles)} of {count} repeats" if len(angles) < count else ""
 
 
 def _logged(learnt: "Learnt", path: Path) -> "tuple[Learnt, Array]":

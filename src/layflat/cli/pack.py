@@ -84,8 +84,8 @@ def pack(
     _check_page(watch, study, page)
     described = load(cell)
     place = out or Path("build/pack-study" if study else "build/pack")
-    written = [RESULTS, *([] if calibration else [CALIBRATION]), *([] if study else [f"film.{film or 'mp4'}", SHEET])]
-    check_folder(place, *written, costly=True)
+    pictures = [] if study else [f"film.{film or 'mp4'}", SHEET]
+    check_folder(place, RESULTS, *([] if calibration else [CALIBRATION]), *pictures, costly=True)
     if study:
         machines = members(described.machine.origin) if over else []
         packed = range(seed, seed + (seeds or SEEDS))

@@ -55,7 +55,7 @@ def run(
     from layflat.files import check_folder  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.rig.abilities import vent_time  # noqa: PLC0415
-    from layflat.rig.plan import EarlyEndError, PlanRunner, free_place  # noqa: PLC0415
+    from layflat.rig.plan import EarlyEndError, PlanRunner  # noqa: PLC0415
     from layflat.rig.recorded import Recorded  # noqa: PLC0415
     from layflat.rig.system import require_posix  # noqa: PLC0415
 
@@ -64,11 +64,11 @@ def run(
     described = load(machine)
     factory, name = driver_at(driver, described)
     plan_from = _plans(described, demand or [], duration)
-    place = free_place(check_folder(out), f"{described.name}-rig")
+    check_folder(out)
     early: EarlyEndError | None = None
     with stopping() as stopped:
         with busy(f"connecting to {driver} {COMPILES}"):
-            rig = Recorded(described, factory, name, place)
+            rig = Recorded.in_folder(described, factory, name, out, f"{described.name}-rig")
         with rig, _status(rig):
             performance = PlanRunner(rig, stopped)
             try:
@@ -82,7 +82,7 @@ def run(
     if early is not None:
         typer.echo(f"layflat: the run ended early: {early}", err=True)
         raise typer.Exit(FAULT if early.fault else INTERRUPTED)
-    if not place.exists():
+    if not rig.place.exists():
         raise typer.Exit(FAULT)
 
 

@@ -1,7 +1,8 @@
 """Control laws, of any kind, for the whole arm. A new kind is one folder and one line here; see docs/kinds.md."""
 
 from layflat.control import paper, tracking
-from layflat.control.kind import Command, ControlKind, ControllerPart, Demand, Sensed, voltages_alone
+from layflat.control.contract import Command, Demand, Sensed
+from layflat.control.kind import ControlKind, ControllerPart, voltages_alone
 from layflat.kinds import Table
 from layflat.physics.adjustable import FULL, Shares
 

@@ -2,39 +2,20 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from pydantic import BaseModel
 
+from layflat.control import checks
+from layflat.control.contract import Command
+from layflat.control.plain import CycleClock, PlainStep, PlainWake
 from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.jit import Law, law
+from layflat.kind_checks import MisfitError
 from layflat.kinds import REQUIRED, Kind, KindPart
 from layflat.lanes import each
 from layflat.physics.adjustable import FULL, Shares
-
-
-class Sensed(NamedTuple):
-    """What the sensors say in this cycle; tuples with an item per joint, from base to tip."""
-
-    angle: tuple[float, ...]  # rad
-    differential_pressure: tuple[float, ...]  # hose A less hose B, Pa
-
-
-class Demand(NamedTuple):
-    """What is asked of the joints in this cycle; a step has zero rates."""
-
-    angle: tuple[float, ...]  # rad
-    velocity: tuple[float, ...]  # rad/s
-    acceleration: tuple[float, ...]  # rad/s2
-    stiffness: tuple[float, ...]  # at rest, N m/rad; 0: as it comes
-
-
-class Command(NamedTuple):
-    """What a law commands in this cycle; tuples with an item per joint."""
-
-    voltage: tuple[float, ...]  # to the valves' drivers, V
-    shares: tuple[Shares, ...]  # of brake, dither and supply, where the machine lets them be adjusted; 1 leaves all
 
 
 class ControllerPart(KindPart):
@@ -70,6 +51,8 @@ class ControlKind(Kind):
     studies and on rigs; plain functions run in rollouts and on a virtual rig.
     """
 
+    CALLED = ("wake", "step", "centre_shift")
+
     wake: Callable[..., Any] = REQUIRED
     """`wake(settings, sensed)` yields the memory of a law that begins at these measurements, nested as settings."""
     step: Callable[..., Any] = REQUIRED
@@ -92,13 +75,27 @@ class ControlKind(Kind):
     is too far from it; runs and rigs tell so. None: it never does."""
 
     def __post_init__(self) -> None:
-        """Refuse a report whose signals have no unit."""
+        """Refuse a report whose signals have no unit; let laws in plain Python be checked in every cycle."""
         super().__post_init__()
+        try:
+            checks.check_report(self.report, self.signals)
+        except MisfitError as error:
+            raise KindError(str(error), where=f"control law {self.name!r}") from None
         unexplained = [name for name in getattr(self.report, "_fields", ()) if name not in self.signals]
         if unexplained:
             raise KindError(f"signal {unexplained[0]!r} has no unit and meaning", where=f"control law {self.name!r}")
         if self.gives_up is not None and self.gives_up not in self.signals:
             raise KindError(f"gives up by {self.gives_up!r}, which is no signal", where=f"control law {self.name!r}")
+        clock = CycleClock()
+        if not isinstance(self.wake, Law | PlainWake):
+            object.__setattr__(self, "wake", PlainWake(self.name, self.wake, clock))
+        if not isinstance(self.step, Law | PlainStep):
+            object.__setattr__(self, "step", PlainStep(self.name, self.step, self.report, clock))
+
+    def try_laws(self, parameters: Any, *described: Any) -> None:
+        """Try the law at rest: see `layflat.control.checks.try_law`."""
+        controller, machine = described
+        checks.try_law(self, parameters, len(machine.joints), controller.cycle)
 
     def check_compiled(self, where: str) -> None:
         """Make sure that the law can be compiled, as it has to be `where`; raise KindError if it is plain Python."""

@@ -69,11 +69,18 @@ class Kernel:
 
         Raises:
             KindError: a law from outside can't be compiled.
+            KeyboardInterrupt: Ctrl-C meanwhile.
         """
-        if not included_sources():
-            return self.dispatcher(*args)
-        with blame_outside():
-            return self.dispatcher(*args)
+        try:
+            if not included_sources():
+                return self.dispatcher(*args)
+            with blame_outside():
+                return self.dispatcher(*args)
+        except SystemError as error:
+            # What comes while machine code runs is found as it ends, and hidden behind an error of the interpreter.
+            if isinstance(error.__cause__, KeyboardInterrupt):
+                raise error.__cause__ from None
+            raise
 
 
 class ByKind:

@@ -16,6 +16,18 @@ from layflat.errors import KindError, LayflatError
 from layflat.jit.cache import include_source
 
 _loaded: dict[Path, str] = {}
+"""Digests of the files that were run, by path."""
+
+NO_CAUSE = re.compile(
+    r"Failed in \S+ mode pipeline|During: |File \"|- Resolution failure|There are \d+ candidate|[\^~]+$|$"
+)
+"""Lines of the compiler's errors that do not say what is wrong."""
+
+RAISED = re.compile(r"\s*Raised from .*")  # the place, which stands before
+
+FAILURES = (Exception, SystemExit, GeneratorExit)  # in code of a user; Ctrl-C is none
+
+COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def load_kinds(path: Path, where: str) -> None:
@@ -30,16 +42,21 @@ def load_kinds(path: Path, where: str) -> None:
     """
     path = path.resolve()
     try:
-        digest = sha256(path.read_bytes()).hexdigest()
+        content = path.read_bytes()
     except OSError as error:
         raise KindError(
             f"{path} can't be read ({error.strerror})", where=where, right="give the path of a Python file"
         ) from None
+    digest = sha256(content).hexdigest()
     if path in _loaded:
         if _loaded[path] != digest:
             raise KindError(f"{path} was changed since it was loaded", where=where, right="start Python anew")
         return
-    name = f"layflat_kinds_{path.stem}_{digest[:8]}"
+    if digest in _loaded.values():  # a copy under another name holds the same kinds
+        _loaded[path] = digest
+        return
+    # By content alone: what is kept of compiled laws names their module, and is found by their content.
+    name = f"layflat_kinds_{digest[:16]}"
     spec = spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
         raise KindError(f"{path} is not a Python file", where=where, right="give a file that ends in .py")
@@ -47,16 +64,19 @@ def load_kinds(path: Path, where: str) -> None:
     _loaded[path] = digest
     include_source(path)
     try:
-        with blame_outside():
-            spec.loader.exec_module(module)
+        with blame_outside(path):
+            exec(compile(content, str(path), "exec"), module.__dict__)  # what the digest is of
     except BaseException:
         del sys.modules[name], _loaded[path]
         raise
 
 
 @contextmanager
-def blame_outside() -> Iterator[None]:
+def blame_outside(running: Path | None = None) -> Iterator[None]:
     """Turn what goes wrong in a file of kinds into one line that names the file and the line.
+
+    Args:
+        running: the file that is run, to which all that goes wrong is due.
 
     Raises:
         KindError: such a file failed, when it ran or when its laws were compiled.
@@ -67,28 +87,37 @@ def blame_outside() -> Iterator[None]:
     try:
         yield
     except KindError as error:
-        place = _place(error)
-        if place is None or place in error.where:
+        place = place_in_kinds(error)
+        if place is None or any(str(path) in error.where for path in _loaded):
             raise
         raise KindError(error.what, where=f"{place}: {error.where}".removesuffix(": "), right=error.right) from None
     except LayflatError:
         raise
-    except Exception as error:
-        place = _place(error)
+    except FAILURES as error:
+        place = place_in_kinds(error) or (str(running) if running is not None else None)
         if place is None:
             raise
-        text = str(error).strip().split("\n")
-        # The compiler's first line says only in which of its steps it failed.
-        said = next((line.strip() for line in text[1:] if line.strip()), text[0]) if len(text) > 1 else text[0]
-        raise KindError(f"{type(error).__name__}: {said}", where=place) from error
+        raise KindError(first_line(error), where=place) from error
 
 
-def _place(error: Exception) -> str | None:
+def first_line(error: BaseException) -> str:
+    """Return what an error is and says in one line; of the compiler's many the first that says what is wrong."""
+    text = error.msg if isinstance(error, SyntaxError) else COLOUR.sub("", str(error))
+    lines = [line.strip() for line in text.strip().split("\n")]
+    said = next((line for line in lines if not NO_CAUSE.match(line)), lines[0])
+    return f"{type(error).__name__}: {RAISED.sub('', said)}" if said else type(error).__name__
+
+
+def place_in_kinds(error: BaseException) -> str | None:
+    """Return file and line of a file of kinds in which something went wrong; None where it was not in one."""
+    if isinstance(error, SyntaxError) and error.filename and Path(error.filename) in _loaded:
+        return f"{error.filename}:{error.lineno}" if error.lineno else error.filename
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
         if Path(frame.filename) in _loaded:
             return f"{frame.filename}:{frame.lineno}"
     for path in _loaded:
-        found = re.search(rf'File "[^"]*{re.escape(path.name)}", line (\d+)', str(error))
+        name = re.escape(path.name)
+        found = re.search(rf'File "(?:[^"]*/)?{name}", line (\d+)|Raised from (?:\S*/)?{name} \((\d+)\)', str(error))
         if found:
-            return f"{path}:{found[1]}"
+            return f"{path}:{found[1] or found[2]}"
     return None

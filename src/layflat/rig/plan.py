@@ -4,7 +4,6 @@ import time
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -86,14 +85,6 @@ def check_plan(machine: Machine, plan: Plan, where: str = "plan") -> None:
     ):  # fmt: skip
         if rates is not None:
             read_rows(rates, SignalKind(f"{where}: {name}", quantity, joints), count)
-
-
-def free_place(folder: Path, name: str) -> Path:
-    """A place for a log that nothing has yet: NAME.mcap, NAME-2.mcap, and so on."""
-    count = 1
-    while any(folder.glob(f"{(stem := name if count == 1 else f'{name}-{count}')}.*")):
-        count += 1
-    return folder / f"{stem}.mcap"
 
 
 class PlanRunner:

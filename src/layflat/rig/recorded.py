@@ -5,7 +5,9 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, ExitStack
 from functools import partial
 from pathlib import Path
+from typing import Self
 
+from layflat.errors import OutputError
 from layflat.machine import Machine
 from layflat.rig.clock import SECOND
 from layflat.rig.driver import Driver
@@ -13,11 +15,21 @@ from layflat.rig.lease import Lease
 from layflat.rig.record import Layout
 from layflat.rig.recorder.bag import Heading
 from layflat.rig.recorder.client import RecorderClient
-from layflat.rig.recorder.process import part_of, start_recorder
+from layflat.rig.recorder.process import TakenError, part_of, start_recorder
 from layflat.rig.recorder.ring import Ring
 from layflat.rig.session import Session
 
+PLACES = 100  # names that are tried, where other processes take them at the same time
+
 PATIENCE = 20.0  # a recorder that has shown no sign of life for so long will not finish its log, s
+
+
+def free_place(folder: Path, name: str) -> Path:
+    """Return a place for a log that nothing has yet: NAME.mcap, NAME-2.mcap, and so on."""
+    count = 1
+    while any(folder.glob(f"{(stem := name if count == 1 else f'{name}-{count}')}.*")):
+        count += 1
+    return folder / f"{stem}.mcap"
 
 
 class Recorded(AbstractContextManager["Recorded"]):
@@ -51,6 +63,37 @@ class Recorded(AbstractContextManager["Recorded"]):
         part = part_of(self.place)
         return part if part.exists() else None
 
+    @classmethod
+    def in_folder(
+        cls,
+        machine: Machine,
+        driver: Callable[[], Driver],
+        address: str,
+        folder: Path,
+        name: str,
+        lease: Lease | None = None,
+    ) -> Self:
+        """Return one whose log has the first name that is free: NAME.mcap, NAME-2.mcap, and so on.
+
+        Args:
+            machine: what is driven.
+            driver: makes its driver, in the loop's process.
+            address: of the rig, for the log.
+            folder: of the log.
+            name: of the log, without its suffix.
+            lease: as in `Session`.
+
+        Raises:
+            OutputError: no log can be written there.
+        """
+        for _ in range(PLACES):
+            try:
+                return cls(machine, driver, address, free_place(folder, name), lease)
+            except TakenError:  # another process was faster
+                continue
+        right = "give another folder"
+        raise OutputError("other runs take every name of a log", where=str(folder / name), right=right)
+
     def close(self) -> None:
         """Stop, wait until the air is out, the loop has ended, and the log is whole; a second time does nothing."""
         self._begun.close()
@@ -67,3 +110,6 @@ class Recorded(AbstractContextManager["Recorded"]):
             recorder.join(0.1)
             if time.monotonic_ns() - max(begun, ring.head.recorder_beat) > PATIENCE * SECOND:
                 recorder.kill()
+        part = part_of(self.place)
+        if part.exists() and part.stat().st_size == 0:  # it never began
+            part.unlink()

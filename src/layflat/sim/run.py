@@ -15,6 +15,7 @@ from layflat.control import CONTROL_LAWS
 from layflat.description import units as u
 from layflat.errors import DivergedError, InputError
 from layflat.jit.outside import blame_outside
+from layflat.kind_checks import place_of
 from layflat.lanes import Like, leaves
 from layflat.machine import Machine, load, parameters
 from layflat.memory import check_memory
@@ -89,7 +90,7 @@ def rollout(
     run = dataset(described, case, prepared, rows, shown)
     if diverged >= 0:
         names = list(described.joints)
-        raise DivergedError(float(run.time[-1]), names[diverged], run)
+        raise DivergedError(float(run.time[-1]), names[diverged], run, _cause(described, prepared, run))
     return run
 
 
@@ -112,6 +113,15 @@ def _telling(prepared: "Prepared", progress: Callable[[float], None] | None) -> 
     finally:
         over.set()
         thread.join()
+
+
+def _cause(machine: Machine, prepared: "Prepared", run: "xarray.Dataset") -> str:
+    """Return why a run diverged, as far as laws from outside may be why."""
+    law = CONTROL_LAWS.of(prepared.case.settings)
+    if CONTROL_LAWS.is_from_outside(law) and not np.isfinite(run["voltage"].to_numpy()).all():
+        return f"control law {law.name!r} commands a voltage that is no number ({place_of(law.step)})"
+    files = ", ".join(Path(path).name for path in machine.kinds)
+    return f"laws of {files} take part in it: see what they return there" if files else ""
 
 
 def rollout_as_far(machine: str | Path | Machine, demand: Signal | None = None, **options: Any) -> "xarray.Dataset":

@@ -17,7 +17,7 @@ from layflat.errors import OutputError
 from layflat.rig.clock import SECOND
 from layflat.rig.recorder import file as growing
 from layflat.rig.recorder import process
-from layflat.rig.recorder.process import Recorder, check_place, part_of, start_recorder
+from layflat.rig.recorder.process import Recorder, TakenError, check_place, part_of, start_recorder
 from layflat.rig.recorder.repair import repair
 from layflat.rig.recorder.ring import Event, Level, RecorderState, Ring
 from layflat.rig.recorder.run import read_recording
@@ -190,6 +190,14 @@ def test_a_log_takes_the_place_of_no_other(tmp_path: Path) -> None:
         check_place(tmp_path / "run.mcap")
     with pytest.raises(OutputError, match="can't write here"):
         check_place(tmp_path / "run.mcap" / "run.mcap")
+
+
+def test_of_two_that_begin_at_once_one_has_the_log(ring: Ring, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process, "check_place", lambda _: None)  # both have looked before either began
+    monkeypatch.setattr(process, "start_process", lambda *_: None)
+    start_recorder(ring, tmp_path / "run.mcap", HEADING)
+    with pytest.raises(TakenError, match="is recorded by another run"):
+        start_recorder(ring, tmp_path / "run.mcap", HEADING)
 
 
 def test_recording_takes_little_of_a_core(recorder: Recorder, ring: Ring) -> None:

@@ -22,7 +22,7 @@ Besides, it sets brakes, dither and supply (auxiliary.py, stiffness.py), and giv
 from math import sqrt
 from typing import Any, NamedTuple
 
-from layflat.control.kind import Command
+from layflat.control.contract import Command
 from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
 from layflat.control.tracking.doubt import Doubt, doubted
 from layflat.control.tracking.estimation import (

@@ -16,6 +16,7 @@ from layflat.files import write_text
 from layflat.machine import Machine
 from layflat.motion.learning.corrections import Filtering
 from layflat.motion.learning.learnt import Learnt, Repeat, Wanted
+from layflat.outputs import record_output
 
 FORMAT = "layflat learnt motion, version 1"
 ROWS = ("angles", "velocities", "accelerations")
@@ -54,7 +55,10 @@ def write_learnt(learnt: Learnt, path: Path, *, continued: bool = False) -> Path
         "gain": learnt.gain,
         "correction": {"next": by_joint(learnt.sent), "best": by_joint(learnt.best), "step": by_joint(learnt.step)},
     }
-    return write_text(path, _laid_out(content) + "\n", owned=continued)
+    write_text(path, _laid_out(content) + "\n", owned=continued)
+    if continued:
+        record_output(path)
+    return path
 
 
 def read_learnt(path: Path, machine: Machine, wanted: Wanted | None = None) -> Learnt:

@@ -9,7 +9,6 @@ from layflat.errors import LayflatError
 from layflat.machine import Machine
 from layflat.rig.driver import Driver
 from layflat.rig.lease import Lease
-from layflat.rig.plan import free_place
 from layflat.rig.recorded import Recorded
 from layflat.rig.safety.states import State
 from layflat.rig.session import LoopError, Session, Snapshot
@@ -115,8 +114,8 @@ class RigLink:
     def _open(self) -> None:
         machine = self.machine
         driver, address = self._reached(machine)
-        self.place = free_place(self._folder, f"{machine.name}-panel")
-        with Recorded(machine, driver, address, self.place, self._lease) as rig:
+        with Recorded.in_folder(machine, driver, address, self._folder, f"{machine.name}-panel", self._lease) as rig:
+            self.place = rig.place
             self._recorded, self.standing, self.trouble = rig, Standing.OPEN, ""
             try:
                 self._watch(rig)

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from layflat.description import units as u
 from layflat.errors import KindError
+from layflat.kind_checks import MisfitError, check_items, check_numbers, naming_law, tolerating_arithmetic
 from layflat.kinds import REQUIRED, Kind, KindPart
 from layflat.physics.arms.bodies import RigidArm
 
@@ -71,6 +72,26 @@ class ArmKind(Kind):
                 raise KindError(
                     f"{cls.__name__} has no laws for one to {MOST} joints", where=f"kind {self.name!r} of arm"
                 )
+
+    def try_laws(self, parameters: Any, *described: Any) -> None:
+        """Hold an arm at two postures, and check what the laws return; raise KindError if that is something else."""
+        laws, count, thing = self.laws[type(parameters)], len(described[0].joints), f"arm {self.name!r}"
+        for angle in (0.0, 0.2):
+            q, v = (angle,) * count, (0.1,) * count
+            with tolerating_arithmetic(laws.dynamics), naming_law(thing, "dynamics", laws.dynamics):
+                result = laws.dynamics(parameters, 1.0, q, v)
+                check_items(result, 3, "the tuple of masses and two torques")
+                check_numbers(result[0], count * (count + 1) // 2, "the mass matrix")
+                check_numbers(result[1], count, "the torques of velocities")
+                check_numbers(result[2], count, "the torques of angles")
+                first = result[0][0]
+                if first <= 0.0:
+                    raise MisfitError(f"item 1 of the mass matrix is {first:g} kg m2; it has to be positive")
+            with tolerating_arithmetic(laws.points), naming_law(thing, "points", laws.points):
+                points = laws.points(parameters, q)
+                check_items(points, count + 1, "the tuple of joints and tip")
+                for point in points:
+                    check_numbers(point, laws.axes, "a position")
 
     def entries(self) -> Mapping[type, Any]:
         """What holds the laws, by class of the parameters."""

@@ -4,9 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from layflat.errors import KindError
+from layflat.kind_checks import MisfitError, check_number, described, naming_law, tolerating_arithmetic
 from layflat.kinds import REQUIRED, Kind, KindPart
 
 Law = Callable[..., Any]
+
+TRIED = [(brake, speed, pull) for brake in (0.0, 1.0) for speed in (0.0, 1e-3, 0.1, 1.0, 10.0) for pull in (0.0, 10.0)]
+"""Brake torques (N m), speeds (rad/s) and pulls (N m) with which a law from outside is tried."""
 
 
 class FrictionPart(KindPart):
@@ -29,3 +34,20 @@ class FrictionKind(Kind):
     constant: bool = False  # whether the level is the same at all speeds, so that a joint holds what it slides at
     plain: Any = None
     """Parameters with which it is Coulomb friction; where there are some, only some of a machine's joints need it."""
+
+    def __post_init__(self) -> None:
+        """Refuse `plain` that are no parameters of the kind."""
+        super().__post_init__()
+        if self.plain is not None and type(self.plain) not in self.parameter_types:
+            what = f"plain of kind {self.name!r} is {described(self.plain)}, not its parameters"
+            raise KindError(what, where=type(self).__name__, right=f"give a {self.parameter_types[0].__name__}")
+
+    def try_laws(self, parameters: Any, *described: Any) -> None:  # noqa: ARG002
+        """Make sure that the level is a number and not negative; raise KindError if it is not."""
+        with tolerating_arithmetic(self.level), naming_law(f"friction {self.name!r}", "level", self.level):
+            for brake, speed, pull in TRIED:
+                level = self.level(parameters, brake, speed, pull)
+                what = f"the torque at a brake of {brake:g} N m, {speed:g} rad/s and a pull of {pull:g} N m"
+                check_number(level, what)
+                if level < 0.0:
+                    raise MisfitError(f"{what} is {level:g} N m, which would drive the joint")

@@ -2,14 +2,27 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 from pydantic import Field
 
 from layflat.description import units as u
+from layflat.kind_checks import (
+    MisfitError,
+    check_alike,
+    check_nested,
+    check_number,
+    described,
+    naming_law,
+    tolerating_arithmetic,
+)
 from layflat.kinds import REQUIRED, Kind, KindPart
 
 Law = Callable[..., Any]
+
+TRIED = ((0.01, 1e5, 1e-3), (-0.02, 1e5, 1e-3), (0.0, 0.0, 1e-3), (0.01, 1e5, inf))
+"""Turns (rad), gauge pressures (Pa) and times (s) with which laws from outside are tried."""
 
 
 class LossesPart(KindPart):
@@ -51,3 +64,27 @@ class HysteresisKind(Kind):
     """`stored(loss, state)` yields what the losses give back, J; all else that was put in is heat."""
     loaded: Law = REQUIRED
     """`loaded(loss, p_g, share)` yields a state in which the losses carry a share (-1 to 1) of what they can."""
+
+    def try_laws(self, parameters: Any, *_: Any) -> None:
+        """Turn a hose to and fro, and check what the laws return; raise KindError if they return something else."""
+        with tolerating_arithmetic(self.turned):
+            with naming_law(f"hysteresis {self.name!r}", "at_rest", self.at_rest):
+                state = self.at_rest(parameters)
+                check_nested(state, "the state")
+            for turn, p_g, h in TRIED:
+                with naming_law(f"hysteresis {self.name!r}", "turned", self.turned):
+                    turned = self.turned(parameters, state, turn, p_g, h)
+                    check_alike(turned, state, "the state")
+                state = turned
+                self._try_torques(parameters, state)
+            with naming_law(f"hysteresis {self.name!r}", "loaded", self.loaded):
+                check_alike(self.loaded(parameters, 1e5, 0.5), state, "the state")
+
+    def _try_torques(self, parameters: Any, state: Any) -> None:
+        with naming_law(f"hysteresis {self.name!r}", "torques", self.torques):
+            torques = self.torques(parameters, state)
+            if type(torques) is not tuple:
+                raise MisfitError(f"it is {described(torques)}, not a tuple of torques")
+            check_nested(torques, "the tuple")
+        with naming_law(f"hysteresis {self.name!r}", "stored", self.stored):
+            check_number(self.stored(parameters, state), "the energy")

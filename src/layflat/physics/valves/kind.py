@@ -10,9 +10,20 @@ from layflat.description import Part
 from layflat.description import units as u
 from layflat.errors import KindError
 from layflat.jit import law
+from layflat.kind_checks import (
+    MisfitError,
+    check_alike,
+    check_items,
+    check_nested,
+    check_number,
+    naming_law,
+    tolerating_arithmetic,
+)
 from layflat.kinds import REQUIRED, Kind, KindPart
 
 Law = Callable[..., Any]
+
+TRIED = (0.0, 1.0, -1.0, 0.3)  # openings with which laws from outside are tried
 
 COMMON = ("conductance", "leakage", "critical_ratio", "laminar_slope", "centre_voltage", "volts_to_full", "delay")
 """What the parameters of every valve hold, so that air flows and voltages act alike through all."""
@@ -147,6 +158,33 @@ class ValveKind(Kind):
             lacking = [name for name in COMMON if name not in getattr(cls, "_fields", ())]
             if lacking:
                 raise KindError(f"{cls.__name__} lacks {', '.join(lacking)}", where=f"kind {self.name!r} of valve")
+
+    def try_laws(self, parameters: Any, *_: Any) -> None:
+        """Drive a valve, and check what the laws return; raise KindError if they return something else."""
+        thing, h = f"valve {self.name!r}", 5e-4
+        with tolerating_arithmetic(self.move):
+            with naming_law(thing, "at_rest", self.at_rest):
+                state = self.at_rest(parameters)
+                check_nested(state, "the state")
+            with naming_law(thing, "start_wave", self.start_wave):
+                wave = self.start_wave(parameters, 0.0, h)
+                check_nested(wave, "the wave")
+            with naming_law(thing, "turn_wave", self.turn_wave):
+                check_alike(self.turn_wave(parameters, wave), wave, "the wave")
+            with naming_law(thing, "weaken_wave", self.weaken_wave):
+                check_alike(self.weaken_wave(parameters, wave, 0.5), wave, "the wave")
+            for command in TRIED:
+                with naming_law(thing, "move", self.move):
+                    moved = self.move(parameters, state, command, wave, h)
+                    check_items(moved, 3, "the tuple of state and two conductances")
+                    check_alike(moved[0], state, "the state")
+                    for conductance in moved[1:]:
+                        check_number(conductance, f"a conductance at an opening of {command:g}")
+                        if conductance < 0.0:
+                            raise MisfitError(f"a conductance at an opening of {command:g} is negative")
+                state = moved[0]
+                with naming_law(thing, "opening", self.opening):
+                    check_number(self.opening(parameters, state), "the opening")
 
     def entries(self) -> Mapping[type, Any]:
         """What holds the laws, by class of the parameters."""

@@ -1,6 +1,7 @@
 """A file that grows: nothing is kept back in the process, and a full disk is not an error but a state."""
 
 import contextlib
+import errno
 import os
 import threading
 from pathlib import Path
@@ -14,19 +15,22 @@ _sync = getattr(os, "fdatasync", os.fsync)
 
 
 class GrowingFile:
-    """A new file to write at the end of, locked while it is open: `log repair` leaves it alone.
+    """An empty file to write at the end of, made unless it is there, locked while open: `log repair` leaves it alone.
 
     A killed process loses nothing that was flushed; a machine that loses power what came after the last order to the
-    disk. These orders are given by a thread, since a slow disk takes its time. Raise OSError if it can't be made, or is
-    there already.
+    disk. These orders are given by a thread, since a slow disk takes its time. Raise OSError if it can't be made, or
+    holds something already.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.trouble = ""  # why nothing can be written now; empty where all is well
         path.parent.mkdir(parents=True, exist_ok=True)
-        self._handle = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
+        self._handle = os.open(path, os.O_WRONLY | os.O_CREAT, 0o644)
         lock(self._handle)
+        if os.fstat(self._handle).st_size:
+            os.close(self._handle)
+            raise FileExistsError(errno.EEXIST, "holds something already", str(path))
         self._pending = bytearray()
         self._end = 0
         self._closing = threading.Event()

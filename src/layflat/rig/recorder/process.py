@@ -25,19 +25,27 @@ def start_recorder(ring: Ring, place: Path, heading: Heading) -> SpawnProcess:
     """Start a recorder; `ring.recorder_alive()` tells when it is there.
 
     It ends by itself when the loop, which fills the ring, ends or has not handed over anything for a second. The log is
-    called NAME.mcap.part until it is finished; OutputError is raised if it can't be written.
+    called NAME.mcap.part until it is finished; OutputError is raised if it can't be written, TakenError if it is there.
     """
     check_place(place)
+    try:
+        os.close(os.open(part_of(place), os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644))
+    except FileExistsError:
+        raise TakenError("is recorded by another run", where=str(place), right="give another name") from None
     return start_process(_record, (ring.path, place, heading), "layflat recorder")
+
+
+class TakenError(OutputError):
+    """There is a log of this name already, or another process begins one at the same time."""
 
 
 def check_place(place: Path) -> None:
     """Make sure that a log can be written; raise OutputError if it can't, or would take the place of another."""
     part = part_of(place)
     if place.exists():
-        raise OutputError("is there already", where=str(place), right="give another name, or move it")
+        raise TakenError("is there already", where=str(place), right="give another name, or move it")
     if part.exists():
-        raise OutputError("is there already", where=str(part), right=f"`layflat log repair {part}` makes it whole")
+        raise TakenError("is there already", where=str(part), right=f"`layflat log repair {part}` makes it whole")
     check_folder(place.parent)
 
 

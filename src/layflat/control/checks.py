@@ -1,0 +1,98 @@
+"""Checks of what a control law from outside returns."""
+
+from typing import Any
+
+from layflat.control.contract import Command, Demand, Sensed
+from layflat.description.expression import unit_of
+from layflat.description.factors import is_own
+from layflat.kind_checks import (
+    MisfitError,
+    check_alike,
+    check_items,
+    check_nested,
+    check_numbers,
+    check_record,
+    described,
+    naming_law,
+    tolerating_arithmetic,
+)
+from layflat.physics.adjustable import Shares
+
+TRIED = (0.0, 0.2, -0.2, 0.0)  # demands of all joints, rad, with which a law that rests is tried
+
+
+def check_memory(memory: Any) -> None:
+    """Raise MisfitError if something is no memory of a law."""
+    check_nested(memory, "the memory")
+
+
+def check_step(result: Any, memory: Any, joints: int, report: type) -> None:
+    """Raise MisfitError if something is not what a law returns after a cycle.
+
+    Args:
+        result: what it returned.
+        memory: its memory before the cycle.
+        joints: how many joints the arm has.
+        report: class of what it shows of a joint.
+    """
+    if type(result) is not tuple or len(result) != 3:
+        raise MisfitError(f"it is {described(result)}, not memory, command and report")
+    after, command, reports = result
+    check_alike(after, memory, "the memory")
+    if not isinstance(command, Command):
+        raise MisfitError(f"the command is {described(command)}, not a Command of voltages and shares")
+    check_numbers(command.voltage, joints, "`voltage`")
+    check_items(command.shares, joints, "`shares`")
+    for one in command.shares:
+        check_record(one, Shares, "an item of `shares`")
+    check_items(reports, joints, "the report")
+    for one in reports:
+        check_record(one, report, "an item of the report")
+
+
+def try_law(kind: Any, settings: Any, joints: int, cycle: float) -> None:
+    """Call the functions of a control law at rest, with demands that jump, and check what they return.
+
+    Args:
+        kind: the `ControlKind`.
+        settings: for a machine.
+        joints: of that machine.
+        cycle: of its controller, s.
+
+    Raises:
+        KindError: one fails, or returns what it may not.
+    """
+    nothing, thing = (0.0,) * joints, f"control law {kind.name!r}"
+    sensed = Sensed(nothing, nothing)
+    with tolerating_arithmetic(kind.step):
+        with naming_law(thing, "wake", kind.wake):
+            memory = kind.wake(settings, sensed)
+            check_memory(memory)
+        for angle in TRIED:
+            with naming_law(thing, "step", kind.step):
+                result = kind.step(
+                    settings, memory, sensed, Demand((angle,) * joints, nothing, nothing, nothing), cycle
+                )
+                check_step(result, memory, joints, kind.report)
+            memory = result[0]
+        with naming_law(thing, "centre_shift", kind.centre_shift):
+            check_numbers(kind.centre_shift(settings, memory, nothing), joints, "the shift")
+
+
+def check_report(report: Any, signals: Any) -> None:
+    """Raise MisfitError if what a kind says of its report does not fit together."""
+    if not hasattr(report, "_fields"):
+        raise MisfitError("`report` is no named tuple class")
+    if not isinstance(signals, dict):
+        raise MisfitError(f"`signals` is {described(signals)}, not unit and meaning by name")
+    for name, said in signals.items():
+        if type(said) is not tuple or len(said) != 2 or not all(isinstance(one, str) for one in said):
+            raise MisfitError(f"signal {name!r} has {described(said)}, not unit and meaning")
+        if name not in report._fields:
+            raise MisfitError(f"signal {name!r} is no field of `report`")
+        try:
+            known = said[0] == "1" or (unit_of(said[0]) != () and is_own(dict(unit_of(said[0]))))
+        except ValueError:
+            known = False
+        if not known:
+            raise MisfitError(f"signal {name!r} has the unit {said[0]!r}, which is none; give one such as rad, V or 1")

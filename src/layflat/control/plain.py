@@ -1,0 +1,50 @@
+"""Control laws in plain Python: what they return is checked in every cycle, since nothing compiles it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from layflat.control.checks import check_memory, check_step
+from layflat.kind_checks import naming_law
+
+
+@dataclass
+class CycleClock:
+    """Time since a law woke, s, for messages."""
+
+    time: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlainWake:
+    """`wake` of a law in plain Python, checked."""
+
+    kind: str  # its name
+    function: Callable[..., Any]
+    clock: CycleClock = field(compare=False)
+
+    def __call__(self, settings: Any, sensed: Any) -> Any:
+        """Call it and return the memory; raise KindError if it fails or returns none."""
+        with naming_law(f"control law {self.kind!r}", "wake", self.function):
+            memory = self.function(settings, sensed)
+            check_memory(memory)
+        self.clock.time = 0.0
+        return memory
+
+
+@dataclass(frozen=True)
+class PlainStep:
+    """`step` of a law in plain Python, checked."""
+
+    kind: str  # its name
+    function: Callable[..., Any]
+    report: type
+    clock: CycleClock = field(compare=False)
+
+    def __call__(self, settings: Any, memory: Any, sensed: Any, demand: Any, elapsed: float) -> Any:
+        """Call it and return memory, command and report; raise KindError if it fails or returns something else."""
+        with naming_law(f"control law {self.kind!r}", "step", self.function, f" at {self.clock.time:.4g} s"):
+            result = self.function(settings, memory, sensed, demand, elapsed)
+            check_step(result, memory, len(sensed.angle), self.report)
+        self.clock.time += elapsed
+        return result

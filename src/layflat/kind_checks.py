@@ -1,0 +1,145 @@
+"""Checks of what the laws of a kind from outside return: its shape, its types, and that its numbers are finite.
+
+A law is called as plain Python, whether it will be compiled or not, with numbers as they may come. What is wrong is
+one line that names the law, the kind, and the file and line in which it stands.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from layflat.errors import KindError, LayflatError
+from layflat.jit import Law
+from layflat.jit.outside import FAILURES, first_line, place_in_kinds
+
+
+class MisfitError(Exception):
+    """A law returned what it may not; the text says what that is."""
+
+
+def check_number(value: Any, what: str) -> None:
+    """Raise MisfitError if something is no finite number."""
+    is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    if not is_number:
+        raise MisfitError(f"{what} is {described(value)}, not a number")
+    if not math.isfinite(value):
+        raise MisfitError(f"{what} is {value}, not a finite number")
+
+
+def check_items(value: Any, count: int, what: str) -> None:
+    """Raise MisfitError if something is not a plain tuple of so many items."""
+    if type(value) is not tuple:
+        raise MisfitError(f"{what} is {described(value)}, not a tuple of {count}")
+    if len(value) != count:
+        raise MisfitError(f"{what} has {len(value)} items, not {count}")
+
+
+def check_numbers(value: Any, count: int, what: str) -> None:
+    """Raise MisfitError if something is not a plain tuple of so many finite numbers."""
+    check_items(value, count, what)
+    for i, item in enumerate(value):
+        check_number(item, f"item {i + 1} of {what}")
+
+
+def check_record(value: Any, cls: type, what: str) -> None:
+    """Raise MisfitError if something is not a named tuple of a class, of finite numbers or of tuples of these."""
+    if type(value) is not cls:
+        raise MisfitError(f"{what} is {described(value)}, not a {cls.__name__}")
+    check_nested(value, what)
+
+
+def check_nested(value: Any, what: str) -> None:
+    """Raise MisfitError if something is not a nested tuple of finite numbers, with one at least."""
+    if not isinstance(value, tuple):
+        raise MisfitError(f"{what} is {described(value)}, not a named tuple of floats")
+    if not value:
+        raise MisfitError(f"{what} is an empty tuple, not a named tuple of floats")
+    names = getattr(value, "_fields", None) or [f"item {i + 1}" for i in range(len(value))]
+    for name, item in zip(names, value, strict=True):
+        inner = f"{name} of {what}"
+        if isinstance(item, tuple):
+            check_nested(item, inner)
+        else:
+            check_number(item, inner)
+
+
+def check_alike(value: Any, like: Any, what: str) -> None:
+    """Raise MisfitError if a nested tuple of finite numbers is not made up as another one."""
+    if not isinstance(like, tuple):
+        check_number(value, what)
+        return
+    if type(value) is not type(like):
+        kind = "tuple" if type(like) is tuple else type(like).__name__
+        raise MisfitError(f"{what} is {described(value)}, not a {kind} as before")
+    if len(value) != len(like):
+        raise MisfitError(f"{what} has {len(value)} items, not {len(like)} as before")
+    names = getattr(like, "_fields", None) or [f"item {i + 1}" for i in range(len(like))]
+    for name, item, before in zip(names, value, like, strict=True):
+        check_alike(item, before, f"{name} of {what}")
+
+
+def described(value: Any) -> str:
+    """Return what something is, in a few words."""
+    if value is None:
+        return "None"
+    if isinstance(value, str):
+        return f"the text {value[:20]!r}"
+    if isinstance(value, (bool, complex, np.bool_)):
+        return repr(value)
+    if isinstance(value, np.ndarray):
+        return "an array"
+    if type(value) is tuple:
+        return f"a tuple of {len(value)}"
+    name = type(value).__name__
+    return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
+
+
+@contextmanager
+def naming_law(kind: str, entry: str, law: Callable[..., Any], when: str = "") -> Iterator[None]:
+    """Turn what is wrong with a call of a law, or with what it returned, into one line.
+
+    Args:
+        kind: the thing that it is a kind of, and its name.
+        entry: the law's name in the kind.
+        law: the law.
+        when: at what time of a run, if in one.
+
+    Raises:
+        KindError: it names the law's kind, and its file and line.
+    """
+    try:
+        yield
+    except MisfitError as error:
+        raise KindError(f"`{entry}` of {kind} returns a wrong result{when}: {error}", where=place_of(law)) from None
+    except LayflatError:
+        raise
+    except FAILURES as error:
+        if _is_compiled_otherwise(law, error):
+            raise
+        what = f"`{entry}` of {kind} fails{when}: {first_line(error)}"
+        raise KindError(what, where=place_in_kinds(error) or place_of(law)) from error
+
+
+@contextmanager
+def tolerating_arithmetic(law: Callable[..., Any]) -> Iterator[None]:
+    """End a trial of a compiled law where only plain Python fails: compiled, 1/0 is infinite and may be left out."""
+    try:
+        yield
+    except (ArithmeticError, ValueError) as error:
+        if not _is_compiled_otherwise(law, error):
+            raise
+
+
+def _is_compiled_otherwise(law: Callable[..., Any], error: BaseException) -> bool:
+    """Return whether an error is one of arithmetic, which a compiled law does not raise."""
+    of_arithmetic = isinstance(error, ArithmeticError) or str(error) == "math domain error"
+    return of_arithmetic and isinstance(law, Law)
+
+
+def place_of(law: Callable[..., Any]) -> str:
+    """Return file and line of a law; empty where it has none."""
+    code = getattr(getattr(law, "py_func", law), "__code__", None)
+    return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else ""
