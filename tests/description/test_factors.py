@@ -128,6 +128,7 @@ def test_every_name_of_the_table_is_pints(name: str) -> None:
 @given(st.floats(1e-6, 1e6), st.sampled_from(UNITS))
 def test_a_value_is_written_in_any_unit_and_read_again(value: float, unit: str) -> None:
     kind = kind_of(unit)
+    value = max(value, kind.least)  # what is less is written as zero
     assert kind.convert(kind.text(value, unit)) == pytest.approx(value, rel=2e-6, abs=1e-3 if unit == "degC" else 0.0)
 
 
