@@ -156,6 +156,16 @@ def test_a_study_says_that_a_law_in_plain_python_can_not_run(examples: Path) -> 
         read(file)
 
 
+def test_a_law_of_ones_own_is_compared_with_others(examples: Path) -> None:
+    from layflat.experiments.beyond.comparison import TRACKING, comparison
+
+    compared = comparison(str(examples / "relay.toml"))
+    assert list(compared.laws) == ["relay", TRACKING]
+    assert "steps, relay" in [name for name, _ in compared.stages()]
+    with pytest.raises(KindError, match=r"'plain-relay' is plain Python; it can't run in comparisons"):
+        comparison(str(examples / "plain_relay.toml"))
+
+
 def test_a_law_of_ones_own_reports_under_its_own_names(machine: Machine) -> None:
     run = rollout(machine, scenario=MOVE)
     assert run["error"].attrs == {"units": "rad", "long_name": "demand less angle"}

@@ -211,7 +211,7 @@ def test_a_diverging_run_says_so_and_keeps_its_data(tmp_path: Path) -> None:
         (("simulate", "paper-arm", "--move", "wrist=1 deg"), "--move: unknown joint 'wrist'; joints are large, small"),
         (("simulate", "paper-arm", "--move", "1 deg, 2 deg, 3 deg"), "--move: '1 deg, 2 deg, 3 deg' has 3 values"),
         (("simulate", "paper-arm", "--move", "1 deg @ 2"), "--move: '2' is a bare number; give a time such as"),
-        (("simulate", "paper-arm", "--supply", "-2 bar"), "--supply: -200000 is out of range"),
+        (("simulate", "paper-arm", "--supply", "-2 bar"), "--supply: -200000 Pa is out of range"),
         (("simulate", "paper-arm", "--duration", "1 m"), "--duration: '1 m' is not a time"),
         (
             ("simulate", "paper-arm", "--move", "1 deg @ 99 s"),

@@ -56,6 +56,29 @@ def test_scenario_and_changes_are_laid_over_each_other() -> None:
     assert np.all(run["demand"] == radians(10))
 
 
+def test_a_demand_is_laid_over_a_scenario() -> None:
+    run = rollout(ARM, "20 deg", scenario=Scenario(demand="10 deg", duration=0.1))
+    assert np.all(run["demand"] == radians(20))
+    assert rollout(ARM, scenario=Scenario(demand="10 deg", duration=0.1)).demand[0, 0] == radians(10)
+
+
+def test_a_run_s_own_demand_gives_the_run_again() -> None:
+    run = rollout(ARM, [("0.1 s", {"large": "20 deg"})], duration=0.3)
+    assert np.array_equal(rollout(ARM, run["demand"], duration=0.3)["angle"], run["angle"])
+    frame = run["demand"].to_pandas()
+    assert np.array_equal(rollout(ARM, frame, duration=0.3)["angle"], run["angle"])
+    assert run["angle"][0].values.tolist() == [0.0, 0.0]
+
+
+def test_a_step_that_would_lose_the_dither_is_refused() -> None:
+    fast = changed(ARM, "valve.dither.frequency", 2000.0)
+    with pytest.raises(InputError, match=r"step: 0\.5 ms is too long for the 2000 Hz of the valves.*0\.05 ms"):
+        rollout(fast, duration=0.1)
+    rollout(changed(fast, "valve.dither.amplitude", 0.0), duration=0.1)
+    with pytest.raises(InputError, match="step: 1 ms is too long for the 600 Hz"):
+        rollout(changed(load("paper-arm-switching"), "valve.frequency", 600.0), step="1 ms")
+
+
 def test_payload_change_and_supply_loss_are_recorded() -> None:
     run = rollout(
         ARM, payload=[("0 s", "1 kg"), ("0.1 s", "2 kg")], supply=[("0 s", "4 bar"), ("0.1 s", "0 bar")], duration=0.2
@@ -115,6 +138,12 @@ def test_divergence_says_when_and_where_and_keeps_the_data() -> None:
         ({"step": "1 s"}, "step: 1 s is out of range"),
         ({"records": 0}, "records: 0 is out of range"),
         ({"sead": 1}, "unknown option 'sead'"),
+        ({"records": 1.5}, "records: 1.5 is not a whole number; give 1 to 10000"),
+        ({"records": 10000, "duration": 900.0}, "records: a run of 900 s with 10000 records .* GiB"),
+        ({"controller": "nobody"}, "nobody: no such machine"),
+        ({"controller": "picking-arm"}, "controller: picking-arm: has joints base, shoulder"),
+        ({"scenario": "20 deg"}, r"scenario: '20 deg' is not a Scenario; give Scenario\(demand='20 deg'\)"),
+        ({"progress": 5}, "progress: 5 can't be called"),
         ({"start": "70 deg"}, "start: 70 deg is outside the working stroke"),
         ({"pressures": (0.0, 0.0)}, "pressures: 0 Pa is out of range; give absolute pressures"),
     ],

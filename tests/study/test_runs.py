@@ -12,7 +12,8 @@ from layflat.sim.ensemble import ensemble
 from layflat.study import read, run, table
 from layflat.study.results import summary
 
-WILD = SMALL.replace("[scenario]", "[scenario]\nopening = 1.0\nbrake = 0.0").replace(
+DEMAND = 'demand = [["0 s", "-10 deg"], ["0.05 s", "10 deg"]]\n'
+WILD = SMALL.replace(DEMAND, "").replace("[scenario]", "[scenario]\nopening = 1.0\nbrake = 0.0").replace(
     '[vary."joint.small.brake.torque"]\nlow = "0 N m"\nhigh = "4 N m"\npoints = 6',
     '[vary."joint.small.stops.stop_stiffness"]\nvalues = ["1000 N m/rad", "1e9 N m/rad"]',
 ).replace('"0.2 s"', '"0.6 s"')  # fmt: skip

@@ -75,7 +75,12 @@ def test_what_varies_takes_the_place_of_a_constant_but_not_of_steps(tmp_path: Pa
         ('"0.05 s"', "0.05", "scenario.0.demand: 0.05 is a bare number; give a time"),
         ('"10 deg"', '"90 deg"', "scenario.0.demand: 90 deg is outside the working stroke of joint 'small'"),
         ("[scenario]", '[scenario]\nstart = "70 deg"', "scenario.0.start: 70 deg is outside the working stroke"),
-        ("[scenario]", '[scenario]\npayload = [["0.1 s", "-1 kg"]]', "scenario.0.payload: -1 is out of range"),
+        ("[scenario]", '[scenario]\npayload = [["0.1 s", "-1 kg"]]', "scenario.0.payload: -1 kg is out of range"),
+        ("[scenario]", '[scenario]\nopening = 0.1', "scenario.0.opening: stands beside demand"),
+        ("[scenario]", '[scenario]\nnoise = "no"', "scenario.0.noise: 'no' is"),
+        ("[scenario]", '[scenario]\nload = [["0.3 s", "1 N m"]]', "scenario.0.load: 0.3 s is after the end"),
+        ("[scenario]", '[scenario]\nbrake = 2', "scenario.0.brake: 2 is out of range; give a share from 0 to 1"),
+        ('["settling", "air_used"]', "[]", "metrics: is empty; give one or more, or leave it out for all"),
         ("[scenario]", 'step = "1 s"\n[scenario]', "step: 1 s is out of range; give 10 ns to 0.005 s"),
         ("[scenario]", "[[scenario]]\n[[scenario]]", "scenario: are not equally long; give all the same duration"),
         ("paper-small-joint", "papr-small-joint", "papr-small-joint: no such machine; did you mean 'paper-small-joint'?"),  # noqa: E501

@@ -32,7 +32,7 @@ def parse_steps(
         names: of the joints, or of the axes.
         where: the option, in messages.
         bare: whether values are numbers without unit.
-        of: noun for a name.
+        of: noun for a name; "value" for one that all joints share.
 
     Raises:
         InputError: naming the option: a text makes no sense, or names something twice at one time.
@@ -71,6 +71,9 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tu
     if any("=" in item for item in items):
         pairs = [[part.strip() for part in item.partition("=")[::2]] for item in items]
         unknown = [name for name, _ in pairs if name not in names]
+        if unknown and of == "value":
+            right = "give one value: it is the same for all joints"
+            raise InputError(f"{text!r} names a joint", where=where, right=right)
         if unknown:
             plural = "axes" if of == "axis" else "joints"
             raise InputError(f"unknown {of} {unknown[0]!r}", where=where, right=f"{plural} are {', '.join(names)}")
@@ -78,8 +81,8 @@ def _one(text: str, names: Sequence[str], where: str, bare: bool, of: str) -> tu
         if twice is not None:
             raise InputError(f"{twice!r} is given twice in {text!r}", where=where, right="give it once")
         return time, {name: _value(value, where, bare) for name, value in pairs}
-    if len(items) not in {1 if of == "joint" else len(names), len(names)}:
-        right = f"give {len(names)}: {', '.join(names)}"
+    if len(items) not in {len(names) if of == "axis" else 1, len(names)}:
+        right = "give one" if of == "value" else f"give {len(names)}: {', '.join(names)}"
         raise InputError(f"{text!r} has {len(items)} values", where=where, right=right)
     each = items * len(names) if len(items) == 1 else items
     return time, {name: _value(item, where, bare) for name, item in zip(names, each, strict=True)}

@@ -67,14 +67,14 @@ class Asked:
         from layflat.sim import Scenario  # noqa: PLC0415
 
         names = list(machine.joints)
-        acting: dict[str, Any] = {"duration": self.duration or USUAL_DURATION}
+        acting: dict[str, Any] = {"duration": USUAL_DURATION if self.duration is None else self.duration}
         acting["start"] = parse_row(self.start, names, "--start") if self.start is not None else 0.0
         for key in ("drift", "load", "brake"):
             if texts := getattr(self, key):
                 acting[key] = parse_steps(texts, names, f"--{key}", bare=key == "brake")
         for key in ("payload", "supply"):
             if texts := getattr(self, key):
-                steps = parse_steps(texts, [key], f"--{key}")
+                steps = parse_steps(texts, [key], f"--{key}", of="value")
                 acting[key] = [(time, values[key]) for time, values in steps]
         if self.opening is not None:
             acting |= {"opening": parse_steps([self.opening], names, "--opening", bare=True), "demand": {}}

@@ -6,7 +6,7 @@ that it had, and before the first step all have the value that they start with.
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeGuard
+from typing import Any, NamedTuple, Protocol, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +18,17 @@ from layflat.motion.aliasing import check_function_rate, check_table_rate
 from layflat.motion.labelled import is_labelled, labelled_row, labelled_steps
 from layflat.motion.signal_values import Angles, SignalKind, Value, check_real, read_number, read_row
 
+
+class Labelled(Protocol):
+    """A table of pandas or xarray."""
+
+    @property
+    def attrs(self) -> Any:
+        """What is noted of it."""
+
+
 Steps = Sequence[tuple[Value, Angles]]
-Signal = Angles | Steps | Callable[[float], Angles] | Array
+Signal = Angles | Steps | Callable[[float], Angles] | Array | Labelled
 """A constant, steps of (time, values), a function of time, an array of one row per control cycle, or a labelled table
 (a DataFrame or Series of pandas, a DataArray of xarray) with times in its index and joints as names."""
 

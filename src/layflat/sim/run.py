@@ -13,6 +13,7 @@ import numpy as np
 from layflat.arrays import Array
 from layflat.control import CONTROL_LAWS
 from layflat.description import units as u
+from layflat.description.wrong import shown
 from layflat.errors import DivergedError, InputError
 from layflat.jit.outside import blame_outside
 from layflat.kind_checks import place_of
@@ -80,14 +81,16 @@ def rollout(
     from layflat.sim.dataset import dataset  # noqa: PLC0415  # xarray takes long to import
 
     described = load(machine)
+    if progress is not None and not callable(progress):
+        raise InputError(f"{shown(progress)} can't be called", where="progress", right="give a function")
     if demand is not None:
         changes["demand"] = demand
     case = checked_options(Scenario, changes, "rollout", None if scenario is None else check_scenario(scenario))
     driver = None if controller is None else load(controller)
     prepared = prepare(described, case, step=step, records=records, controller=driver)
     with _telling(prepared, progress):
-        rows, shown, diverged = prepared.run()
-    run = dataset(described, case, prepared, rows, shown)
+        rows, report, diverged = prepared.run()
+    run = dataset(described, case, prepared, rows, report)
     if diverged >= 0:
         names = list(described.joints)
         raise DivergedError(float(run.time[-1]), names[diverged], run, _cause(described, prepared, run))
@@ -161,11 +164,11 @@ class Prepared:
         law = CONTROL_LAWS.of(self.case.settings)
         rest = self.angles, self.pressures, self.signals, self.timing, len(law.signals), self.done
         if law.compiled:
-            rows, shown, valid, diverged = run_cycles(*self._numbers, *rest)
+            rows, report, valid, diverged = run_cycles(*self._numbers, *rest)
         else:
             with blame_outside():
-                rows, shown, valid, diverged = all_cycles(self.case, *rest)
-        return rows[:valid], shown[:valid], int(diverged)
+                rows, report, valid, diverged = all_cycles(self.case, *rest)
+        return rows[:valid], report[:valid], int(diverged)
 
 
 def driver_of(machine: Machine, controller: Machine | None) -> Machine:

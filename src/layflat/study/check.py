@@ -36,15 +36,18 @@ def check(
     """
     first = np.array([0])
     for i, scenario in enumerate(scenarios):
-        with _inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
+        with inside(f"{where}: scenario.{i}.", set(ScenarioTable.model_fields)):
             cases(machine, [scenario], {}, 1).runs(first)
-    with _inside(f"{where}: ", {"scenario", "step"}):
+    with inside(f"{where}: ", {"scenario", "step"}):
         prepared = cases(machine, list(scenarios), {}, 1)
         timing_of(prepared.cycle, step, 1, prepared.machine)
     _check_settings(scenarios, drawn, where)
     _check_bounds(machine, drawn, where)
     # Numbers that are right alone can contradict each other.
-    changed_all(machine, {key: own for key, own in drawn.items() if not key.startswith("scenario.")}, f"{where}: vary")
+    own_numbers = {key: own for key, own in drawn.items() if not key.startswith("scenario.")}
+    varied = changed_all(machine, own_numbers, f"{where}: vary")
+    with inside(f"{where}: ", {"step"}):
+        timing_of(prepared.cycle, step, 1, varied)
     for path in (path for path in drawn if path not in along):
         values = drawn[path]
         ends = [
@@ -56,8 +59,8 @@ def check(
 
 
 @contextmanager
-def _inside(where: str, keys: set[str]) -> Iterator[None]:
-    """Say of a mistake in one of these keys in which table it is."""
+def inside(where: str, keys: set[str]) -> Iterator[None]:
+    """Name the table of a mistake in one of these keys, `where`."""
     try:
         yield
     except InputError as error:

@@ -94,7 +94,7 @@ class ScenarioTable(Part):
     supply: Pressure = None
     payload: Mass = None
     pressures: tuple[u.PositivePressure, u.PositivePressure] | None = None
-    noise: bool = True
+    noise: Annotated[bool, Field(strict=True)] = True
     seed: Annotated[int, Field(ge=0, le=MOST_SEED)] = 0
 
 

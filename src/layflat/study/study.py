@@ -14,7 +14,7 @@ from layflat.sim import STEP, Scenario
 from layflat.sim.ensemble.cases import cases
 from layflat.sim.ensemble.parallel import LONGEST_SINGLE, TIP_BAND
 from layflat.sim.metrics import BAND
-from layflat.study.check import check
+from layflat.study.check import check, inside
 from layflat.study.description import ScenarioTable, StudyFile, explained_study, refuse
 from layflat.study.sampling import samples
 from layflat.study.variants import Variant, variants
@@ -142,7 +142,7 @@ def read(path: str | Path) -> Study:
         for one in compared
     ]
     _check_runs(file, found[0], where)
-    scenarios = tuple(_scenario(table, file) for table in file.scenario)
+    scenarios = tuple(_scenario(table, file, f"{where}: scenario.{i}.") for i, table in enumerate(file.scenario))
     study = Study(file, compared, scenarios, found[0], _metrics(file.metrics, where))
     if where not in names() and study.fits:  # the built-in ones are checked by tests; others than these never run
         check_samples(study, where)
@@ -184,12 +184,13 @@ def _check_runs(file: StudyFile, varied: tuple[Varied, ...], where: str) -> None
     )
 
 
-def _scenario(table: ScenarioTable, file: StudyFile) -> Scenario:
-    """What varies takes the place of a constant."""
+def _scenario(table: ScenarioTable, file: StudyFile, where: str) -> Scenario:
+    """Return a scenario, in which what varies takes the place of a constant (InputError: naming the key)."""
     varied = {*file.vary, *(path for one in file.vary.values() for path in one.also)}
     given = {key: getattr(table, key) for key in table.model_fields_set - {"name"}}
     hidden = [key for key in ("payload", "supply") if f"scenario.{key}" in varied and isinstance(given.get(key), float)]
-    return Scenario(**{key: value for key, value in given.items() if key not in hidden})
+    with inside(where, set(ScenarioTable.model_fields)):
+        return Scenario(**{key: value for key, value in given.items() if key not in hidden})
 
 
 def _metrics(names: tuple[str, ...] | None, where: str) -> tuple[str, ...]:

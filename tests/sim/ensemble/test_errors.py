@@ -22,6 +22,18 @@ CASE = Scenario(duration="0.01 s")
         ({"arm.payload": []}, "one number a run"),
         ({"scenario": [1.0]}, "0 to 0"),
         ({"controller.cycle": [5e-3]}, "same in all runs"),
+        ({"arm.payload": ["1 bar"]}, "vary: arm.payload: '1 bar' is not a mass"),
+        ({"arm.payload": "1 kg"}, "vary: arm.payload: '1 kg' is no list"),
+        ({"arm.payload": [1j]}, "vary: arm.payload: 1j is not a mass"),
+        ({"arm.payload": np.ma.masked_all(2)}, "vary: arm.payload: holds masked values"),
+        ({"seed": ["1"]}, "vary: seed: '1' is not a number"),
+        ({"scenario.supply": [4.0]}, "vary: scenario.supply: 4 Pa is hardly any pressure"),
+        ({"scenario.payload": ["-1 kg"]}, "vary: scenario.payload: -1 kg is out of range"),
+        ({"scenario.brake.small": [-1.0]}, "vary: scenario.brake.small: -1 is out of range"),
+        ({"start.angle.small": ["100 deg"]}, "vary: start.angle.small: 100 deg is outside"),
+        ({"start.pressure_a.small": [3.0]}, "vary: start.pressure_a.small: 3 Pa is out of range"),
+        ({"valve.dither.frequency": [50.0, 3000.0]}, "step: 0.5 ms is too long for the 3000 Hz"),
+        ([1.0], "vary: .* is no table of what varies"),
     ],
 )
 def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
@@ -37,11 +49,33 @@ def test_what_can_not_vary(vary: dict[str, Any], message: str) -> None:
         ({"every": 0}, "every"),
         ({"step": "1 s"}, "step"),
         ({"band": "1 kg"}, "band"),
+        ({"band": -0.1}, "band: -0.1 rad is out of range"),
+        ({"runs": 1.5}, "runs: 1.5 is not a whole number"),
+        ({"runs": 10**9}, "runs: an ensemble of 1000000000 runs of 0.01 s needs about .* GiB of memory"),
+        ({"threads": 0}, "threads: 0 is out of range"),
+        ({"metrics": "settling"}, "metrics: 'settling' is no list of names"),
+        ({"traces": 5}, "traces: 5 is no list of names"),
+        ({"every": 1.5}, "every: 1.5 is not a whole number"),
+        ({"controller": "nobody"}, "nobody: no such machine"),
     ],
 )
 def test_options(options: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        ensemble("paper-arm", CASE, runs=1, **options)
+        ensemble("paper-arm", CASE, **{"runs": 1, **options})
+
+
+@pytest.mark.parametrize("given", ["20 deg", 5, [], [CASE, "x"], {"demand": 0.1}])
+def test_what_is_no_scenario(given: Any) -> None:
+    with pytest.raises(InputError, match="scenario: "):
+        ensemble("paper-arm", given, runs=1)
+
+
+def test_values_that_vary_may_have_units() -> None:
+    numbers, texts = (
+        ensemble("paper-arm", Scenario(demand=0.1, duration="0.05 s"), {"arm.payload": own, "scenario.supply": supply})
+        for own, supply in (([1.0, 0.5], [4e5, 3e5]), (["1 kg", "500 g"], ("4 bar", "3 bar")))
+    )
+    assert numbers.identical(texts)
 
 
 def test_scenarios_last_equally_long() -> None:

@@ -313,7 +313,7 @@ def _columns(traces: Sequence[str]) -> NDArray[np.int64]:
 
 def _known(names: Sequence[str], there: Sequence[str], what: str, where: str) -> Sequence[str]:
     """Names of what there is."""
-    if isinstance(names, (str, bytes)) or not all(isinstance(name, str) for name in names):
+    if not isinstance(names, (list, tuple, set, frozenset)) or not all(isinstance(name, str) for name in names):
         raise InputError(f"{shown(names)} is no list of names", where=where, right=f"use {', '.join(there)}")
     unknown = sorted(set(names) - set(there))
     if unknown:

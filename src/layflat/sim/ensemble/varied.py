@@ -51,13 +51,15 @@ def read_values(machine: Machine, key: str, values: Any) -> Array:
     where, right = f"vary: {key}", "give one number a run"
     if isinstance(values, (str, bytes)) or not hasattr(values, "__len__") or isinstance(values, (dict, set)):
         raise InputError(f"{shown(values)} is no list", where=where, right=right)
+    if isinstance(values, np.ma.MaskedArray):
+        raise InputError("holds masked values", where=where, right="give an array without a mask")
     try:
         array = np.asarray(values)
     except ValueError:  # lists of several lengths
         raise InputError("is a list of lists", where=where, right=right) from None
     if array.ndim != 1 or len(array) == 0:
         raise InputError(f"has shape {array.shape}", where=where, right=right)
-    if array.dtype.kind not in "iuf" or isinstance(array, np.ma.MaskedArray):
+    if array.dtype.kind not in "iuf":
         items = values if isinstance(values, (list, tuple)) else array.tolist()
         array = np.array([read_number(value, _quantity(machine, key), where) for value in items])
     if not np.isfinite(array).all():
