@@ -105,15 +105,16 @@ WIDTH = 100  # columns that a table may take
 
 
 def print_table(columns: list[str], rows: list[list[str]], title: str = "") -> None:
-    """Print a table that fits 100 columns."""
+    """Print a table that fits 100 columns, with every text as it is: "p [kPa]" and ":key:" are no markup."""
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
 
-    table = Table(title=title or None, title_justify="left", header_style="bold", show_edge=False)
+    table = Table(title=Text(title) if title else None, title_justify="left", header_style="bold", show_edge=False)
     for column in columns:
-        table.add_column(column, overflow="fold")
+        table.add_column(Text(column), overflow="fold")
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     console = Console(highlight=False)
     console.width = min(console.width if console.is_terminal else WIDTH, WIDTH)
     console.print(table)

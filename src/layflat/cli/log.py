@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from layflat.cli.app import print_table
-from layflat.cli.bars import busy
+from layflat.cli.bars import bar, busy
 from layflat.cli.lazy import LazyTyper
 
 if TYPE_CHECKING:
     import xarray
 
+    from layflat.identify.logs.guess import Guess
+    from layflat.identify.logs.mapping import MappedColumn
+    from layflat.identify.logs.table import Table
     from layflat.machine import Machine
 
 logs = LazyTyper(
@@ -46,8 +49,9 @@ def check_log(
     from layflat.identify.logs import check, read_log, refuse  # noqa: PLC0415
 
     described = _machine(machine)
-    with busy("reading"):
-        data = read_log(log, mapping, joints=_joints(described), cycle=cycle)
+    table = _read(log)
+    with busy("checking"):
+        data = read_log(table, mapping, joints=_joints(described), cycle=cycle)
         issues = check(data, described)
     period = data.attrs["log_period"]
     title = f"{log.name}: {data.sizes['time']} instants, one every {period * 1e3:.4g} ms"
@@ -68,6 +72,10 @@ def map_log(
     log: LogFile,
     out: Annotated[Path | None, typer.Option("--out", "-o", metavar="FILE", help="[LOG's name]-mapping.toml")] = None,
     machine: OfMachine = None,
+    period: Annotated[
+        str | None, typer.Option(help='between samples, such as "5 ms", of a log without a clock')
+    ] = None,
+    explain: Annotated[bool, typer.Option("--explain", help="show what each column may be, with points")] = False,
 ) -> None:
     """Guess what a log's columns are, and write a mapping file to look through and correct."""
     from layflat.files import check_file  # noqa: PLC0415
@@ -75,17 +83,73 @@ def map_log(
 
     place = out or Path(f"{log.stem}-mapping.toml")
     check_file(place)
-    with busy("reading"):
-        guess = guess_mapping(log, _joints(_machine(machine)))
-    rows = [
-        [", ".join(entry.columns), entry.channel, entry.unit, guess.notes.get(entry.columns[0], "")]
+    table = _read(log)
+    guess = guess_mapping(table, _joints(_machine(machine)), period)
+    for note in table.notes:
+        typer.echo(f"{log.name}: {note}")
+    if explain:
+        _explain(table, guess)
+    clock = guess.mapping.time
+    rows = (
+        [[clock.column, _stated(table, clock.column), "time", clock.unit, guess.notes.get("", "")]]
+        if clock and clock.column
+        else []
+    )
+    rows += [
+        [
+            ", ".join(entry.columns),
+            _stated(table, entry.columns[0]),
+            entry.channel,
+            _unit_of(entry),
+            guess.notes.get(entry.columns[0], ""),
+        ]
         for entry in guess.mapping.column
     ]
-    print_table(["column", "taken for", "unit", "why"], rows)
-    left = len([name for name in guess.notes if name]) - len(rows)
+    print_table(["column", "stated", "taken for", "unit", "why"], rows)
+    if guess.left:
+        typer.echo()
+        print_table(
+            ["left out", "stated", "why"], [[name, _stated(table, name), why] for name, why in guess.left.items()]
+        )
+    left = len(guess.left)
     head = f"Guessed from {log.name} by `layflat log map`: look through every entry before you use it."
     typer.echo(f"{left} columns are left out" if left != 1 else "1 column is left out")
     typer.echo(f"wrote {write_mapping(guess.mapping, place, guess.notes, head)}: a guess, correct it before you use it")
+
+
+def _read(log: Path) -> "Table":
+    """Read a log's file with a bar."""
+    from layflat.identify.logs import read_table  # noqa: PLC0415
+
+    with bar("reading", 1.0, "TimeRemainingColumn") as update:
+        return read_table(log, lambda fraction: update(completed=fraction))
+
+
+def _stated(table: "Table", name: str) -> str:
+    """Return the unit that a column's header states, in its own words where it is not understood."""
+    header = table.columns[name].header if name in table.columns else table.clock
+    if header is None:
+        return ""
+    zero = {True: " gauge", False: " absolute", None: ""}[header.gauge]
+    return f"{header.unit or header.unknown}{zero}".strip()
+
+
+def _unit_of(entry: "MappedColumn") -> str:
+    return entry.unit if entry.gauge is None else f"{entry.unit} {'gauge' if entry.gauge else 'absolute'}"
+
+
+def _explain(table: "Table", guess: "Guess") -> None:
+    """Print what each column may be."""
+    rows = []
+    for name in table.columns:
+        may_be = guess.scores.get(name, [("nothing", 0.0, guess.notes.get(name, ""))])
+        rows += [[name, _stated(table, name), signal, f"{points:g}", why] for signal, points, why in may_be]
+    print_table(
+        ["column", "stated", "may be", "points", "why"],
+        rows,
+        "What each column may be: its name counts 4, layflat's own 6, a unit that fits 3",
+    )
+    typer.echo()
 
 
 def _machine(name: str | None) -> "Machine | None":

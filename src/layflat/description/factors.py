@@ -1,4 +1,4 @@
-"""Conversion of usual units, without the seconds that Pint takes to load, and exactly as Pint converts.
+"""Conversion of usual units without loading Pint, which takes about half a second, and exactly as Pint converts.
 
 A unit is a product of names with exponents, such as {"N": 1, "m": 1}. A name is either a base unit or has a scale and
 a product that it stands for, as in Pint's definitions: the factor of a conversion is then the same product of the

@@ -126,7 +126,7 @@ def test_one_reset_of_the_clock_is_cut_and_told(tmp_path: Path) -> None:
     time = np.append(ticks(0.01, 100), ticks(0.01, 250))
     told, issues = clock_told(tmp_path, time)
     assert told["cut"] == 100
-    assert issues == ["warning: the clock jumps back from 0.99 s to 0 s; 100 samples are cut"]
+    assert issues == ["warning: the clock jumps back from 0.99 s to 0 s at sample 101; 100 samples are cut"]
 
 
 def test_time_that_goes_backwards_more_than_once_is_refused(tmp_path: Path) -> None:
@@ -162,4 +162,4 @@ def test_undated_samples_are_left_out(tmp_path: Path) -> None:
     time[10:12] = np.nan
     told, issues = clock_told(tmp_path, time)
     assert told["undated"] == 2
-    assert issues == ["note: 2 samples without stamp are left out"]
+    assert issues == ["note: 2 samples without stamp, first sample 11, left out"]

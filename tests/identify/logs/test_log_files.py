@@ -177,8 +177,9 @@ def test_parquet_with_dates_units_and_words(tmp_path: Path) -> None:
         ("log.csv", "", "holds no samples; give a table with a row a sample"),
         ("log.csv", "a,b\n", "holds no samples"),
         ("log.csv", "a,b\nx,y\n", "holds no numbers"),
-        ("log.csv", "a,a\n1,2\n", "column 'a' stands there twice; rename one of them"),
-        ("log.csv", "a,b\n1,2\n3\n", "sample 2: 1 values; give 2 as in its header"),
+        ("log.csv", "a,a\n1,2\n", "its columns (a (column 1), a (column 2)) are not layflat's own signals"),
+        ("log.csv", "a,b\n1,2\n3\n", "line 3 ('3') has 1 values in place of 2; give each row as many values"),
+        ("log.csv", "a,b\n1,5,2,5\n2,5,3,5\n", "its header has 2 names and its rows 4 values; give each column a name"),
         (
             "log.csv",
             "time,speed\n0,1\n1,2\n",
@@ -210,7 +211,7 @@ def test_what_can_not_be_read_is_told_in_one_line(tmp_path: Path, name: str, tex
 def test_a_file_that_is_no_text(tmp_path: Path) -> None:
     path = tmp_path / "x.csv"
     path.write_bytes(bytes(range(256)))
-    with pytest.raises(InputError, match="is not a text file in UTF-8"):
+    with pytest.raises(InputError, match="is not a text file; give a table of text"):
         read_log(path)
 
 

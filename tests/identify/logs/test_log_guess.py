@@ -6,7 +6,9 @@ from recordings import changed, mapping, recorded, ticks, write_csv
 
 from layflat.errors import InputError
 from layflat.identify.logs import check, guess_mapping, read_log, read_mapping, write_mapping
-from layflat.identify.logs.headers import meanings, signal_of, words_of
+from layflat.identify.logs.headers import words_of
+from layflat.identify.logs.mapping import mapping_of
+from layflat.identify.logs.vocabulary import meanings, signal_of
 from layflat.machine import load
 
 
@@ -85,13 +87,90 @@ def test_joints_by_name_and_what_stands_there_twice(tmp_path: Path) -> None:
     columns = {"t": time, "Large angle": np.sin(time), "small.angle": np.cos(time), "small_theta": np.cos(time)}
     guess = guess_mapping(write_csv(tmp_path / "x.csv", columns), ["large", "small"])
     assert {e.columns[0]: e.joint for e in guess.mapping.column} == {"Large angle": "large", "small.angle": "small"}
-    assert guess.notes["small_theta"] == "angle by its name, but small.angle is angle.small already"
+    assert (
+        guess.notes["small_theta"] == "angle by its name, but small.angle is angle.small already, with the same values"
+    )
 
 
 def test_a_log_that_says_nothing(tmp_path: Path) -> None:
-    path = write_csv(tmp_path / "x.csv", {"a": np.arange(9.0), "b": np.ones(9)}, header=False)
-    with pytest.raises(InputError, match="no column looks like a signal; write a mapping file by hand"):
+    path = write_csv(tmp_path / "x.csv", {"a": 0.1 * np.arange(9.0), "b": np.ones(9)}, header=False)
+    with pytest.raises(InputError, match="no column looks like a signal: the table has no header; write a mapping"):
         guess_mapping(path)
     falling = write_csv(tmp_path / "y.csv", {"q": -np.arange(9.0)})
     with pytest.raises(InputError, match="no column rises as a clock does"):
         guess_mapping(falling)
+
+
+def text_log(folder: Path, header: str, *columns: str) -> Path:
+    """A log of 60 samples: columns as expressions of i."""
+    rows = (",".join(str(eval(column, {"i": i, "sin": np.sin})) for column in columns) for i in range(60))
+    path = folder / "log.csv"
+    path.write_text(header + "\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def test_own_names_make_no_other_column_vanish(tmp_path: Path) -> None:
+    columns = ("i / 100", "30 * sin(i / 5)", "250 + i", "240 + i", "5")
+    for header in (
+        "time,angle,p_a,p_b,u",
+        "time_s,angle_deg,pA_kPa,pB_kPa,valve_V",
+        "time,theta,pressure_a,p_b,voltage",
+    ):
+        guess = guess_mapping(text_log(tmp_path, header, *columns), ["small"])
+        found = {entry.signal: entry.unit for entry in guess.mapping.column}
+        assert found == {"angle": "deg", "pressure_a": "kPa", "pressure_b": "kPa", "voltage": "V"}, header
+        assert not guess.left
+
+
+def test_a_clock_is_never_a_column_of_another_unit(tmp_path: Path) -> None:
+    path = text_log(tmp_path, "Zeit,pressure [bar],angle [deg]", "f'gestern {i}'", "1 + i / 100", "sin(i)")
+    with pytest.raises(
+        InputError, match="no column rises as a clock does: column 'Zeit' holds words, such as 'gestern 0'"
+    ):
+        guess_mapping(path, ["small"])
+    guess = guess_mapping(path, ["small"], "5 ms")
+    assert "Zeit" in guess.left
+    mapping = write_mapping(guess.mapping, tmp_path / "m.toml")
+    assert read_log(path, mapping).attrs["log_period"] == pytest.approx(0.005)
+    with pytest.raises(InputError, match=r"column 'Zeit' of log.csv holds words, such as 'gestern 0'; write numbers"):
+        read_log(path, mapping_of({"time": {"period": "5 ms"}, "column": [
+            {"from": "Zeit", "signal": "force", "unit": "N"}]}))  # fmt: skip
+
+
+def test_a_stated_unit_that_can_not_be_is_not_used(tmp_path: Path) -> None:
+    path = text_log(tmp_path, "t [s],angle [rad],p_a [mPa],T [K],p_b [V]", "i / 100", "i", "0.2", "20", "2 + i / 50")
+    with pytest.raises(InputError, match="no column looks like a signal") as caught:
+        guess_mapping(path, ["small"])
+    for words in (
+        "59 rad by its stated unit 'rad', which can't be",
+        "'mPa', which can't be",
+        "'V' is not a unit of it",
+    ):
+        assert words in str(caught.value)
+
+
+def test_two_columns_for_one_signal_are_asked_about_unless_one_is_ahead(tmp_path: Path) -> None:
+    header = "t [s],angle_filt [deg],angle_raw [deg],p_a [kPa],Druck A [kPa],p,p"
+    path = text_log(tmp_path, header, "i / 100", "sin(i)", "2 * sin(i)", "200 + i", "201 + i", "1", "2")
+    guess = guess_mapping(path, ["small"])
+    assert [entry.columns for entry in guess.mapping.column] == [("angle_raw [deg]",)]
+    assert "p_a [kPa] and Druck A [kPa] may all be pressure_a.small: name one" in guess.left["p_a [kPa]"]
+    assert "p (column 6) and p (column 7) may all be pressure" in guess.left["p (column 7)"]
+
+
+def test_a_clock_with_a_missing_cell(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("millis,theta_deg\n0,1\n10,2\n20,3\n,4\n40,5\n50,6\n")
+    guess = guess_mapping(path, ["small"])
+    assert guess.mapping.time is not None
+    assert guess.mapping.time.unit == "ms"
+    texts = [issue.text for issue in check(read_log(path, guess.mapping, joints=["small"]))]
+    assert "1 sample without stamp, first sample 4, left out" in texts
+
+
+def test_a_clock_in_days_is_told_with_the_right_factor(tmp_path: Path) -> None:
+    path = text_log(tmp_path, "time,angle [deg]", "i * 0.005 / 86400", "sin(i)")
+    plain = {"time": {"column": "time", "unit": "s"}, "column": [
+        {"from": "angle [deg]", "signal": "angle", "unit": "deg", "joint": "small"}]}  # fmt: skip
+    issues = check(read_log(path, mapping_of(plain), joints=["small"]), load("paper-small-joint-fast"))
+    assert any("a factor of 86400 would fit" in issue.right for issue in issues)

@@ -16,7 +16,9 @@ from layflat.identify.logs.signals import SIGNALS, channel_name
 GAP = 4.5  # periods between two samples that are a gap: more than three samples are missing
 EVEN = 1e-6  # deviation from an even clock, in periods, that is rounding
 NANOSECONDS = 2e-9  # the same in s, for stamps that are whole nanoseconds
-MOST = 50_000_000  # instants of a grid; more would be a wrong unit of time
+MAX_INSTANTS = 50_000_000  # of a grid; more would be a wrong unit of time
+MAX_FILLED = 3_000_000  # instants of a grid that is much finer than its samples
+MUCH_FINER = 4.0  # instants for each sample
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Clock:
     undated: int  # samples left out because they have no stamp
     reset: tuple[float, float] | None  # stamps between which the clock jumped back; None if it didn't
     cut: int  # samples left out for it
+    first_undated: int = 0  # number of the first sample without stamp, from 1; 0 where all have one
+    reset_at: int = 0  # number of the first sample after the jump; 0 where there is none
 
 
 def clock_of(stamps: Array, where: str) -> Clock:
@@ -41,6 +45,9 @@ def clock_of(stamps: Array, where: str) -> Clock:
     """
     rows = np.flatnonzero(np.isfinite(stamps))
     undated = stamps.size - rows.size
+    first_undated = int(np.argmin(np.isfinite(stamps))) + 1 if undated else 0
+    falls = np.flatnonzero(np.diff(stamps[rows]) < 0.0)
+    reset_at = int(rows[falls[0] + 1]) + 1 if falls.size else 0
     rows, reset, cut = _without_reset(stamps, rows, where)
     time = stamps[rows]
     last = np.append(np.diff(time) > 0.0, True) if rows.size else np.zeros(0, dtype=bool)
@@ -50,7 +57,7 @@ def clock_of(stamps: Array, where: str) -> Clock:
         what = f"all {rows.size + duplicates} samples have the stamp {time[0]:g} s"
         raise InputError(what, where=where, right="name a column that rises as its clock")
     period, jitter, even = _period(time) if time.size > 1 else (0.0, 0.0, False)
-    return Clock(time, rows, period, jitter, even, duplicates, undated, reset, cut)
+    return Clock(time, rows, period, jitter, even, duplicates, undated, reset, cut, first_undated, reset_at)
 
 
 def _period(time: Array) -> tuple[float, float, bool]:
@@ -134,7 +141,11 @@ def grid_over(clocks: Sequence[Clock], cycle: float | None, where: str) -> Grid:
     if finest.even and spans and abs(period / finest.period - 1.0) * finest.time.size < 1e-3:
         return Grid(start, finest.period, finest.time)
     size = int((end - start) / period * (1.0 + 1e-9) + 1e-6) + 1
-    if size > MOST:
+    samples = max(clock.time.size for clock in usable)
+    if cycle is not None and size > max(MAX_FILLED, MUCH_FINER * samples):
+        what = f"{cycle:g} s make {size:.3g} instants of {samples} samples"
+        raise InputError(what, where="cycle", right=f"give {finest.period / MUCH_FINER:.2g} s or more")
+    if size > MAX_INSTANTS:
         what = f"{end - start:g} s at {period:g} s a sample are too many"
         raise InputError(what, where=where, right="check the unit of time")
     if size < 2:

@@ -3,25 +3,22 @@
 It is a proposal with reasons, for a person to look through; nothing applies it by itself.
 """
 
+from collections.abc import Mapping as Map
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from layflat.arrays import Array
 from layflat.description import units as u
 from layflat.errors import InputError
-from layflat.identify.logs.headers import meanings, signal_of, words_of
+from layflat.identify.logs.clocks import ClockChoice, choose_clock
+from layflat.identify.logs.evidence import Candidate, find_candidate
 from layflat.identify.logs.mapping import Mapping, mapping_of
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import AMBIENT, SIGNALS, Signal, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
-
-BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
-"""What a unit alone tells, by its SI unit."""
 
 RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
     u.ANGLE: ((7.0, "rad"), (np.inf, "deg")),
@@ -32,7 +29,8 @@ RANGES: dict[u.Quantity, tuple[tuple[float, str], ...]] = {
 }
 """Units by the greatest value that would be likely in them."""
 
-STEPS = ((0.7, "s"), (700.0, "ms"), (7e5, "us"), (np.inf, "ns"))  # the same of time, by the greatest step
+USUAL_STEPS = (1e-6, 0.7)  # s between two samples of a log of a motion
+CLEAR = 0.4  # points by which one of two columns for one signal must be ahead
 
 
 @dataclass(frozen=True)
@@ -41,143 +39,185 @@ class Guess:
 
     mapping: Mapping
     notes: dict[str, str]  # of each column, what it is taken for or why it is left out; "" is the clock's
+    left: dict[str, str] = field(default_factory=dict)  # columns that are left out, and why
+    scores: dict[str, list[tuple[str, float, str]]] = field(default_factory=dict)  # signal, points and reason by column
 
 
-@dataclass(frozen=True)
-class _Candidate:
-    column: Column
-    signal: Signal
-    why: str
-    joint: str
-    group: str
-
-
-def guess_mapping(table: Table | str | Path, joints: Sequence[str] | None = None) -> Guess:
-    """Propose what the columns of a log, or of its file, are; raise InputError if none looks like anything.
+def guess_mapping(
+    table: Table | str | Path, joints: Sequence[str] | None = None, period: float | str | None = None
+) -> Guess:
+    """Propose what the columns of a log, or of its file, are.
 
     Columns go to the machine's joints by name; numbered ones, q0, q1 ..., by their order, and where there are more
-    numbers than joints, to those that move most.
+    numbers than joints, to those that move most. Where two columns may be one signal and neither is ahead, both are
+    left out.
+
+    Args:
+        table: of the log, or its file.
+        joints: of the machine.
+        period: between two samples of a log without a clock, such as "5 ms"; its columns are no clock then.
+
+    Raises:
+        InputError: there is no clock, or no column looks like a signal.
     """
     table = table if isinstance(table, Table) else read_table(table)
-    own = own_mapping(table)
-    if own is not None:
-        return Guess(own, {entry.columns[0]: "one of layflat's own names" for entry in own.column})
-    clock, why = _clock(table)
+    own = own_mapping(table) if period is None else None
+    if own is not None and _is_whole(own, table):
+        return Guess(own, _own_notes(own, table), dict(table.words))
     known = list(joints or ())
-    found = {name: _candidate(one, known) for name, one in table.columns.items() if name != clock["column"]}
-    notes = {"": why} | {name: why for name, why in found.items() if isinstance(why, str)}
-    entries = _entries([one for one in found.values() if isinstance(one, _Candidate)], known, notes)
+    clock = (
+        choose_clock(table) if period is None else ClockChoice("", "s", "samples are evenly spaced, as was said", {})
+    )
+    found = {name: find_candidate(one, known) for name, one in table.columns.items() if name != clock.column}
+    notes = {"": clock.why} | {name: why for name, why in found.items() if isinstance(why, str)} | dict(table.words)
+    for name in clock.scores:
+        if name != clock.column and isinstance(found.get(name), str) and clock.scores[name][0] >= 1.0:
+            notes[name] = f"a clock {clock.scores[name][1]}, but {clock.column} is taken"
+    candidates = [one for one in found.values() if isinstance(one, Candidate)]
+    scores = {name: [("time", *score)] for name, score in clock.scores.items()}
+    for one in candidates:
+        scores.setdefault(one.column.header.name, []).append((one.signal.name, one.score, one.why))
+    entries = _entries(candidates, known, notes)
     if not entries:
-        names = ", ".join(list(table.columns)[:8])
-        right = f"write a mapping file by hand that says which of {names} is which signal"
-        raise InputError("no column looks like a signal", where=str(table.path), right=right)
-    return Guess(mapping_of({"time": clock, "column": entries}, str(table.path)), notes)
+        reasons = "; ".join(f"{name}: {notes[name]}" for name in list(table.columns)[:8] if notes.get(name))
+        right = f"write a mapping file by hand that says which column is which signal ({reasons})"
+        bare = all(name.isdigit() for name in table.columns)
+        what = "no column looks like a signal" + (": the table has no header" if bare else "")
+        raise InputError(what, where=str(table.path), right=right)
+    for name in notes:
+        if name in table.columns and table.columns[name].notes and name != clock.column:
+            notes[name] += "".join(f"; {note}" for note in table.columns[name].notes)
+    time = {"column": clock.column, "unit": clock.unit}
+    if period is not None:
+        time = {"period": f"{u.quantity(period, u.TIME, 'period')!r} s"}
+    mapping = mapping_of({"time": time, "column": entries}, str(table.path))
+    mapped = {column for entry in mapping.column for column in entry.columns} | {"", clock.column}
+    return Guess(mapping, notes, {name: why for name, why in notes.items() if name not in mapped}, scores)
 
 
-def _clock(table: Table) -> tuple[dict[str, str], str]:
-    """The column that is the clock with its unit, and why."""
-    if table.clock is not None:
-        return {"column": table.clock.name, "unit": table.clock.unit or "s"}, "every sample has a time of its own"
-    rising = {name: column for name, column in table.columns.items() if _rises(column.values)}
-    by_name = [name for name, column in rising.items() if "clock" in meanings(words_of(column.header.stem))]
-    by_unit = [name for name, column in rising.items() if _is_unit_of(column.header.unit, u.TIME)]
-    chosen = next(iter([*by_name, *by_unit, *rising]), None)
-    if chosen is None:
-        raise InputError("no column rises as a clock does", where=str(table.path), right="write a mapping file by hand")
-    why = "by its name" if chosen in by_name else "by its unit" if chosen in by_unit else "as its values keep rising"
-    if _is_unit_of(rising[chosen].header.unit, u.TIME):
-        return {"column": chosen, "unit": rising[chosen].header.unit}, f"the clock {why}; unit as in the header"
-    step = float(np.median(np.diff(rising[chosen].values)))
-    unit = next(unit for most, unit in STEPS if step < most)
-    return {"column": chosen, "unit": unit}, f"the clock {why}; unit by its steps of {step:.4g}: check it"
+def _own_notes(own: Mapping, table: Table) -> dict[str, str]:
+    """Return what there is to say of columns with layflat's own names."""
+    notes = {}
+    if own.time is not None and own.time.column is not None:
+        clock = table.columns[own.time.column]
+        unit = "unit as in the header" if clock.header.unit else "in s, as nothing else is said"
+        notes[""] = "; ".join(("the clock by its name", unit, *clock.notes))
+    for entry in own.column:
+        column = table.columns[entry.columns[0]]
+        unit = "unit as in the header" if column.header.unit else f"in {entry.unit}, as nothing else is said"
+        notes[entry.columns[0]] = "; ".join(("one of layflat's own names", unit, *column.notes))
+    return notes
 
 
-def _rises(values: Array) -> bool:
-    steps = np.diff(values[np.isfinite(values)])
-    return bool(steps.size and np.mean(steps >= 0.0) > 0.99 and np.median(steps) > 0.0)
-
-
-def _is_unit_of(unit: str, kind: u.Quantity) -> bool:
-    try:
-        kind.convert(f"1 {unit}")
-    except ValueError:
+def _is_whole(own: Mapping, table: Table) -> bool:
+    """Tell whether a log has layflat's own names alone, with values that they can have in SI."""
+    used = {column for entry in own.column for column in entry.columns} | {own.time.column if own.time else None}
+    simulated = any(name.startswith("measured_angle") for name in used if name)
+    if not simulated and table.clock is None and any(name not in used for name in table.columns):
         return False
-    return bool(unit)
+    time = own.time
+    if time is not None and time.column is not None and not table.columns[time.column].header.unit:
+        steps = np.diff(table.columns[time.column].values)
+        if (
+            not USUAL_STEPS[0]
+            < float(np.median(steps[steps > 0.0], axis=None) if (steps > 0.0).any() else 0.0)
+            < USUAL_STEPS[1]
+        ):
+            return False
+    for entry in own.column:
+        column, signal = table.columns[entry.columns[0]], SIGNALS[entry.signal]
+        most = float(np.nanmax(np.abs(column.values), initial=0.0)) if np.isfinite(column.values).any() else 0.0
+        stated = bool(column.header.unit)
+        if not stated and ((signal.kind == u.ANGLE and most > 4.0 * np.pi) or (signal.absolute and 0.0 < most < 1e3)):
+            return False
+    return True
 
 
-def _candidate(column: Column, joints: list[str]) -> _Candidate | str:
-    """What a column may be, or why it is left out."""
-    if not np.isfinite(column.values).any():
-        return "empty"
-    words = words_of(column.header.stem)
-    joint = next((name for name in joints if set(words_of(name)) <= set(words)), "")
-    words = [word for word in words if word not in words_of(joint)]
-    numbers = [word for word in words if word.isdigit()]
-    group = numbers[-1] if numbers else ""
-    meant = meanings(words)
-    if "rate" in meant:
-        return "a rate, which follows from the rest"
-    if group in {"1", "2"} and meant & {"pressure"} and not meant & {"a", "b", "difference", "supply"}:
-        meant, group = meant | {"a" if group == "1" else "b"}, ""
-    if "position" in meant and (joint or "joint" in words or _is_unit_of(column.header.unit, u.ANGLE)):
-        meant = meant | {"angle"}
-    name, unit = signal_of(meant), column.header.unit
-    kind = next((s.kind for s in SIGNALS.values() if s.kind is not None and _is_unit_of(unit, s.kind)), None)
-    if name is not None and (kind is None or SIGNALS[name].kind == kind):
-        return _Candidate(column, SIGNALS[name], f"{name} by its name", joint, group)
-    if kind is not None and kind.unit in BY_UNIT:
-        name = BY_UNIT[kind.unit]
-        return _Candidate(column, SIGNALS[name], f"{name} by its unit alone: check it", joint, group)
-    low, high = np.nanmin(column.values), np.nanmax(column.values)
-    return f"its name says nothing that is known here; goes from {low:.4g} to {high:.4g}"
-
-
-def _entries(candidates: list[_Candidate], joints: list[str], notes: dict[str, str]) -> list[dict[str, Any]]:
-    """Entries of a mapping, one a channel; what is left out is noted."""
+def _entries(candidates: list[Candidate], joints: list[str], notes: dict[str, str]) -> list[dict[str, Any]]:
+    """Return entries of a mapping, one a channel; what is left out is noted."""
     named = _joints_of_groups(candidates, joints)
-    entries, unsure = list[dict[str, Any]](), list[dict[str, Any]]()
-    taken: dict[str, str] = {}
-    for found in candidates:
-        header, signal = found.column.header, found.signal
-        joint = (found.joint or named.get(found.group)) if signal.by_joint else None
-        if signal.by_joint and joint is None and named:
-            notes[header.name] = f"{found.why}, but of none of the joints"
+    channels: dict[str, list[tuple[Candidate, str | None]]] = {}
+    for one in candidates:
+        joint = (one.joint or named.get(one.group)) if one.signal.by_joint else None
+        if one.signal.by_joint and joint is None and named:
+            notes[one.column.header.name] = f"{one.why}, but of none of the joints"
             continue
-        channel = channel_name(signal.name, joint)
-        if channel in taken:
-            notes[header.name] = f"{found.why}, but {taken[channel]} is {channel} already"
-            continue
-        taken[channel] = header.name
-        unit, why = _unit(found.column, signal)
-        entry: dict[str, Any] = {"from": header.name, "signal": signal.name, "unit": unit}
-        entry |= {"joint": joint} if joint else {}
-        entries.append(entry)
-        notes[header.name] = f"{found.why}; {why}"
-        if signal.absolute and header.gauge is not None:
-            entry["gauge"] = header.gauge
-            notes[header.name] += f"; {'gauge' if header.gauge else 'absolute'} as in the header"
-        elif signal.absolute:
-            # Only a gauge pressure falls below ambient.
-            entry["gauge"] = float(np.nanmin(found.column.values)) * conversion(unit, signal)[0] < 0.8 * AMBIENT
-            unsure.append(entry)
-    any_sunk = any(entry["gauge"] for entry in unsure)
-    for entry in unsure:
-        by = "by how far it falls" if entry["gauge"] == any_sunk else "as others are"
-        entry["gauge"] = any_sunk
-        notes[entry["from"]] += f"; {'gauge' if any_sunk else 'absolute'} {by}: check it"
+        channels.setdefault(channel_name(one.signal.name, joint), []).append((one, joint))
+    entries: list[dict[str, Any]] = []
+    for channel, rivals in channels.items():
+        chosen = _chosen(channel, [one for one, _ in rivals], notes)
+        if chosen is not None:
+            entries.append(_entry(chosen, rivals[0][1], notes))
+    _set_gauges(entries, candidates, notes)
     return entries
 
 
-def _joints_of_groups(candidates: list[_Candidate], joints: list[str]) -> dict[str, str]:
-    """Joint by the number in the names of its columns, "" for none; empty where the log has no joints."""
-    mine = [found for found in candidates if found.signal.by_joint and not found.joint]
-    numbers = sorted({found.group for found in mine if found.group}, key=int)
+def _chosen(channel: str, rivals: list[Candidate], notes: dict[str, str]) -> Candidate | None:
+    """Return the column of a channel; None where several have as much to say for themselves."""
+    ranked = sorted(rivals, key=lambda one: -one.score)
+    first, rest = ranked[0], ranked[1:]
+    name = first.column.header.name
+    for one in rest:
+        notes[one.column.header.name] = f"{one.why}, but {name} is {channel} already, with more to say for it"
+        if np.array_equal(one.column.values, first.column.values, equal_nan=True):
+            notes[one.column.header.name] = f"{one.why}, but {name} is {channel} already, with the same values"
+    equal = [
+        one for one in rest if first.score - one.score < CLEAR and "same values" not in notes[one.column.header.name]
+    ]
+    if not equal:
+        return first
+    names = " and ".join(one.column.header.name for one in (first, *equal))
+    for one in (first, *equal):
+        notes[one.column.header.name] = (
+            f"{names} may all be {channel}: name one in the mapping, or all in one list if they measure the same"
+        )
+    return None
+
+
+def _entry(candidate: Candidate, joint: str | None, notes: dict[str, str]) -> dict[str, Any]:
+    header, signal = candidate.column.header, candidate.signal
+    unit, why = _unit(candidate.column, signal)
+    entry: dict[str, Any] = {"from": header.name, "signal": signal.name, "unit": unit}
+    entry |= {"joint": joint} if joint else {}
+    notes[header.name] = f"{candidate.why}; {why}"
+    if signal.absolute and header.gauge is not None:
+        entry["gauge"] = header.gauge
+        notes[header.name] += f"; {'gauge' if header.gauge else 'absolute'} as in the header"
+    return entry
+
+
+def _set_gauges(entries: list[dict[str, Any]], candidates: list[Candidate], notes: dict[str, str]) -> None:
+    """Say of pressures whose header does not say it whether they count from ambient: only those fall below it."""
+    columns = {one.column.header.name: one.column for one in candidates}
+    unsure = [e for e in entries if SIGNALS[e["signal"]].absolute and "gauge" not in e]
+    sunk = {e["from"]: _falls(columns[e["from"]], e) for e in unsure}
+    for entry in unsure:
+        entry["gauge"] = any(sunk.values())
+        others = sunk[entry["from"]] != entry["gauge"]
+        by = (
+            "as others are"
+            if others
+            else "by how far it falls"
+            if entry["gauge"]
+            else "as it never falls below ambient"
+        )
+        notes[entry["from"]] += f"; {'gauge' if entry['gauge'] else 'absolute'} {by}: check it"
+
+
+def _falls(column: Column, entry: Map[str, Any]) -> bool:
+    return float(np.nanmin(column.values)) * conversion(entry["unit"], SIGNALS[entry["signal"]])[0] < 0.8 * AMBIENT
+
+
+def _joints_of_groups(candidates: list[Candidate], joints: list[str]) -> dict[str, str]:
+    """Return the joint by the number in the names of its columns, "" for none; empty where the log has no joints."""
+    mine = [one for one in candidates if one.signal.by_joint and not one.joint]
+    numbers = sorted({one.group for one in mine if one.group}, key=int)
     if len(joints) == 1 and not numbers:
         return {"": joints[0]}
     if not joints:
         return {number: f"joint{number}" for number in numbers}
     if len(numbers) > len(joints):
-        angles = [found for found in mine if found.signal.name in {"angle", "demand"}]
+        angles = [one for one in mine if one.signal.name in {"angle", "demand"}]
         moved = {
             n: max((float(np.nanstd(f.column.values)) for f in angles if f.group == n), default=0.0) for n in numbers
         }
@@ -187,10 +227,9 @@ def _joints_of_groups(candidates: list[_Candidate], joints: list[str]) -> dict[s
 
 
 def _unit(column: Column, signal: Signal) -> tuple[str, str]:
-    """A unit, and why."""
-    with suppress(ValueError):
-        if column.header.unit and conversion(column.header.unit, signal):
-            return column.header.unit, "unit as in the header"
+    """Return a unit, and why."""
+    if column.header.unit:
+        return column.header.unit, "unit as in the header"
     most = float(np.nanmax(np.abs(column.values)))
     if signal.kind is None:
         return ("%" if most > 1.5 else "1"), f"unit by values up to {most:.3g}: check it"

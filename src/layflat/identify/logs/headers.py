@@ -1,124 +1,168 @@
-"""What a column's header says of it: a name, what its words mean, and often a unit."""
+"""Names and units of columns, as the words of their headers state them."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-_UNITS = {
-    "pa": "Pa", "hpa": "hPa", "kpa": "kPa", "mpa": "MPa", "bar": "bar", "mbar": "mbar", "psi": "psi",
-    "rad": "rad", "mrad": "mrad", "deg": "deg", "degree": "deg", "degrees": "deg", "°": "deg",
-    "v": "V", "mv": "mV", "volt": "V", "volts": "V",
-    "s": "s", "sec": "s", "seconds": "s", "ms": "ms", "us": "us", "µs": "us", "ns": "ns", "min": "min",
-    "nm": "N m", "n m": "N m", "n*m": "N m", "n·m": "N m", "n": "N", "kn": "kN",
-    "m": "m", "mm": "mm", "cm": "cm", "um": "um", "µm": "um",
-    "k": "K", "degc": "degC", "°c": "degC", "degf": "degF", "kg": "kg", "g": "g", "%": "%", "1": "1",
-}  # fmt: skip
-"""How units are written in headers, in small letters, and how they are written here."""
+from layflat.description.units import PRESSURE
+from layflat.identify.logs.units import DATES, GAUGE_WORDS, kind_of_unit, unit_written
+from layflat.identify.logs.vocabulary import QUALIFIERS, ROLE_WORDS, meanings
 
-_TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°"}  # no unit at the end of a name: the k of "torque_k"
+_TOO_SHORT = {"v", "s", "n", "m", "k", "g", "1", "min", "°", "a", "c", "f", "h", "d", "in", "at", "p", "t"}
+"""Units that are none behind a name: the k of "torque_k"."""
 
-_BRACKETS = re.compile(r"^(?P<stem>.*?)\s*[\[({](?P<unit>[^\[\](){}]*)[\])}]\s*$")
-_GAUGE = re.compile(r"^(?P<unit>[a-zA-Z]+?)[\s_]*\(?(?P<kind>gauge|abs|absolute|g|a)\)?$")
-_PRESSURES = {"Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi"}
+_LETTERS = {"K": "temperature", "C": "temperature", "F": "temperature", "N": "force"}
+"""Units of one letter, and the role beside which a letter is one."""
 
-ROLES = {
-    "angle": "angle theta q rq phi alpha encoder enc pot potentiometer winkel measured_angle qdes joint_angle",
-    "pressure": "p rp pressure press prs druck pa pb rpa rpb ca cb pset pdes pref dp ps psup pdiff psupply",
-    "a": "a pa rpa ca",
-    "b": "b pb rpb cb",
-    "asked": "des dem demand desired ref reference target setpoint sp cmd command goal soll qdes ca cb pset pdes pref",
-    "difference": "dp pdiff diff difference differential delta",
-    "supply": "supply ps psup psupply sup line mains",
-    "voltage": "voltage volt volts u v vc uc valve spannung ventil",
-    "torque": "torque tau moment effort tq drehmoment",
-    "force": "force f loadcell kraft",
-    "brake": "brake bremse",
-    "payload": "payload mass last",
-    "temperature": "temperature temp tgas temperatur",
-    "position": "position pos x displacement travel weg laser",
-    "rate": "dq rdq dqdes velocity vel speed omega acc acceleration rate",
-    "clock": "t time stamp timestamp timestamps zeit seconds sec elapsed clock",
-}
-"""Words by what they mean; a word can mean several things."""
-
-SIGNALS_OF: tuple[tuple[str, set[str]], ...] = (
-    ("setpoint_a", {"asked", "pressure", "a"}),
-    ("setpoint_b", {"asked", "pressure", "b"}),
-    ("measured_pressure", {"difference", "pressure"}),
-    ("supply", {"supply"}),
-    ("pressure_a", {"pressure", "a"}),
-    ("pressure_b", {"pressure", "b"}),
-    ("brake", {"brake"}),
-    ("payload", {"payload"}),
-    ("voltage", {"voltage"}),
-    ("demand", {"asked", "angle"}),
-    ("demand", {"asked"}),
-    ("torque", {"torque"}),
-    ("force", {"force"}),
-    ("temperature", {"temperature"}),
-    ("pressure", {"pressure"}),
-    ("angle", {"angle"}),
-    ("position", {"position"}),
+_BRACKETS = re.compile(
+    r"\[(?P<square>(?:[^\[\]]|\[[^\]]*\])*)\]|\{(?P<curly>[^{}]*)\}|\((?P<round>(?:[^()]|\([^)]*\))*)\)"
 )
-"""Signals by what all has to be meant, the first that fits."""
+_INDEX = re.compile(r"\d+|[AaBb]|.*[A-Za-z]\w* .*")  # of an array, of a hose, or several words: no unit
+_BEHIND = re.compile(
+    r"^(?P<stem>.+?)(?:\s*,\s*|\s+/\s*|/| in )(?P<unit>[^,/]+(?:/[^,/]+)?)$"
+)  # "p, kPa", "p / kPa", "p in kPa"
+_NUMBERED = re.compile(r" \(column \d+\)$")  # behind names that stand there twice
+STAMPED = "datetime"  # in place of a unit: cells are dates or clock times, which are read as seconds
+_SEPARATORS = re.compile(r"[_\s]+")
 
 
 @dataclass(frozen=True)
 class Header:
-    """What is said of a column, by the name that the file and a mapping have for it."""
+    """Name and unit of a column, as the file states them."""
 
     name: str
-    unit: str = ""  # as pint knows it; empty where the file doesn't say
+    unit: str = ""  # as descriptions write it; empty where the file doesn't say, or not so that it is understood
     gauge: bool | None = None  # whether a pressure counts from ambient; None where the file doesn't say
     stem: str = ""  # the name without its unit
-
-
-def written_unit(text: str) -> tuple[str, bool | None]:
-    """A unit such as "bar_abs", "kPag" or "deg" as pint knows it, or nothing; and whether it is a gauge pressure."""
-    plain = text.strip()
-    if plain.lower() in _UNITS:
-        return _UNITS[plain.lower()], None
-    found = _GAUGE.match(plain)
-    unit = _UNITS.get(found["unit"].lower(), "") if found else ""
-    if found and unit in _PRESSURES:
-        return unit, found["kind"] in {"gauge", "g"}
-    return "", None
+    unknown: str = ""  # a unit that is stated and not understood, or two that contradict each other
 
 
 def header_of(name: str, stated: str = "") -> Header:
-    """Name and unit of a header such as "p_A [kPa]", "theta_deg" or "time (ms)", or the unit stated elsewhere."""
-    name = name.strip()
-    bracketed = _BRACKETS.match(name)
-    stem, unit, gauge = (bracketed["stem"], *written_unit(bracketed["unit"])) if bracketed else _suffixed(name)
-    if stated:
-        said, said_gauge = written_unit(stated)
-        unit, gauge = said or stated.strip(), gauge if said_gauge is None else said_gauge
-    return Header(name, unit, gauge, stem or name)
+    """Return name and unit of a column.
+
+    Args:
+        name: header such as "p_A [kPa (g)]", "theta_deg", "time (ms)" or "p / bar".
+        stated: unit that stands elsewhere: in a row of units, in metadata, in the cells.
+    """
+    full, name = name.strip(), _NUMBERED.sub("", name.strip())
+    header = _bracketed(name) or _behind(name) or _suffixed(name) or Header(name, stem=name)
+    header = replace(header, name=full)
+    if stated == STAMPED:
+        return replace(header, unit="s", gauge=None, unknown="")
+    stated = stated.strip().strip("[](){}<>").strip()
+    if not stated or stated == "-" or stated.lower() in DATES:
+        return header
+    found = unit_written(stated)
+    if found is None:
+        return replace(header, unit="", gauge=None, unknown=stated)
+    unit, gauge = found
+    if header.unit and header.unit != unit:
+        return replace(header, unit="", gauge=None, unknown=f"{header.unit} in its name, {unit} beside it")
+    return _with_zero(replace(header, unit=unit, gauge=header.gauge if gauge is None else gauge, unknown=""))
 
 
-def _suffixed(name: str) -> tuple[str, str, bool | None]:
-    """A unit behind the last underscore, or the last two: "p_a_bar_abs"."""
-    for count in (2, 1):
-        parts = re.split(r"[_\s]", name)
-        if len(parts) <= count:
+def _bracketed(name: str) -> Header | None:
+    """Return a header whose unit stands in brackets; None without brackets, or where these hold no unit."""
+    unknown = ""
+    for match in reversed(list(_BRACKETS.finditer(name))):
+        text = next(part for part in match.groups() if part is not None).strip()
+        stem = f"{name[: match.start()].rstrip()} {name[match.end() :].lstrip()}".strip()
+        gauge = GAUGE_WORDS.get(text.lower())
+        if gauge is not None and len(text) == 1 and "pressure" in meanings(words_of(stem)):
+            found = None
+        else:
+            found = unit_written(text)
+        if found is not None:
+            behind = _suffixed(stem)
+            if behind is not None and behind.unit != found[0] and match["square"] is None:
+                continue
+            return _with_zero(Header(name, *found, stem or name))
+        if gauge is not None and stem:  # "p_bar (g)", "Pressure A (g)"
+            before = _bracketed(stem) or _behind(stem) or _suffixed(stem)
+            if before is not None and before.unit:
+                return replace(before, name=name, gauge=gauge)
+            if text in "gG" or len(text) > 1:
+                return Header(name, "", gauge, stem)
+        known = (
+            _INDEX.fullmatch(text)
+            or meanings(words_of(text))
+            or (text.lower() in QUALIFIERS and match["square"] is None)
+        )
+        if text and not known and text.lower() not in DATES and not unknown:
+            unknown, rest = text, stem
+    return Header(name, stem=rest, unknown=unknown) if unknown else None
+
+
+def _behind(name: str) -> Header | None:
+    """Return a header whose unit stands behind a comma, a slash or "in"; None without."""
+    match = _BEHIND.match(name)
+    slashed = match is not None and name[match.end("stem") :].startswith("/")  # "p/kPa", or a topic such as "/rig/v"
+    found = unit_written(match["unit"], listed=slashed) if match else None
+    if match is None or found is None or (slashed and "/" in match["stem"]):
+        return None
+    return _with_zero(Header(name, *found, match["stem"].strip()))
+
+
+def _with_zero(header: Header) -> Header:
+    """Return a header with what the words of its name say of a pressure's zero."""
+    if header.gauge is not None or kind_of_unit(header.unit) != PRESSURE:
+        return header
+    gauge, rest = _zero_of(_SEPARATORS.split(header.stem), -1)
+    return replace(header, gauge=gauge, stem=" ".join(rest)) if gauge is not None else header
+
+
+def _suffixed(name: str) -> Header | None:
+    """Return a header with a unit among its words, as in "pressure_b_kPa_raw", or in its last letters."""
+    parts = [part for part in _SEPARATORS.split(name) if part]
+    for end in range(len(parts), 0, -1):
+        for first in range(max(end - 2, 0), end):
+            tail, rest = parts[first:end], parts[:first] + parts[end:]
+            found = unit_written(" ".join(tail), listed=True)
+            if len(tail) > 1 and tail[-1].lower() in GAUGE_WORDS:
+                continue  # read with the unit before it
+            if found == ("Pa", None) and first == 0:
+                continue  # the pressure of hose A
+            if found is None or not rest or not _is_unit_word(tail, parts, end):
+                continue
+            unit, gauge = found
+            if gauge is None and kind_of_unit(unit) == PRESSURE:
+                gauge, rest = _zero_of(rest, first)
+            return Header(name, unit, gauge, " ".join(rest))
+    for size in (4, 3, 2):
+        stem, end_word = name[:-size], name[-size:]
+        if not stem:
             continue
-        tail = " ".join(parts[-count:])
-        unit, gauge = written_unit(tail.replace(" ", "_") if count == 2 else tail)
-        short = tail.lower() in _TOO_SHORT and not (tail.lower() == "s" and parts[0].lower() in {"t", "time"})
-        if unit and not short:
-            return name[: len(name) - len(tail) - 1], unit, gauge
-    return name, "", None
+        found = unit_written(end_word, listed=True) if end_word.isalpha() else None
+        border = end_word[0].isupper() if stem[-1:].islower() else end_word[0].islower()
+        if found is not None and border and stem[-1:].isalnum() and end_word.lower() not in _TOO_SHORT:
+            return Header(name, *found, stem)
+    return None
+
+
+def _is_unit_word(tail: list[str], parts: list[str], end: int) -> bool:
+    """Tell whether words that may be a unit are one: long enough, or the last one behind a clock or a voltage."""
+    word = tail[0].lower()
+    if len(tail) > 1 or (word not in _TOO_SHORT and not (end < len(parts) and word in ROLE_WORDS)):
+        return len(tail) == 1 or tail[0].lower() not in GAUGE_WORDS
+    clock = parts[0].lower() in {"t", "time", "zeit", "temps", "elapsed"} and word in {"s", "h", "min", "d"}
+    meant = meanings(words_of(" ".join(parts[:-1])))
+    letter = tail[0] == "V" or _LETTERS.get(tail[0]) in meant
+    return end == len(parts) > 1 and (clock or letter)
+
+
+def _zero_of(rest: list[str], first: int) -> tuple[bool | None, list[str]]:
+    """Return what a word beside a unit says of a pressure's zero, and the other words; "a" may be a hose's."""
+    hosed = any({"a", "b"} & meanings(words_of(part)) for i, part in enumerate(rest) if i != first)
+    for i, word in enumerate(rest):
+        if word.lower() in GAUGE_WORDS and (len(word) > 1 or (i == first and (hosed or word.lower() != "a"))):
+            return GAUGE_WORDS[word.lower()], rest[:i] + rest[i + 1 :]
+    return None, rest
 
 
 def words_of(name: str) -> list[str]:
-    """Words of a name in small letters: "/rig.pA_2" has rig, p, a, 2; digits stand alone."""
-    return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+", name)]
-
-
-def meanings(words: list[str]) -> set[str]:
-    """What is meant by some words."""
-    return {role for role, known in ROLES.items() if not set(words).isdisjoint(known.split())}
-
-
-def signal_of(meant: set[str]) -> str | None:
-    """The signal that is meant; None where nothing fits."""
-    return next((signal for signal, roles in SIGNALS_OF if roles <= meant), None)
+    """Return the words of a name in small letters: "/rig.pA_2" has rig, p, a, 2; digits stand alone, units go."""
+    words = []
+    for token in re.split(r"[^\w]|_", name):
+        found = unit_written(token, listed=True)
+        if found is None or token.lower() in _TOO_SHORT or token.lower() in ROLE_WORDS or token == name:
+            words += re.findall(r"[^\W\d_A-Z]+|[A-Z][^\W\d_A-Z]+|[A-Z]+(?![a-z])|\d+", token)
+    return [word.lower() for word in words]

@@ -4,7 +4,7 @@
 
     [time]
     column = "t"                   # not needed where each column has times of its own
-    unit = "s"
+    unit = "s"                     # or, for a log without a clock, period = "5 ms" alone
 
     [[column]]
     from = "rpa5"                  # or a list of columns that measure the same: their mean
@@ -43,10 +43,20 @@ COMPLETE = "a mapping has [[column]] with from, signal and unit, and [time] with
 
 
 class TimeColumn(Part):
-    """The clock: a column, and its unit."""
+    """Clock of a log: a column and its unit, or the period of a log that has none."""
 
     column: str | None = None
     unit: str
+    period: u.Time | None = None  # between two samples of a log without a clock
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_one(cls, plain: Any) -> Any:
+        if not isinstance(plain, dict) or "period" not in plain:
+            return plain
+        if "column" in plain:
+            raise wrong("has a column and a period", "keep column, or period for a log without a clock")
+        return {"unit": "s", **plain}
 
     @field_validator("unit")
     @classmethod
@@ -173,8 +183,9 @@ def mapping_text(mapping: Mapping, notes: Table[str, str] | None = None, head: s
     if mapping.ambient != AMBIENT:
         parts.append(tomli_w.dumps({"ambient": f"{mapping.ambient!r} Pa"}))
     if mapping.time is not None:
-        plain = mapping.time.model_dump(exclude_none=True)
-        parts.append(_comment(left.pop("", "")) + tomli_w.dumps({"time": plain}))
+        period = mapping.time.period
+        clock = mapping.time.model_dump(exclude_none=True) if period is None else {"period": f"{period!r} s"}
+        parts.append(_comment(left.pop("", "")) + tomli_w.dumps({"time": clock}))
     for entry in mapping.column:
         plain = entry.model_dump(by_alias=True, exclude_none=True, exclude_defaults=True)
         plain["from"] = entry.columns[0] if len(entry.columns) == 1 else list(entry.columns)

@@ -11,11 +11,14 @@ from layflat.arrays import Array, Dataset
 from layflat.description import units as u
 from layflat.description.hints import did_you_mean
 from layflat.errors import InputError
+from layflat.identify.logs.clocks import unwrap_counter
 from layflat.identify.logs.grid import Clock, Grid, Series, clock_of, gaps, grid_as_recorded, grid_over, resampled
 from layflat.identify.logs.mapping import MappedColumn, Mapping, read_mapping
 from layflat.identify.logs.own import own_mapping
 from layflat.identify.logs.signals import SIGNALS, channel_name, conversion
 from layflat.identify.logs.table import Column, Table, read_table
+
+LISTED = 8  # names in a message
 
 
 def read_log(
@@ -56,7 +59,27 @@ def read_log(
         raise InputError(f"{period:g} s is out of range", where="cycle", right='give a time such as "5 ms"')
     series = _series(table, plan, list(joints) if joints is not None else None, where)
     clocks = [one.clock for one in series]
-    return _dataset(table, series, grid_as_recorded(clocks, file) if as_recorded else grid_over(clocks, period, file))
+    grid = grid_as_recorded(clocks, file) if as_recorded else grid_over(clocks, period, file)
+    log = _dataset(table, series, grid)
+    log.attrs["log_notes"] = json.dumps(_notes(table, plan, mapping is None))
+    return log
+
+
+def _notes(table: Table, plan: Mapping, by_name: bool) -> list[str]:
+    """Return what there is to say of how a file was read, and of columns that are not."""
+    notes = list(table.notes)
+    clock = plan.time.column if plan.time is not None else None
+    if clock is not None and clock in table.columns:
+        notes += [f"{clock}: {note}" for note in table.columns[clock].notes]
+        anew = unwrap_counter(table.columns[clock].values)[1]
+        notes += [f"{clock}: a counter that starts anew at sample {anew[0]} is read as going on"] if anew else []
+    simulated = any(name.startswith("measured_angle") for name in table.columns)  # true values stay out of a fit
+    if by_name and not simulated and table.clock is None:
+        used = {column for entry in plan.column for column in entry.columns} | {clock}
+        left = [name for name in (*table.columns, *table.words) if name not in used]
+        told = ", ".join(left[:LISTED]) + (f" and {len(left) - LISTED} more" if len(left) > LISTED else "")
+        notes += [f"without a mapping these columns are not read: {told}"] if left else []
+    return notes
 
 
 def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -> list[Series]:
@@ -89,6 +112,9 @@ def _series(table: Table, plan: Mapping, joints: list[str] | None, where: str) -
 
 
 def _no_column(name: str, table: Table, where: str) -> InputError:
+    if name in table.words:
+        right = "write numbers, or dates and times of one kind"
+        return InputError(f"column {name!r} of {table.path.name} {table.words[name]}", where=where, right=right)
     return InputError(f"no column {name!r} in {table.path.name}", where=where, right=did_you_mean(name, table.columns))
 
 
@@ -101,12 +127,15 @@ def _clock(table: Table, plan: Mapping, where: str) -> tuple[float, Array]:
             raise InputError(what, where=f"{where}: time.column", right=right)
         seconds = time.seconds if time is not None else u.TIME.convert(f"1 {table.clock.unit or 's'}")
         return seconds, np.empty(0)
+    if time is not None and time.period is not None:
+        samples = max((column.values.size for column in table.columns.values()), default=0)
+        return 1.0, time.period * np.arange(samples, dtype=np.float64)
     if time is None or time.column is None:
-        right = 'give [time] with column = "t", unit = "s"'
+        right = 'give [time] with column = "t", unit = "s"; or period = "5 ms" for a log without a clock'
         raise InputError("does not say which column is the clock", where=where, right=right)
     if time.column not in table.columns:
         raise _no_column(time.column, table, f"{where}: time.column")
-    return time.seconds, table.columns[time.column].values
+    return time.seconds, unwrap_counter(table.columns[time.column].values)[0]
 
 
 def _joint(entry: MappedColumn, plan: Mapping, joints: list[str] | None, where: str) -> str | None:
@@ -130,6 +159,8 @@ def _one(column: Column, entry: MappedColumn, joint: str | None, ambient: float,
     raw = np.where(np.isfinite(column.values), column.values, np.nan)[clock.rows]
     values = entry.sign * (raw - entry.offset) * entry.scale * factor + shift + (ambient if entry.gauge else 0.0)
     source: dict[str, object] = {"column": column.header.name, "unit": entry.unit, "sign": entry.sign}
+    if column.notes:
+        source["notes"] = list(column.notes)
     if entry.gauge is not None:
         source |= {"gauge": entry.gauge, "ambient": ambient}
     return Series(entry.signal, joint, clock, values, source)
@@ -189,7 +220,7 @@ def _told(series: list[Series], grid: Grid) -> dict[str, Any]:
 
 def _clocks(series: list[Series], grid: Grid) -> list[dict[str, Any]]:
     """What is kept of each clock: who goes by it, and what was wrong with it."""
-    kept = ("period", "jitter", "duplicates", "undated")
+    kept = ("period", "jitter", "duplicates", "undated", "first_undated", "reset_at")
     return [
         {"channels": list(dict.fromkeys(one.channel for one in series if one.clock is clock))}
         | {key: getattr(clock, key) for key in kept}

@@ -1,11 +1,9 @@
 """A log as its file has it: columns of raw numbers, each with its stamps where the file says so."""
 
 import hashlib
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from datetime import datetime
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -13,9 +11,9 @@ from layflat.arrays import Array
 from layflat.description.text import check_regular
 from layflat.errors import InputError
 from layflat.identify.logs.headers import Header, header_of
+from layflat.identify.logs.text.cells import read_cells
 
 Cells = Array | list[str]
-T = TypeVar("T")
 
 LONG = (("signal", "channel", "name"), ("time", "t"), ("value",))  # columns of a table with a sample a row
 
@@ -27,6 +25,7 @@ class Column:
     values: Array
     header: Header
     stamps: Array | None = None  # times of its own, (samples,); None where a column of the table is the clock
+    notes: tuple[str, ...] = ()  # what had to be decided to read it, and cells that hold no number
 
 
 @dataclass(frozen=True)
@@ -37,11 +36,22 @@ class Table:
     sha256: str
     columns: dict[str, Column]
     clock: Header | None = None  # of the stamps where columns have their own; None where a column is the clock
+    notes: tuple[str, ...] = ()  # on the file
+    words: dict[str, str] = field(default_factory=dict)  # columns without numbers, and why
 
 
-def read_table(path: str | Path) -> Table:
-    """Read a log's file: .parquet, .nc, .mcap, and text for all else; raise InputError if it holds no numbers."""
-    from layflat.identify.logs import arrays, bag, text  # noqa: PLC0415  # they make tables of what they read
+def read_table(path: str | Path, progress: Callable[[float], None] | None = None) -> Table:
+    """Read a log's file: .parquet, .nc, .mcap, and text for all else.
+
+    Args:
+        path: of the file.
+        progress: takes the fraction of a text file that is read.
+
+    Raises:
+        InputError: it can't be read, or holds no numbers.
+    """
+    from layflat.identify.logs import arrays, bag  # noqa: PLC0415  # they make tables of what they read
+    from layflat.identify.logs.text import read_text  # noqa: PLC0415
 
     path, right = Path(path), "give a CSV, Parquet, NetCDF or MCAP file"
     check_regular(path, str(path), right)
@@ -51,65 +61,83 @@ def read_table(path: str | Path) -> Table:
     except OSError as error:
         raise InputError(f"can't be read ({error.strerror})", where=str(path), right=right) from None
     suffix = path.suffix.lower()
+    notes: Mapping[str, list[str]] = {}
     if suffix == ".mcap" or path.name.endswith(".mcap.part"):
         columns, clock = bag.read_bag(path)
-    elif suffix in {".parquet", ".pq"}:
-        columns, clock = arranged(*arrays.read_parquet(path))
+        words: dict[str, str] = {}
+    elif suffix in {".parquet", ".pq", ".nc", ".nc4", ".h5"}:
+        cells, units = (arrays.read_parquet if suffix in {".parquet", ".pq"} else arrays.read_netcdf)(path)
+        columns, clock, words = arranged(cells, units)
     else:
-        columns, clock = arranged(*(arrays.read_netcdf if suffix in {".nc", ".nc4", ".h5"} else text.read_text)(path))
+        text = read_text(path, progress)
+        notes = text.notes
+        columns, clock, words = arranged(text.columns, text.units, notes)
     if not any(np.isfinite(column.values).any() for column in columns.values()):
-        raise InputError("holds no numbers", where=str(path), right="give a table of samples")
-    return Table(path, sha256, columns, clock)
+        first = next((f": column {name!r} {why}" for name, why in words.items()), "")
+        raise InputError(f"holds no numbers{first}", where=str(path), right="give a table of samples")
+    from layflat.identify.logs.clocks import join_stamps  # noqa: PLC0415  # it joins columns of tables
+
+    columns = join_stamps(columns) if clock is None else columns
+    return Table(path, sha256, columns, clock, tuple(notes.get("", ())), words)
 
 
-def arranged(cells: dict[str, Cells], units: dict[str, str]) -> tuple[dict[str, Column], Header | None]:
-    """Columns from cells: a column for each header, or for each signal of a table in long format."""
+def arranged(
+    cells: Mapping[str, Cells], units: Mapping[str, str], notes: Mapping[str, list[str]] | None = None
+) -> tuple[dict[str, Column], Header | None, dict[str, str]]:
+    """Return columns from cells: one for each header, or for each signal of a table in long format.
+
+    Args:
+        cells: numbers, or words, of each column.
+        units: that are stated beside the names.
+        notes: on single columns; default: those that come of reading words.
+
+    Returns:
+        Columns by name; the clock's header where columns have times of their own; names of columns of words, and why.
+    """
+    notes = notes or {}
     headers = {name: header_of(name, units.get(name, "")) for name in cells}
+    for name in [name for name, header in headers.items() if header.unit == "Pa" and not units.get(name)]:
+        if "Pa" in name and name.replace("Pa", "Pb") in cells:  # the pressures of two hoses
+            headers[name] = Header(name, stem=name)
     stems = {header.stem.lower(): name for name, header in headers.items()}
     signal, time, value = (next((stems[word] for word in words if word in stems), "") for words in LONG)
     if signal and time and value and not isinstance(cells[signal], np.ndarray):
         stated = cells.get(next((stems[word] for word in ("unit", "units") if word in stems), ""))
-        return _pivoted(cells[signal], cells[time], cells[value], stated, headers[time])
-    columns = {}
+        columns, clock = _pivoted(list(cells[signal]), cells[time], cells[value], stated, headers[time])
+        return columns, clock, {}
+    columns, words = {}, {}
     for name, values in cells.items():
-        numbers, dated = _numbers(values)
-        if isinstance(values, np.ndarray) or np.isfinite(numbers).any():
-            header = replace(headers[name], unit="s") if dated else headers[name]
-            columns[header.name] = Column(numbers, header)
-    return columns, None
+        if isinstance(values, np.ndarray):
+            columns[name] = Column(values, headers[name], notes=tuple(notes.get(name, ())))
+            continue
+        read = read_cells(values, None, name) if name not in notes else None
+        if read is None or read.values is None:
+            words[name] = "; ".join(notes.get(name, read.notes if read else []))
+        else:
+            header = header_of(name, units.get(name, "") or read.unit)
+            columns[name] = Column(read.values, header, notes=tuple(read.notes))
+    return columns, None, words
 
 
 def _pivoted(
-    signals: Cells, time: Cells, value: Cells, units: Cells | None, clock: Header
+    signals: list[str], time: Cells, value: Cells, units: Cells | None, clock: Header
 ) -> tuple[dict[str, Column], Header]:
-    """Columns of a table with a sample a row."""
-    (times, dated), (values, _) = _numbers(time), _numbers(value)
+    """Return columns of a table with a sample a row."""
+    times, unit, notes = _numbers(time)
+    values, _, _ = _numbers(value)
     names = np.array([str(name).strip() for name in signals])
     columns = {}
     for name in dict.fromkeys(names.tolist()):
         mine = np.flatnonzero(names == name)
         header = header_of(name, "" if units is None else str(units[int(mine[0])]))
-        columns[header.name] = Column(values[mine], header, times[mine])
-    return columns, replace(clock, unit="s") if dated else clock
+        columns[header.name] = Column(values[mine], header, times[mine], notes)
+    return columns, header_of(clock.name, unit) if unit else clock
 
 
-def _numbers(cells: Cells) -> tuple[Array, bool]:
-    """Numbers of cells, NaN where there is none; dates with times become seconds since the first (True)."""
+def _numbers(cells: Cells) -> tuple[Array, str, tuple[str, ...]]:
+    """Return numbers of a column, their unit where the cells say it, and notes."""
     if isinstance(cells, np.ndarray):
-        return cells, False
-    numbers = np.array([_tried(float, cell) for cell in cells], dtype=np.float64)
-    dates = [] if np.isfinite(numbers).any() else [_tried(datetime.fromisoformat, cell.strip()) for cell in cells]
-    first = next((date for date in dates if date is not None), None)
-    if first is None:
-        return numbers, False
-    try:
-        return np.array([np.nan if date is None else (date - first).total_seconds() for date in dates]), True
-    except TypeError:  # some say their time zone and some don't
-        return numbers, False
-
-
-def _tried(read: Callable[[str], T], cell: str) -> T | None:
-    try:
-        return read(cell)
-    except ValueError:
-        return None
+        return cells, "", ()
+    read = read_cells(cells, None, "log")
+    values = np.full(len(cells), np.nan) if read.values is None else read.values
+    return values, read.unit, tuple(read.notes)

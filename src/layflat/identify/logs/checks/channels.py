@@ -56,6 +56,7 @@ class CheckedLog:
     joints: tuple[str, ...]
     clocks: list[dict[str, Any]]
     machine: Machine | None
+    notes: tuple[str, ...] = ()  # on how its file was read
 
     @cached_property
     def filled(self) -> list[Channel]:
@@ -113,7 +114,8 @@ def checked_log(log: Dataset, description: object | None) -> CheckedLog:
     time = np.asarray(log["time"].values, dtype=np.float64)
     period = float(log.attrs.get("log_period", np.median(np.diff(time)) if time.size > 1 else 0.0))
     machine = description if isinstance(description, Machine) else None
-    return CheckedLog(channels, time, period, joints, json.loads(log.attrs.get("log_clocks", "[]")), machine)
+    notes = tuple(json.loads(log.attrs.get("log_notes", "[]")))
+    return CheckedLog(channels, time, period, joints, json.loads(log.attrs.get("log_clocks", "[]")), machine, notes)
 
 
 def smoothed(values: Array, samples: int) -> Array:

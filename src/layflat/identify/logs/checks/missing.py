@@ -15,6 +15,10 @@ MANY = 0.05  # share of doubled stamps from which something is wrong with the cl
 UNEVEN = 0.2  # jitter in periods that is worth knowing
 SLIP = 300.0  # factor between the log's period and the controller's cycle that is no choice but a wrong unit
 
+_UNITS_OF_TIME = (1e-9, 1e-6, 1e-3, 1.0, 60.0, 3600.0, 86400.0)  # s
+TIME_FACTORS = sorted({a / b for a in _UNITS_OF_TIME for b in _UNITS_OF_TIME})
+"""Factors between units of time."""
+
 COMMANDS = ("voltage", "setpoint_a", "setpoint_b", "demand")
 PRESSURES = ("measured_pressure", "pressure_a", "pressure_b")
 
@@ -28,10 +32,15 @@ WANTED: tuple[tuple[str, Severity, tuple[str, ...], str], ...] = (
 
 def issues(log: CheckedLog) -> Iterator[Issue]:
     """Joints without signals, channels without samples, a log that is too short."""
+    for note in log.notes:
+        yield Issue("note", "log", note)
     yield from _joints(log)
     if not any(not channel.signal.held for channel in log.filled):
         yield Issue("error", "log", "holds nothing that was measured", "map an angle, a pressure or a force at least")
     for channel in log.channels.values():
+        for note in channel.source.get("notes", ()):
+            lost = "are missing" in note or "is missing" in note
+            yield Issue("warning" if lost else "note", channel.name, f"column {channel.source['column']}: {note}")
         yield from _samples(channel, log)
     yield from _length(log)
 
@@ -93,14 +102,17 @@ def clocks(log: CheckedLog) -> Iterator[Issue]:
     cycle = log.machine.controller.cycle if log.machine and log.machine.controller else 0.0
     if cycle and log.clocks and not 1.0 / SLIP < log.period / cycle < SLIP:
         text = f"a sample every {log.period:.3g} s where the controller's cycle is {cycle:.3g} s"
-        yield Issue("error", "log", text, f"check the unit of time: a factor of {cycle / log.period:.3g} would fit")
+        ratio = cycle / log.period
+        factor = min(TIME_FACTORS, key=lambda factor: abs(np.log(factor / ratio)))
+        yield Issue("error", "log", text, f"check the unit of time: a factor of {factor:.5g} would fit")
 
 
 def _clock(clock: dict[str, Any]) -> Iterator[Issue]:
     names = several(clock["channels"])
     if clock["reset"] is not None:
         before, after = clock["reset"]
-        text = f"the clock jumps back from {before:.6g} s to {after:.6g} s; {clock['cut']} samples are cut"
+        at = f" at sample {clock['reset_at']}" if clock.get("reset_at") else ""
+        text = f"the clock jumps back from {before:.6g} s to {after:.6g} s{at}; {clock['cut']} samples are cut"
         yield Issue("warning", names, text, "the longer part is used; cut the log there to use the other")
     doubled = clock["duplicates"]
     if doubled:
@@ -109,7 +121,9 @@ def _clock(clock: dict[str, Any]) -> Iterator[Issue]:
         right = "the clock is too coarse, or the unit of time wrong" if coarse else "write each sample once"
         yield Issue("warning" if coarse else "note", names, text, right)
     if clock["undated"]:
-        yield Issue("note", names, f"{clock['undated']} samples without stamp are left out", "")
+        several_of_them = f"{clock['undated']} samples" if clock["undated"] > 1 else "1 sample"
+        text = f"{several_of_them} without stamp, first sample {clock.get('first_undated', 0)}, left out"
+        yield Issue("note", names, text)
     period, jitter = clock["period"], clock["jitter"]
     if jitter > UNEVEN * period > 0.0:
         text = f"stamps jitter by {jitter:.3g} s rms about a period of {period:.3g} s"

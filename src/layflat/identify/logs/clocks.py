@@ -1,0 +1,179 @@
+"""Clocks of a log: those in two columns, counters that start anew, and which column is the clock."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.description.units import TIME
+from layflat.errors import InputError
+from layflat.identify.logs.headers import Header, words_of
+from layflat.identify.logs.table import Column, Table
+from layflat.identify.logs.units import kind_of_unit, unit_written
+from layflat.identify.logs.vocabulary import meanings
+
+_PARTS = (
+    ("sec", "nanosec", 1e-9),
+    ("secs", "nsecs", 1e-9),
+    ("sec", "nsec", 1e-9),
+    ("sec", "usec", 1e-6),
+    ("seconds", "nanoseconds", 1e-9),
+)
+_MILLISECONDS = {"millitm", "ms", "msec", "millis", "millisecond", "milliseconds", "milli"}
+STEPS = ((0.7, "s"), (700.0, "ms"), (7e5, "us"), (np.inf, "ns"))  # units of a clock, by its greatest usual step
+EPOCHS = ((5e8, 5e9, "s"), (5e11, 5e12, "ms"), (5e14, 5e15, "us"), (5e17, 5e18, "ns"))  # of dates from 1986 on, by unit
+DAY_NUMBERS = ((2e4, 8e4), (7e5, 8e5))  # of dates in spreadsheets and in MATLAB
+MAX_DAY_STEP = 0.1  # days between two samples; more is no log of a motion
+COUNTERS = (2.0**16, 2.0**32)  # at which counters of milliseconds and microseconds start anew
+MAX_FALLS = 0.01  # fraction of steps back of what is still a clock
+RIGHT = 'give the log a column of times; or say period = "5 ms" (--period) if its samples are evenly spaced'
+
+
+@dataclass(frozen=True)
+class ClockChoice:
+    """A column taken for the clock, its unit, and why."""
+
+    column: str
+    unit: str
+    why: str
+    scores: Mapping[str, tuple[float, str]]  # of each column that may be the clock
+
+
+def join_stamps(columns: dict[str, Column]) -> dict[str, Column]:
+    """Return the columns, and one in s for each pair of seconds and their fraction, as "t.sec" and "t.nanosec"."""
+    joined = {}
+    for name, column in columns.items():
+        for whole, rest, size in _PARTS:
+            stem = name.removesuffix(whole)
+            partner = columns.get(stem + rest)
+            if stem != name and partner is not None and column.values.size == partner.values.size:
+                since = column.values - column.values[np.isfinite(column.values)][:1].sum()
+                base = stem.rstrip("._/") or "stamp"
+                note = f"{name} and {stem + rest} together, as seconds since the first second"
+                joined[base] = replace(
+                    column, values=since + size * partner.values, header=Header(base, "s", stem=base), notes=(note,)
+                )
+                break
+    coarse = [n for n, c in columns.items() if c.header.unit == "s" and c.stamps is None and _is_coarse(c.values)]
+    fine = [n for n, c in columns.items() if _MILLISECONDS & set(words_of(n)) and _is_fraction(c.values)]
+    if coarse and len(fine) == 1:
+        name = f"{coarse[-1]} + {fine[0]}"
+        note = f"{coarse[-1]} in s and {fine[0]} in ms together"
+        values = columns[coarse[-1]].values + 1e-3 * columns[fine[0]].values
+        joined[name] = Column(values, Header(name, "s", stem=name), notes=(note,))
+    return columns | {name: column for name, column in joined.items() if name not in columns}
+
+
+def _is_coarse(values: Array) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(known.size > 2 and np.all(known % 1.0 == 0.0) and np.mean(np.diff(known) == 0.0) > 0.5)
+
+
+def _is_fraction(values: Array) -> bool:
+    known = values[np.isfinite(values)]
+    return bool(known.size and known.min() >= 0.0 and known.max() < 1000.0 and np.all(known % 1.0 == 0.0))
+
+
+def unwrap_counter(stamps: Array) -> tuple[Array, list[int]]:
+    """Return the stamps of a counter of 16 or 32 bits as they would go on, and the samples at which it starts anew."""
+    known = np.flatnonzero(np.isfinite(stamps))
+    values = stamps[known]
+    steps = np.diff(values)
+    back = np.flatnonzero(steps < 0.0)
+    if not back.size or np.any(values % 1.0 != 0.0) or values.min() < 0.0:
+        return stamps, []
+    usual = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0
+    for size in COUNTERS:
+        jumps = steps[back] + size
+        if values.max() < size and usual > 0.0 and np.all((jumps > 0.0) & (jumps < 20.0 * usual)):
+            result = stamps.copy()
+            result[known[1:]] += size * np.cumsum(steps < 0.0)
+            return result, [int(known[i + 1]) + 1 for i in back]
+    return stamps, []
+
+
+def choose_clock(table: Table) -> ClockChoice:
+    """Return the column that is the clock, by its unit and name; raise InputError where none can be.
+
+    A column whose unit is not one of time, or whose name says something else, is never taken.
+    """
+    if table.clock is not None:
+        return ClockChoice(table.clock.name, table.clock.unit or "s", "every sample has a time of its own", {})
+    scores = {name: score for name, column in table.columns.items() if (score := _score(column)) is not None}
+    named = {name: score for name, score in scores.items() if score[0] >= 1.0} or scores
+    if not named:
+        raise InputError(f"no column rises as a clock does{_why_not(table)}", where=str(table.path), right=RIGHT)
+    chosen = max(named, key=lambda name: named[name][0])
+    unit, why = _unit(table.columns[chosen])
+    said = "".join(f"; {note}" for note in table.columns[chosen].notes)
+    return ClockChoice(chosen, unit, f"the clock {named[chosen][1]}; {why}{said}", scores)
+
+
+def _score(column: Column) -> tuple[float, str] | None:
+    """Return how much speaks for a clock, and what; None for a column that is none."""
+    header, values = column.header, column.values
+    words = words_of(header.stem)
+    meant = meanings(words)
+    timed = bool(header.unit) and kind_of_unit(header.unit) == TIME
+    if (header.unit and not timed) or header.unknown or not _rises(values):
+        return None
+    named = "clock" in meant and (timed or not meant & {"pressure", "angle", "torque", "force", "rate", "temperature"})
+    coarse = 0.5 if np.median(np.diff(values[np.isfinite(values)])) <= 0.0 else 0.0
+    arrival = 0.7 if "arrival" in words else 0.0
+    if named or timed:
+        why = "by its name and unit" if named and timed else "by its name" if named else "by its unit"
+        return 2.0 * timed + 2.0 * named - coarse - arrival, why
+    steps = np.diff(values[np.isfinite(values)])
+    low, high = np.percentile(steps, (10.0, 90.0))
+    if meant or not 0.0 < high <= 1.5 * low or _counts(values):
+        return None
+    return 0.5, "as its values rise evenly"
+
+
+def _counts(values: Array) -> bool:
+    """Return whether a column is the number of the sample."""
+    known = values[np.isfinite(values)]
+    return bool(known.size > 1 and np.all(known == np.arange(known.size) + known[0]))
+
+
+def _rises(values: Array) -> bool:
+    steps = np.diff(values[np.isfinite(values)])
+    return bool(steps.size and np.any(steps > 0.0) and np.sum(steps < 0.0) <= max(1.0, MAX_FALLS * steps.size))
+
+
+def _unit(column: Column) -> tuple[str, str]:
+    """Return the unit of a clock, and why."""
+    if column.header.unit:
+        return column.header.unit, "unit as in the header" if not column.notes else "unit by its stamps"
+    for word in words_of(column.header.stem):
+        found = unit_written(word, listed=True) if len(word) > 1 else None
+        if found is not None and kind_of_unit(found[0]) == TIME:
+            return found[0], f"unit by the word {word!r}"
+    known = column.values[np.isfinite(column.values)]
+    steps = np.diff(known)
+    step, first, last = float(np.median(steps[steps > 0.0])), float(known[0]), float(known[-1])
+    for low, high, unit in EPOCHS:
+        if low < first < high and low < last < high:
+            return unit, f"unit by its values of {first:.4g}, which are dates in {unit}: check it"
+    if any(low < first <= last < high for low, high in DAY_NUMBERS) and step < MAX_DAY_STEP:
+        return "day", f"unit by its values of {first:.6g}, which are dates in days: check it"
+    unit = next(unit for most, unit in STEPS if step < most)
+    return unit, f"unit by its steps of {step:.4g}: check it"
+
+
+def _why_not(table: Table) -> str:
+    """Return what keeps columns that sound like a clock from being one."""
+    for name, why in table.words.items():
+        if "clock" in meanings(words_of(name)):
+            return f": column {name!r} {why}"
+    for name, column in table.columns.items():
+        if "clock" in meanings(words_of(column.header.stem)):
+            unit = column.header.unit or column.header.unknown
+            falls = np.flatnonzero(np.diff(column.values[np.isfinite(column.values)]) < 0.0)
+            if unit and kind_of_unit(unit) != TIME:
+                return f": the unit {unit!r} of column {name!r} is not one of time"
+            if falls.size:
+                return f": column {name!r} falls {falls.size} times, first at sample {falls[0] + 2}"
+    counted = next((name for name, column in table.columns.items() if _counts(column.values)), None)
+    return f": column {counted!r} counts samples" if counted is not None else ""

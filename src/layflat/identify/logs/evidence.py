@@ -1,0 +1,137 @@
+"""What speaks for a column being a signal: its name, its unit, and whether its values can be such."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from layflat.arrays import Array
+from layflat.description import units as u
+from layflat.identify.logs.headers import Header, words_of
+from layflat.identify.logs.own import SENSED
+from layflat.identify.logs.signals import FORCE, SIGNALS, Signal, conversion
+from layflat.identify.logs.table import Column
+from layflat.identify.logs.units import kind_of_unit, measures
+from layflat.identify.logs.vocabulary import FILTERED, STATISTICS, meanings, signal_of
+
+BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
+"""Roles, and signals, that a unit alone tells, by its SI unit."""
+
+POSSIBLE: dict[u.Quantity, tuple[float, float]] = {
+    u.PRESSURE: (100.0, 1e8), u.ANGLE: (0.0, 4.0 * np.pi), u.VOLTAGE: (0.0, 1e3), u.TORQUE: (0.0, 1e5),
+    FORCE: (0.0, 1e7), u.TEMPERATURE: (60.0, 2e3), u.LENGTH: (0.0, 100.0), u.MASS: (0.0, 1e4),
+}  # fmt: skip
+"""Range of the greatest magnitude of a signal that moves, SI: outside it a stated unit can't be."""
+
+OWN_NAME, WORDS, UNIT_FITS, UNIT_ALONE, FILTERED_LESS = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A column and the signal that it may be."""
+
+    column: Column
+    signal: Signal
+    why: str
+    score: float
+    joint: str  # that its name says; "" where it says none
+    group: str  # number in its name, "" for none
+
+
+def find_candidate(column: Column, joints: list[str]) -> Candidate | str:
+    """Return the signal that a column may be, or why it is left out.
+
+    Args:
+        column: to look at.
+        joints: of the machine; empty where it is not known.
+    """
+    header = column.header
+    if not np.isfinite(column.values).any():
+        return "empty"
+    words = words_of(header.stem)
+    joint = next((name for name in joints if set(words_of(name)) <= set(words)), "")
+    own, _, own_joint = header.stem.partition(".")
+    own = SENSED.get(own, own)
+    if not joint and not joints and own in SIGNALS:
+        joint = own_joint
+    words = [word for word in words if word not in words_of(joint)]
+    kind = kind_of_unit(header.unit) if header.unit else None
+    meant, group, counted = _roles(words, kind, bool(joint), header.stem)
+    if "rate" in meant or STATISTICS & set(words):
+        return "a rate, which follows from the rest" if "rate" in meant else "a statistic of samples, not a sample"
+    name = own if own in SIGNALS else _signal_of(meant, kind)
+    if name is None:
+        if kind is not None and kind.unit in BY_UNIT:
+            signal = SIGNALS[BY_UNIT[kind.unit]]
+            why = f"{signal.name} by its unit alone: check it"
+            return _checked(Candidate(column, signal, why, UNIT_ALONE, joint, group))
+        low, high = np.nanmin(column.values), np.nanmax(column.values)
+        return f"its name says nothing that is known here; goes from {low:.4g} to {high:.4g}"
+    score = (OWN_NAME if own == name else WORDS) + UNIT_FITS * bool(header.unit)
+    score -= FILTERED_LESS * bool(FILTERED & set(words))
+    return _checked(Candidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group))
+
+
+def _roles(words: list[str], kind: u.Quantity | None, jointed: bool, stem: str) -> tuple[set[str], str, str]:
+    """Return the roles of a name's words, the number that may be a joint's, and a word on a number taken for a hose."""
+    numbers = [word for word in words if word.isdigit()]
+    group = numbers[-1] if numbers and not stem.isdigit() else ""
+    meant, counted = meanings(words), ""
+    pressed = "pressure" in meant or kind == u.PRESSURE
+    if group in {"1", "2"} and pressed and not meant & {"a", "b", "difference", "supply"}:
+        hose = "a" if group == "1" else "b"
+        meant, counted, group = meant | {hose}, f", whose {group} is taken for hose {hose.upper()}: check it", ""
+    if "position" in meant and (jointed or "joint" in words or kind == u.ANGLE):
+        meant = meant | {"angle"}
+    return meant, group, counted
+
+
+def _signal_of(meant: set[str], kind: u.Quantity | None) -> str | None:
+    """Return the signal that the roles of words and a unit's kind make."""
+    told = {u.PRESSURE: "pressure", u.ANGLE: "angle", u.VOLTAGE: "voltage", u.TORQUE: "torque", FORCE: "force"}
+    kinds = {
+        "pressure",
+        "angle",
+        "voltage",
+        "torque",
+        "force",
+        "supply",
+        "difference",
+        "brake",
+        "payload",
+        "temperature",
+        "position",
+    }
+    if kind in told and meant & {"a", "b", "asked"} and not meant & kinds and (kind != u.TORQUE):
+        meant = meant | {told[kind]}
+    if meant == {"clock"} and kind is not None and kind != u.TIME:
+        return None  # the t of "T [K]"
+    return signal_of(meant)
+
+
+def _checked(candidate: Candidate) -> Candidate | str:
+    """Return a candidate whose stated unit is one that its values can have; else why it is left out."""
+    header, signal, kind = candidate.column.header, candidate.signal, candidate.signal.kind
+    fits = (kind is not None and measures(header.unit, kind)) or (kind is None and header.unit in {"%", "1"})
+    if header.unit and not fits:
+        return (
+            f"{signal.name} by its name, but {header.unit!r} is not a unit of it; if it is one before its scale, write "
+            f'a mapping with a unit such as "0.5 {signal.unit}" for one {header.unit}, and offset'
+        )
+    if header.unknown:
+        return (
+            f"{candidate.why}, but its unit {header.unknown!r} is not known: write a mapping with a unit such as "
+            f'"{signal.unit}", or "0.5 {signal.unit}" for one of it'
+        )
+    most = float(np.nanmax(np.abs(_si(candidate.column.values, header, signal)))) if header.unit and kind else 0.0
+    low, high = POSSIBLE.get(kind, (0.0, np.inf)) if kind is not None else (0.0, np.inf)
+    if most > high or (0.0 < most < low and signal.absolute) or (kind == u.TEMPERATURE and header.unit and most < low):
+        return (
+            f"{candidate.why}, but up to {most:.3g} {signal.unit} by its stated unit {header.unit!r}, which can't be: "
+            "write a mapping with the right unit"
+        )
+    return candidate
+
+
+def _si(values: Array, header: Header, signal: Signal) -> Array:
+    factor, shift = conversion(header.unit, signal)
+    return values * factor + shift
