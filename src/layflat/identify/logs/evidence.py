@@ -11,7 +11,7 @@ from layflat.identify.logs.own import SENSED
 from layflat.identify.logs.signals import FORCE, SIGNALS, Signal, conversion
 from layflat.identify.logs.table import Column
 from layflat.identify.logs.units import kind_of_unit, measures
-from layflat.identify.logs.vocabulary import FILTERED, STATISTICS, meanings, signal_of
+from layflat.identify.logs.vocabulary import FILTERED, RAW, STATISTICS, meanings, signal_of
 
 BY_UNIT = {"rad": "angle", "Pa": "pressure", "V": "voltage", "N*m": "torque", "N": "force", "K": "temperature"}
 """Roles, and signals, that a unit alone tells, by its SI unit."""
@@ -22,7 +22,7 @@ POSSIBLE: dict[u.Quantity, tuple[float, float]] = {
 }  # fmt: skip
 """Range of the greatest magnitude of a signal that moves, SI: outside it a stated unit can't be."""
 
-OWN_NAME, WORDS, UNIT_FITS, UNIT_ALONE, FILTERED_LESS = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
+OWN_NAME, WORDS, UNIT_FITS, UNIT_ALONE, RAW_MORE = 6.0, 4.0, 3.0, 1.0, 0.5  # points of a score
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def find_candidate(column: Column, joints: list[str]) -> Candidate | str:
         low, high = np.nanmin(column.values), np.nanmax(column.values)
         return f"its name says nothing that is known here; goes from {low:.4g} to {high:.4g}"
     score = (OWN_NAME if own == name else WORDS) + UNIT_FITS * bool(header.unit)
-    score -= FILTERED_LESS * bool(FILTERED & set(words))
+    score += RAW_MORE * (bool(RAW & set(words)) - bool(FILTERED & set(words)))  # a fit models the sensor itself
     return _checked(Candidate(column, SIGNALS[name], f"{name} by its name{counted}", score, joint, group))
 
 

@@ -158,7 +158,9 @@ def _chosen(channel: str, rivals: list[Candidate], notes: dict[str, str]) -> Can
     first, rest = ranked[0], ranked[1:]
     name = first.column.header.name
     for one in rest:
-        notes[one.column.header.name] = f"{one.why}, but {name} is {channel} already, with more to say for it"
+        notes[one.column.header.name] = (
+            f"{one.why}, but {name} is {channel} already, with {first.score:g} to {one.score:g} points"
+        )
         if np.array_equal(one.column.values, first.column.values, equal_nan=True):
             notes[one.column.header.name] = f"{one.why}, but {name} is {channel} already, with the same values"
     equal = [

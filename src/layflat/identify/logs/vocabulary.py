@@ -61,10 +61,12 @@ SIGNALS_OF: tuple[tuple[str, set[str]], ...] = (
 _ORIGINS = {
     "filtered": "filt filtered filter lp lowpass smooth smoothed est estimated sim simulated model",
     "statistic": "min max minimum maximum std stdev sd var variance count rms",
-    "other": "raw roh brut meas measured act actual ist sensor value wert mean avg smp",
+    "raw": "raw roh brut rq rp rpa rpb",
+    "other": "meas measured act actual ist sensor value wert mean avg smp",
 }
 FILTERED, STATISTICS = frozenset(_ORIGINS["filtered"].split()), frozenset(_ORIGINS["statistic"].split())
-QUALIFIERS = FILTERED | frozenset(_ORIGINS["other"].split())
+RAW = frozenset(_ORIGINS["raw"].split())
+QUALIFIERS = FILTERED | RAW | frozenset(_ORIGINS["other"].split())
 """Words that say how a column was come by, not what it measures."""
 
 ROLE_WORDS = frozenset(word for words in ROLES.values() for word in words.split())
