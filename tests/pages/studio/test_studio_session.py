@@ -1,6 +1,7 @@
 """Results follow the newest edit, A stays what it was, and the process that simulates serves many designs in turn."""
 
 import asyncio
+import pickle
 from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
@@ -9,9 +10,10 @@ import pytest
 
 from layflat.errors import LayflatError
 from layflat.machine import Machine
+from layflat.pages.server.worker import Worker as Beside
 from layflat.pages.studio.cloud import Cloud, Step, Tolerances, cloud
 from layflat.pages.studio.design import Design
-from layflat.pages.studio.report import report
+from layflat.pages.studio.report import Content, report
 from layflat.pages.studio.session import Session
 from layflat.pages.studio.worker import Worker
 
@@ -19,11 +21,19 @@ pytestmark = pytest.mark.compiled
 WIDTH = "joint.large.hose.width"
 
 
+class InThread(Beside):
+    """Does work in a thread."""
+
+    async def call(self, function: Any, *arguments: Any, limit: float, what: str) -> Any:  # noqa: ARG002
+        return await asyncio.to_thread(function, *arguments)
+
+
 class Immediate(Worker):
     """Simulates a few runs at once; a request that is overtaken has no result."""
 
     def __init__(self) -> None:
         super().__init__()
+        self.beside = InThread("")
         self.newest: dict[int, int] = {}
 
     def overtake(self, tab: int, number: int) -> None:
@@ -144,7 +154,7 @@ def test_a_report_needs_nothing_else(session: Session) -> None:
         await current(session)
 
     followed(session, act)
-    text = report(session)
+    text = report(pickle.loads(pickle.dumps(Content.of(session))))
     assert text.count("<figure") == 3
     assert "210 mm" in text
     assert "now less A" in text

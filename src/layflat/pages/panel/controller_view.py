@@ -75,8 +75,9 @@ class ControllerView:
     @staticmethod
     def _add(field: Field, value: float) -> tuple[Field, ui.number]:
         field = field.readable(value)
-        label = named(field.path) + (f" ({field.unit})" if field.unit else "")
-        entry = ui.number(label, value=field.number(value), format="%.7g").props("dense outlined")
+        suffix = field.unit or None
+        entry = ui.number(named(field.path), value=field.number(value), format="%.7g", suffix=suffix)
+        entry.props("dense outlined")
         if field.meaning or field.limits:
             entry.tooltip(sentence(field.meaning, field.limits))
         return field, entry

@@ -1,8 +1,8 @@
 """The buttons in the page's header: undo and redo, comparison, tuning, and what is written to the disk."""
 
-import asyncio
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 from nicegui import ui
 
@@ -12,11 +12,13 @@ from layflat.design.rules import refuse_errors
 from layflat.errors import DesignError, MissingExtraError
 from layflat.files import write_text
 from layflat.pages.look import theme
+from layflat.pages.studio.beside import LIMIT, write_design
 from layflat.pages.studio.dialogs import Write, save_as
-from layflat.pages.studio.report import report
-from layflat.pages.studio.saving import save
+from layflat.pages.studio.report import Content, report
 from layflat.pages.studio.session import Session
 from layflat.pages.studio.tune_view import TuneView
+
+Result = TypeVar("Result")
 
 
 class Commands:
@@ -74,7 +76,7 @@ class Commands:
             explained += f" Under its own name, {own.stem}, the file is written anew, without its comments."
 
         async def write(path: Path) -> str:
-            save(design, path)
+            design.become(await self._beside(write_design, design, path, what="the saving"))
             return f"wrote {path.relative_to(self._folder.resolve())}"
 
         await self._ask("Save as a description", explained, f"{design.machine.name}-edited", ".toml", write)
@@ -83,7 +85,7 @@ class Commands:
         session = self._session
 
         async def write(path: Path) -> str:
-            text = await asyncio.to_thread(report, session)
+            text = await self._beside(report, Content.of(session), what="the report")
             return f"wrote {write_text(path, text).relative_to(self._folder.resolve())}"
 
         explained = "Writes changes, figures and pictures of the joint that is shown, as one page."
@@ -102,7 +104,7 @@ class Commands:
         async def write(path: Path) -> str:
             if made is None:
                 raise DesignError("can't be drawn", where=session.step.joint, right="the design rules say why")
-            written = await asyncio.to_thread(write_drawings, made, path)
+            written = await self._beside(write_drawings, made, path, what="the drawing")
             return f"wrote {len(written)} drawings to {path.relative_to(self._folder.resolve())}"
 
         explained = "Writes the cam as DXF, SVG and CSV, and the layout as SVG, to a folder of this name."
@@ -121,6 +123,9 @@ class Commands:
             self._asking = False
         if said:
             theme.say(said)
+
+    async def _beside(self, work: Callable[..., Result], *arguments: Any, what: str) -> Result:
+        return await self._session.worker.beside.call(work, *arguments, limit=LIMIT, what=what)
 
     def _refused(self) -> str:
         """What `layflat check` would refuse the design for."""

@@ -41,6 +41,7 @@ class Design:
         self._past: deque[Changes] = deque(maxlen=MOST_UNDONE)
         self._future: list[Changes] = []
         self._held = ""  # path of an edit that goes on
+        self._fields: list[Field] | None = None  # of the machine as it is now, once they were asked for
         self._set({}, opened.machine, opened.plain)
 
     @property
@@ -61,7 +62,9 @@ class Design:
     @property
     def fields(self) -> list[Field]:
         """Every value of it, in order."""
-        return fields_of(self._machine, self._plain)
+        if self._fields is None:
+            self._fields = fields_of(self._machine, self._plain)
+        return self._fields
 
     def value(self, path: str) -> Any:
         """Return what stands at a path, SI."""
@@ -153,6 +156,10 @@ class Design:
         self._set(kept, *_built(opened, kept))
         return dropped
 
+    def become(self, other: "Design") -> None:
+        """Take over the state of another design: the same one, after work in another process."""
+        self.__dict__.update(other.__dict__)
+
     def _do(self, changes: Changes, *, held: str = "") -> None:
         machine, plain = _built(self.opened, changes)
         left = {path: one for path, one in changes.items() if _differs(machine, self.opened.machine, path)}
@@ -170,6 +177,7 @@ class Design:
 
     def _set(self, changes: Changes, machine: Machine, plain: Plain) -> None:
         self._changes, self._machine, self._plain = changes, machine, plain
+        self._fields = None
 
 
 def sources_of(opened: Opened, changes: Changes) -> Sources:

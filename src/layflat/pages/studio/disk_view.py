@@ -6,6 +6,7 @@ from nicegui import ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
+from layflat.pages.studio.beside import LIMIT, reread
 from layflat.pages.studio.session import Session
 
 EVERY = 1.0  # between two looks at the files, s
@@ -37,12 +38,16 @@ class DiskView:
             names = " and ".join(path.name for path in changed)
             self._text.set_text(f"{names} has changed on the disk since it was opened.")
 
-    def _reload(self) -> None:
+    async def _reload(self) -> None:
+        session = self._session
         try:
-            dropped = self._session.design.reload()
+            design, dropped = await session.worker.beside.call(
+                reread, session.design, limit=LIMIT, what="the reading of the file"
+            )
         except LayflatError as error:
             self._text.set_text(str(error))
             return
+        session.design.become(design)
         self._box.set_visibility(False)
         if dropped:
             text = f"These changes do not go with the file any more and were dropped: {', '.join(dropped)}"

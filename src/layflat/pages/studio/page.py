@@ -11,6 +11,7 @@ from nicegui import background_tasks, events, ui
 
 from layflat.errors import LayflatError
 from layflat.pages.look import theme
+from layflat.pages.studio.beside import LIMIT
 from layflat.pages.studio.commands import Commands
 from layflat.pages.studio.design import Design
 from layflat.pages.studio.disk_view import DiskView
@@ -53,8 +54,12 @@ async def studio_page(machine: str, folder: Path | None = None) -> None:
     """
     client = ui.context.client
     await client.connected()
+    if client.is_deleted:
+        return
+    worker = shared_worker()
     try:
-        session = await _tabs().session(client, lambda: Session(Design(open_description(machine)), shared_worker()))
+        opened = await worker.beside.call(open_description, machine, limit=LIMIT, what="the reading of the file")
+        session = await _tabs().session(client, lambda: Session(Design(opened), worker))
     except LayflatError as error:
         with theme.frame(TITLE, machine):
             theme.note(str(error), "danger")

@@ -1,13 +1,18 @@
 """A report of a design as one page that needs nothing else: what was changed, its figures, and its pictures."""
 
+from dataclasses import dataclass
+from typing import Self
+
 import numpy as np
 from matplotlib.figure import Figure
 
 import layflat
 from layflat.description.quantity import Quantity as Kind
-from layflat.pages.studio.cloud import LEVELS, Cloud
+from layflat.design.rules import Finding
+from layflat.pages.studio.cloud import LEVELS, Cloud, Step, Tolerances
+from layflat.pages.studio.design import Design
 from layflat.pages.studio.results import Figures, differences, drawing
-from layflat.pages.studio.session import Session
+from layflat.pages.studio.session import Kept, Session, Shown
 from layflat.plot.page import Drawn, page
 from layflat.plot.style import LINES, QUIET, SHADE, figure, to_svg
 
@@ -15,7 +20,26 @@ BANDS = ((0, 4, 0.15), (1, 3, 0.3))
 """Levels between which a band lies, and how dark it is."""
 
 
-def report(session: Session) -> str:
+@dataclass(frozen=True)
+class Content:
+    """What a report is about; it travels to the process that writes it."""
+
+    design: Design
+    step: Step
+    tolerances: Tolerances
+    shown: Shown
+    kept: Kept | None
+    findings: list[Finding]
+
+    @classmethod
+    def of(cls, session: Session) -> Self:
+        """Return what a session shows now."""
+        return cls(
+            session.design, session.step, session.tolerances, session.shown, session.kept, session.findings
+        )  # fmt: skip
+
+
+def report(session: Content) -> str:
     """Return the report of what is shown, as HTML; what A is compared with stands beside it."""
     design, shown, kept = session.design, session.shown, session.kept
     figures = shown.figures
@@ -35,7 +59,7 @@ def report(session: Session) -> str:
     )  # fmt: skip
 
 
-def changes(session: Session) -> list[tuple[str, str, str]]:
+def changes(session: Content) -> list[tuple[str, str, str]]:
     """Return path, value as opened and value now of all that was changed."""
     design = session.design
     fields = {field.path: field for field in design.fields}

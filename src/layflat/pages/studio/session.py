@@ -4,17 +4,18 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 from layflat.design.rules import ORDER, Finding
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
+from layflat.pages.studio.beside import LIMIT, find_figures, find_stale
 from layflat.pages.studio.cloud import Cloud, Step, Tolerances, usual_step
 from layflat.pages.studio.design import Changes, Design
-from layflat.pages.studio.results import Designer, Figures
-from layflat.pages.studio.saving import stale
+from layflat.pages.studio.results import Figures
 from layflat.pages.studio.worker import Worker
 
+Result = TypeVar("Result")
 What = Literal["design", "figures", "cloud", "kept"]
 """What has changed: what is asked for; the statics; the cloud; the design that is kept as A."""
 
@@ -53,9 +54,8 @@ class Session:
         self.stale: list[Finding] = []
         self.number = 1  # of the newest request
         self.waiting_since: float | None = None  # for a cloud, by the monotonic clock
-        self._worker, self._tab = worker, worker.tab()
+        self.worker, self._tab = worker, worker.tab()
         self._requests = 0
-        self._designers = Designer(), Designer()
         self._listeners: list[Callable[[What], object]] = []
         self._wanted = asyncio.Event(), asyncio.Event()
 
@@ -100,7 +100,7 @@ class Session:
         """Ask for new results: the design has changed, or what is looked at."""
         self.number += 1
         if isinstance(self.shown.cloud, Cloud) and self.shown.cloud.seconds > QUICK:
-            self._worker.overtake(self._tab, self._requests + 1)
+            self.worker.overtake(self._tab, self._requests + 1)
         for wanted in self._wanted:
             wanted.set()
         self._tell("design")
@@ -135,18 +135,21 @@ class Session:
 
     async def _bring_figures(self, number: int) -> None:
         design, joint = self.design, self.step.joint
-        figures = await asyncio.to_thread(self._designers[0].figures, design.machine, joint)
+        figures = await self._beside(find_figures, self._tab, False, design.machine, joint)
         self.shown.figures, self.shown.figures_number = figures, number
         self._tell("figures")
         kept = self.kept
         if kept is not None and (kept.shown.figures is None or kept.shown.figures.joint != joint):
-            kept.shown.figures = await asyncio.to_thread(self._designers[1].figures, kept.machine, joint)
+            kept.shown.figures = await self._beside(find_figures, self._tab, True, kept.machine, joint)
             self._tell("kept")
         if number == self.number:
-            found = await asyncio.to_thread(_stale, design)
+            found = await self._beside(find_stale, design)
             if number == self.number and found != self.stale:
                 self.stale = found
                 self._tell("figures")
+
+    async def _beside(self, work: Callable[..., Result], *arguments: Any) -> Result:
+        return await self.worker.beside.call(work, *arguments, limit=LIMIT, what="the design of a joint")
 
     async def _bring_cloud(self, number: int) -> None:
         self.waiting_since = time.monotonic()
@@ -162,15 +165,8 @@ class Session:
 
     async def _cloud(self, machine: Machine) -> Cloud | LayflatError | None:
         self._requests += 1
-        return await self._worker.cloud(self._tab, self._requests, machine, self.step, self.tolerances)
+        return await self.worker.cloud(self._tab, self._requests, machine, self.step, self.tolerances)
 
     def _tell(self, what: What) -> None:
         for listener in self._listeners:
             listener(what)
-
-
-def _stale(design: Design) -> list[Finding]:
-    try:
-        return stale(design)
-    except LayflatError:  # what it extends is missing or broken by now, which is said elsewhere
-        return []

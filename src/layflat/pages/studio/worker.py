@@ -12,6 +12,7 @@ from typing import Any
 
 from layflat.errors import LayflatError
 from layflat.machine.model import Machine
+from layflat.pages.server.worker import Worker as Beside
 from layflat.pages.studio.cloud import Cloud, OvertakenError, Step, Tolerances, cloud
 
 TABS = 256  # that are told apart; more share a number, and may overtake each other
@@ -24,6 +25,7 @@ class Worker:
     """Simulates in another process, which is begun with the first request and again if it ends."""
 
     def __init__(self) -> None:
+        self.beside = Beside("layflat-studio")  # for what takes less than a cloud, and must not wait for one
         self._context = get_context("spawn")
         self._newest: SynchronizedArray[int] = self._context.Array("Q", TABS)
         self._pool: ProcessPoolExecutor | None = None
@@ -66,6 +68,7 @@ class Worker:
     def end(self) -> None:
         """End the process for good."""
         self._ended = True
+        self.beside.end()
         self.close()
 
     def close(self) -> None:

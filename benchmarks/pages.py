@@ -1,0 +1,134 @@
+"""How long each handler of panel and studio holds up the event loop that serves its page, with hard inputs.
+
+    python -m benchmarks.pages [panel] [studio]
+
+A visitor that speaks the protocol of a browser presses every button while a virtual arm moves. Printed is the longest
+work of the loop's thread in one turn, which others on the computer hardly change. Needs the extras `panel` and `test`.
+"""
+
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from tests.pages.browsers import PATIENT, served
+from tests.pages.turning import KEPT, Turns
+from tests.pages.visitor import Visitor
+
+FILES = 10_000  # in the folder of logs and sequences
+STEPS = 500  # of a sequence
+SETTLES = 1.5  # after what was pressed, s
+Row = tuple[str, Callable[[], object], float]
+"""A row of the table: what is done, how, and how long its effects last, s."""
+
+
+def fill(folder: Path) -> None:
+    """Put many files into a panel's folder."""
+    folder.mkdir(parents=True)
+    for number in range(FILES):
+        (folder / f"other-{number}.mcap").touch()
+        (folder / f"other-{number}.sequence.toml").touch()
+
+
+def panel_rows(visitor: Visitor, link: str) -> Iterator[Row]:
+    """All handlers of the panel."""
+    press, enter = visitor.press, visitor.enter
+
+    def several(*works: Callable[[], object]) -> Callable[[], object]:
+        return lambda: [work() for work in works]
+
+    def look_on() -> None:
+        with Visitor(link):
+            time.sleep(3.0)
+
+    yield "timers, lease and charts at rest", lambda: None, 5.0
+    yield "Start", lambda: press("Start"), 4.0
+    yield "jog of a joint", lambda: setattr(visitor, "jogs", ["0:1"]), 2.0
+    yield "release of the jog", lambda: visitor.jogs.clear(), 1.0
+    yield "another page opened and closed", look_on, 5.0
+    yield f"Add present angles, {STEPS} steps", lambda: [press("Add present angles") for _ in range(STEPS)], 15.0
+    yield "Save a sequence", several(lambda: enter("name", "long"), lambda: press("Save")), 3.0
+    yield "Load a sequence", several(lambda: enter("saved", {"value": 0, "label": ""}), lambda: press("Load")), 3.0
+    yield "Run again and again", lambda: press("Run again and again"), 3.0
+    for axis, value in zip("xyz", (0, 0, 1200), strict=True):
+        enter(f"tip {axis} (mm)", value)
+    yield "Find angles, out of reach, 200 times", lambda: [press(FIND) for _ in range(200)], 6.0
+    yield "an angle typed", lambda: enter(f"{next(iter(JOINTS))} (deg)", 12.5), 1.0
+    yield "Go to target", lambda: press("Go to target"), 2.0
+    slider = next(
+        found for found in visitor.each() if found[1].get("props", {}).get("aria-labelledby") == "reach-height"
+    )
+    yield "height of the green surface", lambda: visitor.emit(slider, "change", 100), 5.0
+    yield "another control law chosen, and back", lambda: press("Back to what is in use"), 2.0
+    yield "Fail and Heal", several(lambda: press("Fail"), lambda: press("Heal")), 3.0
+    yield f"Look again, {FILES} logs", lambda: press("Look again"), 3.0
+    yield "Plot a log", lambda: press(next(name for name in names(visitor) if name.startswith("Draw "))), 10.0
+    yield "Clear", lambda: press("Clear"), 4.0
+    yield "Stop", lambda: press("Stop"), 1.0
+    yield "Vent", lambda: press("Vent"), 4.0
+    yield "Check without air", lambda: press("Check without air"), 15.0
+
+
+JOINTS = ("base",)
+FIND = "Find angles that bring the tip there"
+
+
+def names(visitor: Visitor) -> list[str]:
+    """Names of all elements for readers of screens."""
+    return [str(one.get("props", {}).get("aria-label")) for _, one in visitor.each()]
+
+
+def studio_rows(visitor: Visitor, link: str) -> Iterator[Row]:
+    """The heavy handlers of the studio."""
+    press, enter = visitor.press, visitor.enter
+    yield "timers at rest", lambda: None, 3.0
+    yield "search that finds all values", lambda: enter("Search values of the description", "joint"), 4.0
+    yield "search ended", lambda: enter("Search values of the description", ""), 2.0
+    yield "Keep as A", lambda: press("Keep as A, to compare with"), 6.0
+    yield "Tune opened", lambda: press("Tune the gains"), 1.0
+    yield "Report asked for", lambda: press("Report as a page"), 2.0
+    yield "Report written", lambda: press("Save"), 10.0
+    yield "another page opened", lambda: Visitor(link).__enter__(), 8.0
+
+
+def measure(rows: Iterator[Row], turns: Turns) -> None:
+    """Do what rows say, and print the longest turn of each."""
+    for name, work, lasts in rows:
+        turns.begin()
+        try:
+            work()
+        except AssertionError as error:
+            print(f"| {name} | not measured: {str(error)[:60]} | |", flush=True)
+            continue
+        time.sleep(SETTLES + lasts)
+        turn = turns.longest()
+        print(f"| {name} | {1e3 * turn.work:.0f} ms | {turn.handler.removeprefix('layflat.pages.')} |", flush=True)
+
+
+def main() -> None:
+    """Measure the pages that are named, or both."""
+    names = sys.argv[1:] or ["panel", "studio"]
+    for name in names:
+        print(f"| {name} | longest work in one turn | of |\n|---|---|---|")
+        with tempfile.TemporaryDirectory() as place:
+            folder = Path(place)
+            fill(folder / "build" / "panel")
+            with served(folder, name, "picking-arm", before=KEPT + PATIENT) as found:
+                turns = Turns(folder)
+                with Visitor(found.link) as visitor:
+                    measure(rows_of(name, visitor, found.link), turns)
+
+
+def rows_of(name: str, visitor: Visitor, link: str) -> Iterator[Row]:
+    """Return the rows of a page once it is built."""
+    if name == "studio":
+        visitor.until(lambda: bool(visitor.text_of("st-value")) and visitor.text_of("st-value") != "...", 200.0)
+        return studio_rows(visitor, link)
+    visitor.until(lambda: any(visitor.named("Fail")) and visitor.text_of("lf-state") == "Off", 300.0)
+    visitor.until(lambda: any(visitor.named("Look again")), 60.0)
+    return panel_rows(visitor, link)
+
+
+if __name__ == "__main__":
+    main()

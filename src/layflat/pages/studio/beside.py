@@ -1,0 +1,51 @@
+"""Work of the studio that takes longer than its event loop may be held up, called in a process beside it."""
+
+from collections import OrderedDict
+from pathlib import Path
+
+from layflat.design.rules import Finding
+from layflat.errors import LayflatError
+from layflat.machine.model import Machine
+from layflat.pages.studio.design import Design
+from layflat.pages.studio.results import Designer, Figures
+from layflat.pages.studio.saving import save, stale
+
+LIMIT = 60.0  # time of one call, s
+MAX_DESIGNERS = 16  # designs whose joints are remembered
+_designers: OrderedDict[tuple[int, bool], Designer] = OrderedDict()
+
+
+def find_figures(tab: int, kept: bool, machine: Machine, joint: str) -> Figures:
+    """Return the statics of a joint.
+
+    Args:
+        tab: whose design it is: joints that have not changed since are not designed anew.
+        kept: whether it is the design that the tab has kept as A.
+        machine: as it is designed.
+        joint: that is shown.
+    """
+    designer = _designers.setdefault((tab, kept), Designer())
+    _designers.move_to_end((tab, kept))
+    while len(_designers) > MAX_DESIGNERS:
+        _designers.popitem(last=False)
+    return designer.figures(machine, joint)
+
+
+def find_stale(design: Design) -> list[Finding]:
+    """Return values that were given for other sizes than the design has; none where that can't be found out."""
+    try:
+        return stale(design)
+    except LayflatError:  # what it extends is missing or broken by now, which is said elsewhere
+        return []
+
+
+def write_design(design: Design, path: Path) -> Design:
+    """Write a design as a description, and return it as it knows itself afterwards; errors are those of `save`."""
+    save(design, path)
+    return design
+
+
+def reread(design: Design) -> tuple[Design, list[str]]:
+    """Return a design whose description was read again, and the paths of changes that were dropped; see `reload`."""
+    dropped = design.reload()
+    return design, dropped
