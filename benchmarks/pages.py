@@ -45,7 +45,7 @@ def panel_rows(visitor: Visitor, link: str) -> Iterator[Row]:
     yield "timers, lease and charts at rest", lambda: None, 5.0
     yield "Start", lambda: press("Start"), 4.0
     yield "jog of a joint", lambda: setattr(visitor, "jogs", ["0:1"]), 2.0
-    yield "release of the jog", lambda: visitor.jogs.clear(), 1.0
+    yield "release of the jog", visitor.jogs.clear, 1.0
     yield "another page opened and closed", look_on, 5.0
     yield f"Add present angles, {STEPS} steps", lambda: [press("Add present angles") for _ in range(STEPS)], 15.0
     yield "Save a sequence", several(lambda: enter("name", "long"), lambda: press("Save")), 3.0
