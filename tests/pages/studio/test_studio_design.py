@@ -75,7 +75,7 @@ def test_history_is_bounded(design: Design) -> None:
     ("path", "value", "said"),
     [
         (WIDTH, "banana mm", "'banana mm' is not one number with one unit; give a length such as \"160 mm\""),
-        (WIDTH, "-3 mm", "'-3 mm' is out of range; give more than 0"),
+        (WIDTH, "-3 mm", "'-3 mm' is out of range; give at least 0.001 m"),
         (WIDTH, "3 kg", "'3 kg' is not a length; give a length such as \"160 mm\""),
         ("joint.large.strap.layers", "two", "'two' is not a whole number; give one such as 12"),
         ("joint.large.hose.contact_end", "130 deg", "joint.large.hose: contact_end must be smaller than wrap, for"),
