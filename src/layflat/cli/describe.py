@@ -7,6 +7,8 @@ import typer
 
 from layflat.cli.app import MachineName, app, print_findings, print_table
 
+ABOUT_TIP = "give its demands as an angle: places of the tip do not tell of it"
+
 
 @app.command()
 def machines() -> None:
@@ -61,10 +63,15 @@ def check(machine: MachineName) -> None:
     from layflat.design.summary import design_joint  # noqa: PLC0415
     from layflat.machine import load  # noqa: PLC0415
     from layflat.machine.stale import counted_twice, stale_values  # noqa: PLC0415
+    from layflat.motion.levers import joints_beside_tip  # noqa: PLC0415
 
     described = load(machine)
     stale = [Finding("warning", "stale", one.path, one.what, one.right) for one in stale_values(described)]
     stale += [Finding("note", "volume", one.path, one.what, one.right) for one in counted_twice(described)]
+    stale += [
+        Finding("note", "tip", f"joint.{name}", "turns about the tip, which does not move with it", ABOUT_TIP)
+        for name in joints_beside_tip(described)
+    ]
     findings = [f for name in described.joints for f in design_joint(described, name, through=stencils).findings]
     print_findings([*stale, *findings])
     count = len(described.joints)

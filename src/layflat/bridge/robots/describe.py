@@ -23,6 +23,8 @@ from layflat.physics.arms.bodies import about, turn_of
 STANDARD = (0.0, 0.0, -9.80665)  # gravity where a file tells none: z is up, m/s2
 DIGITS = 15
 CYCLE = "5 ms"
+AXES = 3  # of the tip: it does not tell of more joints where they are
+ANGLE_TOLERANCE = "0.2 deg"  # of such arms
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,9 @@ def described(
     plain["controller"] = {"kind": "tracking", "cycle": CYCLE}
     note = Provenance("derived", "docs/control.md")
     sources |= {"controller.kind": note, "controller.cycle": Provenance("derived", "as the paper's arm")}
+    if len(chain.stages) > AXES:
+        plain["controller"]["angle_tolerance"] = ANGLE_TOLERANCE
+        sources["controller.angle_tolerance"] = Provenance("derived", "its tip does not tell where all joints are")
     meshes: dict[str, Path | bytes] = {}
     plain["arm"] = _arm(chain, turning, _Meshes(f"{name}-meshes", meshes))
     sources |= {f"arm.{path}": Provenance("given", file) for path in _paths(plain["arm"])}

@@ -15,6 +15,7 @@ arm: it gives way to what pushes it, and comes back. It takes no notice of where
 
 from typing import NamedTuple
 
+from layflat.control.tracking.arrival import Tolerance
 from layflat.control.tracking.model import gas_torque, opposing_torque
 from layflat.control.tracking.stiffness import is_near, supply_share
 from layflat.jit import composition, law
@@ -27,7 +28,7 @@ SLOW_FADE = (
     0.5  # such a time where the arm is left to its stiffness: the slower, the nearer its centre the spool ends, s
 )
 SURE = 0.75  # share of its friction that a joint may be loaded with to rest without dither
-# Once it does so: the same, and how many times the tolerance its tip may be off.
+# Once it does so: the same, and how many times the tolerance it may be off.
 STILL_SURE, STILL_INSIDE = 0.95, 1.25
 # Time at rest after which an arm that is to be compliant has its brakes released, is no longer led to its goal, has its
 # valves shut, and has stayed where it is, so that it is left to its stiffness, s. It is led for long, since air that
@@ -36,7 +37,7 @@ RELEASED, LET_GO, SHUT, COMPLIANT = 0.05, 2.6, 2.7, 4.0
 BACK, AGAIN = 10.0, 0.3  # how much faster that time runs back where it is not calm, and for how long it is led then, s
 CALM = 0.1  # velocity at which it is taken for calm in between, rad/s
 PUMPED = 0.6  # opening to and fro, cycle by cycle, that takes air into or out of both hoses
-ANYWHERE = 1e3  # tolerance of a compliant arm, m
+ANYWHERE = 1e3  # tolerance of a compliant arm, m and rad
 
 
 class Auxiliary(NamedTuple):
@@ -126,9 +127,14 @@ def asked_of(plant, auxiliary, states, demand, rests, stays, T):
 
 @law
 def tolerance_of(margins, auxiliary, asked):
-    """Return the distance from its goal at which the tip may stay, m: more where noise has hours to seem a motion."""
-    tolerance = margins.tolerance * select(auxiliary.rested > QUIET, STILL_INSIDE, 1.0)
-    return select(asked.compliant > 0.5, ANYWHERE, tolerance)
+    """Return the `Tolerance` within which the arm may stay: more where noise has hours to seem a motion."""
+    widened, compliant = select(auxiliary.rested > QUIET, STILL_INSIDE, 1.0), asked.compliant > 0.5
+    usual = margins.tolerance
+    return Tolerance(
+        select(compliant, ANYWHERE, usual.tip * widened),
+        select(compliant, ANYWHERE, usual.angle * widened),
+        select(compliant, ANYWHERE, usual.blind * widened),
+    )
 
 
 @law

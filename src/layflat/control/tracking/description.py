@@ -9,17 +9,19 @@
 | T | control cycle | s |
 """
 
-from math import ceil, pi
+from math import pi, radians
 from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import Field
 
 from layflat.control.kind import ControllerPart
+from layflat.control.tracking.arrival import Tolerance
 from layflat.control.tracking.estimation import Prior, Shapes
 from layflat.control.tracking.law import Settings
 from layflat.control.tracking.limits import ActuatorLimits, Margins, Parts
-from layflat.control.tracking.model import STEP, ObserverTuning, Plant
+from layflat.control.tracking.model import ObserverTuning, Plant
+from layflat.control.tracking.model_step import step_count
 from layflat.control.tracking.torques import Feedback
 from layflat.description import units as u
 from layflat.errors import MachineError
@@ -57,6 +59,12 @@ class TrackingControllerPart(ControllerPart):
     reserve: u.Share = Field(default=0.25, description="share of its torques that the arm plans without")
     quickest: u.Time = Field(default=0.08, description="no move is meant to take less")
     tolerance: u.Length = Field(default=0.0015, description="distance of the tip from its goal that is left as it is")
+    angle_tolerance: u.PositiveAngle = Field(
+        default=radians(1.0), description="angle of a joint from its goal that is left as it is"
+    )
+    blind_angle_tolerance: u.PositiveAngle = Field(
+        default=radians(0.2), description="the same where so much does not take the tip out of its tolerance"
+    )
     payload_spread: u.Mass = Field(
         default=0.0, description="by how much the payload may differ from the described (standard deviation); 0: known"
     )
@@ -80,7 +88,7 @@ def settings(described: TrackingControllerPart, machine: Any) -> Settings:
     share = share * has["pressures"]
     observer = tuple(ObserverTuning(described.torque_errors * a.torque, error, share, notch) for a in actuators)
     kept, late = 1.0 - described.reserve, 1.0 - LATE * described.reserve
-    margins = Margins(kept, late, JERK, described.quickest, described.tolerance)
+    margins = Margins(kept, late, JERK, described.quickest, _tolerance(described))
     w = w * has["feedback"]
     feedback = tuple(
         Feedback(w * w, 2.0 * w, described.valve_share, EASING * a.rate, LIGHTEST * has["feedback"] * a.rate / a.speed)
@@ -91,6 +99,11 @@ def settings(described: TrackingControllerPart, machine: Any) -> Settings:
     shapes = Shapes((0.0,) * (n * n), (0.0,) * (m * m), (0.0,) * (n * m))
     prior = _unknowns(described, joints, actuators, plant.around.payload, has["learning"])
     return Settings(plant, actuators, observer, feedback, margins, parts, prior, shapes)
+
+
+def _tolerance(described: TrackingControllerPart) -> Tolerance:
+    angle = described.angle_tolerance
+    return Tolerance(described.tolerance, angle, np.minimum(described.blind_angle_tolerance, angle))
 
 
 def _plant(machine: Any) -> Plant:
@@ -104,7 +117,7 @@ def _plant(machine: Any) -> Plant:
         )
     mean = kind.mean.averaged
     whole = int(np.max([np.floor(np.max(joint.valve.delay) / machine.cycle + 1e-9) for joint in joints]))
-    steps = (0.0,) * ceil(machine.cycle / STEP - 1e-9)
+    steps = (0.0,) * step_count(arm, joints, around, machine.cycle)
     return Plant(arm, tuple(joint._replace(valve=mean(joint.valve)) for joint in joints), around, steps, (0.0,) * whole)
 
 

@@ -23,6 +23,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 from layflat.control.contract import Command
+from layflat.control.tracking.arrival import has_arrived
 from layflat.control.tracking.auxiliary import Auxiliary, asked_of, begun, rested_for, tolerance_of
 from layflat.control.tracking.doubt import Doubt, doubted
 from layflat.control.tracking.estimation import (
@@ -46,8 +47,8 @@ from layflat.control.tracking.model import (
     placed,
     pressure_correction,
 )
-from layflat.control.tracking.planning import PathState, goal_of, governed, is_resting, plan_of, stays, tip_distance
-from layflat.control.tracking.reference import Reference, angle_of
+from layflat.control.tracking.planning import PathState, goal_of, governed, is_resting, plan_of, stays
+from layflat.control.tracking.reference import Reference
 from layflat.control.tracking.stiffness import stiffness_of
 from layflat.control.tracking.torques import SLOW, Feedback, computed_torques, reanchored
 from layflat.control.tracking.valves import free_response, states_on_arrival, valve_openings
@@ -224,7 +225,7 @@ def _landing(settings, memory, plan, references, goals, after, tolerance, T):
     slow = (largest(each(_moves, after)) == 0.0) & (plan.landed > 0.5)
     waited = select(slow, memory.waited + T, 0.0)
     angles = each(angle_of_state, after)
-    missed = tip_distance(settings.plant.arm, angles, each(angle_of, goals)) > tolerance
+    missed = select(has_arrived(settings.plant.arm, angles, goals, tolerance), 0.0, 1.0) > 0.5
     again = (waited > WAIT) & (plan.rests > 0.5) & missed & (settings.parts.landing > 0.5)
     path = PathState(each(_again, after, references, again), plan.length, select(again, 0.0, plan.landed))
     return path, select(again, 0.0, waited)

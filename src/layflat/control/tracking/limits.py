@@ -11,6 +11,7 @@
 from math import inf, sqrt
 from typing import NamedTuple
 
+from layflat.control.tracking.arrival import Tolerance
 from layflat.control.tracking.reference import ASIDE, PathLimits, angle_of
 from layflat.jit import composition, law
 from layflat.lanes import each, select
@@ -39,7 +40,7 @@ class Margins(NamedTuple):
     late: float  # the same where a motion is late
     jerk: float  # share of the torque's rate
     quickest: float  # no move is meant to take less, s
-    tolerance: float  # distance of the tip from its goal within which the arm has arrived, m
+    tolerance: Tolerance
 
 
 class Parts(NamedTuple):

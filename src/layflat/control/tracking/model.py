@@ -29,8 +29,6 @@ from layflat.physics.plant import advance, together
 from layflat.physics.stop import stop_damping, stop_torque
 from layflat.physics.valves import start_wave, weaken_wave
 
-STEP = 2.5e-3  # longest of the model, s
-
 
 class Plant(NamedTuple):
     """Parameters of the laws of an arm, its joints with valves on average, and what is around them."""

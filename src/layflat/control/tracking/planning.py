@@ -9,13 +9,13 @@
 from math import sqrt
 from typing import Any, NamedTuple
 
+from layflat.control.tracking.arrival import has_arrived
 from layflat.control.tracking.limits import LEAST_INERTIA, LEAST_SHARE, for_length, own_limits, path_limits
 from layflat.control.tracking.model import loss_torque
 from layflat.control.tracking.reference import (
     PathLimits,
     Reference,
     advanced,
-    angle_of,
     kept_before,
     path_acceleration,
     taken_back,
@@ -24,7 +24,6 @@ from layflat.control.tracking.reference import (
 from layflat.jit import composition, law
 from layflat.lanes import each, select
 from layflat.physics.algebra import diagonal, dot, greatest, largest, least, times
-from layflat.physics.arms import tip_in_space
 
 SHORTEST = 1e-4  # path that is planned, rad
 REST = 1e-3  # velocity of a goal below which it is at rest, rad/s
@@ -72,7 +71,7 @@ class Plan(NamedTuple):
     left: float  # of the path, rad
     landed: float
     rests: float  # 1 where the goal is at rest, else 0
-    resting: float  # 1 where it has landed, the goal is at rest and the tip there, else 0
+    resting: float  # 1 where it has landed, the goal is at rest and the arm there, else 0
     direction: tuple[float, ...]
     limits: PathLimits
 
@@ -119,18 +118,6 @@ def stays(path, goals):
 
 
 @law
-def _distance(a, b):
-    x, y, z = a.x - b.x, a.y - b.y, a.z - b.z
-    return sqrt(x * x + y * y + z * z)
-
-
-@composition
-def tip_distance(arm, q, p):
-    """Return the distance of the tips of an arm at two postures, m."""
-    return _distance(tip_in_space(arm, q), tip_in_space(arm, p))
-
-
-@law
 def _feasible(actuator, friction, joint, state, speed, inertial, steady, load):
     # Share of a torque that a joint can give.
     rubs = friction + abs(loss_torque(joint, state))
@@ -151,7 +138,7 @@ def _onward(reference, goal, a, share, landed, T):
 
 @composition
 def plan_of(settings, path, estimate, heaviest, response, goals, tolerance, T):
-    """Return the `Plan` of the next cycle towards goals (`Reference`); the tip lands within a tolerance (m) of them."""
+    """Return the `Plan` of the next cycle towards goals (`Reference`); the arm lands within a `Tolerance` of them."""
     plant, margins, references = settings.plant, settings.margins, path.references
     apart = each(_apart, references, goals)
     distance = sqrt(dot(apart, apart))
@@ -175,7 +162,7 @@ def plan_of(settings, path, estimate, heaviest, response, goals, tolerance, T):
     )  # fmt: skip
     share = select(settings.parts.governor > 0.5, max(min(least(shares), 1.0), LEAST_SHARE), 1.0)
     rests = is_resting(goals)
-    inside = tip_distance(plant.arm, response.angles, each(angle_of, goals)) < tolerance
+    inside = has_arrived(plant.arm, response.angles, goals, tolerance)
     landed = _lands(path.landed > 0.5, rests, distance, largest(gains))
     landed = landed | (rests & inside & (largest(response.velocities) < CALM))
     onward = each(_onward, references, goals, a, share, landed, T)

@@ -17,8 +17,8 @@ from layflat.control.tracking.model import gas_torque, opposing_torque
 from layflat.control.tracking.planning import PathState
 from layflat.control.tracking.reference import Reference
 from layflat.jit import composition, law
-from layflat.lanes import each, select
-from layflat.physics.algebra import diagonal, greatest, times
+from layflat.lanes import each, gather, select, slots
+from layflat.physics.algebra import diagonal, greatest, inverse, times
 
 CREEP = 0.06  # velocity below which friction is compensated in part, rad/s
 # What counts as velocity there:
@@ -28,6 +28,7 @@ BEHIND = 20.0  # per angle that a joint is behind its reference by more than `SL
 SLACK = 0.001  # rad
 PAST = 200.0  # per angle by which a joint has passed its goal before its reference is there: it broke away, 1/s
 STIFFEST = 3.0  # times as stiff as feedback friction may so make a light joint
+CALMED = 1.0  # share of its velocity that the damping of a light joint may take from it in a cycle
 SLOW = 0.03  # velocity below which a joint is taken for resting, rad/s
 ASTRAY = 0.05  # angle, or velocity as feedback weighs it, within which no joint is too far from its reference, rad
 FREELY = 1e3  # length of a path that is not begun at rest, rad: it is not limited for its length
@@ -79,15 +80,32 @@ def reanchored(settings, path, response, compliant):
 
 
 @law
-def _light(feedback, reference, q, v, inertia):
+def _light(feedback, reference, q, v, inertia, alone, T):
     # What feedback lacks of its least stiffness where a joint is light: it follows its air then, and hardly torques.
+    # Damping of more than the joint has `alone`, where others give way, would turn its velocity round in every cycle.
     lacks = max(feedback.least - feedback.stiffness * inertia, 0.0)
-    return lacks * _feedback(feedback, reference, q, v) / max(feedback.stiffness, 1.0)
+    damping = min(lacks * feedback.damping / max(feedback.stiffness, 1.0), CALMED * alone / T)
+    return damping * (reference.velocity - v) + lacks * (reference.angle - q)
 
 
 @law
 def _torque(
-    joint, feedback, state, free, reference, goal, inertial, inertia, steady, load, friction, k, resting, around, T
+    joint,
+    feedback,
+    state,
+    free,
+    reference,
+    goal,
+    inertial,
+    inertia,
+    alone,
+    steady,
+    load,
+    friction,
+    k,
+    resting,
+    around,
+    T,
 ):
     e = reference.angle - free.motion.angle
     beyond = select(e > 0.0, max(e - SLACK, 0.0), min(e + SLACK, 0.0))
@@ -98,13 +116,27 @@ def _torque(
     sliding = reference.velocity + ONWARD * left + LEAD * goal.acceleration + behind * beyond - PAST * past
     rubs = friction * min(max(sliding / CREEP, -1.0), 1.0)
     opposes = opposing_torque(joint, free, around)
-    light = _light(feedback, reference, free.motion.angle, free.motion.velocity, inertia)
+    light = _light(feedback, reference, free.motion.angle, free.motion.velocity, inertia, alone, T)
     moving = inertial + steady - load + rubs + opposes + light
     now, step = gas_torque(joint, state, around), feedback.easing * T
     # Friction bears what is left of losses, unless the joint is to be compliant.
     borne = steady - load + select(k > 0.0, opposes, 0.0)
     eased = min(max(borne, now - step), now + step)
     return select((resting > 0.5) & (abs(free.motion.velocity) < SLOW), eased, moving)
+
+
+@law
+def _zero(x):
+    return 0.0 * x
+
+
+@composition
+def _alone(mass, like, whole):
+    # Inertia of each joint where the others give way, kg m2.
+    W, found, n = slots(inverse(mass, each(_zero, like), whole)), slots(like), len(like)
+    for j in range(n):
+        found[j] = 1.0 / W[j * n + j]
+    return gather(like, found)
 
 
 @law
@@ -121,7 +153,8 @@ def computed_torques(settings, plan, states, response, goals, estimate, asked, T
         _acceleration, settings.feedback, plan.references, response.angles, response.velocities, parts.feedforward
     )
     inertial, inertia = times(response.mass, wanted), diagonal(response.mass, wanted)
+    alone = _alone(response.mass, wanted, settings.shapes.joints)
     return each(
         _torque, settings.plant.joints, settings.feedback, states, response.states, plan.references, goals, inertial,
-        inertia, response.steady, estimate.loads, frictions, asked.stiffness, resting, settings.plant.around, T,
+        inertia, alone, response.steady, estimate.loads, frictions, asked.stiffness, resting, settings.plant.around, T,
     )  # fmt: skip
